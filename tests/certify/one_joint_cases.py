@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import CyclicSpline, NaturalSpline
-from axiscal.numerics.exact_step import gain_forms, maximise_along
+from axiscal.numerics.line import largest_along
 from tests.certify.one_joint import SLACK, GainPolynomials, Problem, certified_best_gain
+from tests.generators.forms import gain_forms
 
 
 @dataclass(frozen=True)
@@ -41,17 +41,14 @@ def random_problem(rng: np.random.Generator) -> Problem:
 
 
 def best_position(problem: Problem) -> tuple[float, float]:
-    """Return position and gain of the best reading, by the package's exact step."""
+    """Return position and gain of the best reading, by the package's search along a line."""
     spline = CyclicSpline(problem.knots) if problem.cyclic else NaturalSpline(problem.knots)
     weighted = problem.root @ problem.factor
 
-    def forms(t: Array, owner: NDArray[np.intp]) -> tuple[Array, Array]:
-        n, d = gain_forms(spline.rows(t.ravel()), problem.factor, weighted, problem.variance)
-        return n.reshape(t.shape), d.reshape(t.shape)
+    def forms(places: Array) -> tuple[Array, Array]:
+        return gain_forms(spline.rows(places[:, 0]), problem.factor, weighted, problem.variance)
 
-    position, gain = maximise_along(forms, spline.knots[:-1], spline.knots[1:], 7)
-    best = int(gain.argmax())
-    return float(position[best]), float(gain[best])
+    return largest_along(forms, spline.knots, 7)
 
 
 def judged(problem: Problem) -> Verdict:

@@ -26,8 +26,9 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import CyclicSpline, NaturalSpline, quadrature, spacing_limit
-from axiscal.numerics.exact_step import gain_forms, maximise_along
+from axiscal.numerics.line import largest_along
 from axiscal.planning.step.best_step import best_step
+from tests.generators.forms import gain_forms
 from tests.generators.splines import bending, power_maps
 
 KNOTS = np.array([0.0, 0.7, 1.9, 2.4, 4.0, 4.3, 6.0])
@@ -314,13 +315,12 @@ def test_the_best_reading_is_an_interval_end_or_a_root_of_a_tenth_order_polynomi
 
     best = min(candidates, key=after)
 
-    def forms(t: Array, _: NDArray[np.intp]) -> tuple[Array, Array]:
-        above, below = gain_forms(spline.rows(t.ravel()), factor, root @ factor, noise)
-        return above.reshape(t.shape), below.reshape(t.shape)
+    def forms(places: Array) -> tuple[Array, Array]:
+        return gain_forms(spline.rows(places[:, 0]), factor, root @ factor, noise)
 
-    position, gain = maximise_along(forms, KNOTS[:-1], KNOTS[1:], 7)
-    assert position[gain.argmax()] == pytest.approx(best, abs=1e-7)
-    assert np.trace(spline.gram() @ covariance) - gain.max() == pytest.approx(after(best), rel=1e-12)
+    position, gain = largest_along(forms, KNOTS, 7)
+    assert position == pytest.approx(best, abs=1e-7)
+    assert np.trace(spline.gram() @ covariance) - gain == pytest.approx(after(best), rel=1e-12)
 
 
 @pytest.mark.parametrize("direction", [(0.0, 0.0, 1.0), (0.6, 0.0, 0.8), (0.0, 1.0, 0.0)])

@@ -16,7 +16,6 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.step.best_step import best_step
-from axiscal.planning.step.climb import Climb
 from axiscal.planning.step.starts_stacked import Pairs, adds_up
 from tests.certify.machines import random_case, shortfall
 from tests.generators.designs import levered, random_poses, read, splines
@@ -51,20 +50,17 @@ def test_three_stacked_splines_end_where_exact_greedy_ends() -> None:
     assert asked.root.criterion(belief.factor) == pytest.approx(2.8749, abs=5e-4)
 
 
-@pytest.mark.parametrize("setup", [0, 1])
-@pytest.mark.parametrize("axis", [0, 1, 2])
-def test_nowhere_along_an_axis_is_there_a_better_reading(setup: int, axis: int) -> None:
-    generator = np.random.default_rng(10 * setup + axis)
-    asked = read(levered(), generator, 6)
+@pytest.mark.parametrize("seed", range(6))
+def test_nowhere_along_an_axis_is_there_a_better_reading(seed: int) -> None:
+    """At the edge of a cell that was visited the gain jumps by millionths."""
+    asked = read(levered(), np.random.default_rng(seed), 6)
+    step = best_step(Knowledge(asked.observation, asked.belief), asked.root, asked.lattice)
     scorer = Scorer.from_belief(asked.observation, asked.belief, asked.root)
-    poses, approaches = random_poses(asked, generator, 4)
-    _, found, gains = Climb.begun(scorer, setup, poses, approaches)._along(axis)
-    for pose, approach, position, gain in zip(poses, approaches, found, gains, strict=True):
-        line = np.tile(pose, (4002, 1))
-        line[:, axis] = [*np.linspace(*asked.observation.machine.axes[axis].travel, 4001), position]
-        along = scorer.gains_at(setup, line, np.tile(approach, (4002, 1)))
-        assert along.max() <= gain * (1 + 1e-9)
-        assert along[-1] == pytest.approx(gain, rel=1e-9)
+    for axis in asked.observation.machine.axes:
+        line = np.tile(step.pose, (4001, 1))
+        line[:, asked.observation.machine.index(axis.name)] = np.linspace(*axis.travel, 4001)
+        gains = scorer.gains_at(step.setup, line, np.tile(step.approach, (4001, 1)))
+        assert gains.max() <= step.gain * (1 + 1e-5)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 53, 63, 70, 88, 96, 139, 153, 238])

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from axiscal.description.placed_readings import placed_readings
 from axiscal.document.ports import ours
@@ -27,17 +27,16 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.chebyshev import node_count
 from axiscal.numerics.cubic import NaturalSpline, Spline, even_knots
-from axiscal.numerics.exact_step import gain_forms, maximise_along
+from axiscal.numerics.line import largest_along
 from axiscal.present.delivery import write_files
 from axiscal.python.measured_case import Case, DrawnLine, NotebookPicture, Quantity, curves_picture, html_table, si
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.units import format_quantity, to_unit
 
-_DEGREE = 6
-"""N and D of a reading's gain are squares of cubics between two knots (B&H eq. 23)."""
+_NODES = 7
+"""N and D of a reading's gain are squares of cubics between two knots, of degree 6 (B&H eq. 23)."""
 _SHOWN = 201
 """Points of a drawn line: more than a page has pixels for its bends."""
 
@@ -88,15 +87,14 @@ class Curve:
 
     def next(self, noise: Quantity) -> float:
         """Return where a reading lets the mean variance over the travel fall most, exactly (B&H eq. 27), m or rad."""
-        knots, factor = self.spline.knots, self.belief.factor
+        factor = self.belief.factor
         weighted, variance = self._weight @ factor, si(noise, "length") ** 2
 
-        def forms(positions: Array, _: NDArray[np.intp]) -> tuple[Array, Array]:
-            gains = gain_forms(self.spline.rows(positions.ravel()), factor, weighted, variance)
-            return gains[0].reshape(positions.shape), gains[1].reshape(positions.shape)
+        def forms(places: Array) -> tuple[Array, Array]:
+            along = self.spline.rows(places[:, 0]) @ factor
+            return np.sum((along @ weighted.T) ** 2, axis=1), variance + np.sum(along**2, axis=1)
 
-        places, gains = maximise_along(forms, knots[:-1], knots[1:], node_count(_DEGREE))
-        return float(places[np.argmax(gains)])
+        return largest_along(forms, self.spline.knots, _NODES)[0]
 
     def read(self, t: Quantity, value: Quantity, noise: Quantity) -> Self:
         """Return the curve after a reading at t; raises ShapeError for one of an estimate, which has its readings.

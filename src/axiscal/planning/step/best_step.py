@@ -1,9 +1,9 @@
-"""The next measurement, exactly: over all set-ups, all axes that may move, and both directions of approach.
+"""The next measurement: over all set-ups, all axes that may move, and both directions of approach (B&H eq. 37).
 
 Every point of a fine lattice is a start where errors simply add up. Elsewhere the starts are the best candidates of a
 given lattice, after a sweep over a few positions in each interval. Newton steps climb the gain ΔJ = gᵀCWCg / (σ² +
-gᵀCg) from the best starts. Exact steps maximise it along one joint after another, on every interval between knots (B&H
-eq. 27; over all joints B&H eq. 37). They end when no joint improves it.
+gᵀCg) from the best starts, and looks along each joint lead on, until neither improves it. Along one axis alone the best
+place is exact (B&H eq. 27). In a plane whose errors depend on both axes, boxes enclose what any place may gain.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ import numpy as np
 
 from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.measurement.candidates import breaks_along, smoothness_along
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Places, Reading
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import largest_ratio, patches
+from axiscal.numerics.line import largest_along, node_count
 from axiscal.numerics.threads import one_thread
 from axiscal.numerics.ties import TIE, first_best
 from axiscal.planning.gains.gain import Scorer, joint_gains
 from axiscal.planning.step.climb import Climb
-from axiscal.planning.step.ground import Region, regions, sides
+from axiscal.planning.step.ground import Region, ground_of, regions
 from axiscal.planning.step.starts_stacked import adds_up, dense_starts, starts
 
 _APART = 0.12
 _STARTS = 32
 _LOOKED_AT = 400
-_LAST, _NEARLY = 2, 0.999
-"""Readings of a set-up that go on to exact lines, with this share of the best gain: others are on lower hills."""
 
 
 class _Sieve(NamedTuple):
@@ -46,7 +46,7 @@ _FEW_AXES = (_Sieve(240, 0.5, 1), _Sieve(120, 0.7, 2), _Sieve(40, 0.8, 40), _Sie
 _MANY_AXES = (_Sieve(16, 0.92, 3), _Sieve(3, 0.97, 0))
 _THREE_VALUES = (_Sieve(32, 0.92, 3), _Sieve(8, 0.97, 6), _Sieve(1, 1.0, 0))
 _CHARTED = (_Sieve(16, 0.7, 3), _Sieve(6, 0.9, 6), _Sieve(2, 0.97, 0))
-"""How hard to look, so that no narrow ridge is missed: those that pass the last sieve go on to exact lines."""
+"""How hard to look, so that no narrow ridge is missed: those that pass the last sieve are climbed to the top."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -86,16 +86,16 @@ def best_step(knowledge: Knowledge, root: Root, lattice: Places) -> Step:
     scorer = Scorer.from_belief(knowledge.observation, knowledge.belief, root)
     found = best_of(scorer, lattice)
     for setup in np.unique(lattice.setups).tolist():
-        if knowledge.observation.errors.planes and _on_a_plane(scorer.observation, setup):
+        if knowledge.observation.errors.planes and _alone(scorer.observation, setup, 2):
             found = _beyond(scorer, setup, found)
     return found
 
 
-def _on_a_plane(observation: Observation, setup: int) -> bool:
-    """Return whether a set-up reads one number while two axes move, without a raster."""
+def _alone(observation: Observation, setup: int, axes: int) -> bool:
+    """Return whether a set-up reads one number while so many axes move, without a raster, wherever it stands."""
     mounted = observation.setups[setup]
-    plain = mounted.chart is None and mounted.station is None and mounted.base is None
-    continuous = len(mounted.moves) == 2 and not any(mounted.raster[axis] > 0 for axis in mounted.moves)
+    plain = mounted.chart is None and mounted.station is None
+    continuous = len(mounted.moves) == axes and not any(mounted.raster[axis] > 0 for axis in mounted.moves)
     return plain and continuous and len(directions_of(mounted)) == 1
 
 
@@ -105,7 +105,7 @@ def _beyond(scorer: Scorer, setup: int, found: Step) -> Step:
     if certified.lower <= found.gain:
         return found
     climb = Climb.begun(scorer, setup, certified.pose[None], certified.approach[None])
-    climb.finish()
+    climb.uphill()
     return _step(climb)
 
 
@@ -113,31 +113,24 @@ def best_of(scorer: Scorer, lattice: Places) -> Step:
     """Return the reading with the largest gain of a scorer."""
     setups = [int(setup) for setup in np.unique(lattice.setups)]
     climbs = _finalists([_begun(scorer, setup, lattice) for setup in setups])
-    if sum(len(climb.gains) for climb in climbs) > _LAST:
-        climbs = _highest(climbs)
     for climb in climbs:
-        if len(climb.ground.ends) > 1:
-            climb.finish()
+        if _sieves(scorer.observation, climb.setup):
+            climb.uphill()
     steps = [_step(climb) for climb in climbs]
     return steps[first_best(np.array([step.gain for step in steps]), TIE)]
 
 
-def _highest(climbs: list[Climb]) -> list[Climb]:
-    """Return the few that stand highest after climbing by looks, which cost less than exact lines."""
-    for climb in climbs:
-        if len(climb.ground.ends) > 1:
-            climb.uphill()
-    best = max(climb.gains.max() for climb in climbs)
-    highest = [climb.distinct().best(_LAST, _NEARLY, best) for climb in climbs]
-    return [climb for climb in highest if len(climb.gains)]
-
-
 def _sieves(observation: Observation, setup: int) -> tuple[_Sieve, ...]:
-    """Return what starts of a set-up have to pass; tables and dense lattices are for readings of one number."""
+    """Return what starts of a set-up have to pass; tables and dense lattices are for readings of one number.
+
+    Along one axis there is one start, and nothing that it has to pass.
+    """
+    if _alone(observation, setup, 1):
+        return ()
     mounted, alone = observation.setups[setup], len(directions_of(observation.setups[setup])) == 1
     if mounted.chart is not None:
         return _CHARTED
-    if len(mounted.moves) == 1 or (alone and adds_up(observation, setup)):
+    if alone and adds_up(observation, setup):
         return _STACKED
     if not alone:
         return _THREE_VALUES
@@ -145,14 +138,10 @@ def _sieves(observation: Observation, setup: int) -> tuple[_Sieve, ...]:
 
 
 def _begun(scorer: Scorer, setup: int, lattice: Places) -> Climb:
-    """Return where to begin: peaks of a fine lattice, or good candidates; on one axis its exact line needs no start."""
-    mounted, sieves = scorer.observation.setups[setup], _sieves(scorer.observation, setup)
-    if mounted.chart is None and len(mounted.moves) == 1:
-        approaches = np.array(sides(scorer.observation, setup))
-        poses = np.tile(np.array(mounted.park), (len(approaches), 1))
-        climb = Climb.begun(scorer, setup, poses, approaches, np.zeros(len(poses)))
-        climb.finish()
-        return climb
+    """Return where to begin: along one axis at the best place, else at peaks of a fine lattice, or good candidates."""
+    sieves = _sieves(scorer.observation, setup)
+    if not sieves:
+        return _on_the_line(scorer, setup)
     if sieves in (_STACKED, _FEW_AXES):
         found = starts(scorer, setup) if sieves is _STACKED else dense_starts(scorer, setup)
         return Climb.begun(scorer, setup, found.poses, found.approaches, found.gains)
@@ -160,8 +149,22 @@ def _begun(scorer: Scorer, setup: int, lattice: Places) -> Climb:
     return climb.scattered(_STARTS, _APART)
 
 
+def _on_the_line(scorer: Scorer, setup: int) -> Climb:
+    """Return the best reading along the only axis that moves, from each side that differs in what is seen."""
+    observation, (axis,) = scorer.observation, scorer.observation.setups[setup].moves
+    breaks, count = breaks_along(observation, axis, setup), node_count(*smoothness_along(observation, axis, setup))
+    ground, places = ground_of(observation, setup), list[list[float]]()
+    for side in ground.choices:
+
+        def forms(along: Array, side: Array = side) -> tuple[Array, Array]:
+            return scorer.gain_forms(setup, *ground.as_poses(along, np.tile(side, (len(along), 1))))
+
+        places.append([largest_along(forms, breaks, count)[0]])
+    return Climb.begun(scorer, setup, *ground.as_poses(np.array(places), ground.choices))
+
+
 def _finalists(climbs: list[Climb]) -> list[Climb]:
-    """Return the distinct best after Newton's steps, few enough for exact lines."""
+    """Return the distinct best after Newton's steps, few enough to be climbed to the top."""
     sieves = {climb.setup: _sieves(climb.scorer.observation, climb.setup) for climb in climbs}
     for stage in range(len(_FEW_AXES)):  # no set-up has more sieves
         best = max(climb.gains.max() for climb in climbs)
@@ -172,7 +175,7 @@ def _finalists(climbs: list[Climb]) -> list[Climb]:
 
 def _sifted(climb: Climb, sieves: tuple[_Sieve, ...], best: float) -> Climb:
     """Return those that pass a sieve, moved on by its Newton steps; all of them where there is none."""
-    if not sieves or len(climb.ground.ends) == 1:
+    if not sieves:
         return climb
     (sieve,) = sieves
     passed = climb.best(sieve.most, sieve.share, best)

@@ -1,7 +1,6 @@
-"""Climbing to the best reading: along one coordinate exactly, along all of them at once by Newton's step.
+"""Climbing to the best reading: by looks along each coordinate, along all of them at once by Newton's step.
 
-A coordinate is an axis that moves, or one of a chart (`ground`). Along it the gain's forms are followed by Chebyshev
-series, piece by piece, from rows that are made anew at every node.
+A coordinate is an axis that moves, or one of a chart (`ground`).
 """
 
 from __future__ import annotations
@@ -13,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.numerics import Array
-from axiscal.numerics.exact_step import maximise_along
-from axiscal.numerics.ties import TIE, first_best, first_best_each, ranked, surely_more
+from axiscal.numerics.ties import TIE, first_best_each, ranked, surely_more
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.step.ground import Ground, ground_of
 
@@ -86,16 +84,6 @@ class Climb:
         poses, sides = self._shares[order], self.sides[order][:, self.ground.sided]
         near = np.all(np.abs(poses[:, None] - poses) <= _APART, axis=2) & np.all(sides[:, None] == sides, axis=2)
         return self.keep(order[~np.any(np.tril(near, -1), axis=1)])
-
-    def finish(self, rounds: int = _ROUNDS) -> None:
-        """Climb until no coordinate improves any of them, alone and exactly (B&H eq. 27); or after so many rounds."""
-        for _ in range(rounds):
-            before = self.gains.copy()
-            self._exactly()
-            self._turn()
-            if len(self.ground.ends) == 1 or np.all(self.gains <= before * (1 + _IMPROVED)):
-                return
-            self.uphill()
 
     def newton(self, steps: int) -> None:
         """Move all continuous coordinates at once, by damped Newton steps with differences for derivatives."""
@@ -176,40 +164,6 @@ class Climb:
         gains = self._gains_at([number], np.broadcast_to(values[:, None], (len(every), len(values), 1)), every)
         best = first_best_each(gains, TIE)
         return number, values[best], gains[every, best]
-
-    def _exactly(self) -> None:
-        """Move every continuous coordinate once to the best on its line; one that has steps where it is alone."""
-        if len(self.ground.ends) == 1 and not self.ground.continuous:
-            self._move([self._looked(0)])
-        for number in self.ground.continuous:
-            self._move([self._along(number)])
-
-    def _along(self, number: int) -> tuple[int, Array, Array]:
-        """Return a coordinate, its best value for each reading while the others stay, and the gain there.
-
-        Where nothing better can be found for a reading it may come out a little low.
-        """
-        pairs = zip(self.places, self.sides, strict=True)
-        cut = [self.ground.pieces(number, place, sides) for place, sides in pairs]
-        owner = np.repeat(np.arange(len(cut)), [len(each) for each in cut])
-        left, right = np.concatenate(cut).T
-        best, there = np.full(len(cut), -np.inf), self.places[:, number].copy()
-        if not len(owner):
-            return number, there, best
-
-        def forms(values: Array, piece: NDArray[np.intp]) -> tuple[Array, Array]:
-            whose = np.repeat(owner[piece], values.shape[1])
-            places = self.places[whose]
-            places[:, number] = values.ravel()
-            above, below = self.scorer.gain_forms(self.setup, *self.ground.as_poses(places, self.sides[whose]))
-            return above.reshape(values.shape), below.reshape(values.shape)
-
-        found, gains = maximise_along(forms, left, right, self.ground.nodes(number), owner, self.gains)
-        for i in np.unique(owner):
-            mine = np.flatnonzero(owner == i)
-            pick = mine[first_best(gains[mine], TIE)]
-            best[i], there[i] = gains[pick], found[pick]
-        return number, there, best
 
     def _move(self, found: list[tuple[int, Array, Array]]) -> None:
         """Move of each reading the one coordinate that gains most.  found : coordinates, values (n,), gains (n,)"""

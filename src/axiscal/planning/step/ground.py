@@ -31,18 +31,16 @@ from axiscal.measurement.candidates import (
 )
 from axiscal.measurement.charts.room import KNOWN, Chart, crossings, has_room, starts_of_ways
 from axiscal.measurement.instrument import values_of
-from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import misfit, patches
-from axiscal.numerics.chebyshev import node_count
+from axiscal.numerics.line import node_count
 
 _LOOKS = np.array([1, 3, 5]) / 6
-"""Shares of each stretch between breaks that are looked at before a line is made exact."""
+"""Shares of each stretch between breaks that are looked at."""
 _EVEN = 73
 """Places along a coordinate of a chart that are looked at: every five degrees of a turn."""
-_NODES, _NODES_OF_MORE = 17, 21
-"""Nodes of a piece on a chart, where readings have one number or more; what they do not follow is halved."""
 _LOOKED_AT = 721
 """Places along a coordinate at which it is looked whether they can be taken: every half degree of a turn."""
 _PARTS, _ROUNDS = 32, 10
@@ -86,9 +84,6 @@ class Ground(Protocol):
 
     def pieces(self, number: int, place: Array, sides: Array) -> Array:
         """Return the pieces of a coordinate that can be taken and are smooth, (b, 2).  place, sides : (size,)"""
-
-    def nodes(self, number: int) -> int:
-        """Return how many nodes follow the gain's forms along such a piece."""
 
 
 def ground_of(observation: Observation, setup: int) -> Ground:
@@ -151,9 +146,6 @@ class _Axes:
         breaks = breaks_along(self.observation, self._moves[number], self.setup)
         return np.stack([breaks[:-1], breaks[1:]], axis=1)
 
-    def nodes(self, number: int) -> int:
-        return node_count(*smoothness_along(self.observation, self._moves[number], self.setup))
-
 
 @dataclass(frozen=True, eq=False)
 class _OnChart:
@@ -198,10 +190,6 @@ class _OnChart:
 
     def pieces(self, number: int, place: Array, sides: Array) -> Array:
         return pieces(self.observation, self.setup, self.chart, number, place, sides)
-
-    def nodes(self, number: int) -> int:
-        alone = len(directions_of(self.observation.setups[self.setup])) == 1
-        return _NODES if alone else _NODES_OF_MORE
 
 
 def sides(observation: Observation, setup: int) -> list[Array]:
