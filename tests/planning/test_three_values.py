@@ -134,7 +134,7 @@ def test_no_pose_gains_more_than_the_chosen_one(seed: int) -> None:
     for setup in (0, 1):
         poses, approaches = random_poses(asked, rng, 20000)
         assert scorer.gains_at(setup, poses, approaches).max() <= step.gain * (1 + 1e-3)
-    after = state.entered(step.place)[0]
+    after = state.entered(Places.one(step.setup, step.pose, step.approach))[0]
     assert state.value - after.value == pytest.approx(step.gain, rel=1e-6)
 
 

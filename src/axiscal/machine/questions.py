@@ -25,18 +25,14 @@ def questions(machine: Machine) -> tuple[str, ...]:
     return (*_axes(machine), *_errors(machine))
 
 
-def uncounted(machine: Machine) -> str:
-    """Return the axes of which nobody said which way they count: "B and C"; "" where there are none."""
-    return joined(_uncounted(machine))
-
-
-def _uncounted(machine: Machine) -> list[str]:
+def uncounted(machine: Machine) -> list[str]:
+    """Return the axes of which nobody said which way they count."""
     return [axis.name for axis in machine.axes if axis.rotary and axis.counting is None]
 
 
 def which_way(machine: Machine) -> tuple[str, ...]:
     """Return the question which way rotary axes count, where nobody said."""
-    names = _uncounted(machine)
+    names = uncounted(machine)
     if not names:
         return ()
     one, many = "Which way does {names} count?", "Which way do {names} count?"

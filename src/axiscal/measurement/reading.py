@@ -196,14 +196,10 @@ def _coordinate(axis: Axis, shown: float) -> str:
     return put("{axis} = {at:.9g} {unit}", axis=axis.name, at=float(shown), unit=axis.unit)
 
 
-def place_read(axes: Sequence[Axis], setup: Setup, reading: Reading) -> str:
-    """Return where a reading is taken, to the micrometre: 'X = 120 mm'; "" where nothing moves."""
-    return place_text(axes, [round(value, _TO_A_MICROMETRE) for value in reading.pose], setup.moves)
-
-
 def reading_text(axes: Sequence[Axis], setup: Setup, reading: Reading, index: int) -> str:
     """Return which reading is meant: 'reading 7 in "laser" at X = 120 mm'.  index : in the list of readings"""
-    place, number = place_read(axes, setup, reading), reading.numbered(index)
+    place = place_text(axes, [round(value, _TO_A_MICROMETRE) for value in reading.pose], setup.moves)
+    number = reading.numbered(index)
     if not place:
         return said('reading {number} in "{setup}"', number=number, setup=setup.name)
     return said('reading {number} in "{setup}" at {place}', number=number, setup=setup.name, place=place)

@@ -10,7 +10,7 @@ import numpy as np
 from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.language.spoken import said
+from axiscal.language.spoken import joined, said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import uncounted
@@ -285,7 +285,7 @@ def _shown(moved: Array) -> str:
 
 
 def _unsaid(machine: Machine) -> tuple[str, ...]:
-    them = uncounted(machine)
+    them = joined(uncounted(machine))
     if not them:
         return ()
     return (

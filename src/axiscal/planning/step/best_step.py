@@ -64,11 +64,6 @@ class Step:
     variance: float | Array
     row: Array
 
-    @property
-    def place(self) -> Places:
-        """Where it is taken."""
-        return Places.one(self.setup, self.pose, self.approach)
-
     def reading(self, observation: Observation, *values: float) -> Reading:
         """Return the reading that is taken there; how well it makes the machine known does not depend on its values."""
         setup = observation.setups[self.setup]

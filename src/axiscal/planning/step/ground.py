@@ -189,7 +189,21 @@ class _OnChart:
         return end.values if end.step > 0 else np.linspace(end.low, end.high, _EVEN)
 
     def pieces(self, number: int, place: Array, sides: Array) -> Array:
-        return pieces(self.observation, self.setup, self.chart, number, place, sides)
+        """Return the pieces; of a place its own value of the coordinate does not matter."""
+        chart, axes = self.chart, range(len(self.observation.machine.axes))
+        low, high, *_ = chart.coordinates[number]
+        grid = np.linspace(low, high, _LOOKED_AT)
+        taken = _taken(chart, number, place, sides, grid)
+        if not taken.any():
+            return np.zeros((0, 2))
+        knots = tuple(breaks_along(self.observation, k, self.setup) for k in axes)
+        ends = np.concatenate([grid[taken][[0, -1]], _edges(chart, number, place, sides, (grid, taken))])
+        turns = _turns_of_sides(self.observation, chart, number, place, sides)
+        everything = np.unique(np.concatenate([ends, chart.breaks(number, place, knots), turns]))
+        left, right = everything[:-1], everything[1:]
+        inside = _taken(chart, number, place, sides, (left + right) / 2)
+        kept = inside & (right - left > _SHORTEST * (high - low))
+        return np.stack([left[kept], right[kept]], axis=1)
 
 
 def sides(observation: Observation, setup: int) -> list[Array]:
@@ -213,26 +227,6 @@ def places_along(place: Array, number: int, values: Array) -> Array:
     places = np.tile(place, (len(values), 1))
     places[:, number] = values
     return places
-
-
-def pieces(observation: Observation, setup: int, chart: Chart, number: int, place: Array, sides: Array) -> Array:
-    """Return the pieces of one coordinate that can be taken and along which rows are smooth, (b, 2) ends.
-
-    place : (size,) u, its own value of the coordinate does not matter; sides : (size,) from which they are come to
-    """
-    low, high, *_ = chart.coordinates[number]
-    grid = np.linspace(low, high, _LOOKED_AT)
-    taken = _taken(chart, number, place, sides, grid)
-    if not taken.any():
-        return np.zeros((0, 2))
-    knots = tuple(breaks_along(observation, k, setup) for k in range(len(observation.machine.axes)))
-    ends = np.concatenate([grid[taken][[0, -1]], _edges(chart, number, place, sides, (grid, taken))])
-    turns = _turns_of_sides(observation, chart, number, place, sides)
-    everything = np.unique(np.concatenate([ends, chart.breaks(number, place, knots), turns]))
-    left, right = everything[:-1], everything[1:]
-    inside = _taken(chart, number, place, sides, (left + right) / 2)
-    kept = inside & (right - left > _SHORTEST * (high - low))
-    return np.stack([left[kept], right[kept]], axis=1)
 
 
 def _taken(chart: Chart, number: int, place: Array, sides: Array, values: Array) -> NDArray[np.bool_]:

@@ -119,17 +119,15 @@ def _histories(records: Sequence[MachineRecord]) -> list[list[MachineRecord]]:
     """
     machines = list[list[MachineRecord]]()
     for record in sorted(records, key=lambda each: (each.begun, each.digest)):
-        same = (of for of in machines if record.serial and _same_machine(of[-1], record))
+        of_its_number = (each for each in machines if record.serial and each[-1].serial == record.serial)
+        machine = record.description.machine
+        same = (each for each in of_its_number if not other_machine(machine, each[-1].description.machine))
         history = next(same, None)
         if history is None:
             machines.append([record])
         else:
             history.append(record)
     return machines
-
-
-def _same_machine(before: MachineRecord, after: MachineRecord) -> bool:
-    return before.serial == after.serial and not other_machine(after.description.machine, before.description.machine)
 
 
 def _pairs(history: Sequence[MachineRecord], known: dict[str, Estimation], left: list[SisterRecord]) -> Iterable[Pair]:

@@ -187,10 +187,6 @@ class Stack:
         seen = self.observation.rows(0, *self.candidates.in_setup(0))
         return unseen_factor(self.prior.factor, seen.rows / np.sqrt(seen.variances)[:, None])
 
-    def height_variance(self, belief: Belief) -> float:
-        """Return the mean variance of the height over the travel, paper units."""
-        return self.volume.criterion(belief.factor) / UNIT**2
-
     @property
     def variance_left(self) -> float:
         """Limit of J for endless readings, paper units."""
@@ -228,7 +224,7 @@ class GreedyPlan:
     @property
     def height_variances(self) -> list[float]:
         """The mean variance of the height before the first reading and after each."""
-        return [self.stack.height_variance(belief) for belief in self.beliefs]
+        return [self.stack.volume.criterion(belief.factor) / UNIT**2 for belief in self.beliefs]
 
     def read(self, truth: Array, seed: int) -> Array:
         """Return the readings of one simulated machine, (m,) m.
