@@ -2,7 +2,7 @@
 
 On a box a polynomial lies between its smallest and its largest Bernstein coefficient (Garloff 1986), and at the corners
 it is its coefficient there. So N/D is at most the largest ratio of their coefficients. The search halves boxes that may
-exceed the best known value, across the coordinate along which the ratio changes most, until none is left (`largest`).
+exceed the best known value, across the coordinate along which the ratio changes most, until none is left.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from math import comb
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,52 +20,6 @@ from axiscal.numerics.line import nodes
 
 Boxes = tuple[Array, ...]
 """What is known of many boxes: arrays (b, ...), of which each has one row."""
-
-
-class Search(Protocol):
-    """A function over boxes, and what has been seen of it."""
-
-    @property
-    def known(self) -> float:
-        """What is not above this is not followed: the largest value seen, or asked for, and a little."""
-
-    def look(self, boxes: Boxes) -> tuple[Boxes, Array]:
-        """Return the boxes that hold places at all, and what each may hold at most, (b,), after a look at values."""
-
-    def split(self, boxes: Boxes) -> list[Boxes]:
-        """Return the parts of boxes: the first part of each, the second of each, and so on."""
-
-
-class Enclosed(NamedTuple):
-    """Nothing that was set aside, or is still open, is above upper.  looked : at so many boxes"""
-
-    upper: float
-    looked: int
-
-
-def largest(search: Search, boxes: Boxes, upper: Array, most: int, batch: int) -> Enclosed:
-    """Enclose the largest value over boxes.
-
-    upper : (b,) what each may hold at most, ∞ where that is not known; batch : how many to look at at once
-    most : how many to look at; those that are then still open count with their bounds
-    """
-    waiting, looked, closed = _batches((upper, *boxes), batch), 0, 0.0
-    while waiting:
-        waiting.sort(key=lambda each: float(each[0][0]))
-        if looked >= most:
-            return Enclosed(max(closed, float(waiting[-1][0][0])), looked)
-        chosen = [waiting.pop()]
-        while waiting and sum(len(each[0]) for each in [*chosen, waiting[-1]]) <= batch:
-            chosen.append(waiting.pop())
-        closed, (_, *worth) = _worth(search, joined(chosen), closed)
-        looked += len(worth[0])
-        if not len(worth[0]):
-            continue
-        fresh, bounds = search.look(tuple(worth))
-        closed, (bounds, *worth) = _worth(search, (bounds, *fresh), closed)
-        if len(bounds):
-            waiting += _batches(joined([(bounds, *part) for part in search.split(tuple(worth))]), batch)
-    return Enclosed(closed, looked)
 
 
 def some(boxes: Boxes, which: NDArray[np.intp] | NDArray[np.bool_]) -> Boxes:
@@ -89,9 +43,9 @@ def halves(coefficients: Array, axis: int) -> tuple[Array, Array]:
     return np.moveaxis(np.array(first), 0, axis), np.moveaxis(np.array(last[::-1]), 0, axis)
 
 
-def _worth(search: Search, bounded: Boxes, closed: float) -> tuple[float, Boxes]:
-    """Return the largest bound that was set aside, and the boxes that may hold more than is known, bounds first."""
-    worth = bounded[0] > search.known
+def _worth(bounded: Boxes, least: float, closed: float) -> tuple[float, Boxes]:
+    """Return the largest bound that was set aside, and the boxes that may hold more than the least, bounds first."""
+    worth = bounded[0] > least
     return max(closed, float(bounded[0][~worth].max(initial=0.0))), some(bounded, worth)
 
 
@@ -183,46 +137,50 @@ def largest_ratio(found: Patches, known: float = 0.0, gap: float = TAU, boxes: i
         the gap, is followed
     boxes : how many to look at; what is then still open counts with a bound of its own
     """
-    search, each = _RatioSearch(known, gap, found.low[0]), found.above[0].size
-    begun, upper = search.look(found[:4])
+    each, best, place = found.above[0].size, known, found.low[0]
     most, batch = min(boxes, int(_NUMBERS / each)), max(1, int(_NEAR / each))
-    ended = largest(search, begun, upper, most, batch)
-    return Enclosure(search.best, max(search.best, ended.upper) * (1 + _ROUNDING), search.place, ended.looked)
+    bounds, best, place = _looked(found[:4], best, place)
+    waiting, looked, closed = _batches((bounds, *found[:4]), batch), 0, 0.0
+    while waiting and looked < most:
+        waiting.sort(key=lambda each: float(each[0][0]))
+        chosen = [waiting.pop()]
+        while waiting and sum(len(each[0]) for each in [*chosen, waiting[-1]]) <= batch:
+            chosen.append(waiting.pop())
+        closed, (_, *worth) = _worth(joined(chosen), best * (1 + gap), closed)
+        looked += len(worth[0])
+        if not len(worth[0]):
+            continue
+        bounds, best, place = _looked(tuple(worth), best, place)
+        closed, (bounds, *worth) = _worth((bounds, *worth), best * (1 + gap), closed)
+        if len(bounds):
+            waiting += _batches(joined([(bounds, *part) for part in _split(tuple(worth))]), batch)
+    upper = max([best, closed, *(float(each[0][0]) for each in waiting)])
+    return Enclosure(best, upper * (1 + _ROUNDING), place, looked)
 
 
-class _RatioSearch:
-    """Boxes : low, high (b, d), Bernstein coefficients of N and D.  best, place : the best ratio so far and where"""
+def _looked(boxes: Boxes, best: float, place: Array) -> tuple[Array, float, Array]:
+    """Return what boxes may hold at most, (b,), and the best ratio with its place, after a look at all corners.
 
-    def __init__(self, best: float, gap: float, place: Array) -> None:
-        self.best, self.place, self._gap = best, place, gap
+    boxes : low, high (b, d), Bernstein coefficients of N and D
+    N/D is at most the largest ratio of their coefficients, where those of D are known to be above zero.
+    """
+    low, high, above, below = boxes
+    ratios = above / np.where(below > 0, below, 1.0)
+    corners = ratios[:, *(slice(None, None, max(size - 1, 1)) for size in ratios.shape[1:])]
+    box, *ends = np.unravel_index(int(corners.argmax()), corners.shape)
+    if corners[box, *ends] > best:
+        best, place = float(corners[box, *ends]), np.where(np.array(ends) == 1, high[box], low[box])
+    along = tuple(range(1, ratios.ndim))
+    return np.where(np.all(below > 0, axis=along), ratios.max(axis=along), np.inf), best, place
 
-    @property
-    def known(self) -> float:
-        """What is not above this is not followed."""
-        return self.best * (1 + self._gap)
 
-    def look(self, boxes: Boxes) -> tuple[Boxes, Array]:
-        """Return the boxes and what each may hold, after a look at all corners.
-
-        N/D is at most the largest ratio of their coefficients, where those of D are known to be above zero.
-        """
-        low, high, above, below = boxes
-        ratios = above / np.where(below > 0, below, 1.0)
-        corners = ratios[:, *(slice(None, None, max(size - 1, 1)) for size in ratios.shape[1:])]
-        box, *ends = np.unravel_index(int(corners.argmax()), corners.shape)
-        if corners[box, *ends] > self.best:
-            self.best = float(corners[box, *ends])
-            self.place = np.where(np.array(ends) == 1, high[box], low[box])
-        along = tuple(range(1, ratios.ndim))
-        return boxes, np.where(np.all(below > 0, axis=along), ratios.max(axis=along), np.inf)
-
-    def split(self, boxes: Boxes) -> list[Boxes]:
-        """Return both halves of every box, cut across the coordinate along which the ratio changes most."""
-        *_, above, below = boxes
-        ratios = above / np.where(below > 0, below, 1.0)
-        axes = range(1, ratios.ndim)
-        ways = [np.abs(np.diff(ratios, axis=k)).sum(axis=k).reshape(len(ratios), -1).max(axis=1) for k in axes]
-        return _halved(boxes, np.argmax(ways, axis=0))
+def _split(boxes: Boxes) -> list[Boxes]:
+    """Return both halves of every box, cut across the coordinate along which the ratio changes most."""
+    *_, above, below = boxes
+    ratios = above / np.where(below > 0, below, 1.0)
+    axes = range(1, ratios.ndim)
+    ways = [np.abs(np.diff(ratios, axis=k)).sum(axis=k).reshape(len(ratios), -1).max(axis=1) for k in axes]
+    return _halved(boxes, np.argmax(ways, axis=0))
 
 
 def _halved(boxes: Boxes, across: Array) -> list[Boxes]:
