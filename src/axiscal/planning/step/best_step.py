@@ -43,9 +43,7 @@ class _Sieve(NamedTuple):
 
 _STACKED = (_Sieve(100, 0.6, 1), _Sieve(60, 0.9, 2), _Sieve(12, 0.99, 6), _Sieve(2, 0.9999, 0))
 _FEW_AXES = (_Sieve(240, 0.5, 1), _Sieve(120, 0.7, 2), _Sieve(40, 0.8, 40), _Sieve(4, 0.9999, 0))
-_MANY_AXES = (_Sieve(16, 0.92, 3), _Sieve(3, 0.97, 0))
-_THREE_VALUES = (_Sieve(32, 0.92, 3), _Sieve(8, 0.97, 6), _Sieve(1, 1.0, 0))
-_CHARTED = (_Sieve(16, 0.7, 3), _Sieve(6, 0.9, 6), _Sieve(2, 0.97, 0))
+_SCATTERED = (_Sieve(32, 0.7, 3), _Sieve(8, 0.9, 6), _Sieve(2, 0.97, 0))
 """How hard to look, so that no narrow ridge is missed: those that pass the last sieve are climbed to the top."""
 
 
@@ -123,13 +121,11 @@ def _sieves(observation: Observation, setup: int) -> tuple[_Sieve, ...]:
     if _alone(observation, setup, 1):
         return ()
     mounted, alone = observation.setups[setup], len(directions_of(observation.setups[setup])) == 1
-    if mounted.chart is not None:
-        return _CHARTED
-    if alone and adds_up(observation, setup):
+    if mounted.chart is not None or not alone:
+        return _SCATTERED
+    if adds_up(observation, setup):
         return _STACKED
-    if not alone:
-        return _THREE_VALUES
-    return _FEW_AXES if len(mounted.moves) <= 3 else _MANY_AXES
+    return _FEW_AXES if len(mounted.moves) <= 3 else _SCATTERED
 
 
 def _begun(scorer: Scorer, setup: int, lattice: Places) -> Climb:
