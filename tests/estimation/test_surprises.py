@@ -183,6 +183,19 @@ def test_readings_of_nothing_at_all_are_not_taken_for_another_unit() -> None:
     refuse_implausible(_times(_readings(description, 1.0, 0), 0.0), description, "r.csv")
 
 
+def test_a_dial_that_shows_the_same_six_times_is_not_taken_for_another_unit() -> None:
+    """Its zero takes the figure up, in whichever unit."""
+    text = (
+        'machine = "three-axis-mill"\n[target]\nreadings = 6\n[[setups]]\nname = "dial"\ninstrument = "indicator"\n'
+        'direction = "z"\nmoves = ["X"]\n'
+    )
+    mill = load_machine("three-axis-mill")
+    description = campaign_from_texts(text, "campaign.toml", mill.text, "three-axis-mill")
+    park = description.setups[0].park[1:]
+    same = [Reading("dial", (0.1 * (1 + n), *park), (1, 0, 0), 5e-6) for n in range(6)]
+    refuse_implausible(same, description, "r.csv")
+
+
 @pytest.mark.parametrize("make", [tracers, at_once])
 def test_stations_that_are_decimetres_off_are_no_other_unit(make: Callable[[str, str], Case]) -> None:
     description = make("300 mm", "100 mm").description

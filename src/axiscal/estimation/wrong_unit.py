@@ -32,6 +32,7 @@ from axiscal.language.spoken import put, said
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, drawn
+from axiscal.numerics import Array
 
 _FEWEST = 3
 """One or two slips are readings to be looked at; a file in another unit has all."""
@@ -94,7 +95,7 @@ _CERTAIN = 6.0
 _FEWEST_TOLD, _MOST = 4, 60
 """Readings below which no unit can be told, and above which more only take time."""
 _LEAST_FIT = 0.05
-"""Readings that scatter by less of what is expected than this, multiplied, are no readings."""
+"""Readings that scatter about a set-up's own unknowns by less of what is expected, multiplied, are no readings."""
 _FARTHEST = float(np.log(1000.0)) / 2
 """Logarithm of what errors or noise may be beside what is stated, multiplied: what is nearer to it as written stays."""
 
@@ -131,11 +132,22 @@ def _multiplied(posed: Problem, factor: float) -> float:
     Minus infinity if these would be nothing, or so far beyond what is stated that they are nearer to it as written.
     """
     other = replace(posed, values=factor * posed.values)
-    square = as_stated(space_of(other)).square / len(other.values)
-    if not _LEAST_FIT < square < np.exp(2 * _FARTHEST):
+    if _scatter(replace(posed, values=factor * _told(posed))) < _LEAST_FIT or _scatter(other) > np.exp(2 * _FARTHEST):
         return -np.inf
     found = sized(other)
     told = [index for index, size in enumerate(posed.sizes.of) if size.kind in ("std", "reversal", "noise")]
     if np.max(np.abs(found.weights @ found.thetas)[told]) > _FARTHEST:
         return -np.inf
     return found.log_evidence + len(posed.values) * float(np.log(factor))
+
+
+def _scatter(posed: Problem) -> float:
+    """Return the mean square of the readings over what is expected of them."""
+    return as_stated(space_of(posed)).square / len(posed.values)
+
+
+def _told(posed: Problem) -> Array:
+    """Return the values, (m,), less what a set-up's own unknowns take up: a zero does so whatever the unit is."""
+    own = posed.rows[:, posed.rows.shape[1] - posed.unknowns :]
+    taken: Array = own @ np.linalg.lstsq(own, posed.values)[0]
+    return posed.values - taken
