@@ -39,6 +39,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_tail
 from axiscal.numerics.threads import one_thread
+from axiscal.numerics.ties import scattered
 from axiscal.tables.surface import Control, left_by
 
 _DISPLACEMENTS = (Displacement, Nest, Tracker)
@@ -123,15 +124,15 @@ def plan_check(
     mean, factor = without_zeros(setups, candidates, *expected(estimate, setups, candidates, control))
     squares = mean**2 + np.sum(factor**2, axis=1)
     score = np.sqrt(np.bincount(values_at(setups, candidates).of, squares, len(candidates.setups)))
-    lengths = np.array([axis.length for axis in estimate.machine.axes])
+    at = candidates.poses / np.array([axis.length for axis in estimate.machine.axes])
     fresh = far_from(estimate.machine, candidates, places_of(setups, used))
     indices = np.unique(candidates.setups[fresh])
     promising = sorted(indices, key=lambda s: -np.max(score[fresh & (candidates.setups == s)]))
 
     def taken(setup: int, share: int) -> list[int]:
         mine = np.flatnonzero(fresh & (candidates.setups == setup))
-        worst = _spread(mine[np.argsort(-score[mine], kind="stable")], candidates, lengths, (share + 1) // 2, [])
-        best = _spread(mine[np.argsort(score[mine], kind="stable")], candidates, lengths, share // 2, worst)
+        worst = scattered(at, mine[np.argsort(-score[mine], kind="stable")], (share + 1) // 2, _APART)
+        best = scattered(at, mine[np.argsort(score[mine], kind="stable")], share // 2, _APART, worst)
         return [*worst, *best]
 
     promising = [setup for setup in promising if len(taken(setup, lacking[setup])) == lacking[setup]]
@@ -315,18 +316,3 @@ def _refuse_different(found: Sequence[Reading], left: Sequence[Reading]) -> None
         if before.setup != after.setup or apart > _SAME or before.approach != after.approach:
             what = "as found and as left were not read at the same place from the same side"
             raise ReadingError(what, "Take both at the same places, in the same order", line=after.line)
-
-
-def _spread(
-    ranked: NDArray[np.intp], candidates: Places, lengths: Array, count: int, taken: Sequence[int]
-) -> list[int]:
-    """Return the first of the ranked candidates that keep apart from each other and from those taken."""
-    chosen: list[int] = []
-    for i in ranked.tolist():
-        if len(chosen) == count:
-            break
-        others = [j for j in (*chosen, *taken) if candidates.setups[j] == candidates.setups[i]]
-        apart = np.abs(candidates.poses[others] - candidates.poses[i]) / lengths if others else np.ones((1, 1))
-        if np.all(np.max(apart, axis=1) >= _APART):
-            chosen.append(i)
-    return chosen

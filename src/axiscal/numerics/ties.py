@@ -2,10 +2,12 @@
 
 Mirror images gain the same, and the last bit of a sum would choose between them. Another thread, another library or
 another order of the unknowns would then make another plan. The shares here are coarser than rounding and finer than
-what matters.
+what matters. Of places that are neighbours the first is taken, too.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,3 +54,16 @@ def ranked(values: Array, share: float, most: int | None = None) -> NDArray[np.i
 def surely_more(values: Array, than: Array, share: float) -> NDArray[np.bool_]:
     """Return which values are larger by more than rounding, (n,).  values, than : (n,), than perhaps −∞"""
     return values > than + share * np.where(np.isfinite(than), np.abs(than), 0.0)
+
+
+def scattered(places: Array, order: NDArray[np.intp], most: int, apart: float, taken: Sequence[int] = ()) -> list[int]:
+    """Return the first places of an order that are no neighbours of each other, or of those taken; `most` at the most.
+
+    places : (m, k); apart : neighbours are no further from each other than that along any coordinate
+    """
+    chosen = list[int]()
+    for i in order.tolist():
+        distances = np.abs(places[[*chosen, *taken]] - places[i]).max(axis=1, initial=0.0)
+        if len(chosen) < most and np.all(distances > apart):
+            chosen.append(i)
+    return chosen

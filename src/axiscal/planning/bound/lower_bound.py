@@ -27,6 +27,7 @@ from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import Forms, largest_ratio, patches
 from axiscal.numerics.threads import one_thread
+from axiscal.numerics.ties import scattered
 from axiscal.planning.bound.certificate import Dual, groups, rank_bound, zeros_each, zeros_of
 from axiscal.planning.bound.relaxation import Relaxation
 from axiscal.planning.gains.candidate_rows import Pool
@@ -307,7 +308,7 @@ def largest_seen(
     highest = np.argsort(-lengths, kind="stable")[: int(np.sum(lengths > level * (1 + gap / 8)))]
     poses, approaches = region.as_poses(tops)
     spans = np.array([axis.length for axis in observation.machine.axes])
-    chosen = _apart(np.hstack([poses / spans, approaches]), highest)
+    chosen = scattered(np.hstack([poses / spans, approaches]), highest, _ADDED, _NEAR)
     return Largest(found.upper, Places.of_setup(setup, poses[chosen], approaches[chosen]))
 
 
@@ -339,12 +340,3 @@ def _climbed(forms: Forms, places: Array, low: Array, high: Array) -> tuple[Arra
         best = forms(tried.reshape(-1, places.shape[1]))[0].reshape(len(places), len(moves)).argmax(axis=1)
         places = tried[np.arange(len(places)), best]
     return places, forms(places)[0]
-
-
-def _apart(places: Array, order: NDArray[np.intp]) -> list[int]:
-    """Return a few places in order that are no neighbours of each other.  places : (m, k) in shares of the travel"""
-    chosen: list[int] = []
-    for i in order.tolist():
-        if len(chosen) < _ADDED and np.all(np.abs(places[chosen] - places[i]).max(axis=1, initial=0.0) > _NEAR):
-            chosen.append(i)
-    return chosen

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.numerics import Array
-from axiscal.numerics.ties import TIE, first_best_each, ranked, surely_more
+from axiscal.numerics.ties import TIE, first_best_each, ranked, scattered, surely_more
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.step.ground import Ground, ground_of
 
@@ -71,12 +71,7 @@ class Climb:
 
     def scattered(self, count: int, apart: float) -> Climb:
         """Return the best, no two of them closer than a share of every travel.  apart : share"""
-        poses, chosen = self._shares, list[int]()
-        for i in ranked(self.gains, TIE).tolist():
-            near = np.all(np.abs(poses[chosen] - poses[i]) <= apart, axis=1)
-            if len(chosen) < count and not near.any():
-                chosen.append(i)
-        return self.keep(np.sort(chosen))
+        return self.keep(np.sort(scattered(self._shares, ranked(self.gains, TIE), count, apart)))
 
     def distinct(self) -> Climb:
         """Return the climb without those that stand where a better one stands."""
