@@ -48,7 +48,7 @@ def best_position(problem: Problem) -> tuple[float, float]:
     def forms(places: Array) -> tuple[Array, Array]:
         return gain_forms(spline.rows(places[:, 0]), problem.factor, weighted, problem.variance)
 
-    return largest_along(forms, spline.knots, 7)
+    return largest_along(forms, np.column_stack([spline.knots[:-1], spline.knots[1:]]), 7)
 
 
 def judged(problem: Problem) -> Verdict:

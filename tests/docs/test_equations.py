@@ -318,7 +318,7 @@ def test_the_best_reading_is_an_interval_end_or_a_root_of_a_tenth_order_polynomi
     def forms(places: Array) -> tuple[Array, Array]:
         return gain_forms(spline.rows(places[:, 0]), factor, root @ factor, noise)
 
-    position, gain = largest_along(forms, KNOTS, 7)
+    position, gain = largest_along(forms, np.column_stack([KNOTS[:-1], KNOTS[1:]]), 7)
     assert position == pytest.approx(best, abs=1e-7)
     assert np.trace(spline.gram() @ covariance) - gain == pytest.approx(after(best), rel=1e-12)
 

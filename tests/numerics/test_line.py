@@ -48,7 +48,7 @@ def test_ten_readings_reduce_the_criterion_as_published() -> None:
             return gain_forms(spline.rows(places[:, 0]), factor, root @ factor, 0.01)
 
         before = float(np.trace(gram @ covariance))
-        place, gain = largest_along(forms, spline.knots, 7)
+        place, gain = largest_along(forms, np.column_stack([spline.knots[:-1], spline.knots[1:]]), 7)
         row = spline.rows(place)[0]
         covariance = covariance - np.outer(covariance @ row, covariance @ row) / (0.01 + row @ covariance @ row)
         covariance = (covariance + covariance.T) / 2
@@ -64,7 +64,7 @@ def test_a_needle_of_a_peak_is_found(width: float) -> None:
     def forms(places: Array) -> tuple[Array, Array]:
         return np.ones(len(places)), 1 + ((places[:, 0] - 0.3456) / width) ** 2
 
-    place, ratio = largest_along(forms, np.array([0.0, 1.0]), 3)
+    place, ratio = largest_along(forms, np.array([[0.0, 1.0]]), 3)
     assert abs(place - 0.3456) <= 1e-6 * width + 1e-16
     assert ratio == pytest.approx(1.0, rel=1e-12)
 
@@ -73,14 +73,14 @@ def test_the_ratio_is_that_at_its_place_between_the_breaks() -> None:
     def forms(places: Array) -> tuple[Array, Array]:
         return 1 + places[:, 0], 1 + places[:, 0] ** 2
 
-    place, ratio = largest_along(forms, np.array([-3.0, -1.0, 3.0]), 3)
+    place, ratio = largest_along(forms, np.array([[-3.0, -1.0], [-1.0, 3.0]]), 3)
     assert place == pytest.approx(np.sqrt(2) - 1, abs=1e-7)
     assert ratio == (1 + place) / (1 + place**2)
-    assert largest_along(forms, np.array([1.0, 2.0, 3.0]), 3)[0] == 1.0
+    assert largest_along(forms, np.array([[1.0, 2.0], [2.0, 3.0]]), 3)[0] == 1.0
 
 
 def test_a_flat_ratio() -> None:
     def forms(places: Array) -> tuple[Array, Array]:
         return 2 * (1 + places[:, 0] ** 2), 1 + places[:, 0] ** 2
 
-    assert largest_along(forms, np.array([0.0, 1.0, 2.0]), 3)[1] == pytest.approx(2.0, rel=1e-15)
+    assert largest_along(forms, np.array([[0.0, 1.0], [1.0, 2.0]]), 3)[1] == pytest.approx(2.0, rel=1e-15)

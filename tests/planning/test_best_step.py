@@ -52,7 +52,6 @@ def test_three_stacked_splines_end_where_exact_greedy_ends() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_nowhere_along_an_axis_is_there_a_better_reading(seed: int) -> None:
-    """At the edge of a cell that was visited the gain jumps by millionths."""
     asked = read(levered(), np.random.default_rng(seed), 6)
     step = best_step(Knowledge(asked.observation, asked.belief), asked.root, asked.lattice)
     scorer = Scorer.from_belief(asked.observation, asked.belief, asked.root)
@@ -60,7 +59,7 @@ def test_nowhere_along_an_axis_is_there_a_better_reading(seed: int) -> None:
         line = np.tile(step.pose, (4001, 1))
         line[:, asked.observation.machine.index(axis.name)] = np.linspace(*axis.travel, 4001)
         gains = scorer.gains_at(step.setup, line, np.tile(step.approach, (4001, 1)))
-        assert gains.max() <= step.gain * (1 + 1e-5)
+        assert gains.max() <= step.gain * (1 + 1e-9)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 53, 63, 70, 88, 96, 139, 153, 238])

@@ -8,11 +8,12 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
-from axiscal.measurement.candidates import spread
+from axiscal.measurement.candidates import arrivals_of, spread
 from axiscal.measurement.charts.room import Chart, has_room
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.travel import sides_of
+from axiscal.numerics import Array
 from axiscal.numerics.ties import TIE
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.next_readings import root_of
@@ -64,11 +65,34 @@ def _reading(case: Case, lattice: Places, number: int) -> Reading:
     return Reading(setup.name, tuple(pose), tuple(approach), 0.0, others=others, time=0.0)
 
 
+def gains_along(case: Case, scorer: Scorer, climb: Climb, number: int, values: Array) -> Array:
+    """Return the gains with other values of a coordinate, −inf where nothing can be read."""
+    places = places_along(climb.places[0], number, values)
+    sides, chart = np.tile(climb.sides[0], (len(values), 1)), chart_of(scorer)
+    setup = scorer.observation.setups[0]
+    taken = has_room(chart, places, sides)
+    come = arrivals_of(case.description.machine, setup, chart, places[taken], sides[taken])
+    found = np.full(len(values), -np.inf)
+    found[taken] = scorer.gains_at(0, chart.poses(places[taken]), come)
+    return found
+
+
 def chart_of(scorer: Scorer) -> Chart:
     """Return the chart of the only set-up."""
     chart = scorer.observation.setups[0].chart
     assert chart is not None
     return chart
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", CASES)
+def test_nowhere_along_a_coordinate_is_there_a_better_reading(name: str) -> None:
+    case, scorer, lattice = begun(name)
+    climb = Climb.begun(scorer, 0, lattice.poses[[7]], lattice.approaches[[7]])
+    climb.finish()
+    for number, (low, high) in enumerate(climb.ground.ends):
+        everywhere = gains_along(case, scorer, climb, number, np.linspace(low, high, 4001))
+        assert climb.gains[0] >= everywhere.max() * (1 - 1e-9)
 
 
 def test_pieces_are_all_that_can_be_taken() -> None:
@@ -110,7 +134,7 @@ def test_a_raster_keeps_to_its_steps() -> None:
     lattice = spread(case.description.machine, case.description.setups, 60)
     scorer = Scorer.from_belief(case.observation, case.prior, case.yardstick.root)
     climb = Climb.begun(scorer, 0, lattice.poses[:2], lattice.approaches[:2])
-    climb.uphill()
+    climb.finish()
     swivels = np.degrees(climb.readings[0][:, 1])
     np.testing.assert_allclose(swivels / 10, np.round(swivels / 10), atol=1e-9)
     assert np.all(climb.gains >= scorer.gains(lattice)[:2])

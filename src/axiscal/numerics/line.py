@@ -46,12 +46,12 @@ def node_count(degree: int, phase: float = 0.0) -> int:
     return degree + 1 + k
 
 
-def largest_along(forms: Forms, breaks: Array, count: int) -> tuple[float, float]:
+def largest_along(forms: Forms, pieces: Array, count: int) -> tuple[float, float]:
     """Return the place along a line where N/D is largest, and how large it is there (B&H eq. 27).
 
-    forms : N and D, which `count` nodes follow between two breaks (b + 1,), increasing
+    forms : N and D, which `count` nodes follow on each piece; pieces : (b, 2), at least one
     """
-    left, right, above, below = _hopeful(_tame(forms, breaks, count))
+    left, right, above, below = _hopeful(_tame(forms, pieces, count))
     x = np.stack([_candidates(*each) for each in zip(above, below, strict=True)])
     places = np.clip(left[:, None] * ((1 - x) / 2) + right[:, None] * ((1 + x) / 2), left[:, None], right[:, None])
     numerator, denominator = forms(places.reshape(-1, 1))
@@ -70,9 +70,9 @@ class _Pieces(NamedTuple):
     ratios: Array
 
 
-def _tame(forms: Forms, breaks: Array, count: int) -> _Pieces:
+def _tame(forms: Forms, pieces: Array, count: int) -> _Pieces:
     """Return pieces in which the denominator spans no decades."""
-    x, left, right = np.concatenate([[-1.0], nodes(count), [1.0]]), breaks[:-1], breaks[1:]
+    x, (left, right) = np.concatenate([[-1.0], nodes(count), [1.0]]), pieces.T
     series = np.linalg.inv(chebyshev.chebvander(nodes(count), count - 1)).T
     for _ in range(_HALVINGS):
         places = left[:, None] * ((1 - x) / 2) + right[:, None] * ((1 + x) / 2)

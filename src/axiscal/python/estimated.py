@@ -94,7 +94,8 @@ class Curve:
             along = self.spline.rows(places[:, 0]) @ factor
             return np.sum((along @ weighted.T) ** 2, axis=1), variance + np.sum(along**2, axis=1)
 
-        return largest_along(forms, self.spline.knots, _NODES)[0]
+        knots = self.spline.knots
+        return largest_along(forms, np.column_stack([knots[:-1], knots[1:]]), _NODES)[0]
 
     def read(self, t: Quantity, value: Quantity, noise: Quantity) -> Self:
         """Return the curve after a reading at t; raises ShapeError for one of an estimate, which has its readings.

@@ -2,8 +2,9 @@
 
 Every point of a fine lattice is a start where errors simply add up. Elsewhere the starts are the best candidates of a
 given lattice, after a sweep over a few positions in each interval. Newton steps climb the gain ΔJ = gᵀCWCg / (σ² +
-gᵀCg) from the best starts, and looks along each joint lead on, until neither improves it. Along one axis alone the best
-place is exact (B&H eq. 27). In a plane whose errors depend on both axes, boxes enclose what any place may gain.
+gᵀCg) from the best starts, and looks along each joint lead on, until neither improves it. The highest is then moved
+along one joint after another, exactly on every interval between knots (B&H eq. 27; over all joints B&H eq. 37), until
+no joint improves it. In a plane whose errors depend on both axes, boxes enclose what any place may gain.
 """
 
 from __future__ import annotations
@@ -15,17 +16,15 @@ import numpy as np
 
 from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.measurement.candidates import breaks_along, smoothness_along
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Places, Reading
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import largest_ratio, patches
-from axiscal.numerics.line import largest_along, node_count
 from axiscal.numerics.threads import one_thread
 from axiscal.numerics.ties import TIE, first_best
 from axiscal.planning.gains.gain import Scorer, joint_gains
 from axiscal.planning.step.climb import Climb
-from axiscal.planning.step.ground import Region, ground_of, regions
+from axiscal.planning.step.ground import Region, regions, sides
 from axiscal.planning.step.starts_stacked import adds_up, dense_starts, starts
 
 _APART = 0.12
@@ -98,7 +97,7 @@ def _beyond(scorer: Scorer, setup: int, found: Step) -> Step:
     if certified.lower <= found.gain:
         return found
     climb = Climb.begun(scorer, setup, certified.pose[None], certified.approach[None])
-    climb.uphill()
+    climb.finish()
     return _step(climb)
 
 
@@ -109,8 +108,10 @@ def best_of(scorer: Scorer, lattice: Places) -> Step:
     for climb in climbs:
         if _sieves(scorer.observation, climb.setup):
             climb.uphill()
-    steps = [_step(climb) for climb in climbs]
-    return steps[first_best(np.array([step.gain for step in steps]), TIE)]
+    highest = climbs[first_best(np.array([climb.gains.max() for climb in climbs]), TIE)].best(1, 0.0, 1.0)
+    if _sieves(scorer.observation, highest.setup):
+        highest.finish()
+    return _step(highest)
 
 
 def _sieves(observation: Observation, setup: int) -> tuple[_Sieve, ...]:
@@ -142,16 +143,11 @@ def _begun(scorer: Scorer, setup: int, lattice: Places) -> Climb:
 
 def _on_the_line(scorer: Scorer, setup: int) -> Climb:
     """Return the best reading along the only axis that moves, from each side that differs in what is seen."""
-    observation, (axis,) = scorer.observation, scorer.observation.setups[setup].moves
-    breaks, count = breaks_along(observation, axis, setup), node_count(*smoothness_along(observation, axis, setup))
-    ground, places = ground_of(observation, setup), list[list[float]]()
-    for side in ground.choices:
-
-        def forms(along: Array, side: Array = side) -> tuple[Array, Array]:
-            return scorer.gain_forms(setup, *ground.as_poses(along, np.tile(side, (len(along), 1))))
-
-        places.append([largest_along(forms, breaks, count)[0]])
-    return Climb.begun(scorer, setup, *ground.as_poses(np.array(places), ground.choices))
+    approaches = np.array(sides(scorer.observation, setup))
+    poses = np.tile(np.array(scorer.observation.setups[setup].park), (len(approaches), 1))
+    climb = Climb.begun(scorer, setup, poses, approaches, np.zeros(len(poses)))
+    climb.exactly()
+    return climb
 
 
 def _finalists(climbs: list[Climb]) -> list[Climb]:

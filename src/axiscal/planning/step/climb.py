@@ -1,4 +1,4 @@
-"""Climbing to the best reading: by looks along each coordinate, along all of them at once by Newton's step.
+"""Climbing to the best reading: along each coordinate by looks and exactly, along all at once by Newton's step.
 
 A coordinate is an axis that moves, or one of a chart (`ground`).
 """
@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.numerics import Array
+from axiscal.numerics.line import largest_along
 from axiscal.numerics.ties import TIE, first_best_each, ranked, scattered, surely_more
 from axiscal.planning.gains.gain import Scorer
-from axiscal.planning.step.ground import Ground, ground_of
+from axiscal.planning.step.ground import Ground, ground_of, places_along
 
 _ROUNDS = 60
 """Rounds end where none rises; this only ends what would go round."""
@@ -152,6 +153,33 @@ class Climb:
             self._turn()
             if np.all(self.gains <= before * (1 + _IMPROVED)):
                 return
+
+    def finish(self) -> None:
+        """Climb until no coordinate leads higher, alone and exactly."""
+        for _ in range(_ROUNDS):
+            self.uphill()
+            before = self.gains.copy()
+            self.exactly()
+            if np.all(self.gains <= before * (1 + _IMPROVED)):
+                return
+
+    def exactly(self) -> None:
+        """Move each reading along one continuous coordinate after another to the best on its line (B&H eq. 27, 37)."""
+        for i, number in itertools.product(range(len(self.places)), self.ground.continuous):
+            place, side = self.places[i].copy(), self.sides[i]
+
+            def forms(
+                values: Array, place: Array = place, side: Array = side, number: int = number
+            ) -> tuple[Array, Array]:
+                places = places_along(place, number, values.ravel())
+                poses = self.ground.as_poses(places, np.tile(side, (len(places), 1)))
+                return self.scorer.gain_forms(self.setup, *poses)
+
+            pieces = self.ground.pieces(number, place, side)
+            if len(pieces):
+                there, gain = largest_along(forms, pieces, self.ground.nodes(number))
+                if gain > self.gains[i]:
+                    self.places[i, number], self.gains[i] = there, gain
 
     def _looked(self, number: int) -> tuple[int, Array, Array]:
         """Return a coordinate, the best of a few of its values for each reading, and the gain there."""

@@ -41,6 +41,8 @@ _LOOKS = np.array([1, 3, 5]) / 6
 """Shares of each stretch between breaks that are looked at."""
 _EVEN = 73
 """Places along a coordinate of a chart that are looked at: every five degrees of a turn."""
+_NODES = 21
+"""Nodes of a piece on a chart."""
 _LOOKED_AT = 721
 """Places along a coordinate at which it is looked whether they can be taken: every half degree of a turn."""
 _PARTS, _ROUNDS = 32, 10
@@ -84,6 +86,9 @@ class Ground(Protocol):
 
     def pieces(self, number: int, place: Array, sides: Array) -> Array:
         """Return the pieces of a coordinate that can be taken and are smooth, (b, 2).  place, sides : (size,)"""
+
+    def nodes(self, number: int) -> int:
+        """Return how many nodes follow the gain's forms along such a piece."""
 
 
 def ground_of(observation: Observation, setup: int) -> Ground:
@@ -146,6 +151,9 @@ class _Axes:
         breaks = breaks_along(self.observation, self._moves[number], self.setup)
         return np.stack([breaks[:-1], breaks[1:]], axis=1)
 
+    def nodes(self, number: int) -> int:
+        return node_count(*smoothness_along(self.observation, self._moves[number], self.setup))
+
 
 @dataclass(frozen=True, eq=False)
 class _OnChart:
@@ -204,6 +212,9 @@ class _OnChart:
         inside = _taken(chart, number, place, sides, (left + right) / 2)
         kept = inside & (right - left > _SHORTEST * (high - low))
         return np.stack([left[kept], right[kept]], axis=1)
+
+    def nodes(self, number: int) -> int:
+        return _NODES
 
 
 def sides(observation: Observation, setup: int) -> list[Array]:
