@@ -18,7 +18,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.planning.proposal import proposed
 
 COUNTS = (5, 7, 9, 16, 25)
 LENGTHS = (0.1, 0.25, 0.5, 1.0)
@@ -102,7 +102,7 @@ def main() -> None:
         cells = []
         for count in COUNTS:
             grid = even(len(travel), count)
-            places = proposed(case, Limits(count), Thoroughness(1000)).plan.places
+            places = proposed(case, Limits(count), 1000).plan.places
             planned = left(case, places.poses / travel, places.approaches, std)
             ratio = np.log(planned / left(case, grid, np.zeros_like(grid), std))
             cells.append(f"{np.exp(ratio.mean()):.2f}, {np.exp(np.quantile(ratio, 0.9)):.2f}")

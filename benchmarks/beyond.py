@@ -23,7 +23,7 @@ from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.planning.proposal import proposed
 from tests.docs.pictures import svg
 
 PICTURES = Path(__file__).parents[1] / "docs" / "pictures"
@@ -251,7 +251,7 @@ reading_time = "2 s"
 def costs() -> str:
     """Return how well a large machine is known against minutes: the same 24 readings by their worth, and by the way."""
     case = Case(campaign_from_texts(_TRACKER_24, "c.toml", _BRIDGE, "m.toml"))
-    plan = proposed(case, Limits(24), Thoroughness(600)).plan.places
+    plan = proposed(case, Limits(24), 600).plan.places
     rows = zip(plan.poses.tolist(), plan.approaches.tolist(), strict=True)
     readings = [Reading("tracker", tuple(p), tuple(int(a) for a in s), 0.0, others=(0.0, 0.0)) for p, s in rows]
     lines = {

@@ -16,7 +16,7 @@ from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.planning.proposal import proposed
 from tests.docs.pictures import svg
 
 PAGE = Path(__file__).parents[1] / "docs" / "evidence" / "shapes.md"
@@ -77,7 +77,7 @@ def rows() -> Iterator[str]:
     for count in (16, 24):
         for words in STATED:
             case = case_of(words, count)
-            places = proposed(case, Limits(count), Thoroughness(1000)).plan.places
+            places = proposed(case, Limits(count), 1000).plan.places
             off, promise, withheld = [], [], 0
             for seed in range(_MACHINES):
                 readings, truth = read(case, places, seed)
@@ -97,7 +97,7 @@ def picture() -> str:
     shown = _DENSE[:, 0] <= 0.4
     for words, name in (("nothing", "period not stated"), ("`EXX_pitch`, two waves", "EXX_pitch stated")):
         case = case_of(words, 24)
-        readings, truth = read(case, proposed(case, Limits(24), Thoroughness(1000)).plan.places, 0)
+        readings, truth = read(case, proposed(case, Limits(24), 1000).plan.places, 0)
         found = concluded(case, readings).estimate().deviation(_DENSE, np.ones_like(_DENSE))[:, 0]
         lines["truth"] = (_DENSE[shown, 0] * 1e3, (truth - truth.mean())[shown] * _MICRO)
         lines[name] = (_DENSE[shown, 0] * 1e3, (found - found.mean())[shown] * _MICRO)

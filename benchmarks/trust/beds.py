@@ -22,7 +22,7 @@ from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.planning.proposal import proposed
 from benchmarks.trust.curves import DATA
 
 BEDS = DATA / "sisters"
@@ -96,7 +96,7 @@ def _case() -> Case:
 @cache
 def _planned(count: int) -> Array:
     """Return where a plan of so many readings probes, (n, 2) m."""
-    plan = proposed(_case(), Limits(count), Thoroughness(1000)).plan
+    plan = proposed(_case(), Limits(count), 1000).plan
     return np.clip([_on_bed(pose) for pose in plan.places.poses], _LOW, _HIGH)
 
 

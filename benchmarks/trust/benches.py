@@ -14,7 +14,7 @@ from axiscal.estimation.case import Case
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Places
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.planning.proposal import proposed
 
 Name = Literal["axis", "plate", "five axes"]
 Visits = tuple[tuple[tuple[float, ...], tuple[int, ...]], ...]
@@ -177,7 +177,7 @@ def visits(name: Name, scales: str, places: str, count: int, seed: int) -> Visit
 @cache
 def _planned(name: Name, scales: str, count: int) -> Visits:
     """Return the places that a plan asks for, in its order."""
-    return _rows(proposed(case_of(name, scales), Limits(count), Thoroughness(BENCHES[name].candidates)).plan.places)
+    return _rows(proposed(case_of(name, scales), Limits(count), BENCHES[name].candidates).plan.places)
 
 
 def _of_five(places: str, count: int, rng: np.random.Generator) -> Visits:

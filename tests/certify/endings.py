@@ -18,7 +18,7 @@ from axiscal.measurement.simulation import Simulator
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked, foreseen
-from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.planning.proposal import proposed
 from axiscal.record.events import Asked
 from tests.generators.texts import setup_text
 
@@ -53,7 +53,7 @@ def feasible(seed: int) -> Ending | None:
     rng = np.random.default_rng(seed)
     described = _random(rng)
     case, count = Case(described), int(rng.integers(6, 31))
-    made = proposed(case, Limits(count), Thoroughness(300)).plan
+    made = proposed(case, Limits(count), 300).plan
     belief, before = foreseen(case, (), placed(case, made)).belief, case.yardstick.measure(case.prior)
     known, target = case.yardstick.measure(belief), replace(described.target, readings=3 * count + 10)
     match rng.choice(["rms", "rms", "worst", "U"]):

@@ -23,7 +23,7 @@ from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.planning.proposal import proposed
 from axiscal.tables.offer import POSES, spread_poses
 from axiscal.tables.surface import tour
 
@@ -50,7 +50,7 @@ def _planned(name: str) -> tuple[Case, tuple[Place, ...]]:
     assert found is not None
     machine = "three-axis-mill"
     case = Case(campaign_from_texts(found[1], "campaign.toml", load_machine(machine).text, machine))
-    made = proposed(case, Limits(case.description.target.readings), Thoroughness(500)).plan
+    made = proposed(case, Limits(case.description.target.readings), 500).plan
     return case, tuple(placed(case, made))
 
 

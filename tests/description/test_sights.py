@@ -15,7 +15,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.planning.proposal import proposed
 from tests.generators.kinematics import in_travel, tip
 
 STATION = np.array([0.9, -0.9, 0.3])
@@ -62,7 +62,7 @@ def test_a_reading_is_asked_for_only_where_it_is_seen(instrument: str) -> None:
     assert found[:, 0].max() <= 1.5
     assert found[:, 1].max() <= 50 + 1e-6
     case = Case(campaign)
-    for place in placed(case, proposed(case, Limits(readings=3), Thoroughness(candidates=200)).plan):
+    for place in placed(case, proposed(case, Limits(readings=3), 200).plan):
         far, off = seen(campaign, np.array(place.pose))
         assert 1.2 <= far <= 1.5
         assert off <= 50 + 1e-6

@@ -51,7 +51,7 @@ from axiscal.planning.step.best_step import best_step
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.planning.next_readings import posed
-from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.planning.proposal import proposed
 
 case = case_of(read_campaign("campaign.toml"))
 task = posed(case, Knowledge(case.observation, case.prior), candidates=50)
@@ -144,7 +144,7 @@ knowledge = Knowledge(case.observation, case.prior)
 step = best_step(knowledge, task.root, task.lattice)
 knowledge.read([step.reading(case.observation, 1e-6)])
 make_plan(task, Limits(readings=3))
-proposed(case, Limits(readings=3), Thoroughness(candidates=50))
+proposed(case, Limits(readings=3), 50)
 print(outside, threads())
 """
     assert said(WATCHED + script, tmp_path) == "[] [2]"

@@ -12,6 +12,7 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
+from axiscal.planning.gains import candidate_rows
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import ReadingColumns, Scores
 from axiscal.planning.plan.task import Task
@@ -162,7 +163,10 @@ def test_a_candidate_opens_the_cells_that_a_reading_there_opens() -> None:
     assert pool.opened(observation, 0) is observation
 
 
-def test_products_with_visited_cells_are_those_of_whole_rows() -> None:
+@pytest.mark.parametrize("memory", [1e9, 0.0])
+def test_products_with_visited_cells_are_those_of_whole_rows(memory: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a lattice that takes too much memory they are made of pieces, and of whole rows otherwise."""
+    monkeypatch.setattr(candidate_rows, "_MEMORY", memory)
     task, rng = mixed(60), np.random.default_rng(5)
     pool, observation = Pool(task.observation, task.lattice), task.observation
     for index in range(0, len(pool), 7):

@@ -23,14 +23,14 @@ from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import placed, posed, until_reached
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import alike, blank_problem, foreseen, promised
-from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.planning.proposal import proposed
 from axiscal.present.plan_answer import PlanAnswer, plan_answer
 from axiscal.present.plan_words import plan_screen
 from tests.generators.sisters import measured
 from tests.generators.texts import artefact_text, campaign_text, setup_text
 
 WARM = 'temperature = "21 degC"\n'
-FEW = Thoroughness(200)
+FEW = 200
 
 
 def described(target: str, axes: str = "X", more: str = "") -> CampaignDescription:

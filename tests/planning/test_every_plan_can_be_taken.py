@@ -19,7 +19,7 @@ from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Place, Reading
 from axiscal.planning.next_readings import next_places, placed
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.planning.proposal import proposed
 from axiscal.programs import Program, controllers, dialect, programs
 from tests.generators.kinematics import in_travel, tip
 from tests.generators.printed_machine import printed_machine
@@ -67,7 +67,7 @@ def described(name: str, text: str) -> CampaignDescription:
 
 def plans(case: Case) -> list[tuple[Place, ...]]:
     """Return what is asked for at first, what while measuring, and what after some readings with a part of it left."""
-    first = placed(case, proposed(case, Limits(readings=_FEW), Thoroughness(candidates=60)).plan)
+    first = placed(case, proposed(case, Limits(readings=_FEW), 60).plan)
     coming = next_places(case, case.knowledge, ())
     taken = [_read(case, place) for place in coming[:2]]
     renewed = next_places(case, case.knowledge.read(taken), taken, left=coming[2:])
@@ -85,7 +85,7 @@ def test_every_reading_of_an_example_can_be_taken(name: str, text: str) -> None:
     campaign = described(name, text)
     if any(setup.lacks for setup in campaign.setups):
         with pytest.raises(PlanError):
-            proposed(Case(campaign), Limits(readings=1), Thoroughness(candidates=50))
+            proposed(Case(campaign), Limits(readings=1), 50)
         return
     said = Said(text, printed_machine(campaign.machine.text))
     short = replace(campaign, target=replace(campaign.target, readings=_FEW, rms=None, worst=None, expanded=None))

@@ -17,7 +17,7 @@ from axiscal.measurement.touched import touching_sides
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import next_places, placed
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.planning.proposal import proposed
 from axiscal.present.demo import description
 from tests.generators.kinematics import in_travel, stem, tip
 from tests.generators.texts import artefact_text, campaign_text, setup_text
@@ -47,7 +47,7 @@ def described(text: str) -> CampaignDescription:
 
 def planned(campaign: CampaignDescription, readings: int) -> tuple[Place, ...]:
     case = Case(campaign)
-    return placed(case, proposed(case, Limits(readings=readings), Thoroughness(candidates=300)).plan)
+    return placed(case, proposed(case, Limits(readings=readings), 300).plan)
 
 
 def stands_right(campaign: CampaignDescription, place: Place, target: Array, far: float) -> None:
@@ -132,7 +132,7 @@ def test_a_plan_of_a_set_up_that_does_not_say_where_is_refused_with_the_keys_to_
     text = f'machine = "dmu60"\n[[setups]]\nname = "s"\ninstrument = "{instrument}"\n{direction}{station}'
     case = Case(described(text))
     with pytest.raises(PlanError, match=r"Write (artefact|length|moves)|reach = "):
-        proposed(case, Limits(readings=3), Thoroughness(candidates=100))
+        proposed(case, Limits(readings=3), 100)
 
 
 def test_a_plan_of_a_record_of_before_is_refused_with_the_keys_of_every_set_up() -> None:

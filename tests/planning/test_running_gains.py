@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from axiscal.measurement.reading import Places
-from axiscal.planning.gains import covariance
+from axiscal.planning.gains import candidate_rows, covariance
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance, RunningAccuracy, after_each
 from axiscal.planning.gains.gain import joint_gains
@@ -23,10 +23,11 @@ def _fresh(scores: Scores, start: Covariance) -> np.ndarray[tuple[int], np.dtype
 
 
 @pytest.mark.parametrize("memory", [1e9, 0.0])
-def test_entering_leaving_and_exchanging_keep_every_gain(memory: float) -> None:
+def test_entering_leaving_and_exchanging_keep_every_gain(memory: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(candidate_rows, "_MEMORY", memory)
     asked = read(levered(400), np.random.default_rng(0), 4)
     start = asked.state
-    scores = Scores(Pool(asked.observation, asked.lattice, memory), start)
+    scores = Scores(Pool(asked.observation, asked.lattice), start)
     for index in (3, 300, 50, 51, 120):
         value, gain = scores.state.value, scores.enter(index)
         assert value - scores.state.value == pytest.approx(gain, rel=1e-9)

@@ -19,7 +19,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.planning.proposal import proposed
 from axiscal.programs import controllers, dialect, programs
 from tests.generators.kinematics import tip
 from tests.generators.said_places import Said
@@ -60,7 +60,7 @@ def described(name: str) -> tuple[CampaignDescription, Said]:
 def test_it_is_planned_programmed_and_read(name: str) -> None:
     campaign, said = described(name)
     case = Case(campaign)
-    places = placed(case, proposed(case, Limits(readings=4), Thoroughness(candidates=80)).plan)
+    places = placed(case, proposed(case, Limits(readings=4), 80).plan)
     assert len(places) == 4
     for place in places:
         said.holds(place)

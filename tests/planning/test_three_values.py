@@ -15,6 +15,7 @@ from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
 from axiscal.planning.bound.lower_bound import lower_bound
+from axiscal.planning.gains import candidate_rows
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.gain import Scorer, joint_gains
 from axiscal.planning.gains.running_gains import Scores
@@ -75,10 +76,11 @@ def _falls(asked: Task, places: Places, pool: Pool, indices: Array) -> Array:
 )
 @pytest.mark.parametrize("memory", [1e9, 0.0])
 def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
-    three: tuple[int, ...], beams: dict[int, int], memory: float
+    three: tuple[int, ...], beams: dict[int, int], memory: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(candidate_rows, "_MEMORY", memory)
     asked = mixed(120, three, beams)
-    pool = Pool(asked.observation, asked.lattice, memory)
+    pool = Pool(asked.observation, asked.lattice)
     scores, rng = Scores(pool, asked.state), np.random.default_rng(0)
     looked_at = np.concatenate([np.arange(0, len(pool), 11), [3]])
     np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, Places.none(3), pool, looked_at), rtol=1e-6)

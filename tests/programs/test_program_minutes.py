@@ -14,7 +14,7 @@ from axiscal.machine import Machine, load_machine
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.planning.proposal import proposed
 from axiscal.programs import controllers, dialect, programs
 from tests.certify.gcode_traces import READERS, Event, Halt, Mark, Move, Wait
 from tests.generators.reaches import reach_of
@@ -50,7 +50,7 @@ def planned(machine: str, approach: str, driven: str) -> tuple[Case, Plan]:
     reach = reach_of(load_machine(machine))
     text = CAMPAIGN.format(machine=machine, approach=approach, reading="0.1 s", reach=reach, driven=driven)
     case = Case(campaign_from_texts(text, "c.toml", load_machine(machine).text, "m.toml"))
-    return case, proposed(case, Limits(readings=8), Thoroughness(100)).plan
+    return case, proposed(case, Limits(readings=8), 100).plan
 
 
 def run(events: list[Event], machine: Machine) -> float:

@@ -26,7 +26,6 @@ from axiscal.planning.enough import few_more
 from axiscal.planning.next_readings import CANDIDATES, placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import (
-    Thoroughness,
     proposed,
     proven,
     reached_unread,
@@ -112,7 +111,7 @@ def plan(
     if (unused := unused_artefacts(described.text)) is not None:
         tell_mind(unused)
     ends, case = not described.target.empty, case_of(_aimed(described, readings, target, budget))
-    limits, how = _limits(case, readings, target, budget), Thoroughness(candidates)
+    limits = _limits(case, readings, target, budget)
     refuse_endless(case, limits, candidates)
     if prove:
         refuse_unless_provable(case)
@@ -121,10 +120,10 @@ def plan(
     if (unread := reached_unread(case, limits)) is not None:
         tell_mind(unread)
         limits = few_more(limits)
-    proposal = proposed(case, limits, how, bounded=(details or json) and not prove)
+    proposal = proposed(case, limits, candidates, bounded=(details or json) and not prove)
     if prove:
         of_figure = 2 if case.description.target.criterion == "volume" else 1  # the RMS is the root of a J
-        proposal = proven(case, proposal, how, (_GAP if gap is None else gap) / 100 * of_figure)
+        proposal = proven(case, proposal, candidates, (_GAP if gap is None else gap) / 100 * of_figure)
     if picture is not None:
         title = said("Where {machine} is read", machine=case.description.machine.name)
         write_whole(picture, plan_picture(title, case.description, placed(case, proposal.plan)).encode())
@@ -137,7 +136,7 @@ def plan(
     answer = plan_answer(case, proposal, limits, ends=ends)
     if details and limits.accurate:
         with suppress(PlanError):
-            exact = proposed(case_of(as_exact(case.description)), limits, how).plan
+            exact = proposed(case_of(as_exact(case.description)), limits, candidates).plan
             answer = answer.model_copy(update={"certain_minutes": to_unit(exact.seconds, "min")})
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))

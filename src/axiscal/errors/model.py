@@ -95,7 +95,7 @@ class ErrorFunction:
         return ends
 
 
-class _Alike(NamedTuple):
+class SameKnots(NamedTuple):
     """Functions of one axis with the same knots.  functions : (g,) indices; columns : (g n,) in A, one by one"""
 
     axis: int
@@ -246,7 +246,7 @@ class ErrorModel:
         """
         signed = self.effects(levers, approaches).swapaxes(-1, -2)
         result = np.empty((*signed.shape[:-1], self.size))
-        for group in self._alike:
+        for group in self.same_knots:
             values = group.basis.rows(poses[:, group.axis])
             rows = signed[..., group.functions, None] * values[:, None, :]
             result[..., group.columns] = rows.reshape(*signed.shape[:-1], math.prod(rows.shape[-2:]))
@@ -255,7 +255,7 @@ class ErrorModel:
         return result
 
     @cached_property
-    def _alike(self) -> tuple[_Alike, ...]:
+    def same_knots(self) -> tuple[SameKnots, ...]:
         """The functions that share axis and knots, so that their spline rows are computed once."""
         groups: dict[tuple[int, int, bytes], list[int]] = {}
         for i, function in enumerate(self.functions):
@@ -263,17 +263,17 @@ class ErrorModel:
             groups.setdefault((function.axis, basis.size, basis.knots.tobytes()), []).append(i)
         return tuple(self._group(members) for members in groups.values())
 
-    def _group(self, members: list[int]) -> _Alike:
+    def _group(self, members: list[int]) -> SameKnots:
         first, each = self.functions[members[0]], [self.functions[i].columns for i in members]
         columns = np.concatenate([np.arange(one.start, one.stop) for one in each])
         together = slice(columns[0], columns[-1] + 1) if np.all(np.diff(columns) == 1) else columns
-        return _Alike(first.axis, first.basis, np.array(members), together)
+        return SameKnots(first.axis, first.basis, np.array(members), together)
 
     @cached_property
     def same_cells(self) -> NDArray[np.intp]:
         """The first term that has the same cells as each term, (terms,)."""
         first = np.arange(len(self.terms))
-        for group in self._alike:
+        for group in self.same_knots:
             first[group.functions] = group.functions[0]
         return first
 

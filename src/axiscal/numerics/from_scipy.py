@@ -120,18 +120,15 @@ def least_squares(
 
 
 def sparse_product(
-    values: Array, rows: NDArray[np.intp], first: NDArray[np.intp], count: int
+    values: Array, rows: NDArray[np.intp], columns: NDArray[np.intp], shape: tuple[int, int]
 ) -> Callable[[Array], Array]:
-    """Return what makes S B, (count,) or (count, m), of B (n,) or (n, m) with a matrix S stored column by column.
+    """Return what makes S B, (m,) or (m, k), of B (n,) or (n, k) with a matrix S (m, n) of few entries.
 
-    values, rows : (k,) entries and where they stand; first : (n + 1,) where those of each column begin
+    values, rows, columns : (entries,) and where each stands
     """
-    stored = _function("scipy.sparse", "csc_array")((values, rows, first), shape=(count, len(first) - 1))
-
-    def product(right: Array) -> Array:
-        made: Array = stored @ right
-        return made
-
+    stored = _function("scipy.sparse", "csc_array")((values, (rows, columns)), shape=shape)
+    stored.eliminate_zeros()
+    product: Callable[[Array], Array] = stored.dot
     return product
 
 

@@ -24,7 +24,7 @@ from axiscal.numerics.threads import one_thread
 from axiscal.planning.bound.lower_bound import prove
 from axiscal.planning.bound.relaxation import Relaxation
 from axiscal.planning.enough import enough, reached
-from axiscal.planning.gains.candidate_rows import MEMORY, Pool
+from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import CANDIDATES, columns_of, first_places, planned_places, posed, until_reached
@@ -148,14 +148,6 @@ def _half_the_noise(case: Case, relaxation: Relaxation) -> str:
     return said(what, setup=setups[best].name, noise=noise, reached=reached)
 
 
-@dataclass(frozen=True, slots=True)
-class Thoroughness:
-    """candidates : places to choose from; memory : bytes that their rows may take"""
-
-    candidates: int = CANDIDATES
-    memory: float = MEMORY
-
-
 @dataclass(frozen=True, eq=False, slots=True)
 class Proposal:
     """A plan.  gap : share of the bound on J at which its proof stopped; None if none was asked for."""
@@ -168,16 +160,16 @@ class Proposal:
 def proposed(
     case: Case,
     limits: Limits,
-    how: Thoroughness = Thoroughness(),
+    candidates: int = CANDIDATES,
     bounded: bool = False,
 ) -> Proposal:
     """Return a plan from the beginning.  Raises PlanError, DescriptionError.
 
     Places and order are those that a campaign asks for that begins with these limits.
-    bounded : whether the bound is wanted
+    candidates : places to choose from; bounded : whether the bound is wanted
     """
     refuse_unmade(case)
-    task = replace(posed(case, case.knowledge, candidates=how.candidates), memory=how.memory)
+    task = posed(case, case.knowledge, candidates=candidates)
     heeded = enough(case, task, limits)
     places = planned_places(case, task, heeded)
     if first_places(case, task, heeded):
@@ -199,7 +191,7 @@ def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...]) -> 
     left = replace(limits, readings=count, budget=None if limits.budget is None else max(limits.budget - spent, 0.0))
     then = posed(case, case.knowledge.read(readings), readings=readings, candidates=len(task.lattice))
     try:
-        return planned_places(case, replace(then, memory=task.memory), left, readings)
+        return planned_places(case, then, left, readings)
     except PlanError:  # there is no time for another
         return ()
 
@@ -211,11 +203,11 @@ def refuse_unless_provable(case: Case) -> None:
 
 
 @one_thread()
-def proven(case: Case, proposal: Proposal, how: Thoroughness, gap: float) -> Proposal:
+def proven(case: Case, proposal: Proposal, candidates: int, gap: float) -> Proposal:
     """Return a plan with a bound for as many readings of any of the set-ups, wherever they are taken.
 
     gap : share of J at which to stop.  Raises PlanError.
     """
-    task = posed(case, case.knowledge, candidates=how.candidates)
+    task = posed(case, case.knowledge, candidates=candidates)
     proof = prove(task.state, task.lattice, proposal.plan.places, gap)
     return Proposal(replace(proposal.plan, bound=proof.bound), proof.gap)

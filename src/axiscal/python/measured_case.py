@@ -25,9 +25,9 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Place, approach_text, place_text
 from axiscal.numerics import Array
-from axiscal.planning.next_readings import placed
+from axiscal.planning.next_readings import CANDIDATES, placed
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Proposal, Thoroughness, proposed
+from axiscal.planning.proposal import Proposal, proposed
 from axiscal.present.drawing.svg_picture import Figure, alone, axis_style, band, layout, picture
 from axiscal.present.plan_answer import PlanAnswer, plan_answer
 from axiscal.present.plan_words import bound_sentence
@@ -259,7 +259,7 @@ class Case:
         *,
         rms: Quantity | None = None,
         minutes: float | None = None,
-        candidates: int = Thoroughness().candidates,
+        candidates: int = CANDIDATES,
     ) -> PlanResult:
         """Return the readings that serve best together, with what no plan can beat; raises PlanError.
 
@@ -271,7 +271,7 @@ class Case:
             None,
             None if minutes is None else 60.0 * minutes,
         )
-        proposal = proposed(self.inner, limits, Thoroughness(candidates), bounded=True)
+        proposal = proposed(self.inner, limits, candidates, bounded=True)
         return PlanResult(self.inner, proposal, plan_answer(self.inner, proposal, limits))
 
     def __repr__(self) -> str:

@@ -64,8 +64,8 @@ class Hats:
         index, share = self._between(self.nodes)
         count, left = len(self.points), 1 - share
         stored = np.stack([self.weights * left, self.weights * share], axis=1).ravel()
-        places, first = np.stack([index, index + 1], axis=1).ravel(), 2 * np.arange(len(share) + 1)
-        right = sparse_product(stored, places, first, count)(curve)
+        places, nodes = np.stack([index, index + 1], axis=1).ravel(), np.repeat(np.arange(len(share)), 2)
+        right = sparse_product(stored, places, nodes, (count, len(share)))(curve)
         before, beside, after = np.zeros((3, count - 1))
         for sums, each in ((before, left * left), (beside, left * share), (after, share * share)):
             np.add.at(sums, index, self.weights * each)

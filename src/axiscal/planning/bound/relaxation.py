@@ -87,7 +87,7 @@ class Relaxation:
     def within(self, kept: NDArray[np.bool_]) -> Relaxation:
         """Return the same of some candidates and places, (M + places,)."""
         count = len(self.pool)
-        pool = Pool(self.state.observation, self.pool.lattice.within(kept[:count]), self.pool.memory)
+        pool = Pool(self.state.observation, self.pool.lattice.within(kept[:count]))
         places = self.places.within(kept[count:])
         return Relaxation(pool, self.state, places, self.costs[kept], self.limit, self.rests)
 

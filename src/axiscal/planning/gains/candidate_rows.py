@@ -1,4 +1,4 @@
-"""A lattice of candidates with its rows, kept in memory or made anew block by block where that would be too much.
+"""A lattice of candidates with its rows, kept whole or, where few pieces make them, by these.
 
 A candidate has as many rows as its instrument gives numbers, one after another: one, or one each along x, y and z.
 """
@@ -8,29 +8,32 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.errors.model import ErrorModel, SameKnots
 from axiscal.measurement.cells import Course, RestEffects, add_rests
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import cells_shown, numbers_of_setups, with_cells
 from axiscal.numerics import Array
+from axiscal.numerics.bernstein import bernstein, coefficients_between
 from axiscal.numerics.from_scipy import sparse_product
-from axiscal.numerics.remembered import remembered
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.gains.gain import Scorer
 
 _BLOCK = 4096
 """Rows made at once: of memory, not of the result."""
-_NEAR = 81920
-"""Numbers of rows that stay in the cache while they are multiplied: of speed, not of the result."""
-_FEW = 6
-"""Columns up to which one product each is faster: of speed, not of the result."""
-MEMORY = 1e9
-"""Bytes that the rows of a lattice may take unless said otherwise."""
+_LONGEST, _LONG = 32, 4
+"""Control values of an error that stays whole in rows, and in those that would take too much memory: of speed."""
+_DEGREE = 3
+"""Of an error between two of its knots."""
+_TOGETHER = 64
+"""Vectors of which products are summed at once: of memory, not of the result."""
+_MEMORY = 1e9
+"""Bytes that the rows of a lattice may take as a whole; beyond, shorter errors are cut into pieces, too."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -38,36 +41,44 @@ class _Block:
     """Candidates of one set-up.
 
     candidates : slice of the pool's; values : numbers of each; rests : what those of cells do to these numbers
-    rows : (numbers, c) over the unknowns that one of them feels, None where they are made anew; felt : (c,) which
+    rows : (numbers, c) over the unknowns that one of them feels; felt : (c,) which
+    cut : what makes the products of rows over pieces, None where they are whole
+    cells : (e,) those that the numbers feel, in the list of all; of_cells : what makes the products of their rests
     shown : by candidate, the cells that a reading there opens
     """
 
     setup: int
     candidates: slice
     values: int
-    rows: Array | None
+    rows: Array
     felt: NDArray[np.intp]
-    rests: RestsInCells
+    cut: Callable[[Array], Array] | None
+    rests: RestEffects
+    cells: NDArray[np.intp]
+    of_cells: Callable[[Array], Array]
     shown: RestEffects
 
 
 class Pool:
     """The candidates of a lattice, sorted by set-up.
 
-    memory : bytes that the rows may take; those beyond are made anew for every product, at the cost of time
     numbers : of a reading of each set-up; width : w, the most of them: every candidate has so many rows, some nought
     """
 
-    def __init__(self, observation: Observation, lattice: Places, memory: float = MEMORY) -> None:
+    def __init__(self, observation: Observation, lattice: Places) -> None:
         self.lattice = lattice.within(np.argsort(lattice.setups, kind="stable"))
         self._bare = observation.bare
         self.size = self._bare.size
         self.noise = np.array([observation.setups[s].noise ** 2 for s in self.lattice.setups])
         self.numbers = numbers_of_setups(observation.setups)
         self.width = int(self.numbers.max())
-        self.memory = memory
-        self._bytes = 8.0 * self.size * np.cumsum(self.numbers[self.lattice.setups])
-        self._blocks = [self._block(setup, where) for setup, where in self._slices()]
+        fits = 8.0 * self.size * self.numbers[self.lattice.setups].sum() <= _MEMORY
+        self._pieces = _Pieces(observation.errors, self.size, _LONGEST if fits else _LONG)
+        self._blocks = [
+            self._block(setup, slice(start, min(start + _BLOCK, int(mine[-1]) + 1)))
+            for setup, mine in self.lattice.by_setup()
+            for start in range(int(mine[0]), int(mine[-1]) + 1, _BLOCK)
+        ]
 
     def __len__(self) -> int:
         return len(self.lattice)
@@ -86,50 +97,44 @@ class Pool:
 
     def products(self, observation: Observation, vectors: Array) -> Array:
         """Return the rows of all candidates times vectors (n, c) over the observation's unknowns, (c, w, M)."""
+        result = np.zeros((vectors.shape[1], self.width, len(self)))
         columns = np.ascontiguousarray(vectors.T)
-        result = np.zeros((len(columns), self.width, len(self)))
+        pieces = self._pieces.coefficients(vectors) if self._pieces.cuts else vectors
         for block in self._blocks:
-            seen = self._seen(block, observation, columns).reshape(len(columns), -1, block.values)
-            result[:, : block.values, block.candidates] = seen.swapaxes(1, 2)
+            seen = columns[:, block.felt] @ block.rows.T if block.cut is None else block.cut(pieces).T
+            at = observation.cell_columns.columns[block.cells]
+            if np.any(at >= 0):
+                seen += block.of_cells(np.where(at[:, None] >= 0, vectors[at], 0.0)).T
+            for number, course, share in self._drifts(observation, block.setup):
+                moved = share * (columns[:, list(course.columns)] @ course.rows()[0])
+                seen[:, number :: block.values] += moved[:, None]
+            each = seen.reshape(len(result), -1, block.values)
+            result[:, : block.values, block.candidates] = each.swapaxes(1, 2)
+        return result
+
+    def grams(self, observation: Observation, vectors: Array) -> Array:
+        """Return the products of each candidate's rows times vectors (n, c) with one another, (w, w, M)."""
+        result = np.zeros((self.width, self.width, len(self)))
+        for start in range(0, vectors.shape[1], _TOGETHER):
+            seen = self.products(observation, vectors[:, start : start + _TOGETHER])
+            result += np.einsum("kim,kjm->ijm", seen, seen)
         return result
 
     def squares(self, observation: Observation, vectors: Array) -> Array:
         """Return the squared lengths of each candidate's rows times vectors (n, c), all its numbers together, (M,)."""
-        result = np.empty(len(self))
-        columns = np.ascontiguousarray(vectors.T)
-        for block in self._blocks:
-            seen = self._seen(block, observation, columns)
-            result[block.candidates] = np.einsum("ij,ij->j", seen, seen).reshape(-1, block.values).sum(axis=1)
-        return result
-
-    def _seen(self, block: _Block, observation: Observation, columns: Array) -> Array:
-        """Return the rows of a block times vectors, (c, numbers), those of one candidate beside each other.
-
-        columns : (c, n). With few vectors each row is fetched from memory once and used for all of them while it is
-        near.
-        """
-        rows = self._rows(block)
-        if len(columns) > _FEW:
-            seen = columns[:, block.felt] @ rows.T
-        else:
-            seen = np.empty((len(columns), len(rows)))
-            _dotted(rows, columns[:, block.felt], seen)
-        block.rests.add(observation, columns, seen)
-        for number, course, share in self._drifts(observation, block.setup):
-            moved = share * (columns[:, list(course.columns)] @ course.rows()[0])
-            seen[:, number :: block.values] += moved[:, None]
-        return seen
+        squares: Array = np.trace(self.grams(observation, vectors))
+        return squares
 
     def gain_forms(self, scorer: Scorer) -> tuple[Array, Array]:
         """Return N = G C W C Gᵀ and M = R + G C Gᵀ of every candidate, each (w, w, M)."""
-        above = np.zeros((self.width, self.width, len(self)))
-        below = np.eye(self.width)[:, :, None] * self.noise
+        observation, vectors = scorer.observation, scorer.both
+        noise = np.eye(self.width)[:, :, None] * self.noise
         for block in self._blocks:
             part, own = block.candidates, slice(block.values)
-            seen = scorer.observation.numbers(block.setup, self.lattice.poses[part], self.lattice.approaches[part])
-            for whole, each in zip((above, below), scorer.split_all(seen), strict=True):
-                whole[own, own, part] = each.transpose(1, 2, 0)
-        return above, below
+            seen = observation.numbers(block.setup, self.lattice.poses[part], self.lattice.approaches[part])
+            noise[own, own, part] = seen.covariances.transpose(1, 2, 0)
+        above, below = (self.grams(observation, each) for each in (vectors[:, scorer.rank :], scorer.factor))
+        return above, noise + below
 
     def scorer(self, state: Covariance) -> Scorer:
         """Return the gains under a state, as if no cell had been visited."""
@@ -141,13 +146,15 @@ class Pool:
     def rows(self, observation: Observation, index: int) -> Array:
         """Return the rows of a candidate whose cells have columns as far as their rests show in it, (k, n)."""
         block = self._block_of(index)
-        count = block.values
-        inside = count * (index - block.candidates.start) + np.arange(count)
-        result = np.zeros((count, observation.size))
-        result[:, block.felt] = self._rows(block)[inside]
-        effects = block.rests.effects
-        of = RestEffects(effects.functions, effects.reach[:, inside], effects.cells[:, inside])
-        add_rests(of, np.zeros(len(of.functions)), observation.cell_columns.visited(of), result, np.zeros(count))
+        inside = block.values * (index - block.candidates.start) + np.arange(block.values)
+        result = np.zeros((block.values, observation.size))
+        if block.cut is None:
+            result[:, block.felt] = block.rows[inside]
+        else:
+            result[:, : self.size] = self._rows(block.setup, slice(index, index + 1))
+        functions, reach, cells = block.rests
+        of = RestEffects(functions, reach[:, inside], cells[:, inside])
+        add_rests(of, np.zeros(len(functions)), observation.cell_columns.visited(of), result, np.zeros(len(inside)))
         for number, course, share in self._drifts(observation, block.setup):
             result[number, list(course.columns)] += share * course.rows()[0]
         return result
@@ -171,85 +178,84 @@ class Pool:
             for course, share in observation.drifts_shown(setup, along):
                 yield number, course, share
 
-    def _slices(self) -> Iterator[tuple[int, slice]]:
-        for setup in np.unique(self.lattice.setups):
-            mine = np.flatnonzero(self.lattice.setups == setup)
-            for start in range(int(mine[0]), int(mine[-1]) + 1, _BLOCK):
-                yield int(setup), slice(start, min(start + _BLOCK, int(mine[-1]) + 1))
-
     def _block(self, setup: int, candidates: slice) -> _Block:
-        shown = cells_shown(self._bare, setup, self.lattice.poses[candidates])
-        rests, every = self._rests(setup, candidates), np.arange(self.size)
-        block = _Block(setup, candidates, int(self.numbers[setup]), None, every, rests, shown)
-        if self._bytes[candidates.stop - 1] > self.memory:
-            return block
-        rows = self._rows(block)
+        poses, approaches = self.lattice.poses[candidates], self.lattice.approaches[candidates]
+        rows, cut = self._rows(setup, candidates), None
+        if self._pieces.cuts and self._bare.setups[setup].base is None:
+            effects = self._bare.errors.effects(self._bare.levers(setup, poses), approaches)
+            rows, cut = rows[:, :0], self._pieces.product(effects, poses, rows[:, self._pieces.whole])
         felt = np.flatnonzero(np.any(rows != 0, axis=0))
-        return replace(block, rows=np.ascontiguousarray(rows[:, felt]), felt=felt)
+        functions, reach, cells = self._bare.rest_effects(setup, poses, approaches)
+        inside = reach.transpose(1, 2, 0).reshape(len(functions), len(rows))
+        rests = RestEffects(functions, inside, np.repeat(cells, len(reach), axis=1))
+        return _Block(
+            setup, candidates, len(reach), np.ascontiguousarray(rows[:, felt]), felt, cut, rests,
+            *self._of_cells(rests), cells_shown(self._bare, setup, poses),
+        )  # fmt: skip
 
-    def _rests(self, setup: int, candidates: slice) -> RestsInCells:
-        """Return what the rests do to the numbers of some candidates, those of one candidate beside each other."""
+    def _of_cells(self, rests: RestEffects) -> tuple[NDArray[np.intp], Callable[[Array], Array]]:
+        """Return the cells that numbers feel, in the list of all, and what makes the products of their rests."""
+        effects, numbers = np.nonzero(rests.reach)
+        every = self._bare.cell_columns.first[rests.functions[effects]] + rests.cells[effects, numbers]
+        cells = np.flatnonzero(np.bincount(every))
+        entries, shape = rests.reach[effects, numbers], (rests.reach.shape[1], len(cells))
+        return cells, sparse_product(entries, numbers, np.searchsorted(cells, every), shape)
+
+    def _rows(self, setup: int, candidates: slice) -> Array:
+        """Return the rows of some candidates of a set-up over all unknowns, (numbers, n)."""
         part = self.lattice.poses[candidates], self.lattice.approaches[candidates]
-        functions, reach, cells = self._bare.rest_effects(setup, *part)
-        inside = reach.transpose(1, 2, 0).reshape(len(functions), len(reach) * len(part[0]))
-        return RestsInCells.ordered(self._bare, RestEffects(functions, inside, np.repeat(cells, len(reach), axis=1)))
-
-    def _rows(self, block: _Block) -> Array:
-        if block.rows is not None:
-            return block.rows
-        part = self.lattice.poses[block.candidates], self.lattice.approaches[block.candidates]
-        each = [seen.rows for seen in self._bare.rows_each(block.setup, *part)]
+        each = [seen.rows for seen in self._bare.rows_each(setup, *part)]
         return each[0] if len(each) == 1 else np.stack(each, axis=1).reshape(-1, self.size)
 
 
-def _dotted(rows: Array, columns: Array, into: Array) -> None:
-    """Multiply a few rows at a time with every vector.  rows : (m, n); columns : (c, n); into : (c, m)."""
-    height = max(1, _NEAR // max(rows.shape[1], 1))
-    for start in range(0, len(rows), height):
-        part = rows[start : start + height]
-        for column, sums in zip(columns, into, strict=True):
-            np.dot(part, column, out=sums[start : start + height])
+class _Cut(NamedTuple):
+    """Functions in pieces.  maps : (p, n) from values to coefficients; first : where those of the first one begin"""
+
+    alike: SameKnots
+    maps: Array
+    first: int
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class RestsInCells:
-    """Effects of the rests on many numbers, cell by cell.
+class _Pieces:
+    """Unknowns of which a row feels few: Bernstein coefficients of functions between knots, then what is not cut.
 
-    effects : of all of them; numbers, reach : (k,) which feel a cell and how much, cell by cell
-    first : (all cells + 1,) where those of each cell begin
+    There each is a cubic, so that a row has four entries of it, however finely it is divided.
+    cuts : the functions that are cut; count : of their coefficients; whole : (u,) the columns that stay as they are
     """
 
-    effects: RestEffects
-    numbers: NDArray[np.intp]
-    reach: Array
-    first: NDArray[np.intp]
+    def __init__(self, errors: ErrorModel, size: int, longest: int) -> None:
+        kept, self.cuts, self.count = np.ones(size, dtype=bool), list[_Cut](), 0
+        for alike in errors.same_knots:
+            if alike.basis.size > longest:
+                maps = coefficients_between(alike.basis.rows, alike.basis.knots, _DEGREE)
+                self.cuts.append(_Cut(alike, maps, self.count))
+                self.count += len(alike.functions) * len(maps)
+                kept[alike.columns] = False
+        self.whole = np.flatnonzero(kept)
 
-    @classmethod
-    def ordered(cls, observation: Observation, effects: RestEffects) -> RestsInCells:
-        """Return them in the order of the cells."""
-        table = observation.cell_columns
-        cells = (table.first[effects.functions][:, None] + effects.cells).ravel()
-        order = np.argsort(cells, kind="stable")
-        order = order[effects.reach.ravel()[order] != 0]
-        first = np.searchsorted(cells[order], np.arange(len(table.columns) + 1))
-        return cls(effects, order % max(effects.reach.shape[1], 1), effects.reach.ravel()[order], first)
+    def coefficients(self, vectors: Array) -> Array:
+        """Return vectors (n, c) over the unknowns as vectors over these, (k, c)."""
+        shape, parts = (-1, vectors.shape[1]), list[Array]()
+        for alike, maps, _ in self.cuts:
+            parts.append((maps @ vectors[alike.columns].reshape(-1, maps.shape[1], shape[1])).reshape(shape))
+        return np.concatenate([*parts, vectors[self.whole]])
 
-    def add(self, observation: Observation, vectors: Array, into: Array) -> None:
-        """Add what the rows of cells with columns make of vectors, in place.  vectors : (c, n); into : (c, numbers)"""
-        columns, product = _visited(observation, self, into.shape[1])
-        if len(columns):
-            into += product(vectors[:, columns].T).T
+    def product(self, effects: Array, poses: Array, rows: Array) -> Callable[[Array], Array]:
+        """Return what makes the products (numbers, c) of rows with vectors (k, c) over these unknowns.
 
-
-@remembered
-def _visited(
-    observation: Observation, rests: RestsInCells, numbers: int
-) -> tuple[NDArray[np.intp], Callable[[Array], Array]]:
-    """Return the columns of visited cells that some of so many numbers feel, and what makes their part of a product."""
-    columns = observation.cell_columns.columns
-    visited = np.flatnonzero(columns >= 0)
-    counts = rests.first[visited + 1] - rests.first[visited]
-    visited, counts = visited[counts > 0], counts[counts > 0]
-    first = np.concatenate([np.zeros(1, dtype=np.intp), np.cumsum(counts)])
-    entries = np.arange(int(counts.sum())) + np.repeat(rests.first[visited] - first[:-1], counts)
-    return columns[visited], sparse_product(rests.reach[entries], rests.numbers[entries], first, numbers)
+        effects : (v, terms, m) what a unit of each error adds to each of v numbers; poses : (m, q)
+        rows : (m v, u) of what is whole, the numbers of one reading beside each other
+        """
+        every = np.arange(len(rows)).reshape(-1, len(effects)).T[:, None, :, None]
+        where, column = np.nonzero(rows)
+        parts = [(rows[where, column], where, self.count + column)]
+        for alike, maps, first in self.cuts:
+            knots, at = alike.basis.knots, poses[:, alike.axis]
+            piece = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
+            shapes = bernstein(_DEGREE, (at - knots[piece]) / (knots[piece + 1] - knots[piece]))
+            begins = first + len(maps) * np.arange(len(alike.functions))[:, None, None]
+            columns = begins + (_DEGREE + 1) * piece[:, None] + np.arange(_DEGREE + 1)
+            felt = np.broadcast_arrays(effects[:, alike.functions, :, None] * shapes, every, columns)
+            parts.append((felt[0].ravel(), felt[1].ravel(), felt[2].ravel()))
+        entries, numbers, columns = (np.concatenate(each) for each in zip(*parts, strict=True))
+        return sparse_product(entries, numbers, columns, (len(rows), self.count + len(self.whole)))

@@ -79,8 +79,8 @@ class Scores:
         """Return the shares of the first variances of unknowns that each candidate takes away, summed, (M,)."""
         first = np.sqrt(self.state.observation.prior_variances()[columns])[:, None]
         scaled = self.state.factor @ (self.state.factor[columns[first[:, 0] > 0]] / first[first > 0][:, None]).T
-        seen = self.pool.products(self.state.observation, scaled)
-        return _gains(np.einsum("kim,kjm->ijm", seen, seen), self.below[:, :, : len(self.pool)])
+        told = self.pool.grams(self.state.observation, scaled)
+        return _gains(told, self.below[:, :, : len(self.pool)])
 
     def fork(self) -> Self:
         """Return a copy that goes its own way."""
@@ -108,7 +108,9 @@ class Scores:
         """Take a candidate, or a reading at another single place, into the plan, and return by how much J falls."""
         place, rows, variance = self._read(what)
         self.places = Places.joined([self.places, place])
-        return self._taken(np.array([len(self.places) - 1]), rows, _all_of_one(rows), np.array([variance]))
+        return self._taken(
+            np.array([len(self.places) - 1]), rows, np.zeros(len(rows), dtype=np.intp), np.array([variance])
+        )
 
     def exchange(self, slot: int, what: int | Places) -> float:
         """Put a candidate, or a reading at another single place, where another stands; return by how much J falls."""
@@ -116,7 +118,7 @@ class Scores:
         self._make_room()
         leaving = self._leaving(slot)
         self.places = self.places.exchanged(slot, place)
-        return self._taken(np.array([slot]), rows, _all_of_one(rows), np.array([variance]), leaving)
+        return self._taken(np.array([slot]), rows, np.zeros(len(rows), dtype=np.intp), np.array([variance]), leaving)
 
     def _read(self, what: int | Places) -> tuple[Places, Array, float]:
         """Return a reading's place, rows (k, n) and variance, with columns for the cells that it opens."""
@@ -292,10 +294,6 @@ class Scores:
         self._leavings = None
         if self._columns is not None:
             self._columns.change(scaled, half, cross)
-
-
-def _all_of_one(rows: Array) -> NDArray[np.intp]:
-    return np.zeros(len(rows), dtype=np.intp)
 
 
 def _scaled(eta: Array, omega: Array, cross: Array, reach: Array) -> tuple[Array, Array]:

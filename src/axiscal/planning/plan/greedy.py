@@ -99,7 +99,7 @@ def within_reach(task: Task, limits: Limits) -> bool:
 
 def _coarse(task: Task) -> tuple[Scores, RunningAccuracy]:
     """Return the gains of a thinned lattice, and the accuracy before any reading."""
-    scores = Scores(Pool(task.observation, task.coarse.lattice, task.memory), task.state)
+    scores = Scores(Pool(task.observation, task.coarse.lattice), task.state)
     return scores, RunningAccuracy.from_factor(task.yardstick, scores.state.factor)
 
 
@@ -218,11 +218,16 @@ def _hopeless(missed: Sequence[float], left: float) -> bool:
     return len(missed) > _RECENT and recent[-1] * len(recent[1:]) > left * (recent[0] - recent[-1])
 
 
+def scores_among(task: Task, setups: Setups) -> Scores:
+    """Return the gains of the candidates of some set-ups, before the first reading of a plan."""
+    lattice = task.lattice.within(np.isin(task.lattice.setups, setups))
+    return Scores(Pool(task.observation, lattice), task.state)
+
+
 def picked(task: Task, limits: Limits, setups: Setups) -> Places:
     """Return the readings that picks alone make a plan of, before any exchange: about as many."""
-    pool = Pool(task.observation, task.lattice.within(np.isin(task.lattice.setups, setups)), task.memory)
     meter = RunningAccuracy.from_factor(task.yardstick, task.state.factor)
-    return filled(Scores(pool, task.state), meter, limits, clock(task), setups).scores.places
+    return filled(scores_among(task, setups), meter, limits, clock(task), setups).scores.places
 
 
 def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, int], NDArray[np.bool_]]:

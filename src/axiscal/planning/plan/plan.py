@@ -33,7 +33,7 @@ from axiscal.planning.gains.covariance import RunningAccuracy, after_each
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.beginnings import best_of_random, evenly_spaced, plain_designs
 from axiscal.planning.plan.exchange import SWEEPS, drop, exchange, fitted, polish
-from axiscal.planning.plan.greedy import Setups, Trial, affordable, chosen_setups, filled, within_reach
+from axiscal.planning.plan.greedy import Setups, Trial, affordable, chosen_setups, filled, scores_among, within_reach
 from axiscal.planning.plan.order import arriving, in_order, interleaved, seconds_along, seconds_each
 from axiscal.planning.plan.task import PATIENCE, Clock, Limits, Patience, Task, clock
 
@@ -62,7 +62,7 @@ def renewed(
     mounted = [] if task.here is None else task.here.setups.tolist()
     setups, places = tuple(sorted({*mounted, *left.setups.tolist()})), left
     if np.isin(task.lattice.setups, setups).any():
-        base = _scores(task, setups)
+        base = scores_among(task, setups)
         others = np.setdiff1d(task.lattice.setups, setups) if limits.accurate else np.zeros(0, dtype=np.intp)
         trial = _filled(task, limits, times, _begun(base.fork(), limits, times, setups, left), others)
         if len(others) and not trial.met and within_reach(task, limits):
@@ -73,12 +73,6 @@ def renewed(
         places = _needed(task, limits, times, base, trial.scores.places)
     order = _ordered(task, limits, places, left, usual)
     return replace(order, approaches=arriving(task, order))
-
-
-def _scores(task: Task, setups: Setups) -> Scores:
-    """Return the gains of the candidates of some set-ups, before the first reading of a plan."""
-    lattice = task.lattice.within(np.isin(task.lattice.setups, setups))
-    return Scores(Pool(task.observation, lattice, task.memory), task.state)
 
 
 def _ordered(task: Task, limits: Limits, places: Places, left: Places, usual: bool) -> Places:
@@ -246,7 +240,7 @@ def _together(task: Task, limits: Limits, times: Clock, setups: Setups, work: fl
 
     work : operations that random starts may take
     """
-    base, meter = _scores(task, setups), RunningAccuracy.from_factor(task.yardstick, task.state.factor)
+    base, meter = scores_among(task, setups), RunningAccuracy.from_factor(task.yardstick, task.state.factor)
     greedy = filled(base.fork(), meter, limits, times, setups)
     counts = [(s, int(np.sum(greedy.scores.places.setups == s))) for s in setups]
     trials = [greedy]
@@ -282,7 +276,7 @@ def judged(task: Task, limits: Limits, places: Places, bounded: bool = True) -> 
     bound = None
     if bounded:
         with stage("the bound"):
-            bound = _bound(task, limits, Pool(task.observation, lattice, task.memory), places)
+            bound = _bound(task, limits, Pool(task.observation, lattice), places)
     return Plan(places, readings, value, before, limits.met(accuracy), bound, len(lattice), among)
 
 

@@ -21,7 +21,6 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import reading_seconds, short_way
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
-from axiscal.planning.gains.candidate_rows import MEMORY
 from axiscal.planning.gains.covariance import Covariance
 
 _TYPICAL = 24
@@ -35,7 +34,7 @@ class Task:
 
     belief : over the unknowns of the observation; root : V (w, n) of the criterion; lattice : the candidates
     here : one place, of the set-up that is mounted and where the machine stands; None before the first
-    memory : bytes that the rows of the candidates may take; read : places of readings that are taken already
+    read : places of readings that are taken already
     """
 
     observation: Observation
@@ -44,7 +43,6 @@ class Task:
     yardstick: Yardstick
     lattice: Places
     here: Places | None = None
-    memory: float = MEMORY
     read: Places | None = None
 
     @property
