@@ -60,7 +60,7 @@ def largest_along(forms: Forms, pieces: Array, count: int) -> tuple[float, float
     return float(places.flat[best]), float(ratios[best])
 
 
-class _Pieces(NamedTuple):
+class _Tame(NamedTuple):
     """Ends of pieces (b,), with series of N and D, (b, count) each, and the largest ratio looked at in each, (b,)."""
 
     left: Array
@@ -70,7 +70,7 @@ class _Pieces(NamedTuple):
     ratios: Array
 
 
-def _tame(forms: Forms, pieces: Array, count: int) -> _Pieces:
+def _tame(forms: Forms, pieces: Array, count: int) -> _Tame:
     """Return pieces in which the denominator spans no decades."""
     x, (left, right) = np.concatenate([[-1.0], nodes(count), [1.0]]), pieces.T
     series = np.linalg.inv(chebyshev.chebvander(nodes(count), count - 1)).T
@@ -83,10 +83,10 @@ def _tame(forms: Forms, pieces: Array, count: int) -> _Pieces:
         middle = left[wild] / 2 + right[wild] / 2
         left = np.concatenate([left[~wild], left[wild], middle])
         right = np.concatenate([right[~wild], middle, right[wild]])
-    return _Pieces(left, right, above[:, 1:-1] @ series, below[:, 1:-1] @ series, (above / below).max(axis=1))
+    return _Tame(left, right, above[:, 1:-1] @ series, below[:, 1:-1] @ series, (above / below).max(axis=1))
 
 
-def _hopeful(pieces: _Pieces) -> tuple[Array, ...]:
+def _hopeful(pieces: _Tame) -> tuple[Array, ...]:
     """Return the pieces that may hold more than the best that was seen: N − best · D is below zero in all others.
 
     No series is above its first coefficient by more than the sum of the sizes of the others.
