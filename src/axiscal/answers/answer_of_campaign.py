@@ -42,7 +42,7 @@ from axiscal.measurement.reading import Place, shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.promise import WantedAccuracy, asked
 from axiscal.record.copies import file_name
-from axiscal.tables.registry import exporter, offered
+from axiscal.tables.registry import exporter, offered_control
 from axiscal.tables.surface import Control
 from axiscal.units import to_unit
 
@@ -123,7 +123,7 @@ def _controls(known: Estimation) -> Iterator[tuple[str, Control]]:
     """Yield each control of the campaign with what its tables do, those left out that cannot be made."""
     for name in known.case.description.controls if known.readings else ():
         with suppress(TableError, ReadingError):
-            yield name, offered(known, name).control
+            yield name, offered_control(known, name)
 
 
 def named_mistakes(estimation: Estimation) -> list[NamedMistake]:

@@ -99,7 +99,7 @@ def _volume(asked: AskedRow, known: Estimation, controls: Mapping[str, Control])
     """Return the row of the volume."""
     estimate = known.estimate()
     where = places(estimate)
-    unknown = unknown_rms(estimate, *where)
+    unknown = unknown_rms(estimate)
 
     def shape(deviations: Array) -> Array:
         return deviations if estimate.alignment is None else estimate.alignment.left(where[0], deviations)

@@ -16,7 +16,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import uncounted
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
-from axiscal.tables.surface import Control, Effect, effect_of_control, left_by, planes_left, tour
+from axiscal.tables.surface import Control, Effect, effect_of_control, left_by, planes_left, rms, tour
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity, said_quantity, to_unit
 
@@ -81,22 +81,28 @@ class Export:
         return float(np.hypot(self.effect.after, self.unknown))
 
 
-def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
-    """Return the files with what they do; raises TableError when they would not do it."""
+def tried_over_box(estimate: Estimate, draft: Draft) -> Effect:
+    """Return what files do over the box of axes; raises TableError when they would not do what they are meant to."""
     if not draft.files:
         raise TableError("there is no deviation that these files could hold", _nothing_held(estimate))
     estimate = draft.about or estimate
     poses, approaches = spread_poses(estimate)
     _refuse_differences(estimate, draft, poses, approaches)
-    effect, meant = (
-        effect_of_control(estimate.machine, estimate.deviation, control, poses, estimate.box, counted=estimate.counted)
-        for control in (draft.control, draft.wanted)
-    )
+    tried = estimate.machine, estimate.deviation
+    effect = effect_of_control(*tried, draft.control, poses, estimate.box, counted=estimate.counted)
+    meant = rms(left_by(*tried, draft.wanted, poses, approaches), estimate.counted)
     slack = _WORTH + sum(_reach(estimate, name) * step for name, step in draft.resolution.items())
-    if effect.after > min(meant.after, effect.before) + slack:
+    if effect.after > min(meant, effect.before) + slack:
         before, after = (format_quantity(value, "um", 3) for value in effect)
         what = "these files would take the error from {before} to {after}"
         raise TableError(what, _DEFECT, before=before, after=after)
+    return effect
+
+
+def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
+    """Return the files with what they do; raises TableError when they would not do it."""
+    effect, estimate = tried_over_box(estimate, draft), draft.about or estimate
+    poses, approaches = spread_poses(estimate)
     together = planes_left(estimate, draft.control, poses, approaches)
     if estimate.sample is not None:
         tried = estimate.machine, estimate.deviation, draft.control, places(estimate)[0], estimate.box
@@ -106,7 +112,7 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     readme = _readme(controller, said, effect, certain, (*draft.first, *foreword(estimate, draft.control)))
     moved = np.any(draft.control(poses, approaches), axis=0)
     idle = tuple(axis.name for axis, moves in zip(estimate.machine.axes, moved, strict=True) if not moves)
-    done = draft.files, draft.tables, draft.control, effect, _unknown(estimate), certain, readme, idle
+    done = draft.files, draft.tables, draft.control, effect, unknown_rms(estimate), certain, readme, idle
     return Export(controller, *done)
 
 
@@ -121,25 +127,20 @@ def _nothing_held(estimate: Estimate) -> str:
     )
 
 
-@remembered
-def _unknown(estimate: Estimate) -> float:
-    """Return what is not known over the part, or over the volume, m: the same whatever control files are for."""
-    return unknown_rms(estimate, *places(estimate))
-
-
 def places(estimate: Estimate) -> tuple[Array, Array]:
     """Return poses (m, q) over the part, or over the volume, and approaches."""
     return spread_poses(estimate) if estimate.sample is None else tour(estimate.sample[:POSES], estimate.box)
 
 
-def unknown_rms(estimate: Estimate, poses: Array, approaches: Array) -> float:
-    """Return the RMS of the standard deviation of the TCP at poses (m, q), less the terms that do not count, m.
+@remembered
+def unknown_rms(estimate: Estimate) -> float:
+    """Return the RMS over the part, or over the volume, of what is not known of the TCP, less what does not count, m.
 
     Its square is the mean of trace((H - E[H]) C (H - E[H])ᵀ) and of the share of the rests. For an aligned part the
     alignment replaces E[H].
     """
-    spread, rest = _roots(estimate, poses, approaches)
-    return float(np.sqrt((np.sum(spread**2) + np.sum(rest**2)) / len(poses)))
+    spread, rest = _roots(estimate, *places(estimate))
+    return float(np.sqrt((np.sum(spread**2) + np.sum(rest**2)) / len(spread)))
 
 
 def _roots(estimate: Estimate, poses: Array, approaches: Array) -> tuple[Array, Array]:

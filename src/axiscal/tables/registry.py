@@ -18,7 +18,8 @@ from axiscal.machine.description import Machine
 from axiscal.numerics.threads import one_thread
 from axiscal.tables.exporter import Exporter, ExportOptions, asked_about, informed, on_top
 from axiscal.tables.loaded import Loaded
-from axiscal.tables.offer import Export, tried_out
+from axiscal.tables.offer import Draft, Export, tried_out, tried_over_box
+from axiscal.tables.surface import Control
 
 _ABSURD = 1.0
 """m or rad: no compensation is as large; any value above what a machine can be off by would do."""
@@ -46,14 +47,19 @@ PORTS = "axiscal.exporters"
 def export(estimate: Estimate, controller: str, options: ExportOptions) -> Export:
     """Return the files for one controller, tried out; raises TableError for an unknown one, or what it cannot hold."""
     name = named(controller)
+    return tried_out(name, estimate, _drafted(estimate, name, options))
+
+
+def _drafted(estimate: Estimate, name: str, options: ExportOptions) -> Draft:
+    """Return the files for a controller before they are tried; raises as `export`."""
     refuse_untaken(name, options.given)
     made = exporter(name)
     for axis in options.spacing if isinstance(options.spacing, Mapping) else ():
         estimate.machine.index(axis)
     if not options.old_files:
-        return tried_out(name, estimate, asked_about(name, made.instead, made.make(estimate, options), options))
+        return asked_about(name, made.instead, made.make(estimate, options), options)
     old = loaded(name, estimate.machine, options)
-    return tried_out(name, estimate, on_top(estimate, made.make(estimate, replace(options, old=old)), old, options))
+    return on_top(estimate, made.make(estimate, replace(options, old=old)), old, options)
 
 
 def refuse_untaken(controller: str, given: Sequence[str]) -> None:
@@ -74,6 +80,16 @@ def named(controller: str) -> str:
 def offered(known: Estimation, controller: str) -> Export:
     """Return the files for a control as the campaign describes it; raises as `export`, and ReadingError."""
     return export(known.estimate(), controller, informed(ExportOptions(), known.case.description, controller))
+
+
+@one_thread()
+@stage("tables")
+def offered_control(known: Estimation, controller: str) -> Control:
+    """Return what a control does with the same files, of which nothing else is asked; raises as `offered`."""
+    estimate, options = known.estimate(), informed(ExportOptions(), known.case.description, controller)
+    draft = _drafted(estimate, named(controller), options)
+    tried_over_box(estimate, draft)
+    return draft.control
 
 
 def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
