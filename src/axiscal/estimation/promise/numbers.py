@@ -36,12 +36,13 @@ class Numbers:
 
     def prior_covariance(self, theta: Array, roots: Sequence[Array]) -> Array:
         """Return the prior covariance of the answered unknowns, (answered, answered) m² and rad²."""
-        result, factors = self._roots.copy(), factors_of(self.problem, theta)[self.problem.first :]
+        factors = factors_of(self.problem, theta)[self.problem.first :]
+        result: Array = self._roots * factors
+        result *= factors[:, None]
         for curves, lower in zip(self.problem.curves, roots, strict=True):
             at = curves.columns - self.problem.first
-            result[at[:, :, None], at[:, None, :]] = lower @ lower.transpose(0, 2, 1)
-        result *= factors
-        result *= factors[:, None]
+            sized = lower * factors[at][:, :, None]
+            result[at[:, :, None], at[:, None, :]] = sized @ sized.transpose(0, 2, 1)
         return result
 
     def _shown(self, theta: Array, roots: Sequence[Array]) -> list[Array]:
@@ -128,27 +129,23 @@ class _InNumbers:
         information[np.ix_(names, names)] = 0.5 * flat @ turned.T
         return Slope(self.value, gradient, information)
 
-    @cached_property
+    @property
     def _shown(self) -> Array:
         problem = self.space.problem
         return turned(problem, problem.rows, self.theta, self.roots, problem.first)
 
-    @cached_property
-    def _gain(self) -> Array:
-        """G F, (answered, m)."""
-        return self.space.problem.raw(solution(self.root, self._shown).T, self.theta, self.roots)
-
     def posterior(self) -> Answered:
         """Return the posterior of the answered unknowns."""
-        problem = self.space.problem
-        mean = problem.mean + problem.raw(self._shown.T @ self.weighted, self.theta, self.roots)
+        problem, shown = self.space.problem, self._shown
+        mean = problem.mean + problem.raw(shown.T @ self.weighted, self.theta, self.roots)
+        known = problem.raw(solution(self.root, shown).T, self.theta, self.roots)
         covariance = self.space.prior_covariance(self.theta, self.roots)
-        covariance -= self._gain @ self._gain.T
+        covariance -= known @ known.T
         return Answered(mean, covariance)
 
     def gain(self, columns: Array) -> Array:
         """Return G B."""
-        return np.asarray(self._gain @ solution(self.root, columns))
+        return self.space.problem.raw(self._shown.T @ self.precision(columns), self.theta, self.roots)
 
     def cell_means(self) -> Array:
         """Return the means of the rests of the cells that were visited."""

@@ -259,20 +259,23 @@ def _moments(judged: Sequence[_Judged], volume: Array) -> _Moments:
     """
     weights = np.concatenate([each.found.weights for each in judged]) / len(judged)
     givens = [(each.problem.held, given) for each in judged for given in each.found.given]
-    answers = [given.posterior() for _, given in givens]
-    about = answers[0].mean  # open zeros are large beside what draws differ by
-    shift = np.sum([w * (each.mean - about) for w, each in zip(weights, answers, strict=True)], axis=0)
-    aparts = np.array([each.mean - about - shift for each in answers])
-    total = (aparts.T * weights) @ aparts
-    counts = len(volume)
-    squares = np.sum((aparts[:, :counts] @ volume) * aparts[:, :counts], axis=1)
+    size, counts = judged[0].problem.answered, len(volume)
+    means, squares, total = np.empty((len(givens), size)), np.empty(len(givens)), np.zeros((size, size))
+    over = np.zeros_like(total)
+    over[:counts, :counts] = volume
     for i, (held, given) in enumerate(givens):
-        covariance = answers[i].covariance
+        means[i], covariance = given.posterior()
         if held.size:
             moved = given.gain(held)
-            covariance = covariance + moved @ moved.T
-        total += weights[i] * covariance
-        squares[i] += np.einsum("kl,kl->", volume, covariance[:counts, :counts])
+            covariance += moved @ moved.T
+        squares[i] = np.vdot(over, covariance)
+        covariance *= weights[i]
+        total += covariance
+    about = means[0]  # open zeros are large beside what draws differ by
+    shift = weights @ (means - about)
+    aparts = means - about - shift
+    total += (aparts.T * weights) @ aparts
+    squares += np.sum((aparts[:, :counts] @ volume) * aparts[:, :counts], axis=1)
     cells = np.sum([w * given.cell_means() for w, (_, given) in zip(weights, givens, strict=True)], axis=0)
     mean = float(weights @ squares)
     varied = float(weights @ (squares - mean) ** 2)
