@@ -27,8 +27,9 @@ from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.reading_rows import seen, visited_by
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.planning.other_readings import EVERY, planned_with_markers, with_markers, without_markers
+from axiscal.planning.other_readings import planned_with_markers, with_markers, without_markers
 from axiscal.planning.plan.task import Limits
+from axiscal.planning.promise import EVERY
 from axiscal.present.curves import constants
 from axiscal.present.findings import findings, untimed
 from axiscal.record.events import Recorded

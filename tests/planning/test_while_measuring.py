@@ -16,7 +16,8 @@ from axiscal.estimation.estimate import estimated
 from axiscal.estimation.judged import Doubt
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Simulator
-from axiscal.planning.next_readings import next_places, plan_basis, twice_rejected
+from axiscal.planning.next_readings import next_places, twice_rejected
+from axiscal.planning.promise import plan_basis
 from axiscal.record.events import Asked, Planned
 from tests.generators.texts import campaign_text, machine_text, setup_text
 

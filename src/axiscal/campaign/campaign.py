@@ -14,7 +14,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from axiscal.campaign.ending import (
     BUDGET,
@@ -45,7 +45,7 @@ from axiscal.estimation.timed import Timed, elapsed, timed
 from axiscal.exceptions import AmbiguityError, RecordError
 from axiscal.measurement.reading import Place, Reading
 from axiscal.numerics.remembered import Memo
-from axiscal.planning.next_readings import next_places, plan_basis
+from axiscal.planning.promise import plan_basis
 from axiscal.record.accepted import Accepted
 from axiscal.record.copies import created_log, opened_log, refuse_other, write_copy
 from axiscal.record.events import (
@@ -69,6 +69,14 @@ Planner = Callable[
     [Case, Knowledge, Sequence[Reading], Sequence[Doubt], Sequence[Gap], Sequence[Place]], tuple[Place, ...]
 ]
 """From what is known to the readings to come, as `next_places`."""
+
+
+def _next_places(*known: Any) -> tuple[Place, ...]:
+    from axiscal.planning.next_readings import next_places  # a search that no command but the one that plans waits for
+
+    return next_places(*known)
+
+
 _ANSWERS = 6
 """Kept of the same readings: their case, times, estimates while others follow and at the end, and whether they end it.
 """
@@ -80,19 +88,19 @@ class Campaign(Closing):
     planner : says where to read next
     """
 
-    def __init__(self, record: EventLog, description: CampaignDescription, planner: Planner = next_places) -> None:
+    def __init__(self, record: EventLog, description: CampaignDescription, planner: Planner = _next_places) -> None:
         self._record, self.description, self._planner = record, description, planner
         self.state = record.state()
         self._first = record.events()[0]
         self._memo = Memo(_ANSWERS)
 
     @classmethod
-    def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = next_places) -> Self:
+    def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = _next_places) -> Self:
         """Return a new campaign, recorded at `path`; raises RecordError if something is there already."""
         return cls(created_log(path, beginning_of(description)), description, planner)
 
     @classmethod
-    def open(cls, path: str | Path, planner: Planner = next_places, *, write: bool = True) -> Self:
+    def open(cls, path: str | Path, planner: Planner = _next_places, *, write: bool = True) -> Self:
         """Return the campaign recorded at `path`; raises RecordError if that is no record."""
         record = opened_log(path, write=write)
         try:

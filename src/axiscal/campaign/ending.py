@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,14 +20,12 @@ from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
 from axiscal.exceptions import RecordError, SourceError
 from axiscal.language.spoken import counted, said
 from axiscal.measurement.reading import Reading
-from axiscal.planning.enough import FEW
-from axiscal.planning.promise import WantedAccuracy, asked
+from axiscal.planning.promise import FEW, WantedAccuracy, asked
 from axiscal.record.events import State
 from axiscal.units import format_quantity
 
 
-@dataclass(frozen=True, slots=True)
-class Status:
+class Status(NamedTuple):
     """Where the campaign stands: seconds of machine time used, and why it would stop now, if it would.
 
     agreement : whether the readings agree with each other
@@ -41,8 +38,7 @@ class Status:
     agreement: Agreement = NOTHING_READ
 
 
-@dataclass(frozen=True, slots=True)
-class Milestone:
+class Milestone(NamedTuple):
     """The last of so many readings taken (None: before the first), how well the machine was known, and the seconds."""
 
     taken: int
@@ -70,8 +66,7 @@ _PASSING = {"drift", "cycle", "growth", "way", "noise"}
 """Kinds of sizes that endless readings take away, however large."""
 
 
-@dataclass(frozen=True, slots=True)
-class Ended:
+class Ended(NamedTuple):
     """There is nothing more to ask, and why."""
 
     because: str

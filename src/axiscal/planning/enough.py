@@ -22,12 +22,10 @@ from axiscal.planning.plan.greedy import chosen_setups, picked
 from axiscal.planning.plan.order import in_order
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
-from axiscal.planning.promise import foreseen, promised
+from axiscal.planning.promise import FEW, foreseen, promised
 
 AT_ONCE = 150
 """Readings of a plan at most: what is known by then plans the others."""
-FEW = 6
-"""Readings planned at once for what likely sizes reach and all sizes together do not: then it is looked at again."""
 _GROWTH = 1.5
 """From one number of readings that is tried to the next; then the middle: at most a fifth of them is too many."""
 _ROUNDS = 4

@@ -6,7 +6,6 @@ A plan stands as long as what it rests on; it has no places where no reading can
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -31,7 +30,6 @@ from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.enough import AT_ONCE, enough, going_on, roughly
 from axiscal.planning.other_readings import (
-    EVERY,
     plane_start,
     planned_with_markers,
     with_both_sides,
@@ -247,38 +245,6 @@ def next_places(
 
 _NEAR = 0.01
 """Places within this share of each axis' travel are one place."""
-_FIRST, _GROWTH = 5, 1.34
-_AS_STATED = 1.2
-"""By this factor a reading's own std may differ from its set-up's noise before it tells more or less than planned."""
-
-
-def plan_basis(case: Case, readings: Sequence[Reading], doubts: Sequence[Doubt]) -> str:
-    """Return what a plan made now rests on beside where readings were taken, in words; empty for nothing.
-
-    Where a zero drifts it rests on the clock as well: markers are due by it.
-    doubts : readings that are not believed
-    """
-    noise = {setup.name: setup.noise for setup in case.description.setups}
-    said = [f"sizes of {count} readings"] if len(case.sizes) and (count := _learnt_from(len(readings))) else []
-    said += [f"{doubt.reading + 1} rejected" for doubt in doubts]
-    passed = int(max((reading.time or 0.0 for reading in readings), default=0.0) // EVERY)
-    if passed and any(setup.drift > 0 for setup in case.description.setups):
-        said.append(f"{passed} times {EVERY / 60:.0f} min")
-    other = [n for n, r in enumerate(readings, 1) if r.std is not None and not _alike(r.std, noise[r.setup])]
-    return ", ".join([*said, *(f"noise of {number}" for number in other)])
-
-
-def rejected(basis: str) -> frozenset[int]:
-    """Return the indices of the readings that are not believed.  basis : of `plan_basis`"""
-    return frozenset(int(number) - 1 for number in re.findall(r"(\d+) rejected", basis))
-
-
-def _learnt_from(count: int) -> int:
-    """Return the last number of readings, by a third more each time, after which sizes make a plan anew."""
-    due, following = 0, _FIRST
-    while following <= count:
-        due, following = following, math.ceil(following * _GROWTH)
-    return due
 
 
 def twice_rejected(case: Case, readings: Sequence[Reading], doubts: Sequence[Doubt]) -> tuple[Gap, ...]:
@@ -306,7 +272,3 @@ def at_gap(case: Case, setup: int, poses: Array, gaps: Sequence[Gap]) -> NDArray
         if case.index(gap.place.setup) == setup:
             result |= gap.whole | np.all(np.abs(poses - np.array(gap.place.pose)) < _NEAR * lengths, axis=1)
     return result
-
-
-def _alike(std: float, noise: float) -> bool:
-    return 1 / _AS_STATED < std / noise < _AS_STATED

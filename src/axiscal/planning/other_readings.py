@@ -30,6 +30,7 @@ from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.planning.plan.task import Limits
+from axiscal.planning.promise import EVERY
 from axiscal.record.events import Gap
 from axiscal.units import from_unit, to_unit
 
@@ -84,10 +85,6 @@ def _with_room(axis: Axis, position: float, side: int, raster: float) -> float:
     unit, digits = _DIGITS[axis.rotary]
     step = raster if raster > 0 else from_unit(10.0**-digits, unit)
     return step * (math.ceil(nearest / step - _SLACK) if side > 0 else math.floor(nearest / step + _SLACK))
-
-
-EVERY = 1200.0
-"""Seconds of machine time between two readings of a marker: a third of the hour over which a drift keeps its rate."""
 
 
 def planned_with_markers(

@@ -1,7 +1,9 @@
-"""How well a machine will be known after a plan and at best, and what the plan cannot tell apart."""
+"""How well a machine will be known after a plan and at best, what the plan cannot tell apart, and what it rests on."""
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -13,6 +15,7 @@ from axiscal.estimation.accuracy.expanded import floor_of
 from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
+from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.passing import Contribution, contributions
 from axiscal.estimation.promise.problem import Problem, problem
@@ -25,6 +28,8 @@ from axiscal.measurement.reading_rows import blank_readings, places_of, rows_at,
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 
+FEW = 6
+"""Readings planned at once for what likely sizes reach and all sizes together do not: then it is looked at again."""
 _TAKEN = 0.5
 """Share of what comes and goes that is taken for the curve, from which on it is said."""
 _AGAIN, _FEWEST = 4, 6
@@ -145,3 +150,43 @@ def _fit(shown: Array, wanted: Array) -> float:
     """Return the share of wanted that is shown, (m,) each, means taken off."""
     apart = wanted - wanted.mean()
     return float(shown @ apart / (apart @ apart))
+
+
+EVERY = 1200.0
+"""Seconds of machine time between two readings of a marker: a third of the hour over which a drift keeps its rate."""
+_FIRST, _GROWTH = 5, 1.34
+_AS_STATED = 1.2
+"""By this factor a reading's own std may differ from its set-up's noise before it tells more or less than planned."""
+
+
+def plan_basis(case: Case, readings: Sequence[Reading], doubts: Sequence[Doubt]) -> str:
+    """Return what a plan made now rests on beside where readings were taken, in words; empty for nothing.
+
+    Where a zero drifts it rests on the clock as well: markers are due by it.
+    doubts : readings that are not believed
+    """
+    noise = {setup.name: setup.noise for setup in case.description.setups}
+    said = [f"sizes of {count} readings"] if len(case.sizes) and (count := _learnt_from(len(readings))) else []
+    said += [f"{doubt.reading + 1} rejected" for doubt in doubts]
+    passed = int(max((reading.time or 0.0 for reading in readings), default=0.0) // EVERY)
+    if passed and any(setup.drift > 0 for setup in case.description.setups):
+        said.append(f"{passed} times {EVERY / 60:.0f} min")
+    other = [n for n, r in enumerate(readings, 1) if r.std is not None and not _as_stated(r.std, noise[r.setup])]
+    return ", ".join([*said, *(f"noise of {number}" for number in other)])
+
+
+def rejected(basis: str) -> frozenset[int]:
+    """Return the indices of the readings that are not believed.  basis : of `plan_basis`"""
+    return frozenset(int(number) - 1 for number in re.findall(r"(\d+) rejected", basis))
+
+
+def _learnt_from(count: int) -> int:
+    """Return the last number of readings, by a third more each time, after which sizes make a plan anew."""
+    due, following = 0, _FIRST
+    while following <= count:
+        due, following = following, math.ceil(following * _GROWTH)
+    return due
+
+
+def _as_stated(std: float, noise: float) -> bool:
+    return 1 / _AS_STATED < std / noise < _AS_STATED

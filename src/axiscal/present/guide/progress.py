@@ -20,7 +20,7 @@ from axiscal.estimation.judged import Doubt
 from axiscal.language.spoken import counted, decimals, said
 from axiscal.measurement.reading import reading_text, reading_unit
 from axiscal.measurement.reading_rows import blank_readings
-from axiscal.planning.next_readings import rejected
+from axiscal.planning.promise import rejected
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted
 from axiscal.record.events import Recorded, Skipped
