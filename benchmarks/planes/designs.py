@@ -11,7 +11,8 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.measurement.reading import Place, Reading
 from axiscal.numerics import Array
-from axiscal.planning.next_readings import next_places, plan_basis
+from axiscal.planning.next_readings import next_places
+from axiscal.planning.promise import plan_basis
 from axiscal.units import to_unit
 from benchmarks.planes.maps import Plane
 
