@@ -32,6 +32,8 @@ from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.line import node_count, nodes
 from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.plan.task import Limits
+from axiscal.planning.proposal import proposed
 from axiscal.planning.step.best_step import best_step
 from tests.generators.designs import problem
 from tests.generators.forms import gain_forms
@@ -279,3 +281,10 @@ def test_a_survey_gives_the_straightness_back() -> None:
     assert np.sqrt(np.mean(truth**2)) > 3e-6
     assert np.all(np.abs(left) < 4 * std + 1e-6)
     assert np.sqrt(np.mean(std**2)) < 1e-6
+
+
+def test_a_level_is_planned_on_a_way_that_has_no_rest() -> None:
+    text = f'machine = "bed.toml"\nusual = "off"\n[target]\nreadings = 4\n[[setups]]\nname = "survey"\n{LEVEL}'
+    bed = MACHINE.replace(', rest = "0.2 um"', "")
+    case = Case(campaign_from_texts(text, "campaign.toml", bed, "bed.toml"))
+    assert len(proposed(case, Limits(4), 100).plan.places) == 4

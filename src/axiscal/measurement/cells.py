@@ -52,19 +52,18 @@ def rest_effects(
     if mounted.base is None:
         functions = np.array(among, dtype=np.intp)
         return RestEffects(functions, effects[..., functions, :], _cells_of(errors, functions, poses))
-    felt = [i for i in among if mounted.base and np.any(effects[..., i, :])]
-    parts = list[RestEffects]()  # a base without length is refused where its way has a rest
-    for foot in feet(mounted.base) if felt else ():
-        functions = np.array(felt, dtype=np.intp)
+    felt = np.array([i for i in among if mounted.base and np.any(effects[..., i, :])], dtype=np.intp)
+    if not len(felt):  # a base without length is refused where its way has a rest
+        return RestEffects(felt, effects[..., felt, :], _cells_of(errors, felt, poses))
+    parts = list[RestEffects]()
+    for foot in feet(mounted.base):
         at = shifted(poses, mounted.moves[0], foot.shift)
-        parts.append(RestEffects(functions, foot.weight * effects[..., functions, :], _cells_of(errors, functions, at)))
+        parts.append(RestEffects(felt, foot.weight * effects[..., felt, :], _cells_of(errors, felt, at)))
     return _of_all_feet(parts, len(poses))
 
 
 def _of_all_feet(parts: Sequence[RestEffects], count: int) -> RestEffects:
     """Return the rests under all feet, those of one error beside each other.  count : of readings"""
-    if not parts:
-        return RestEffects(np.zeros(0, dtype=np.intp), np.zeros((0, count)), np.zeros((0, count), dtype=np.int64))
     functions = np.stack([part.functions for part in parts], axis=1)
     cells = np.stack([part.cells for part in parts], axis=1)
     reach = np.stack([part.reach for part in parts], axis=-2)
