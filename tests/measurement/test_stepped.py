@@ -35,6 +35,7 @@ from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from axiscal.planning.step.best_step import best_step
+from axiscal.present.curves import curves
 from tests.generators.designs import problem
 from tests.generators.forms import gain_forms
 from tests.generators.machines import random_machine, random_poses
@@ -288,3 +289,11 @@ def test_a_level_is_planned_on_a_way_that_has_no_rest() -> None:
     bed = MACHINE.replace(', rest = "0.2 um"', "")
     case = Case(campaign_from_texts(text, "campaign.toml", bed, "bed.toml"))
     assert len(proposed(case, Limits(4), 100).plan.places) == 4
+
+
+def test_a_slope_between_two_feet_is_no_point_of_a_curve() -> None:
+    """Between the knots one foot stands as high as the other: no height follows from the slope."""
+    case = Case(_described(LEVEL))
+    readings = [Reading("survey", (x, 0.1), (1, 1), 1e-6) for x in (0.1, 0.4, 0.6)]
+    found = {curve.name: curve.points for curve in curves(concluded(case, readings), readings, None)}
+    assert found["EZX"] == []

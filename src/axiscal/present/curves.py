@@ -153,7 +153,7 @@ def _drifts(estimation: Estimation) -> list[ConstantSummary]:
 class _Part:
     """One reading, with what the whole model leaves of it.
 
-    moves : axes that its set-up moves; row : (size,) of its first number
+    moves : axes whose curves it reads at their places; row : (size,) of its first number
     left : that number less what is expected of it; std : of its noise, m or rad
     whole : variance that the priors of all errors give it together
     """
@@ -186,7 +186,8 @@ class _Part:
 
 def _partial_residuals(estimation: Estimation, readings: Sequence[Reading]) -> list[_Part]:
     functions, mean = estimation.case.errors.functions, estimation.printed.belief.mean
-    moves = {setup.name: setup.moves for setup in estimation.case.description.setups}
+    setups = estimation.case.description.setups
+    moves = {setup.name: setup.moves if setup.base is None else () for setup in setups}  # a slope is no height
     parts = []
     numbers = seen(estimation.printed.observation, readings)
     firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))
