@@ -127,6 +127,7 @@ def test_a_reading_of_another_place(started: Command) -> None:
 @pytest.mark.parametrize(
     ("words", "says"),
     [
+        ([""], 'an empty text is not a quantity. Write a length with its unit, such as "12 um"'),
         (["1.7"], "has no unit"),
         (["1.7", "urad"], "is an angle, not a length"),
         (["nan um"], "not a finite number"),

@@ -76,7 +76,7 @@ def record(
             raise typer.BadParameter(said("a reading is skipped alone: axiscal step skip RECORD REASON"))
         skipped(record, skip or leave or "", leave=leave is not None, then_next=then_next, as_json=json)
         return
-    if not text:
+    if not value:
         raise typer.BadParameter(said("give either VALUE or --log FILE"))
     if at is None and (setup or approach):
         raise typer.BadParameter(said("--setup and --approach belong to --at"))
