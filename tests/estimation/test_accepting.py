@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import cast
@@ -31,12 +32,15 @@ READINGS = [Reading(("laser", "other")[i % 2], (0.1 * i,), (1,), 0.0, number=11 
 PATH = Path("mill.axiscal")
 
 
-def known(*explained: Explained, p: float = 1e-6, described: Explained | None = None) -> Estimation:
+def known(
+    *explained: Explained, p: float = 1e-6, described: Explained | None = None, left_out: Sequence[int] = ()
+) -> Estimation:
     """Return an estimation whose readings name these mistakes."""
     found = SimpleNamespace(
         stated=SimpleNamespace(description=DESCRIBED),
         readings=READINGS,
         agreement=Agreement(6, 4, 30.0, p, explained, described),
+        left_out=frozenset(left_out),
         name_of=lambda index: f"reading {READINGS[index].number}",
     )
     return cast("Estimation", found)
@@ -118,6 +122,10 @@ def test_of_several_set_ups_one_has_to_be_said() -> None:
 
 def test_what_is_said_of_all_readings_together() -> None:
     assert agreement_words(known(p=0.4)) == "4 of 6 readings agree with the others"
+    unused = '4 of 6 readings agree; not used: 11 ("laser")'
+    assert agreement_words(known(p=0.4, left_out=[0])) == unused
+    several = f'{unused}, 12 ("other"), 13 ("laser") and 2 more'
+    assert agreement_words(known(p=0.4, left_out=range(5))) == several
     none = agreement_words(known())
     assert none == (
         "The readings contradict each other (p = 1e-06), and no single mistake explains it: "

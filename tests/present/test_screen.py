@@ -29,15 +29,15 @@ NUMBERS = 3
 STEPS = [NextStep(code="load", control="linuxcnc-volumetric"), NextStep(code="verify")]
 MISTAKE = 'the zero of "laser along X" jumped before reading 14 ("laser along X", X = 120 mm, from +). Take it again'
 CONTRADICTING = f"The readings contradict each other (p = 1e-09): {MISTAKE}; or {MISTAKE}"
+UNUSED = '14 of 15 readings agree; not used: 7 ("laser along X")'
 
 
 CHECKED = TablesChecked(places=12, found=27.1, left=4.93, tolerance=10.0, verdict="pass")
 
 
 def _screen(found: ResultAnswer) -> str:
-    return screen(
-        found.model_copy(update={"steps": STEPS}), CONTRADICTING, "mill.axiscal", "demo-out", "demo-out/r.pdf"
-    )
+    agreement = CONTRADICTING if found.verdict == "contradict" else UNUSED
+    return screen(found.model_copy(update={"steps": STEPS}), agreement, "mill.axiscal", "demo-out", "demo-out/r.pdf")
 
 
 @pytest.mark.parametrize("advised", ["klipper", "marlin", "reprapfirmware"])
@@ -143,9 +143,10 @@ def test_before_the_first_reading_nothing_is_measured(tmp_path: Path, capsys: py
     assert f"axiscal measure {record}" in text
 
 
-def test_readings_that_are_left_out_are_not_compared() -> None:
-    text = _screen(answer(rows=[POSITIONING], readings=16, left_out=1, compared=15, agreeing=14))
-    assert "Readings agree: 14 of 15. 1 left out." in text
+def test_readings_that_are_left_out_are_named() -> None:
+    found = answer(rows=[POSITIONING], readings=16, left_out=1, compared=15, agreeing=14)
+    assert f"{UNUSED}." in " ".join(_screen(found).split())
+    assert "Readings agree: 14 of 15." in _screen(found.model_copy(update={"left_out": 0}))
 
 
 def test_a_check_of_the_tables_says_found_left_and_its_verdict() -> None:

@@ -83,7 +83,7 @@ class AnswerText(NamedTuple):
 def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str = "") -> AnswerText:
     """Return an answer in words.
 
-    agreement : what is said of readings that contradict; record, results : their paths, "" where results stand
+    agreement : said of readings that contradict or are not used; record, results : their paths, "" where results stand
     """
     groups = measured_rows(answer, ROOM)
     found = [_agreement(answer, agreement), _unmeasured(answer), _checked(answer.checked)]
@@ -210,14 +210,12 @@ def by_kind(rows: Sequence[_Row]) -> list[list[_Row]]:
 
 
 def _agreement(answer: ResultAnswer, words: str) -> str:
-    """Return how many readings agree, "" before the first.  words : sentence for readings that contradict"""
+    """Return how many readings agree, "" before the first.  words : sentence where they contradict or are not used"""
     if not answer.compared:
         return ""
-    if answer.verdict == "contradict":
+    if answer.verdict == "contradict" or answer.left_out:
         return put("{words}.", words=words)
-    text = said("Readings agree: {agreeing} of {count}.", agreeing=answer.agreeing, count=answer.compared)
-    refused = counted("{count} left out.", "{count} left out.", answer.left_out) if answer.left_out else ""
-    return f"{text} {refused}".rstrip()
+    return said("Readings agree: {agreeing} of {count}.", agreeing=answer.agreeing, count=answer.compared)
 
 
 def _unmeasured(answer: ResultAnswer) -> str:
@@ -308,7 +306,7 @@ def digits(value: float, limit: float = math.inf) -> str:
 def screen(answer: ResultAnswer, agreement: str, record: str, results: str, report: str = "") -> str:
     """Return the screen in the language that is spoken.
 
-    agreement : what is said of readings that contradict; record, results : their paths
+    agreement : said of readings that contradict or are not used; record, results : their paths
     report : path of the report, "" for none
     """
     text = answer_text(answer, agreement, record, results)

@@ -78,7 +78,7 @@ def missing_words(model: ErrorModel, found: list[tuple[Aspect, float]]) -> Itera
     for aspect, effect in sorted(found, key=lambda pair: -pair[1]):
         groups.setdefault(reading_that_shows(model, aspect.function), []).append((aspect, effect))
     for reading, members in list(groups.items())[:_LISTED]:
-        subject = _listed([_phrase(aspect) for aspect, _ in members])
+        subject = joined([_phrase(aspect) for aspect, _ in members], _LISTED)
         effect = float(np.sqrt(sum(effect**2 for _, effect in members)))
         text = said(
             "No allowed set-up shows {subject}. It moves the tool point by {effect} (RMS over the volume); {reading} "
@@ -124,7 +124,7 @@ def conventions(model: ErrorModel, aspects: list[Aspect]) -> Iterator[Hidden]:
     """Yield what does not move the tool point: errors without effect, curves that act as one, and sums of constants."""
     idle = [a for a in aspects if a.wholly and (a.kind == "curve" or _is_constant(a))]
     if idle:
-        subject, many = _listed([_phrase(a) for a in idle]), len(idle) > 1
+        subject, many = joined([_phrase(a) for a in idle], _LISTED), len(idle) > 1
         one = "No allowed reading shows {subject}; it does not move the tool point."
         text = said(_THEY_DO_NOT_MOVE if many else one, subject=subject)
         yield Hidden(tuple(a.function.name for a in idle), text)
@@ -191,7 +191,7 @@ def _twins(model: ErrorModel, curves: list[Aspect]) -> Iterator[Hidden]:
             "rotation about {about} would, or a tool of another length. The tool point does not depend on it."
         )
         if mine:
-            subject, either = _listed([_phrase(a) for a in mine]), either_of(about) if about else ""
+            subject, either = joined([_phrase(a) for a in mine], _LISTED), either_of(about) if about else ""
             text = said(turned if about else alone, axis=axis.name, subject=subject, about=either)
             yield Hidden(tuple(a.function.name for a in mine), text)
 
@@ -215,20 +215,11 @@ def _phrase(aspect: Aspect) -> str:
     name = put("{name} ({words})", name=function.name, words=words(function.name))
     if _is_constant(aspect) or aspect.kind == "curve":
         return name
-    return (
-        said("the constant of {name}", name=name)
-        if aspect.kind == "constant"
-        else said("the slope of {name}", name=name)
-    )
+    return said("the constant of {name}" if aspect.kind == "constant" else "the slope of {name}", name=name)
 
 
 def _is_constant(aspect: Aspect) -> bool:
     return not isinstance(aspect.function, PlaneError) and aspect.function.basis.size == 1
-
-
-def _listed(phrases: list[str]) -> str:
-    more = len(phrases) - _LISTED
-    return joined([*phrases[:_LISTED], said("{count} more", count=more)] if more > 0 else phrases)
 
 
 _ABOUT = {"XY": "C", "XZ": "B", "YZ": "A"}

@@ -11,20 +11,27 @@ from axiscal.errors.model import Term
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.agreement import NAMED, Agreement, Explained
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import later, listed, put, said
+from axiscal.language.spoken import joined, later, listed, put, quoted, said
 from axiscal.numerics import Array
 from axiscal.record.accepted import Accepted
 
+_UNUSED = 3
+"""Readings that a sentence names; the others are counted."""
+
 
 def agreement_words(known: Estimation, record: Path | None = None) -> str:
-    """Return how many readings agree with the others, or that they contradict, with the mistakes that are named.
+    """Return how many readings agree and which are not used, or that they contradict, with the mistakes that are named.
 
     record : its path, where the command that accepts the likeliest one is said besides
     """
     found = known.agreement
     count = said("{agreeing} of {count} readings agree with the others", agreeing=found.agreeing, count=found.count)
     if not found.contradicts:
-        return count
+        unused = [(known.readings[index], index) for index in sorted(known.left_out)]
+        names = [put("{number} ({setup})", number=r.numbered(i), setup=quoted(r.setup)) for r, i in unused]
+        short = "{agreeing} of {count} readings agree; not used: {names}"
+        used = {"agreeing": found.agreeing, "count": found.count}
+        return said(short, names=joined(names, _UNUSED), **used) if names else count
     chance = put("p = {p:.1g}", p=found.p)
     if found.described is not None and found.described.axes:
         what = "The readings contradict each other ({chance}): correct direction of {axes} in the machine's file"

@@ -75,8 +75,10 @@ def quoted(name: str) -> str:
     return said('"{name}"', name=name)
 
 
-def joined(parts: Sequence[str]) -> str:
-    """Return parts as they stand in a sentence: "A, B and C"."""
+def joined(parts: Sequence[str], most: int = 0) -> str:
+    """Return parts as they stand in a sentence: "A, B and C".  most : that are named, others are counted; 0 for all"""
+    if 0 < most < len(parts):
+        parts = [*parts[:most], said("{count} more", count=len(parts) - most)]
     if len(parts) < 2:
         return parts[0] if parts else ""
     return said("{first} and {last}", first=listed(", ", parts[:-1]), last=parts[-1])

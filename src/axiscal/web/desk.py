@@ -47,8 +47,8 @@ def _answer(campaign: Campaign, answer: ResultAnswer | PlannedAnswer, results: P
     if isinstance(answer, PlannedAnswer):
         text = plan_text(answer, campaign.path.name)
     else:
-        contradict = agreement_words(campaign.so_far()) if answer.verdict == "contradict" else ""
-        text = answer_text(answer, contradict, campaign.path.name, results.name)
+        agreement = agreement_words(campaign.so_far()) if answer.compared else ""
+        text = answer_text(answer, agreement, campaign.path.name, results.name)
     return AnswerShape(
         first=[spelt(part) for part in text.first.parts],
         rows=[[spelt(cell) for cell in row] for row in text.rows],
