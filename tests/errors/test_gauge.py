@@ -9,6 +9,7 @@ import pytest
 
 from axiscal.errors.gauge import Hidden, hidden, machine_check, undescribed, unseen_factor
 from axiscal.errors.model import ErrorModel
+from axiscal.language.spoken import speaking
 from axiscal.machine import Machine, builtin_names, load_machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.numerics import Array
@@ -88,8 +89,12 @@ def test_the_constants_of_stacked_axes_show_as_their_sum() -> None:
 
 def test_a_roll_about_the_tool_is_without_effect() -> None:
     assert machine_check(load_machine("three-axis-mill"))[0] == (
-        "No allowed reading shows ECZ (roll of Z); it does not move the tool point."
+        "No reading of the tool point shows ECZ (roll of Z); it does not move the tool point."
     )
+    with speaking("de"):
+        found = machine_check(load_machine("dmu60"))
+    assert found[0].startswith("Keine Messung des Werkzeugpunkts zeigt ")
+    assert any("unterscheidet keine Messung des Werkzeugpunkts " in text for text in found)
 
 
 def with_errors(*entries: ErrorEntry) -> ErrorModel:

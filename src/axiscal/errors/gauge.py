@@ -17,7 +17,7 @@ from axiscal.errors.iso230 import words
 from axiscal.errors.model import ErrorFunction, ErrorModel, Term
 from axiscal.errors.plane import PlaneError
 from axiscal.errors.volume import VolumeMoments, volume_moments, whole_travel
-from axiscal.language.spoken import counted, either_of, joined, later, listed, put, said
+from axiscal.language.spoken import capital, counted, either_of, joined, later, listed, put, said
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import COMPONENTS
@@ -28,7 +28,7 @@ from axiscal.units import said_quantity
 
 _LISTED = 5
 """Sentences that are read; the others are counted."""
-_THEY_DO_NOT_MOVE = later("No allowed reading shows {subject}; they do not move the tool point.")
+_ALLOWED = later("no allowed reading")
 _WHOLE = 0.999
 """All of it, to rounding of the shares."""
 _OPEN = 0.1
@@ -120,16 +120,19 @@ def _moving(axis: Axis) -> str:
     return said("while {axis} turns", axis=axis.name) if axis.rotary else said("while {axis} moves", axis=axis.name)
 
 
-def conventions(model: ErrorModel, aspects: list[Aspect]) -> Iterator[Hidden]:
-    """Yield what does not move the tool point: errors without effect, curves that act as one, and sums of constants."""
+def conventions(model: ErrorModel, aspects: list[Aspect], none: str) -> Iterator[Hidden]:
+    """Yield what does not move the tool point: errors without effect, curves that act as one, and sums of constants.
+
+    none : of which readings none shows it, in words
+    """
     idle = [a for a in aspects if a.wholly and (a.kind == "curve" or _is_constant(a))]
     if idle:
-        subject, many = joined([_phrase(a) for a in idle], _LISTED), len(idle) > 1
-        one = "No allowed reading shows {subject}; it does not move the tool point."
-        text = said(_THEY_DO_NOT_MOVE if many else one, subject=subject)
+        one = "{none} shows {subject}; it does not move the tool point."
+        many = "{none} shows {subject}; they do not move the tool point."
+        text = counted(one, many, len(idle), none=capital(none), subject=joined([_phrase(a) for a in idle], _LISTED))
         yield Hidden(tuple(a.function.name for a in idle), text)
     rest = [a for a in aspects if a not in idle]
-    yield from _twins(model, [a for a in rest if a.kind == "curve"])
+    yield from _twins(model, [a for a in rest if a.kind == "curve"], none)
     for turning in (False, True):
         for direction in range(3):
             found = [a for a in rest if a.kind != "curve" and _pattern(model, a) == (turning, direction)]
@@ -177,22 +180,21 @@ def _convention(members: list[Aspect], turning: bool) -> str:
     return said("It is where the workpiece zero lies")
 
 
-def _twins(model: ErrorModel, curves: list[Aspect]) -> Iterator[Hidden]:
+def _twins(model: ErrorModel, curves: list[Aspect], none: str) -> Iterator[Hidden]:
     """Yield, axis by axis, the curves that act on the tool point as one: a turn then looks like a displacement."""
     for k, axis in enumerate(model.machine.axes):
         mine = [a for a in curves if a.function.axis == k]
         about = sorted({"xyz"[a.function.component % 3] for a in mine if a.function.angular})
         alone = (
-            "On {axis}, no allowed reading tells {subject} from other curves that act alike; the tool point does not "
-            "depend on it."
+            "On {axis}, {none} tells {subject} from other curves that act alike; the tool point does not depend on it."
         )
         turned = (
-            "On {axis}, no allowed reading tells {subject} from other curves that act alike. A reading of the "
+            "On {axis}, {none} tells {subject} from other curves that act alike. A reading of the "
             "rotation about {about} would, or a tool of another length. The tool point does not depend on it."
         )
         if mine:
             subject, either = joined([_phrase(a) for a in mine], _LISTED), either_of(about) if about else ""
-            text = said(turned if about else alone, axis=axis.name, subject=subject, about=either)
+            text = said(turned if about else alone, axis=axis.name, none=none, subject=subject, about=either)
             yield Hidden(tuple(a.function.name for a in mine), text)
 
 
@@ -294,14 +296,17 @@ def machine_check(machine: Machine) -> tuple[str, ...]:
     poses = rng.uniform(low, high, (_POSES, len(low)))
     rows = model.rows(poses, rng.choice([-1.0, 1.0], poses.shape)).reshape(-1, model.size)
     unseen = unseen_factor(model.prior_root(), rows / _NOISE)
-    return tuple(one.text for one in hidden(model, unseen))
+    return tuple(one.text for one in hidden(model, unseen, none=later("no reading of the tool point")))
 
 
-def hidden(model: ErrorModel, unseen: Array, moments: VolumeMoments | None = None) -> tuple[Hidden, ...]:
+def hidden(
+    model: ErrorModel, unseen: Array, moments: VolumeMoments | None = None, none: str = _ALLOWED
+) -> tuple[Hidden, ...]:
     """Return what cannot be seen, in words: first what moves the tool point, the worst first, then what does not.
 
     unseen : (size, r) factor of the unseen covariance of the machine's own errors
     moments : over the volume in which the tool point counts; the whole travel without
+    none : of which readings none shows what is unseen
     """
     moments = moments or volume_moments(model, whole_travel(model))
     beyond = moments.beyond_shift
@@ -311,7 +316,7 @@ def hidden(model: ErrorModel, unseen: Array, moments: VolumeMoments | None = Non
     counted = [i for i, effect in enumerate(effects) if effect > _COUNTS * np.sqrt(before)]
     missing = [(_missing(model.terms[i], acting), effects[i]) for i in counted]
     aspects = [aspect for f in model.functions if not f.stated_shape for aspect in _aspects(f, idle)]
-    return (*missing_words(model, missing), *conventions(model, aspects))
+    return (*missing_words(model, missing), *conventions(model, aspects, said(none)))
 
 
 def _split(unseen: Array, beyond: Array, floor: float) -> tuple[Array, Array]:
