@@ -51,7 +51,7 @@ def test_a_record_takes_a_log_once_and_says_what_lacks(log: Path, capsys: pytest
     for sentence in (
         "a run did not come to its end",
         "reading 6 has 2 of 6 touches",
-        "6, 7, 8 do not stand in the log",
+        "6, 7 and 8 do not stand in the log",
     ):
         assert sentence in said.err
     log.write_text(whole)

@@ -106,7 +106,9 @@ def test_what_a_control_cannot_hold_is_no_alarm_where_its_tables_are_named() -> 
     assert found >= 0.9 * TRIALS
 
 
-def test_the_command_plans_and_judges(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_plans_and_judges(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     record, sheet = write_record(tmp_path / "slide.axiscal", slide(), read_on(1)), tmp_path / "check.csv"
     assert run(["check", str(record), "--plan", str(sheet), "--readings", "6"]) == 0
     capsys.readouterr()
@@ -118,6 +120,11 @@ def test_the_command_plans_and_judges(tmp_path: Path, capsys: pytest.CaptureFixt
         sheet.write_text("\n".join(lines))
         assert run(["check", str(record), str(sheet), "--kept", "0.5", "--json"]) == 0
         assert json.loads(capsys.readouterr().out)["in_order"] is in_order
+        for language, words in (("en", "In order: |Measure again: "), ("de", "In Ordnung: |Neu messen: ")):
+            monkeypatch.setenv("AXISCAL_LANGUAGE", language)
+            assert run(["check", str(record), str(sheet), "--kept", "0.5"]) == 0
+            assert capsys.readouterr().out.startswith(words.split("|")[not in_order])
+        monkeypatch.setenv("AXISCAL_LANGUAGE", "en")
     for tables, said in (
         ("linuxcnc", ""),
         ("klipper", "This control is for X, Y and Z"),

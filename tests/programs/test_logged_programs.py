@@ -137,7 +137,7 @@ def test_a_program_that_did_not_end_brings_what_it_has(tmp_path: Path) -> None:
     assert [each.partition(": ")[2] for each in found.said] == [
         "a run did not come to its end.",
         "reading 2 has 3 of 6 touches and is left out.",
-        "of the readings that are planned 2, 3 do not stand in the log.",
+        "of the readings that are planned 2 and 3 do not stand in the log.",
     ]
 
 

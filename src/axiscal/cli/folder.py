@@ -312,15 +312,15 @@ def _planned(asked: QuickCheck, record: Path, readings: int, plan: Path | None, 
     if plan is not None:
         write_whole(plan, sheet.encode())
         again = f"axiscal shop check {quote(str(record))} {quote(str(plan))}"
-        told = [f"{len(places)} places are in {plan}: fill in the values.", *ending({said("Next"): [again]})]
+        filled = said("{count} places are in {plan}: fill in the values.", count=len(places), plan=plan)
+        told = [filled, *ending({said("Next"): [again]})]
     say_either(as_json, "axiscal-check/1", {"places": lines, "readings": len(places)}, told)
 
 
 def _said(judged: Checked, kept: float) -> str:
-    figures = f"chi-square {judged.chi_square:.1f} of {judged.count}, P = {judged.chance:.2g}, {kept:.0%} taken as kept"
+    test = "chi-square {square:.1f} of {count}, P = {chance:.2g}, {kept:.0%} taken as kept"
+    figures = said(test, square=judged.chi_square, count=judged.count, chance=judged.chance, kept=kept)
+    text = "Measure again: a machine that changed as usual would read so in less than {least:.0%} of cases ({figures})."
     if judged.in_order:
-        return f"In order: the readings are as the last campaign and its age foretell ({figures})."
-    return (
-        f"Measure again: a machine that changed as is usual would read so in less than {CHANCE:.0%} of all cases "
-        f"({figures})."
-    )
+        text = "In order: the readings are as the last campaign and its age foretell ({figures})."
+    return said(text, least=CHANCE, figures=figures)

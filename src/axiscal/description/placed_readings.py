@@ -16,6 +16,7 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
+from axiscal.language.spoken import joined, said
 from axiscal.machine import Axis, Machine
 from axiscal.machine.entry import parse_error_name
 from axiscal.machine.kinematics import frames
@@ -58,7 +59,7 @@ def logged_readings(file: Path, folder: Path, campaign: CampaignDescription) -> 
     log = read_touch_log(file)
     planned = _planned(log, file, folder)
     runs = [(number, tuple(each)) for number, each in groupby(log.touches, key=lambda touch: touch.reading)]
-    faults, readings, said = Faults(), list[RawReading](), list(log.said)
+    faults, readings, found = Faults(), list[RawReading](), list(log.said)
     _refuse_doubled(runs, file)
     for number, touched in runs:
         with faults.noted():
@@ -68,13 +69,14 @@ def logged_readings(file: Path, folder: Path, campaign: CampaignDescription) -> 
             if _whole(number, touched, bool(log.said), file):
                 readings.append(_reading(number, touched, planned[number], campaign, file))
             else:
-                said.append(f"reading {number} has {len(touched)} of {TOUCHES} touches and is left out")
+                found.append(f"reading {number} has {len(touched)} of {TOUCHES} touches and is left out")
     faults.refuse()
     begun, there = {reading.setup for reading in readings}, {reading.number for reading in readings}
     lacking = [number for number, each in planned.items() if each.setup in begun and number not in there]
     if lacking:
-        said.append(f"of the readings that are planned {_numbers(lacking)} do not stand in the log")
-    return Logged(tuple(readings), tuple(f"{file}: {each}." for each in said))
+        numbers = joined([str(number) for number in lacking], most=12)
+        found.append(said("of the readings that are planned {numbers} do not stand in the log", numbers=numbers))
+    return Logged(tuple(readings), tuple(f"{file}: {each}." for each in found))
 
 
 _AS_WRITTEN = "Give the file as the control wrote it"
@@ -153,11 +155,6 @@ def _reading(
     return RawReading(
         setup.name, planned.position, sides, value, None, "length", line, others=tuple(others), number=number
     )
-
-
-def _numbers(numbers: Sequence[int]) -> str:
-    shown = ", ".join(map(str, numbers[:12]))
-    return f"{shown} and {len(numbers) - 12} more" if len(numbers) > 12 else shown
 
 
 _ALONG = 1 - 1e-9
