@@ -496,6 +496,8 @@ def test_a_positioning_test_is_evaluated(axiscal: Command, tmp_path: Path) -> No
 def test_a_wrong_reading_is_shown_in_its_line(axiscal: Command, tmp_path: Path, row: str, says: str) -> None:
     (tmp_path / "r.csv").write_text(READINGS + row + "\n")
     axiscal("estimate", "c.toml", "r.csv", "--out", "d").refused("r.csv, line 5", says)
+    (tmp_path / "r.csv").write_text(READINGS.partition("\n")[2])
+    axiscal("estimate", "c.toml", "r.csv", "--out", "d").refused("the header, such as setup,X_mm,approach,value_um")
     assert not (tmp_path / "d").exists()
 
 

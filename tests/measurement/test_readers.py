@@ -14,8 +14,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.exceptions import ReadingError
+from axiscal.machine import load_machine
 from axiscal.measurement.readers.csv_readings import RawReading, read_readings
 from axiscal.measurement.readers.csv_table import RawPose, csv_text, parse_table, read_poses, read_table, unshielded
+from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.simulation import read_truth
 
 READINGS = """setup,X_mm,Y_mm,B_deg,approach,value_um,value_arcsec,std_um
@@ -98,8 +100,14 @@ def test_truth_curves_may_interleave_and_be_spelt_in_full(tmp_path: Path) -> Non
     assert list(read_truth(written(tmp_path, "error,position_mm,value_urad\nEC(0X)Y,,5\n"))) == ["C0Y"]
 
 
+def test_a_file_without_a_header_is_shown_that_of_the_machine(tmp_path: Path) -> None:
+    with pytest.raises(ReadingError, match=r"line 1.*Let the first line be the header, such as setup,C_deg,B_deg,Y_mm"):
+        read_any(written(tmp_path, "s,0,0,1,1,1,X+,2\n"), load_machine("dmu60").axes)
+
+
 Reader = Callable[[str | Path], object]
 BAD: dict[str, tuple[Reader, str, str, int]] = {
+    "no header": (read_readings, "s,1,X+,2\n", "no columns. Let the first line be the header, such as setup,X_mm", 1),
     "no set-up column": (read_readings, "X_mm,value_um\n1,2\n", "no column 'setup'", 1),
     "empty set-up": (read_readings, "setup,X_mm,value_um\n,1,2\n", "has no set-up", 2),
     "no value column": (read_readings, "setup,X_mm\ns,1\n", "no column 'value_um'", 1),
@@ -108,7 +116,7 @@ BAD: dict[str, tuple[Reader, str, str, int]] = {
     "two positions": (read_readings, "setup,X_mm,X_um,value_um\ns,1,2,3\n", "'X_mm' and 'X_um' are both filled", 2),
     "angle as length": (read_readings, "setup,B_mm,value_um\ns,1,2\n", "'B_mm' has a unit of the wrong kind.*B_deg", 1),
     "position without unit": (read_readings, "setup,X,value_um\ns,1,2\n", "'X' has no unit.*X_mm", 1),
-    "small letter": (read_readings, "setup,x_mm,value_um\ns,1,2\n", "Did you mean 'X_mm'", 1),
+    "small letter": (read_readings, "setup,x_mm,value_um\ns,1,2\n", 'Perhaps "X_mm" is meant', 1),
     "inches": (read_readings, "setup,X_in,value_um\ns,1,2\n", "X_in' is in inches. Inches are not read.*write X_mm", 1),
     "unknown column": (read_readings, "setup,humidity,value_um\ns,1,2", "Known are reading, setup, approach, time", 1),
     "a number that is none": (read_readings, "reading,setup,value_um\n1.5,s,2\n", '"1.5" is not the number of', 2),

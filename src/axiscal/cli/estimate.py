@@ -91,7 +91,7 @@ def estimate(
         raise typer.BadParameter(said("give READINGS.csv or --log FILE"))
     placed, extras = tuple[Reading, ...](), Extras()
     if readings is not None:
-        raw = read_any(readings)
+        raw = read_any(readings, description.machine.axes, description.setups)
         placed = placed_readings(raw, description, readings)
         refuse_implausible(placed, description, readings)
         if any("" in each.position for each in raw):  # a finished test after ISO 230-2

@@ -286,7 +286,7 @@ def check(
     if found is None:
         _planned(asked, record, readings, plan, json)
         return
-    placed = placed_readings(read_any(found), stated, found)
+    placed = placed_readings(read_any(found, stated.machine.axes, stated.setups), stated, found)
     refuse_implausible(placed, stated, found)
     judged = asked.judged(placed, tables_active or tables is not None)
     document = {

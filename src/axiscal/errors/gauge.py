@@ -111,9 +111,8 @@ def reading_that_shows(model: ErrorModel, function: Term) -> str:
         when = said("while {axes} move", axes=joined(function.entry.axes))
     if function.kind == "reversal":
         when = said("{when} and comes from both sides", when=when)
-    if function.angular:
-        return said("a reading of the rotation about {way} {when}", way="xyz"[component], when=when)
-    return said("a reading along {way} {when}", way="xyz"[component], when=when)
+    text = "a reading of the rotation about {way} {when}" if function.angular else "a reading along {way} {when}"
+    return said(text, way="xyz"[component], when=when)
 
 
 def _moving(axis: Axis) -> str:
@@ -160,8 +159,7 @@ def _sum(model: ErrorModel, members: list[Aspect], turning: bool, direction: int
             "tool point does not depend on it."
         )
         return Hidden(names, said(turned if turning else shifted, where=where, error=_phrase(members[0])))
-    turns = any(axis.rotary for axis in model.machine.axes)
-    shows = said("only sums of them show") if turns else said("only their sum shows")
+    shows = said("only sums of them show" if any(a.rotary for a in model.machine.axes) else "only their sum shows")
     together = "{where}: {errors} act together, {shows}. {convention}; the tool point does not depend on it."
     convention = _convention(members, turning)
     text = said(together, where=where, errors=_kinds(members), shows=shows, convention=convention)
@@ -175,9 +173,7 @@ def _convention(members: list[Aspect], turning: bool) -> str:
         one = "With constants and slopes taken as zero, {names} says all of it"
         many = "With constants and slopes taken as zero, {names} say all of it"
         return counted(one, many, len(held), names=joined(held))
-    if turning:
-        return said("Which of them holds it is a matter of choice")
-    return said("It is where the workpiece zero lies")
+    return said("Which of them holds it is a matter of choice" if turning else "It is where the workpiece zero lies")
 
 
 def _twins(model: ErrorModel, curves: list[Aspect], none: str) -> Iterator[Hidden]:

@@ -75,20 +75,23 @@ def quoted(name: str) -> str:
     return said('"{name}"', name=name)
 
 
-def joined(parts: Sequence[str], most: int = 0) -> str:
+def later(message: str) -> str:
+    """Return a message unchanged: translators find it here, and its user says it."""
+    return message
+
+
+def joined(parts: Sequence[str], most: int = 0, form: str = later("{first} and {last}")) -> str:
     """Return parts as they stand in a sentence: "A, B and C".  most : that are named, others are counted; 0 for all"""
     if 0 < most < len(parts):
         parts = [*parts[:most], said("{count} more", count=len(parts) - most)]
     if len(parts) < 2:
         return parts[0] if parts else ""
-    return said("{first} and {last}", first=listed(", ", parts[:-1]), last=parts[-1])
+    return said(form, first=listed(", ", parts[:-1]), last=parts[-1])
 
 
 def either_of(parts: Sequence[str]) -> str:
     """Return parts of which one is meant as they stand in a sentence: "A, B or C"."""
-    if len(parts) < 2:
-        return parts[0] if parts else ""
-    return said("{first} or {last}", first=listed(", ", parts[:-1]), last=parts[-1])
+    return joined(parts, form=later("{first} or {last}"))
 
 
 def capital(text: str) -> str:
@@ -97,11 +100,6 @@ def capital(text: str) -> str:
     if isinstance(text, Said):
         begun.forms, begun.form, begun.values, begun.raised = text.forms, text.form, text.values, True
     return begun
-
-
-def later(message: str) -> str:
-    """Return a message unchanged: translators find it here, and its user says it."""
-    return message
 
 
 def again(text: str) -> str:

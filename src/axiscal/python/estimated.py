@@ -144,7 +144,8 @@ def estimate(campaign: Case | str | Path, readings: Sequence[Reading] | str | Pa
     """
     description = campaign.description if isinstance(campaign, Case) else ours(_CAMPAIGN)(campaign, target_needed=False)
     if isinstance(readings, str | Path):
-        file, readings = readings, placed_readings(read_any(Path(readings)), description, readings)
+        raw = read_any(Path(readings), description.machine.axes, description.setups)
+        file, readings = readings, placed_readings(raw, description, readings)
         refuse_implausible(readings, description, file)
     return Estimated(concluded(case_of(description), tuple(readings)))
 

@@ -245,7 +245,7 @@ def blank_sheet(setups: Sequence[Setup], axes: Sequence[Axis], places: Places) -
     values = columns_of(setups[index] for index in places.setups)
     empty = [""] * len(values)
     rows = [[*_at(axes, each.setup, each.pose, each.approach), *empty] for each in places.listed(setups)]
-    return csv_text([[*_head(axes), *values], *rows])
+    return csv_text([heading(axes, values), *rows])
 
 
 def filled_sheet(axes: Sequence[Axis], readings: Sequence[Reading]) -> str:
@@ -255,7 +255,7 @@ def filled_sheet(axes: Sequence[Axis], readings: Sequence[Reading]) -> str:
     """
     own = any(reading.std is not None for reading in readings)
     named = [f"value_{c}_um" for c in "xyz"] if any(reading.others for reading in readings) else ["value_um"]
-    rows = [[*_head(axes), *named, *(["std_um"] if own else [])]]
+    rows = [heading(axes, [*named, *(["std_um"] if own else [])])]
     for reading in readings:
         numbers = [*reading.values, *([reading.std] if own else [])]
         texts = ("" if each is None else f"{to_unit(each, 'um'):.6f}" for each in numbers)
@@ -263,8 +263,9 @@ def filled_sheet(axes: Sequence[Axis], readings: Sequence[Reading]) -> str:
     return csv_text(rows)
 
 
-def _head(axes: Sequence[Axis]) -> list[str]:
-    return ["setup", *(f"{axis.name}_{axis.unit}" for axis in axes), "approach"]
+def heading(axes: Sequence[Axis], values: Sequence[str]) -> list[str]:
+    """Return the columns of a file of readings, those of the values last."""
+    return ["setup", *(f"{axis.name}_{axis.unit}" for axis in axes), "approach", *values]
 
 
 def _at(axes: Sequence[Axis], setup: str, pose: Sequence[float], approach: Sequence[float]) -> list[str]:

@@ -14,7 +14,6 @@ Axis columns `X_mm … C_deg` and the column `approach`, as readings and poses s
 from __future__ import annotations
 
 import csv
-import difflib
 import io
 import math
 import re
@@ -24,6 +23,7 @@ from pathlib import Path
 from typing import Literal
 
 from axiscal.document.file import bounded_content, number_or_none
+from axiscal.document.quoting import meant
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, listed, put, said
 from axiscal.machine.entry import AXIS_NAME
@@ -229,12 +229,9 @@ class CsvTable:
             remedy = "inches are not read here; write {example}"
             return self.fail("column '{column}' is in inches", remedy, column=column.name, example=spelt[stem][0])
         known = [name for stem, names in spelt.items() if not self.all_of(stem) for name in names]
-        near = [name for name in known if name.lower() == column.name.lower()]
-        near = near or difflib.get_close_matches(column.name, known, n=1)
-        first = near[0] if near else ", ".join(names[0] for names in spelt.values())
-        remedy = "did you mean '{known}'; take out what is not needed"
-        remedy = remedy if near else "known are {known}; take out what is not needed"
-        return self.fail("column '{column}' is not known", remedy, column=column.name, known=first)
+        first = ", ".join(names[0] for names in spelt.values())
+        every = said("known are {known}; take out what is not needed", known=first)
+        return self.fail("column '{column}' is not known", meant(column.name, known, every), column=column.name)
 
 
 def read_table(path: str | Path) -> CsvTable:
@@ -247,12 +244,12 @@ def parse_table(text: str, file: str) -> CsvTable:
     return table_of(TextFile(file, lines_of(text, file)))
 
 
-def table_of(file: TextFile) -> CsvTable:
-    """Return the table that a file holds; raises ReadingError."""
+def table_of(file: TextFile, header: str = "setup,X_mm,approach,value_um") -> CsvTable:
+    """Return the table that a file holds; raises ReadingError, with a header as example where there is none."""
     data = [(number, line) for number, line in enumerate(file.lines, 1) if not _NOTHING.match(line)]
     if not data:
         raise file.fail("there is no header and no data", "let the first line name the columns")
-    columns = _columns(file.name, *data[0])
+    columns = _columns(file.name, *data[0], header)
     rows = tuple(_row(file.name, number, line, columns) for number, line in data[1:])
     if not rows:
         raise file.fail("there is a header but no data", "add one line for each reading", data[0][0])
@@ -269,11 +266,14 @@ def _cells(file: str, number: int, line: str) -> list[str]:
         raise ReadingError("the line is not CSV: {error}", remedy, file, number, error=error) from None
 
 
-def _columns(file: str, number: int, line: str) -> tuple[Column, ...]:
+def _columns(file: str, number: int, line: str, header: str) -> tuple[Column, ...]:
     names = _cells(file, number, line)
     if len(names) == 1 and re.search(r"[;\t]", line):
         remedy = "separate the cells by commas and write numbers with a decimal point"
         raise ReadingError("the cells are separated by semicolons or tabs", remedy, file, number)
+    if any(_NUMBER.fullmatch(name) for name in names):
+        remedy = "let the first line be the header, such as {header}"
+        raise ReadingError("the first line holds numbers and names no columns", remedy, file, number, header=header)
     for index, name in enumerate(names):
         if not name or name in names[:index]:
             what = "column '{name}' is named twice" if name else "column {column} has no name"

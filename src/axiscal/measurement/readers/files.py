@@ -27,11 +27,14 @@ from typing import NamedTuple, Protocol
 
 from axiscal.document.ports import all_of
 from axiscal.exceptions import UnitError
+from axiscal.machine.axis import Axis
 from axiscal.machine.entry import AXIS_NAME
 from axiscal.measurement.readers import bed_map, renishaw
-from axiscal.measurement.readers.csv_readings import RawReading, of_positioning, read_times, readings_of
+from axiscal.measurement.readers.csv_readings import RawReading, heading, of_positioning, read_times, readings_of
 from axiscal.measurement.readers.csv_table import Column, CsvTable, Row, TextFile, read_text, table_of
 from axiscal.measurement.readers.renishaw import PositioningRows, positioning_rows
+from axiscal.measurement.reading import columns_of
+from axiscal.measurement.setup import Setup
 from axiscal.units import from_unit, parse_quantity
 
 SURVEY_MARK = "# level survey"
@@ -55,8 +58,8 @@ class FileReader(Protocol):
         """Return the readings of such a file, in its order; raises ReadingError."""
 
 
-def read_any(path: str | Path) -> tuple[RawReading, ...]:
-    """Read the readings of a file of any kind, in its order; raises ReadingError."""
+def read_any(path: str | Path, axes: Sequence[Axis] = (), setups: Sequence[Setup] = ()) -> tuple[RawReading, ...]:
+    """Return the readings of a file of any kind, in its order; raises ReadingError, with the header for these axes."""
     file = read_text(path)
     if renishaw.is_rtl(file):
         return of_positioning(renishaw.rtl_positioning(file))
@@ -67,7 +70,8 @@ def read_any(path: str | Path) -> tuple[RawReading, ...]:
         return tuple(_node(node) for node in nodes)
     brought: list[FileReader] = all_of(PORTS)
     reader = next((each for each in brought if each.knows(file)), None)
-    return readings_of(table_of(file)) if reader is None else tuple(reader.read(file))
+    header = ",".join(heading(axes, columns_of(setups)))
+    return readings_of(table_of(file, header)) if reader is None else tuple(reader.read(file))
 
 
 def read_any_positioning(path: str | Path) -> PositioningRows:
