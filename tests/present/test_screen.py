@@ -29,7 +29,7 @@ NUMBERS = 3
 STEPS = [NextStep(code="load", control="linuxcnc-volumetric"), NextStep(code="verify")]
 MISTAKE = 'the zero of "laser along X" jumped before reading 14 ("laser along X", X = 120 mm, from +). Take it again'
 CONTRADICTING = f"The readings contradict each other (p = 1e-09): {MISTAKE}; or {MISTAKE}"
-UNUSED = '14 of 15 readings agree; not used: 7 ("laser along X")'
+UNUSED = '14 of 15 readings agree; not used: 7 ("laser")'
 
 
 CHECKED = TablesChecked(places=12, found=27.1, left=4.93, tolerance=10.0, verdict="pass")
@@ -131,6 +131,15 @@ def test_what_is_not_measured_is_named_with_its_reason() -> None:
     assert "Not measured: backlash X Y (one reading from the other side: ± 0.84 um)." in text
     far = rows[0].model_copy(update={"one_more": None, "kind": "yaw", "unit": "urad"})
     assert "yaw X (4 places read tell too little: ± 130 urad)" in _screen(answer(rows=[far]))
+
+
+@pytest.mark.parametrize(("language", "more"), [("en", r" and (\d+) more\."), ("de", r" und (\d+) weitere\.")])
+def test_of_much_that_is_not_measured_the_rest_is_counted(language: str, more: str) -> None:
+    rows = [answer_row(row, MILL, measured=False) for row in rows_of(MILL)]
+    with speaking(language):
+        text = _screen(answer(rows=rows))
+    assert 0 < int(re.findall(more, " ".join(text.split()))[0]) < len(rows)
+    assert "…" not in text
 
 
 def test_before_the_first_reading_nothing_is_measured(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

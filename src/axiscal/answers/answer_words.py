@@ -13,11 +13,11 @@ from typing import NamedTuple, TypeVar
 
 from axiscal.answers.answer import Aim, AnswerRow, NextStep, PlannedRow, ResultAnswer, TablesChecked, Verdict
 from axiscal.description.target import Kind
-from axiscal.language.spoken import counted, ending, later, listed, put, said
+from axiscal.language.spoken import counted, ending, joined, later, listed, put, said
 from axiscal.tables.registry import exporter
 
 _Row = TypeVar("_Row", bound=PlannedRow)
-LINES, WIDTH = 14, 80
+LINES, WIDTH, _CUT = 14, 80, " …"
 """Of a terminal that nobody scrolls."""
 _LEFT = 2
 """Controls whose tables are shown beside each other."""
@@ -80,13 +80,13 @@ class AnswerText(NamedTuple):
     commands: list[str]
 
 
-def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str = "") -> AnswerText:
+def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str = "", cut: bool = False) -> AnswerText:
     """Return an answer in words.
 
-    agreement : said of readings that contradict or are not used; record, results : their paths, "" where results stand
+    agreement : said of readings that contradict or are not used; record, results : paths, or ""; cut : for a terminal
     """
     groups = measured_rows(answer, ROOM)
-    found = [_agreement(answer, agreement), _unmeasured(answer), _checked(answer.checked)]
+    found = [_agreement(answer, agreement), _unmeasured(answer, cut), _checked(answer.checked)]
     return AnswerText(
         _first_line(answer),
         table_lines(groups, controls_of(groups)) if groups else [],
@@ -218,16 +218,19 @@ def _agreement(answer: ResultAnswer, words: str) -> str:
     return said("Readings agree: {agreeing} of {count}.", agreeing=answer.agreeing, count=answer.compared)
 
 
-def _unmeasured(answer: ResultAnswer) -> str:
-    """Return what is not measured, why, and what one reading would bring; "" for nothing.
-
-    Sizes hold spaces that do not break.
-    """
+def _unmeasured(answer: ResultAnswer, cut: bool) -> str:
+    """Return what is not measured, why, and what one reading would bring; "" for nothing.  cut : as far as lines go"""
     rows = [] if answer.verdict == "contradict" else [row for row in answer.rows if not row.measured]
     if not rows:
         return ""
-    parts = [put("{names} ({why})", names=row_names(group), why=_why(group)) for group in by_kind(rows)]
-    return said("Not measured: {rows}.", rows=listed(", ", parts))
+    groups = by_kind(rows)
+    parts = [put("{names} ({why})", names=row_names(group), why=_why(group)) for group in groups]
+    text = said("Not measured: {rows}.", rows=listed(", ", parts))
+    for told in range(len(parts) - 1, 0, -1):
+        if cut and wrapped(text)[-1].endswith(_CUT):
+            more = said("{count} more", count=sum(map(len, groups[told:])))
+            text = said("Not measured: {rows}.", rows=joined([*parts[:told], more]))
+    return text
 
 
 def _why(rows: Sequence[AnswerRow]) -> str:
@@ -309,7 +312,7 @@ def screen(answer: ResultAnswer, agreement: str, record: str, results: str, repo
     agreement : said of readings that contradict or are not used; record, results : their paths
     report : path of the report, "" for none
     """
-    text = answer_text(answer, agreement, record, results)
+    text = answer_text(answer, agreement, record, results, cut=True)
     first, below = first_lines(text.first), [line for sentence in text.sentences for line in wrapped(sentence)]
     last = [*below, *ending({said("Next"): text.commands, said("Report"): [report] if report else []})]
     room = LINES - len(first) - len(last) - 1
@@ -357,5 +360,5 @@ def columns(shown: Sequence[Sequence[str]]) -> list[str]:
 
 def wrapped(sentence: str, most: int = 2) -> list[str]:
     """Return a sentence in so many lines at most."""
-    lines = textwrap.wrap(sentence, WIDTH, max_lines=most, placeholder=" …", break_on_hyphens=False)
+    lines = textwrap.wrap(sentence, WIDTH, max_lines=most, placeholder=_CUT, break_on_hyphens=False)
     return [line.replace("\xa0", " ") for line in lines]

@@ -28,7 +28,6 @@ from axiscal.units import said_quantity
 
 _LISTED = 5
 """Sentences that are read; the others are counted."""
-_ALLOWED = later("no allowed reading")
 _WHOLE = 0.999
 """All of it, to rounding of the shares."""
 _OPEN = 0.1
@@ -80,13 +79,11 @@ def missing_words(model: ErrorModel, found: list[tuple[Aspect, float]]) -> Itera
     for reading, members in list(groups.items())[:_LISTED]:
         subject = joined([_phrase(aspect) for aspect, _ in members], _LISTED)
         effect = float(np.sqrt(sum(effect**2 for _, effect in members)))
-        text = said(
+        what = (
             "No allowed set-up shows {subject}. It moves the tool point by {effect} (RMS over the volume); {reading} "
-            "would show it.",
-            subject=subject,
-            effect=said_quantity(effect, "um", 2),
-            reading=reading,
+            "would show it."
         )
+        text = said(what, subject=subject, effect=said_quantity(effect, "um", 2), reading=reading)
         yield Hidden(tuple(aspect.function.name for aspect, _ in members), text, effect)
     yield from _others(list(groups.values())[_LISTED:])
 
@@ -296,7 +293,7 @@ def machine_check(machine: Machine) -> tuple[str, ...]:
 
 
 def hidden(
-    model: ErrorModel, unseen: Array, moments: VolumeMoments | None = None, none: str = _ALLOWED
+    model: ErrorModel, unseen: Array, moments: VolumeMoments | None = None, none: str = later("no allowed reading")
 ) -> tuple[Hidden, ...]:
     """Return what cannot be seen, in words: first what moves the tool point, the worst first, then what does not.
 
