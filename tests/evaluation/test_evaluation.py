@@ -208,7 +208,7 @@ def test_no_direction_at_all_is_refused() -> None:
 
 BAD: dict[str, tuple[str | bytes, str, int | None]] = {
     "missing column": (GOOD.replace(",run", "").replace(",1,", ",").replace(",2,", ","), "no column 'run'", 2),
-    "unknown column": (GOOD.replace("deviation_um", "deviaton_um"), "Did you mean 'deviation_um'", 2),
+    "unknown column": (GOOD.replace("deviation_um", "deviaton_um"), 'Perhaps "deviation_um" is meant', 2),
     "no unit": (GOOD.replace("deviation_um", "deviation"), "has no unit", 2),
     "length and angle": (GOOD.replace("target_mm", "target_deg"), "mix a length and an angle", 2),
     "same column in two units": (GOOD.replace("direction,run", "target_um,direction"), "say the same", 2),
