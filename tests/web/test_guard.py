@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import re
 import socket
+import time
 import tomllib
 from collections.abc import Iterator
+from contextlib import ExitStack, suppress
 from importlib import resources
 from pathlib import Path
 
@@ -120,6 +122,34 @@ def test_every_file_of_the_page_is_in_the_package() -> None:
 def test_a_large_body_is_refused(page: Served) -> None:
     answer = page.ask("POST", "/api/1/readings", b"x" * 100_000, Authorization=f"Bearer {page.token}")
     assert (answer.status, answer.document["problem"]) == (413, "large")
+
+
+@pytest.mark.parametrize("count", [120, pytest.param(1100, marks=pytest.mark.long)])
+@pytest.mark.parametrize("kind", ["silent", "of half a head", "of half a body"])
+def test_requests_that_never_end_do_not_stop_the_others(page: Served, kind: str, count: int) -> None:
+    body = (
+        f"POST /api/1/notes HTTP/1.1\r\nHost: 127.0.0.1:{page.port}\r\n"
+        f"Authorization: Bearer {page.token}\r\nContent-Length: 9\r\n\r\n"
+    )
+    said = {"silent": "", "of half a head": "GET / HTTP/1.1\r\nHost: 127", "of half a body": body}[kind]
+    with ExitStack() as stack:
+        slow = list[socket.socket]()
+        for _ in range(count):
+            slow.append(stack.enter_context(socket.create_connection(("127.0.0.1", page.port))))
+            with suppress(ConnectionError):
+                slow[-1].sendall(said.encode())
+        begin = time.monotonic()
+        assert page.state()["machine"] == "One axis"
+        assert time.monotonic() - begin < 2
+        slow[0].settimeout(2)  # it has made room
+        with suppress(ConnectionError):
+            assert slow[0].recv(1) == b""
+
+
+@pytest.mark.long
+def test_a_request_that_takes_too_long_is_cut(page: Served) -> None:
+    with socket.create_connection(("127.0.0.1", page.port), timeout=20) as slow:
+        assert slow.recv(1) == b""
 
 
 def test_a_large_head_is_refused_before_it_ends(page: Served) -> None:

@@ -14,6 +14,7 @@ from typing import Annotated
 import uvicorn
 from fastapi import FastAPI, Query, Response
 from fastapi.responses import FileResponse
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from axiscal.exceptions import InputError
 from axiscal.web.counter import Counter
@@ -131,8 +132,8 @@ class _Api:
 
 
 _LOOPBACK = "127.0.0.1"
-_BURST, _HEAD = 100, 16 * 1024
-"""Connections that are taken in at once, and bytes of a request's head."""
+_ASKING, _BURST, _PATIENCE, _HEAD = 100, 100, 5.0, 16 * 1024
+"""Connections that have not asked to the end; those taken in at once; seconds to ask in; bytes of a request's head."""
 
 
 def serve_record(record: Path, port: int, ready: Callable[[str], None]) -> str:
@@ -148,7 +149,7 @@ def serve_record(record: Path, port: int, ready: Callable[[str], None]) -> str:
             admitted = Admission(int(listener.getsockname()[1]))
             config = uvicorn.Config(
                 application(counter, admitted),
-                http="h11",
+                http=_Caller,
                 ws="none",
                 log_level="error",
                 access_log=False,
@@ -177,6 +178,38 @@ def _listening(port: int) -> socket.socket:
         what, remedy = "Port {port} cannot be used: {strerror}", "Name another one with --port, or leave it out"
         raise InputError(what, remedy, port=port, strerror=failure.strerror) from failure
     return listener
+
+
+class _Caller(H11Protocol):
+    """A connection. One that takes too long to ask is cut, and the longest waiting one where there are too many."""
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Take it in."""
+        super().connection_made(transport)
+        self._since = self.loop.time()
+        self._watch = self.loop.call_later(_PATIENCE, self._look)
+        asking = [line for line in self.connections if isinstance(line, _Caller) and line._asks()]
+        if len(asking) > _ASKING:
+            min(asking, key=lambda line: line._since).transport.abort()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Watch it no longer."""
+        self._watch.cancel()
+        super().connection_lost(exc)
+
+    def on_response_complete(self) -> None:
+        """Let the next request begin."""
+        self._since = self.loop.time()
+        super().on_response_complete()
+
+    def _asks(self) -> bool:
+        cycle = self.cycle
+        return cycle is None or cycle.response_complete or cycle.more_body
+
+    def _look(self) -> None:
+        if self._asks() and self.loop.time() - self._since >= _PATIENCE:
+            self.transport.abort()
+        self._watch = self.loop.call_later(_PATIENCE, self._look)
 
 
 class _Server(uvicorn.Server):
