@@ -41,7 +41,7 @@ def _pick(axes: int, knots: int) -> Callable[[], object]:
 
 PATHS: dict[str, tuple[Callable[[], object], int]] = {
     "a pick on one axis": (_pick(1, 7), 650),
-    "a pick on three axes": (_pick(3, 7), 3_100),
+    "a pick on three axes": (_pick(3, 7), 3_600),
     "a plan of one axis": (lambda: make_plan(splines(1, 7, 0.1, 500), Limits(readings=12), bounded=False), 94_000),
     "a plan with levers": (lambda: make_plan(levered(200), Limits(readings=6), bounded=False, patience=0.0), 39_000),
     "a plan of two kinds of instruments, with its bound": (

@@ -46,12 +46,13 @@ def node_count(degree: int, phase: float = 0.0) -> int:
     return degree + 1 + k
 
 
-def largest_along(forms: Forms, pieces: Array, count: int) -> tuple[float, float]:
+def largest_along(forms: Forms, pieces: Array, count: int, known: float = 0.0) -> tuple[float, float]:
     """Return the place along a line where N/D is largest, and how large it is there (B&H eq. 27).
 
     forms : N and D, which `count` nodes follow on each piece; pieces : (b, 2), at least one
+    known : a ratio that is had; where no more is, what is returned need not be the largest
     """
-    left, right, above, below = _hopeful(_tame(forms, pieces, count))
+    left, right, above, below = _hopeful(_tame(forms, pieces, count), known)
     x = np.stack([_candidates(*each) for each in zip(above, below, strict=True)])
     places = np.clip(left[:, None] * ((1 - x) / 2) + right[:, None] * ((1 + x) / 2), left[:, None], right[:, None])
     numerator, denominator = forms(places.reshape(-1, 1))
@@ -86,13 +87,13 @@ def _tame(forms: Forms, pieces: Array, count: int) -> _Tame:
     return _Tame(left, right, above[:, 1:-1] @ series, below[:, 1:-1] @ series, (above / below).max(axis=1))
 
 
-def _hopeful(pieces: _Tame) -> tuple[Array, ...]:
+def _hopeful(pieces: _Tame, known: float) -> tuple[Array, ...]:
     """Return the pieces that may hold more than the best that was seen: N − best · D is below zero in all others.
 
     No series is above its first coefficient by more than the sum of the sizes of the others.
     """
     best = int(pieces.ratios.argmax())
-    excess = pieces.above - pieces.ratios[best] * pieces.below
+    excess = pieces.above - max(pieces.ratios[best], known) * pieces.below
     kept = excess[:, 0] + np.abs(excess[:, 1:]).sum(axis=1) > 0
     kept[best] = True
     return tuple(part[kept] for part in pieces[:4])

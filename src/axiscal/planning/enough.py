@@ -31,8 +31,8 @@ _GROWTH = 1.5
 _ROUNDS = 4
 """Plans that are made to find what a result counts beside J: it changes little."""
 _NEAR, _AIM, _JUST = 0.96, 0.99, 1.05
-"""Of a limit: a plan that comes nearer has too many readings; what is aimed at, as the plan then has other places; what
-is as good as reached, as places are shaken."""
+"""Of a limit: a plan that comes nearer has too many readings; what is aimed at, as the plan then has other places; a
+plan that comes so near ends just short of it."""
 
 
 def reached_by(case: Case, limits: Limits, places: Sequence[Place], readings: Sequence[Reading] = ()) -> bool:
@@ -68,20 +68,20 @@ def _within(case: Case, known: Knowledge, limits: Limits) -> bool:
 def going_on(
     case: Case, task: Task, limits: Limits, heeded: Limits, places: Sequence[Place], readings: Sequence[Reading] = ()
 ) -> Limits | None:
-    """Return limits that a search heeds to go on from the places of a plan that misses limits; None where it stays.
+    """Return limits that a search heeds to go on from the places of a plan just short of limits; None where it stays.
 
     heeded : by the search that found the places; readings : so far
-    A plan stays that reaches the limits, has as many readings as there may be, or ended before what was heeded.
+    A plan stays that reaches the limits, misses a volume by more, or has as many readings as there may be.
     """
     if not limits.accurate or len(places) >= (limits.readings or AT_ONCE):
         return None
     known, taken = foreseen(case, readings, places), [*readings, *blank_readings(case.description.setups, places)]
-    if reached(case, limits, known, taken):
+    near = not limits.of_volume or reached(case, limits.times(_JUST), known, taken)
+    if not near or reached(case, limits, known, taken):
         return None
     if not heeded.accurate:
         return None if heeded.readings is None else replace(heeded, readings=heeded.readings + 1)
-    own = promised(case, Knowledge(task.observation, task.belief), places)
-    return _searched(case, known, own, limits) if heeded.times(_JUST).met(own) else None
+    return _searched(case, known, promised(case, Knowledge(task.observation, task.belief), places), limits)
 
 
 def few_more(limits: Limits, least: int = 0) -> Limits:

@@ -48,7 +48,7 @@ _SMALL = 120
 """Unknowns up to which what replaces a plan is climbed off the lattice: beyond, a person at the machine would wait too
 long."""
 _TIGHTER = 3
-"""Times that a plan that misses its limits goes on; one is nearly always enough."""
+"""Times that a plan just short of its limits goes on; one is nearly always enough."""
 _VOLUME = 0.5
 """Of U before the first reading: a volume without a limit weighs as a row without one."""
 
@@ -86,7 +86,7 @@ def until_reached(
     again: Callable[[Limits, tuple[Place, ...]], tuple[Place, ...]],
     readings: Sequence[Reading] = (),
 ) -> tuple[Place, ...]:
-    """Return a plan that reaches limits: one that misses them goes on with what its own places count beside J.
+    """Return a plan that reaches limits: one just short of them goes on with what its own places count beside J.
 
     heeded : by the search that found the places; again : what goes on from places with such limits; readings : so far
     """

@@ -97,6 +97,7 @@ def _beyond(scorer: Scorer, setup: int, found: Step) -> Step:
     if certified.lower <= found.gain:
         return found
     climb = Climb.begun(scorer, setup, certified.pose[None], certified.approach[None])
+    climb.uphill()
     climb.finish()
     return _step(climb)
 

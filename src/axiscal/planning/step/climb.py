@@ -155,13 +155,13 @@ class Climb:
                 return
 
     def finish(self) -> None:
-        """Climb until no coordinate leads higher, alone and exactly."""
+        """Climb on from where neither steps nor looks lead higher, until no coordinate does, alone and exactly."""
         for _ in range(_ROUNDS):
-            self.uphill()
             before = self.gains.copy()
             self.exactly()
-            if np.all(self.gains <= before * (1 + _IMPROVED)):
+            if np.all(self.gains <= before * (1 + _SETTLED)):
                 return
+            self.uphill()
 
     def exactly(self) -> None:
         """Move each reading along one continuous coordinate after another to the best on its line (B&H eq. 27, 37)."""
@@ -177,7 +177,7 @@ class Climb:
 
             pieces = self.ground.pieces(number, place, side)
             if len(pieces):
-                there, gain = largest_along(forms, pieces, self.ground.nodes(number))
+                there, gain = largest_along(forms, pieces, self.ground.nodes(number), float(self.gains[i]))
                 if gain > self.gains[i]:
                     self.places[i, number], self.gains[i] = there, gain
 
