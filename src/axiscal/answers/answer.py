@@ -52,7 +52,7 @@ def rounded(values: Sequence[float], what: str, size: int | None = None) -> list
 
 
 Verdict = Literal["measured", "unmeasured", "reached", "more", "unreachable", "contradict", "nothing"]
-"""Of rows without a limit all, or not; the target is reached; more would; none would; they contradict; none."""
+"""Rows are measured, or not all; the target is reached; more readings would; none would; they contradict; none."""
 PlanVerdict = Literal["planned", "reached", "short", "unreachable"]
 """Nothing is asked for; it is reached; more readings would; none of these set-ups would."""
 StepCode = Literal["load", "verify", "export", "undo", "accept", "measure", "next", "finish", "start", "target"]

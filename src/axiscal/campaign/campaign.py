@@ -72,7 +72,7 @@ Planner = Callable[
 
 
 def _next_places(*known: Any) -> tuple[Place, ...]:
-    from axiscal.planning.next_readings import next_places  # a search that no command but the one that plans waits for
+    from axiscal.planning.next_readings import next_places  # commands that do not plan need not load it
 
     return next_places(*known)
 

@@ -95,7 +95,7 @@ _CERTAIN = 6.0
 _FEWEST_TOLD, _MOST = 4, 60
 """Readings below which no unit can be told, and above which more only take time."""
 _LEAST_FIT = 0.05
-"""Readings that scatter about a set-up's own unknowns by less of what is expected, multiplied, are no readings."""
+"""Share of what is expected: readings tell of no unit that scatter by less, multiplied, about a set-up's unknowns."""
 _FARTHEST = float(np.log(1000.0)) / 2
 """Logarithm of what errors or noise may be beside what is stated, multiplied: what is nearer to it as written stays."""
 

@@ -50,7 +50,7 @@ def largest_along(forms: Forms, pieces: Array, count: int, known: float = 0.0) -
     """Return the place along a line where N/D is largest, and how large it is there (B&H eq. 27).
 
     forms : N and D, which `count` nodes follow on each piece; pieces : (b, 2), at least one
-    known : a ratio that is had; where no more is, what is returned need not be the largest
+    known : a ratio that some place has: where none has more, less may be returned
     """
     left, right, above, below = _hopeful(_tame(forms, pieces, count), known)
     x = np.stack([_candidates(*each) for each in zip(above, below, strict=True)])

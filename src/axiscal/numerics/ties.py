@@ -63,7 +63,8 @@ def scattered(places: Array, order: NDArray[np.intp], most: int, apart: float, t
     """
     chosen = list[int]()
     for i in order.tolist():
-        distances = np.abs(places[[*chosen, *taken]] - places[i]).max(axis=1, initial=0.0)
-        if len(chosen) < most and np.all(distances > apart):
+        if len(chosen) == most:
+            break
+        if np.all(np.abs(places[[*chosen, *taken]] - places[i]).max(axis=1, initial=0.0) > apart):
             chosen.append(i)
     return chosen

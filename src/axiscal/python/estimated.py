@@ -87,14 +87,13 @@ class Curve:
 
     def next(self, noise: Quantity) -> float:
         """Return where a reading lets the mean variance over the travel fall most, exactly (B&H eq. 27), m or rad."""
-        factor = self.belief.factor
+        knots, factor = self.spline.knots, self.belief.factor
         weighted, variance = self._weight @ factor, si(noise, "length") ** 2
 
         def forms(places: Array) -> tuple[Array, Array]:
             along = self.spline.rows(places[:, 0]) @ factor
             return np.sum((along @ weighted.T) ** 2, axis=1), variance + np.sum(along**2, axis=1)
 
-        knots = self.spline.knots
         return largest_along(forms, np.column_stack([knots[:-1], knots[1:]]), _NODES)[0]
 
     def read(self, t: Quantity, value: Quantity, noise: Quantity) -> Self:

@@ -27,7 +27,7 @@ from axiscal.planning.gains.gain import Scorer
 _BLOCK = 4096
 """Rows made at once: of memory, not of the result."""
 _LONGEST, _LONG = 32, 4
-"""Control values of an error that stays whole in rows, and in those that would take too much memory: of speed."""
+"""Control values up to which an error stays whole, and up to which where whole rows take too much memory: of speed."""
 _DEGREE = 3
 """Of an error between two of its knots."""
 _TOGETHER = 64
