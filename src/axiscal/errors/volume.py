@@ -137,7 +137,7 @@ class VolumeMoments:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _AlongAxis:
+class AlongAxis:
     """One axis: nodes (k,) of the levers, positions (p,) of a quadrature, its weights times the Lagrange functions ℓ_i
 
     of these nodes (k, p), and their sums (k,), E[ℓ_i].
@@ -150,7 +150,7 @@ class _AlongAxis:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _SameAxes:
+class SameAxes:
     """Terms of the same axes.
 
     terms : indices of these; owner : (n,) per column the position in `terms`; columns : (n,) where they stand in A
@@ -174,12 +174,12 @@ def volume_moments(model: ErrorModel, box: Box, counted: Counted = EVERY_WAY) ->
     Readings come from both directions evenly, so a reversal has mean zero and is alone with its own axis.
     Cost: O(nodes · terms²) for the levers and O(size²) for the rest.
     """
-    axes = [_along(model, k, bounds) for k, bounds in enumerate(box)]
+    axes = [along_axis(model, k, bounds) for k, bounds in enumerate(box)]
     poses = np.stack([g.ravel() for g in np.meshgrid(*(a.nodes for a in axes), indexing="ij")], axis=1)
     levers = model.levers(poses).transpose(0, 2, 1).reshape(len(model.terms), 3, *(len(a.nodes) for a in axes))
     counts = levers[:, list(counted)]
     mean, weight = np.zeros((3, model.size)), np.zeros((model.size, model.size))
-    groups = _groups(model, axes)
+    groups = terms_by_axes(model, axes)
     for number, first in enumerate(groups):
         mean[:, first.columns] = _mean(axes, levers, first)
         for second in groups[: number + 1]:
@@ -191,16 +191,16 @@ def volume_moments(model: ErrorModel, box: Box, counted: Counted = EVERY_WAY) ->
     return VolumeMoments(mean, weight, *levers_and_rest(model, squares), counted)
 
 
-def _along(model: ErrorModel, axis: int, bounds: tuple[float, float]) -> _AlongAxis:
+def along_axis(model: ErrorModel, axis: int, bounds: tuple[float, float]) -> AlongAxis:
     knots = [f.basis.knots for f in model.functions if f.axis == axis]
     knots += [each for plane in model.planes for each in plane.knots_along(axis)]
     positions, weights = quadrature(knots, bounds)
     nodes, shares = lagrange(positions, bounds, model.machine.axes[axis].rotary)
     weighted = shares.T * weights
-    return _AlongAxis(nodes, positions, weighted, weighted.sum(axis=1))
+    return AlongAxis(nodes, positions, weighted, weighted.sum(axis=1))
 
 
-def _groups(model: ErrorModel, axes: Sequence[_AlongAxis]) -> list[_SameAxes]:
+def terms_by_axes(model: ErrorModel, axes: Sequence[AlongAxis]) -> list[SameAxes]:
     """Return the terms with the same axes together."""
     found = dict[tuple[int, ...], list[int]]()
     for index, term in enumerate(model.terms):
@@ -208,12 +208,12 @@ def _groups(model: ErrorModel, axes: Sequence[_AlongAxis]) -> list[_SameAxes]:
     return [_same_axes(model, axes, *each) for each in found.items()]
 
 
-def _same_axes(model: ErrorModel, axes: Sequence[_AlongAxis], own: tuple[int, ...], terms: list[int]) -> _SameAxes:
+def _same_axes(model: ErrorModel, axes: Sequence[AlongAxis], own: tuple[int, ...], terms: list[int]) -> SameAxes:
     each = [model.terms[i] for i in terms]
     columns = [np.arange(term.columns.start, term.columns.stop) for term in each]
     owner = np.repeat(np.arange(len(terms)), [len(mine) for mine in columns])
     rows = {axis: np.hstack([_factor(term, axis, axes[axis].positions) for term in each]) for axis in own}
-    return _SameAxes(terms, owner, np.concatenate(columns), rows)
+    return SameAxes(terms, owner, np.concatenate(columns), rows)
 
 
 def _factor(term: Term, axis: int, positions: Array) -> Array:
@@ -224,7 +224,7 @@ def _factor(term: Term, axis: int, positions: Array) -> Array:
     return term.sides[side].rows(positions)[:, term.pairs[:, side]]
 
 
-def _mean(axes: Sequence[_AlongAxis], levers: Array, mine: _SameAxes) -> Array:
+def _mean(axes: Sequence[AlongAxis], levers: Array, mine: SameAxes) -> Array:
     """Return E[H] of terms, (3, n).  levers : (terms, 3, ...) at the nodes of all axes"""
     left = averaged([a.plain for a in axes], levers[mine.terms], tuple(mine.rows))[mine.owner]
     for axis, rows in mine.rows.items():
@@ -232,7 +232,7 @@ def _mean(axes: Sequence[_AlongAxis], levers: Array, mine: _SameAxes) -> Array:
     return left.T
 
 
-def _crossed(axes: Sequence[_AlongAxis], levers: Array, first: _SameAxes, second: _SameAxes) -> Array:
+def _crossed(axes: Sequence[AlongAxis], levers: Array, first: SameAxes, second: SameAxes) -> Array:
     """Return E[rowᵀ row'] of terms with others, (n, m).  levers : (terms, c, ...) of the directions that count"""
     shared = tuple(sorted({*first.rows, *second.rows}))
     products = np.einsum("fc...,gc...->fg...", levers[first.terms], levers[second.terms])
@@ -242,7 +242,7 @@ def _crossed(axes: Sequence[_AlongAxis], levers: Array, first: _SameAxes, second
     return left
 
 
-def _integrals(line: _AlongAxis, axis: int, first: _SameAxes, second: _SameAxes) -> Array:
+def _integrals(line: AlongAxis, axis: int, first: SameAxes, second: SameAxes) -> Array:
     """Return E[ℓ_i φ φ'] along an axis, (k, n, m); φ is 1 where a row does not depend on it."""
     constant = np.ones((len(line.positions), 1))
     one, other = (each.rows.get(axis, constant) for each in (first, second))
