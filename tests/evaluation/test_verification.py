@@ -28,8 +28,9 @@ from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions
+from axiscal.tables.loaded import table_control
 from axiscal.tables.registry import export
-from axiscal.tables.surface import Control, left_by, table_control
+from axiscal.tables.surface import Control, left_by
 from tests.evaluation.said import said_of
 from tests.generators.reaches import reach_of
 from tests.generators.texts import campaign_text, machine_text, setup_text

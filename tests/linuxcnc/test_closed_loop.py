@@ -24,8 +24,9 @@ from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.ports.linuxcnc.tables.writer import write
 from axiscal.tables.exporter import ExportOptions
+from axiscal.tables.loaded import table_control
 from axiscal.tables.registry import export
-from axiscal.tables.surface import left_by, table_control
+from axiscal.tables.surface import left_by
 from axiscal.tables.table import CompensationTable
 from tests.linuxcnc.built import Build, BuiltMachine
 from tests.linuxcnc.demo import EXAMPLES, FOLDER, MACHINES, Loop, close_loop, description

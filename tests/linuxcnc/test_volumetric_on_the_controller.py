@@ -185,7 +185,7 @@ def test_another_tool_is_followed_slowly_and_counts(running: WatchedSession) -> 
     pose = np.array([[at[axis.name] for axis in file.axes]])
     ways = np.ones_like(pose)
     motors = running.read([f"axiscal-vcomp.correction-{n}" for n in range(5)])
-    found = vcomp_applying.correction(file, pose, ways, np.array([0.0, 0.0, -180.0]))[0]
+    found = vcomp_applying.correction(replace(file, tool=np.array([0.0, 0.0, -180.0])), pose, ways)[0]
     said = dict(zip((axis.name for axis in file.axes), found, strict=True))
     z = motors[2] - said["Z"]
     assert z == pytest.approx(0, abs=1e-6)  # Z has no reversal on this machine

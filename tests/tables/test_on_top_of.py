@@ -397,7 +397,8 @@ def test_what_is_written_is_read_back_as_an_old_compensation(controller: str) ->
 
 def test_the_harness_sees_a_reader_that_reads_something_else(monkeypatch: pytest.MonkeyPatch) -> None:
     control = exporter("marlin")
-    monkeypatch.setattr(type(control), "load", lambda *_: Loaded())
+    first = iter([type(control).load])  # as it is when they are tried
+    monkeypatch.setattr(type(control), "load", lambda *given: next(first, lambda *_: Loaded())(*given))
     with pytest.raises(TableError, match="Let load read all that write writes"):
         round_trip(control, known())
 

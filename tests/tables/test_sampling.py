@@ -24,8 +24,9 @@ from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline
 from axiscal.tables import surface
 from axiscal.tables.conditional import from_the_other_side, mean_along
+from axiscal.tables.loaded import table_control
 from axiscal.tables.sampling import axis_tables, closest, cross_tables, own_table, points
-from axiscal.tables.surface import Effect, effect_of_control, table_control
+from axiscal.tables.surface import Effect, effect_of_control
 from axiscal.tables.table import CompensationTable, Hats
 from axiscal.tables.volumetric import curves, tip_control
 from tests.generators.splines import power_maps

@@ -24,8 +24,9 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal.tables.loaded import table_control
 from axiscal.tables.offer import Export, title
-from axiscal.tables.surface import Control, sum_of, table_control
+from axiscal.tables.surface import Control, sum_of
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity
 

@@ -132,17 +132,13 @@ def sparse_product(
     return product
 
 
-def three_diagonals(own: Array, beside: Array, right: Array) -> Array:
-    """Return T⁻¹ b of a positive definite matrix T with three diagonals, (n,) or (n, m).
+def sparse_solution(values: Array, rows: NDArray[np.intp], columns: NDArray[np.intp], right: Array) -> Array:
+    """Return S⁻¹ b, (n,) or (n, k), of a matrix S (n, n) of few entries; those of one place add up.
 
-    own : (n,) its diagonal; beside : (n − 1,) the ones next to it; right : (n,) or (n, m)
+    values, rows, columns : (entries,) and where each stands; right : (n,) or (n, k)
     """
-    scale = 1 / np.sqrt(own)
-    bands = np.ones((2, len(own))) if len(own) > 1 else np.ones((1, 1))
-    bands[1:, :-1] = scale[:-1] * beside * scale[1:]
-    shown = scale if right.ndim == 1 else scale[:, None]
-    solve = _function("scipy.linalg", "solveh_banded")
-    solved: Array = shown * solve(bands, shown * right, lower=True, check_finite=False)
+    stored = _function("scipy.sparse", "csc_array")((values, (rows, columns)), shape=(len(right), len(right)))
+    solved: Array = _function("scipy.sparse.linalg", "splu")(stored).solve(right)
     return solved
 
 

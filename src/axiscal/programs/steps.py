@@ -15,7 +15,7 @@ import numpy as np
 from axiscal.exceptions import ProgramError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
-from axiscal.machine.motion import FAMILIES, Driving, move_groups, turn_parts
+from axiscal.machine.motion import FAMILIES, Driving, move_groups, quick_share, turn_parts
 from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget
 from axiscal.units import format_quantity, to_unit
 
@@ -321,17 +321,9 @@ def moves(
 
 def _edge(begin: Places, end: Places, place: Decimals, scales: Sequence[AxisScale]) -> Places:
     """Return where a straight way comes near a reading with all its axes; its end if it never does."""
-    if any(abs(end[k] - place[k]) > scales[k].nearness for k in end):
-        return end
-    ways = {k: end[k] - begin[k] for k in end}
-    ahead = [_entered(begin[k], ways[k], place[k], scales[k].nearness) for k in end if ways[k]]
-    share = min(max([Decimal(0), *ahead]), Decimal(1))
-    return {k: (begin[k] + ways[k] * share).quantize(scales[k].step) for k in end}
-
-
-def _entered(begin: Decimal, way: Decimal, place: Decimal, nearness: Decimal) -> Decimal:
-    """Return after which share of its way one axis is near a place."""
-    return ((place - nearness if way > 0 else place + nearness) - begin) / way
+    ways = (np.array([float(at[k]) for k in end]) for at in (begin, end, place))
+    share = Decimal(float(quick_share([float(scales[k].nearness) for k in end], *ways)))
+    return {k: (begin[k] + (end[k] - begin[k]) * share).quantize(scales[k].step) for k in end}
 
 
 def _straight(begin: Places, end: Places, scales: Sequence[AxisScale], group: Group, slow: bool) -> Iterator[Move]:

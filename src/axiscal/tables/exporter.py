@@ -23,10 +23,10 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.description import Machine
-from axiscal.tables.loaded import Loaded, OldFile, read_old
+from axiscal.tables.loaded import Loaded, OldFile, read_old, table_control
 from axiscal.tables.offer import Draft
 from axiscal.tables.sampling import MOST_POINTS, Multiples, axis_tables, cross_tables
-from axiscal.tables.surface import Control, Mesh, sum_of, table_control, with_height
+from axiscal.tables.surface import Control, sum_of, with_height
 from axiscal.tables.table import CompensationTable
 
 _KINDS = "a table, backlash, pitch or sag compensation, a bed mesh or skew correction"
@@ -234,7 +234,6 @@ class Written:
 
     files : text by name; steps : what rounding may leave of each axis, m or rad; notes : how to load the files
     holds, left_out : instead of those of the control, where the files decide
-    built : a map with its points where the firmware has them, for files that do not say it
     """
 
     files: Mapping[str, str]
@@ -242,7 +241,6 @@ class Written:
     notes: tuple[str, ...]
     holds: str = ""
     left_out: str = ""
-    built: Mesh | None = None
 
 
 def summed(steps: Iterable[tuple[str, float]]) -> dict[str, float]:
@@ -275,10 +273,6 @@ class Exporter(ABC):
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the control makes of files; raises TableError, ReadingError."""
 
-    def held(self, written: Written, machine: Machine, options: ExportOptions) -> Control:
-        """Return what the control does with files that were just written."""
-        return self.load([OldFile(*file) for file in written.files.items()], machine, options).control(machine)
-
     def draft(
         self,
         written: Written,
@@ -289,8 +283,8 @@ class Exporter(ABC):
     ) -> Draft:
         """Return files that were just written, read back, beside what they are meant to do."""
         said = (written.holds or self.holds, written.left_out or self.left_out, written.notes)
-        held = self.held(written, machine, options)
-        return Draft(written.files, held, wanted, written.steps, tables, *said, self.tried)
+        held = self.load([OldFile(*file) for file in written.files.items()], machine, options)
+        return Draft(written.files, held.control(machine), wanted, written.steps, tables, *said, self.tried)
 
 
 class TableFormat(Exporter):

@@ -141,6 +141,11 @@ def both_ways(axis: str, over: str, positions: Array, forward: Array, reverse: A
     return Lookup(axis, over, positions, forward, 1), Lookup(axis, over, positions, reverse, -1)
 
 
+def lookups_of(tables: Iterable[CompensationTable]) -> tuple[Lookup, ...]:
+    """Return what takes the deviations of tables away exactly as they say."""
+    return tuple(one for t in tables for one in both_ways(t.axis, t.over, t.positions, -t.forward, -t.reverse))
+
+
 def lookup_control(machine: Machine, lookups: Sequence[Lookup]) -> Control:
     """Return the control that adds all of them."""
 
@@ -152,6 +157,17 @@ def lookup_control(machine: Machine, lookups: Sequence[Lookup]) -> Control:
         return added
 
     return control
+
+
+def table_control(machine: Machine, tables: Iterable[CompensationTable]) -> Control:
+    """Return the control that takes the deviations of tables away exactly as they say."""
+    return lookup_control(machine, lookups_of(tables))
+
+
+def lost_motion(machine: Machine, play: Mapping[str, float]) -> tuple[Lookup, ...]:
+    """Return the tables that make up for what axes lose as they turn round, m or rad, half of it to each side."""
+    travels = [(axis, np.array(machine.axis(axis).travel), np.full(2, lost / 2)) for axis, lost in play.items()]
+    return tuple(one for axis, ends, half in travels for one in both_ways(axis, axis, ends, half, -half))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -213,11 +229,9 @@ class Loaded:
         if not mine:
             return base
         at = _positions(base, mine, most, even=even or machine.axis(base.axis).cyclic)
-        added = (np.sum([one.at(at, np.full(len(at), side)) for one in mine], axis=0) for side in (1.0, -1.0))
-        forward, reverse = (base.deviation(at, side) - old for side, old in zip((1, -1), added, strict=True))
-        silent = np.interp(at, base.positions, base.prior_only.astype(float)) > 1 - _APART
-        std = np.interp(at, base.positions, base.std)
-        return replace(base, positions=at, forward=forward, reverse=reverse, std=std, prior_only=silent)
+        up, down = (np.sum([one.at(at, np.full(len(at), side)) for one in mine], axis=0) for side in (1.0, -1.0))
+        new = base.resampled(at)
+        return replace(new, forward=new.forward - up, reverse=new.reverse - down)
 
 
 def _nothing(kind: tuple[str, str], old: Sequence[Lookup], machine: Machine) -> CompensationTable:

@@ -27,7 +27,7 @@ from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import gauss
 from axiscal.tables.sampling import cross_tables, hats_along, knots_of
-from axiscal.tables.table import CompensationTable, Hats
+from axiscal.tables.table import Hats
 from axiscal.units import format_quantity
 
 Sent = Callable[[Array, Array], Array]
@@ -104,20 +104,6 @@ def by_linear_axes(machine: Machine) -> Callable[[Array, Array], Array]:
         return found
 
     return added
-
-
-def table_control(machine: Machine, tables: Sequence[CompensationTable]) -> Control:
-    """Return the control that takes the deviations of tables away exactly as they say."""
-
-    def control(poses: Array, approaches: Array) -> Array:
-        added = np.zeros_like(poses)
-        for table in tables:
-            over = machine.index(table.over)
-            forward, reverse = (table.deviation(poses[:, over], side) for side in (1, -1))
-            added[:, machine.index(table.axis)] -= np.where(approaches[:, over] > 0, forward, reverse)
-        return added
-
-    return control
 
 
 def rms(deviation: Array, counted: Counted = EVERY_WAY) -> float:

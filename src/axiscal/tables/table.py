@@ -18,13 +18,15 @@ from axiscal.exceptions import TableError
 from axiscal.machine.entry import AXIS_NAME
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import gauss
-from axiscal.numerics.from_scipy import sparse_product, three_diagonals
+from axiscal.numerics.from_scipy import sparse_product, sparse_solution
 from axiscal.units import format_quantity
 
 _CUBIC = np.linalg.pinv(np.vander(np.polynomial.legendre.leggauss(5)[0], 4, increasing=True))
 """Mathematics: from the values at five points of Gauss to the cubic's coefficients."""
 _NODES = np.polynomial.legendre.leggauss(5)[0]
 """Mathematics."""
+_APART = 1e-9
+"""Share of the way from one point to the next: rounding of a place on the first."""
 _OUTSIDE = 1e-6
 """Weight of what lies outside, so that every hat has a value: small against 1, or it would pull at the inside."""
 
@@ -58,22 +60,18 @@ class Hats:
         """Return the values at the points whose line is nearest to a curve, (points,) or (points, k).
 
         curve : (nodes,) or (nodes, k), k of them at once
-        A hat meets its two neighbours only: the normal equations have three diagonals, and two corners where the last
-        point is the first one (Sherman and Morrison 1950).
+        A hat meets its two neighbours only, so few entries of the normal equations are not nought; where the last
+        point is the first one their hats are one.
         """
         index, share = self._between(self.nodes)
-        count, left = len(self.points), 1 - share
-        stored = np.stack([self.weights * left, self.weights * share], axis=1).ravel()
-        places, nodes = np.stack([index, index + 1], axis=1).ravel(), np.repeat(np.arange(len(share)), 2)
-        right = sparse_product(stored, places, nodes, (count, len(share)))(curve)
-        before, beside, after = np.zeros((3, count - 1))
-        for sums, each in ((before, left * left), (beside, left * share), (after, share * share)):
-            np.add.at(sums, index, self.weights * each)
-        if not self.closed:
-            return three_diagonals(np.append(before, 0.0) + np.append(0.0, after), beside, right)
-        right[0] += right[-1]
-        values = _around(before, beside, after, right[:-1])
-        return np.concatenate([values, values[:1]])
+        count, nodes = len(self.points) - self.closed, np.arange(len(share))
+        places, shares = np.stack([index, index + 1]) % count, np.stack([1 - share, share])
+        weighted = self.weights * shares
+        right = sparse_product(weighted.ravel(), places.ravel(), np.tile(nodes, 2), (count, len(nodes)))(curve)
+        squares = weighted[:, None] * shares
+        rows, columns = (np.broadcast_to(each, squares.shape).ravel() for each in (places[:, None], places))
+        values = sparse_solution(squares.ravel(), rows, columns, right)
+        return np.concatenate([values, values[:1]]) if self.closed else values
 
     def carried(self, at: Array) -> Array:
         """Return the map (len(at), nodes) from a curve at the nodes to it elsewhere: one cubic on every stretch."""
@@ -108,20 +106,6 @@ class Hats:
         """Return between which point and the next one places lie, and the share of the way, (m,) each."""
         index = np.clip(np.searchsorted(self.points, places, side="right") - 1, 0, len(self.points) - 2)
         return index, (places - self.points[index]) / (self.points[index + 1] - self.points[index])
-
-
-def _around(before: Array, beside: Array, after: Array, right: Array) -> Array:
-    """Return the best values where the hat after the last stretch is the first one again, (n,) or (n, k).
-
-    before, beside, after : (n,) over each stretch the squares and the product of its hats; right : (n,) or (n, k)
-    What the last stretch ties together is one product of a vector with itself, and the rest has three diagonals.
-    """
-    own, tie = np.append(before[:-1], 0.0) + np.append(0.0, after[:-1]), np.zeros(len(before))
-    own[0] += after[-1] - beside[-1] ** 2 / before[-1]
-    tie[-1] += np.sqrt(before[-1])
-    tie[0] += beside[-1] / np.sqrt(before[-1])
-    values, turned = (three_diagonals(own, beside[:-1], each) for each in (right, tie))
-    return values - np.multiply.outer(turned, tie @ values / (1 + tie @ turned))
 
 
 def _least(within: Array) -> float:
@@ -208,6 +192,13 @@ class CompensationTable:
     def fine_unit(self) -> str:
         """The unit in which deviations are shown."""
         return "arcsec" if self.rotary else "um"
+
+    def resampled(self, at: Array) -> CompensationTable:
+        """Return the table on other points (n,): lines between its own."""
+        forward, reverse = (self.deviation(at, side) for side in (1, -1))
+        silent = np.interp(at, self.positions, self.prior_only.astype(float)) > 1 - _APART
+        std = np.interp(at, self.positions, self.std)
+        return replace(self, positions=at, forward=forward, reverse=reverse, std=std, prior_only=silent)
 
     def averaged(self) -> CompensationTable:
         """Return the table without reversal: the mean of both directions."""

@@ -108,16 +108,15 @@ def component_control(file: VcompFile, machine: Machine) -> Control:
     return added
 
 
-def correction(file: VcompFile, joints: Array, ways: Array, tool: Array | None = None) -> Array:
+def correction(file: VcompFile, joints: Array, ways: Array) -> Array:
     """Return what is added to the joints of each axis, (m, q), units of the file.
 
-    joints : (m, q) in chain order; ways : (m, q) from -1 to 1; tool : (3,) where it is not that of the campaign
+    joints : (m, q) in chain order; ways : (m, q) from -1 to 1
     Raises TableError where the linear axes do not span space.
     """
     sense = np.array([axis.sense for axis in file.axes])
-    tip = file.tool if tool is None else tool
-    first = _once(file, sense * joints, sense * ways, tip)
-    return sense * _once(file, sense * joints + first, sense * ways, tip)
+    first = _once(file, sense * joints, sense * ways)
+    return sense * _once(file, sense * joints + first, sense * ways)
 
 
 def joint_errors(axis: VcompAxis, at: Array, ways: Array, unit: str) -> Array:
@@ -147,10 +146,10 @@ def _faded(beyond: Array, fade: float) -> Array:
     return np.sign(beyond) * (far - far**2 / (2 * fade))
 
 
-def _once(file: VcompFile, at: Array, ways: Array, tool: Array) -> Array:
+def _once(file: VcompFile, at: Array, ways: Array) -> Array:
     """Return what the axes are to be sent further, (m, q), walking from the tool to the workpiece."""
     count = len(at)
-    point, off, out = np.tile(tool, (count, 1)), np.zeros((count, 3)), np.zeros_like(at)
+    point, off, out = np.tile(file.tool, (count, 1)), np.zeros((count, 3)), np.zeros_like(at)
     moves: dict[int, Array] = {}
     for k in reversed(range(len(file.axes))):
         axis = file.axes[k]

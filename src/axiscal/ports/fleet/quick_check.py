@@ -44,7 +44,8 @@ from axiscal.planning.other_readings import with_rooms
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from axiscal.ports.fleet.due_dates import again, case_again
-from axiscal.ports.fleet.worn_machine import Wearing, control_of, found_by, without_tables
+from axiscal.ports.fleet.worn_machine import Wearing, found_by, without_tables
+from axiscal.tables.registry import offered_control
 from axiscal.tables.surface import Control
 
 _FAR = 3.0
@@ -112,7 +113,7 @@ class QuickCheck:
         if not campaign.state.readings:
             raise RecordError("The record has no readings", "Name a campaign that has been measured", campaign.path)
         known = campaign.estimate(ended=True)
-        control = None if controller is None else control_of(known, controller)
+        control = None if controller is None else offered_control(known, controller)
         return cls(again(known), found_by(known), kept, control, Wearing.from_estimation(known))
 
     def planned(self, count: int) -> tuple[Place, ...]:

@@ -49,9 +49,8 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.tables import registry
-from axiscal.tables.exporter import ExportOptions, informed
 from axiscal.tables.offer import spread_poses
+from axiscal.tables.registry import offered_control
 from axiscal.tables.surface import Control, left_by
 
 YEAR = 365.25 * 86400.0
@@ -184,7 +183,7 @@ class WornMachine:
         for term in errors.terms:
             self._fresh[term.columns] = any(errors.machine.axes[axis].name in renewed for axis in term.axes)
         self._found, self._wears = found_by(known), Wearing.from_estimation(known)
-        self._control = None if tables is None else control_of(known, tables)
+        self._control = None if tables is None else offered_control(known, tables)
         if self._control is None:
             moving = self._found.mean - self._wears.mean
             fields = np.array([self._root.matrix @ (moving * share) for share in (0.0, ~self._fresh, self._fresh)])
@@ -199,12 +198,6 @@ class WornMachine:
         moved = once @ self._products @ once + (square - rho**2) * self._products[1, 1]
         drifted = np.sum(self._root.weights * self._wears.covariance(self._found, square, self._fresh))
         return self._known.case.yardstick.rms_of(float(drifted + moved))
-
-
-def control_of(known: Estimation, controller: str) -> Control:
-    """Return what a control does with the tables of a campaign; raises TableError where none can be made for it."""
-    options = informed(ExportOptions(), known.case.description, controller)
-    return registry.export(known.estimate(), controller, options).control
 
 
 def _counted(known: Estimation, poses: Array, field: Array) -> Array:

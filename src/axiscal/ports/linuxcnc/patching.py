@@ -171,10 +171,16 @@ def _ini(found: Configuration) -> None:
 
 def _join(found: Configuration, joints: Sequence[int], thread: str) -> str:
     """Return the HAL text of what is read beside, with the owner's signals where a pin is on one already."""
-    lines = [f"# Made by axiscal: what the component reads beside. Its functions stand in {thread}."]
+    head = f"# Made by axiscal: what the component reads beside. Its functions stand in {thread}."
+    return "\n".join([head, *_nets(found.nets, joints)]) + "\n" + SWITCHES
+
+
+def _nets(nets: Mapping[str, str], joints: Sequence[int]) -> list[str]:
+    """Return the net lines of what is read and passed on.  nets : the signal of each pin that is on one already"""
+    lines = list[str]()
 
     def read(signal: str, pin: str, own: str) -> None:
-        known = found.nets.get(pin)
+        known = nets.get(pin)
         lines.append(f"net {known} => {own}" if known else f"net {signal} {pin} => {own}")
 
     read("vc-home", "motion.is-all-homed", "axiscal-vcomp.homed")
@@ -184,7 +190,7 @@ def _join(found: Configuration, joints: Sequence[int], thread: str) -> str:
         read(f"vc-bl-{n}", f"joint.{n}.backlash-corr", f"axiscal-vcomp.backlash-{n}")
         lines.append(f"net vc-mot-{n} joint.{n}.motor-pos-cmd => axiscal-vcomp.motor-{n}")
         lines.append(f"net vc-fb-{n} axiscal-vcomp.feedback-{n} => joint.{n}.motor-pos-fb")
-    return "\n".join(lines) + "\n" + SWITCHES
+    return lines
 
 
 def scripts(before: Mapping[str, str], found: Configuration, beside: Sequence[str]) -> dict[str, str]:
@@ -258,20 +264,8 @@ def _script(what: str, first: Sequence[str], files: Sequence[tuple[str, Sequence
 
 def hal_text(joints: Sequence[int]) -> str:
     """Return the HAL text for joints by their numbers."""
-    lines = [
-        _HEAD + _LOADRT,
-        "addf axiscal-vcomp.fb servo-thread 1",
-        "addf axiscal-vcomp.cmd servo-thread",
-        "net vc-home motion.is-all-homed => axiscal-vcomp.homed",
-        "net vc-on motion.motion-enabled => axiscal-vcomp.powered",
-    ]
-    for joint in sorted(joints):
-        lines += [
-            f"net vc-pos-{joint} joint.{joint}.pos-cmd => axiscal-vcomp.pos-{joint}",
-            f"net vc-mot-{joint} joint.{joint}.motor-pos-cmd => axiscal-vcomp.motor-{joint}",
-            f"net vc-drv-{joint} axiscal-vcomp.drive-{joint}",
-            f"net vc-enc-{joint} axiscal-vcomp.encoder-{joint}",
-            f"net vc-fb-{joint} axiscal-vcomp.feedback-{joint} => joint.{joint}.motor-pos-fb",
-            f"net vc-bl-{joint} joint.{joint}.backlash-corr => axiscal-vcomp.backlash-{joint}",
-        ]
+    lines = [_HEAD + _LOADRT, "addf axiscal-vcomp.fb servo-thread 1", "addf axiscal-vcomp.cmd servo-thread"]
+    lines += _nets({}, sorted(joints))
+    for n in sorted(joints):
+        lines += [f"net vc-drv-{n} axiscal-vcomp.drive-{n}", f"net vc-enc-{n} axiscal-vcomp.encoder-{n}"]
     return "\n".join(lines) + "\n" + SWITCHES

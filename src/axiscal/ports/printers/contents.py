@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-import numpy as np
-
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.machine.description import Machine
 from axiscal.tables.exporter import ExportOptions, summed
-from axiscal.tables.loaded import Loaded, Lookup, both_ways
+from axiscal.tables.loaded import Loaded, lost_motion
 from axiscal.tables.sampling import backlash
 from axiscal.tables.surface import height_seen, mesh_of, skew_of
 
@@ -31,7 +26,7 @@ def content_of(estimate: Estimate, options: ExportOptions, points: int | None) -
     meshes = (old.under_mesh(mesh_of(estimate, points)),) if height_seen(estimate) else ()
     lost = ((axis, value) for axis, value in backlash(estimate).items() if value > 0)
     play = summed([*lost, *play_of(old).items()])
-    return Loaded(lookups(estimate.machine, play), meshes, old.under_skew(skew_of(estimate)))
+    return Loaded(lost_motion(estimate.machine, play), meshes, old.under_skew(skew_of(estimate)))
 
 
 def in_words(content: Loaded) -> str:
@@ -45,10 +40,3 @@ def in_words(content: Loaded) -> str:
 def play_of(content: Loaded) -> dict[str, float]:
     """Return the lost motion that tables make up for, half of it to each side, m."""
     return summed((one.axis, one.direction * float(one.added[0])) for one in content.lookups)
-
-
-def lookups(machine: Machine, play: Mapping[str, float]) -> tuple[Lookup, ...]:
-    """Return the tables that make up for lost motion, m, half of it to each side."""
-    half = {axis: np.full(2, value / 2) for axis, value in play.items()}
-    ends = {axis: np.array(machine.axis(axis).travel) for axis in play}
-    return tuple(one for axis in play for one in both_ways(axis, axis, ends[axis], half[axis], -half[axis]))

@@ -11,15 +11,16 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, lookups, play_of
+from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, play_of
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written
-from axiscal.tables.loaded import Loaded, OldFile
-from axiscal.tables.surface import Control, Mesh, Skew, plane_axes
+from axiscal.tables.loaded import Loaded, OldFile, lost_motion
+from axiscal.tables.surface import Mesh, Skew, plane_axes
 from axiscal.units import from_unit, to_unit
 
 _FILE = "axiscal.gcode"
 _COMMAND = re.compile(r"M(?:421|425|852) .*")
 _NODE = re.compile(r"M421 I(\d+) J(\d+)")
+_BUILT = re.compile(r"; mesh from X (\S+) to (\S+) and Y (\S+) to (\S+)")
 _WORD = re.compile(r"([A-Z])(-?[\d.]+)")
 _SKEW = {"XY": "I", "XZ": "J", "YZ": "K"}
 _STEP = float(from_unit(1e-4, "mm"))
@@ -41,31 +42,28 @@ class Marlin(MapFormat):
         reach = max(abs(end) for axis in machine.axes for end in axis.travel)
         steps = {"X": _STEP + 2e-7 * reach, "Y": _STEP + 2e-7 * reach, "Z": 2 * _STEP}
         files = {_FILE: text_of(content)} if mesh or skew.seen or play else {}
-        return Written(files, steps, _notes(mesh, skew, play), in_words(content), built=mesh)
-
-    def held(self, written: Written, machine: Machine, options: ExportOptions) -> Control:
-        """Return what the firmware does that has the points of its map where they are."""
-        return read("".join(written.files.values()), written.built, machine).control(machine)
+        return Written(files, steps, _notes(mesh, skew, play), in_words(content))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what commands made active: a report of M503 or the file of an earlier export; raises TableError.
 
-        Where a mesh has its points is built into the firmware: they are taken to span the travels of X and Y.
+        Where a mesh has its points is built into the firmware: an export says it, and else they are taken to span the
+        travels of X and Y.
         """
         meshes, skew, play = tuple[Mesh, ...](), Skew(), dict[str, float]()
         for file in files:
             commands = "\n".join(_COMMAND.findall(file.text))
-            found = read(commands, _built(commands, machine), machine)
+            found = read(commands, _built(file.text, machine), machine)
             if not found.meshes and not found.skew.seen and not found.lookups:
                 what = "there is no M421, M425 or M852 in this file"
                 raise TableError(what, "send M503, and save what Marlin answers", file.name)
             meshes, skew = (*meshes, *found.meshes), found.skew if found.skew.seen else skew
             play |= play_of(found)
-        return Loaded(lookups(machine, play), meshes, skew)
+        return Loaded(lost_motion(machine, play), meshes, skew)
 
 
 def _built(text: str, machine: Machine) -> Mesh | None:
-    """Return the points that commands fill, over the travels; raises TableError for a mesh with holes."""
+    """Return the points that commands fill, over what is said or the travels; raises TableError for one with holes."""
     nodes = {(int(i), int(j)) for i, j in _NODE.findall(text)}
     if not nodes:
         return None
@@ -74,8 +72,10 @@ def _built(text: str, machine: Machine) -> Mesh | None:
         what = "the mesh of {wide} x {high} points has {count} values"
         remedy = "give the whole answer to M503, or send M420 S1 first"
         raise TableError(what, remedy, wide=wide, high=high, count=len(nodes))
-    x, y, _ = plane_axes(machine)
-    across, along = (np.linspace(*machine.axes[axis].travel, count) for axis, count in ((x, wide), (y, high)))
+    ends = np.array([machine.axes[axis].travel for axis in plane_axes(machine)[:2]])
+    if said := _BUILT.search(text):
+        ends = from_unit(np.array(said.groups(), dtype=float), "mm").reshape(2, 2)
+    across, along = (np.linspace(low, high, count) for (low, high), count in zip(ends, (wide, high), strict=True))
     return Mesh(across, along, np.zeros((high, wide)))
 
 
@@ -113,6 +113,8 @@ def text_of(content: Loaded) -> str:
         words = " ".join(f"{axis}{to_unit(value, 'mm'):.4f}" for axis, value in play.items())
         lines.append(f"M425 {words} F1 S0")
     for mesh in content.meshes:
+        x, y = (to_unit(places[[0, -1]], "mm").tolist() for places in (mesh.x, mesh.y))
+        lines.append(f"; mesh from X {x[0]!r} to {x[1]!r} and Y {y[0]!r} to {y[1]!r}")
         heights = np.round(np.asarray(to_unit(mesh.added, "mm")), 4) + 0.0
         lines += [f"M421 I{i} J{j} Z{value:.4f}" for j, row in enumerate(heights) for i, value in enumerate(row)]
     return "\n".join([*lines, "M500"]) + "\n"
@@ -136,7 +138,7 @@ def read(text: str, built: Mesh | None, machine: Machine) -> Loaded:
                 raise TableError("{text!r} says no height of a point", remedy, text=line[:40])
             heights[int(values["J"]), int(values["I"])] = values["Z"]
     meshes = () if built is None or heights is None else (Mesh(built.x, built.y, from_unit(heights, "mm")),)
-    return Loaded(lookups(machine, play), meshes, skew)
+    return Loaded(lost_motion(machine, play), meshes, skew)
 
 
 def _mm(places: Array) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import http.client
-import json
 import math
 import re
 import threading
@@ -23,6 +22,7 @@ from pathlib import Path
 from queue import Empty, Queue
 from typing import Any, NamedTuple
 
+from axiscal.document.file import json_or_none
 from axiscal.exceptions import InputError, SourceError, TableError, TravelError
 from axiscal.language.spoken import later, said
 from axiscal.ports.printers.klipper import holds_heights
@@ -150,10 +150,7 @@ class Printer(ABC):
         return code, data
 
     def _document(self, path: str, query: dict[str, str] | None = None) -> dict[str, Any]:
-        try:
-            found = json.loads(self._ask(path, query))
-        except (ValueError, RecursionError):
-            found = None
+        found = json_or_none(self._ask(path, query))
         if not isinstance(found, dict):
             raise self._failed("the printer {host} answers {path} with something that is no JSON object", path=path)
         return found
@@ -373,10 +370,7 @@ def _exchange(asked: urllib.request.Request) -> tuple[int, bytes] | Exception:
 
 def _reason(data: bytes) -> str:
     """Return what a refusal says: of a document as Moonraker sends it the message, without its traceback."""
-    try:
-        message = found_at(json.loads(data), "error", "message")
-    except (ValueError, RecursionError):
-        message = None
+    message = found_at(json_or_none(data), "error", "message")
     return message if isinstance(message, str) else data[:2000].decode(errors="replace")
 
 

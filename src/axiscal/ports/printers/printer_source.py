@@ -11,7 +11,6 @@ against a small server. What is there under the same name is kept beside it.
 
 from __future__ import annotations
 
-import json
 import posixpath
 import re
 import time
@@ -25,6 +24,7 @@ import numpy as np
 
 from axiscal.campaign.sources.source import Answer, Request, Skip, at_the_terminal
 from axiscal.document import shown
+from axiscal.document.file import json_or_none
 from axiscal.exceptions import SourceError, TableError, TravelError
 from axiscal.language.spoken import later, said
 from axiscal.machine.description import Machine
@@ -151,7 +151,7 @@ class MoonrakerLoader(_Loader, Moonraker):
         code, data = self._answered("/printer/info")
         if code in _STARTING:
             return "startup"
-        return found_at(_document(data), "result", "state")
+        return found_at(json_or_none(data), "result", "state")
 
 
 class DuetLoader(_Loader, Duet):
@@ -194,7 +194,7 @@ class DuetLoader(_Loader, Duet):
             self._ask(f"/machine/file/{urllib.parse.quote(file, safe='')}", body=data, method="PUT")
             return
         said = self._ask("/rr_upload", {"name": file, "crc32": _digest(data)}, body=data)
-        if found_at(_document(said), "err") != 0:
+        if found_at(json_or_none(said), "err") != 0:
             raise self._not_ready("the printer {host} did not take {kept}", "Look at its card", kept=file)
 
 
@@ -206,13 +206,6 @@ def _reads(config: str) -> bool:
 def _digest(data: bytes) -> str:
     """Return the CRC-32 of a file: what was kept once is overwritten by nothing else."""
     return f"{zlib.crc32(data):08x}"
-
-
-def _document(data: bytes) -> object:
-    try:
-        return json.loads(data)
-    except (ValueError, RecursionError):
-        return None
 
 
 _LOADERS: Mapping[str, type[MoonrakerLoader | DuetLoader]] = {"moonraker": MoonrakerLoader, "duet": DuetLoader}

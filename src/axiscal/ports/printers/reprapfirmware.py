@@ -12,9 +12,9 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import height_map, is_height_map
 from axiscal.measurement.readers.csv_table import TextFile
-from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, lookups, play_of
+from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, play_of
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written
-from axiscal.tables.loaded import Loaded, OldFile
+from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
 from axiscal.units import from_unit, to_unit
 
@@ -70,7 +70,7 @@ class RepRapFirmware(MapFormat):
                 skew = _skew({letter: float(word) for letter, word in commands["M556"].items()})
             own = {axis: word for axis, word in commands.get("M425", {}).items() if axis in "XYZ"}
             play |= {axis: float(from_unit(float(word), "mm")) for axis, word in own.items()}
-        return Loaded(lookups(machine, play), tuple(meshes), skew)
+        return Loaded(lost_motion(machine, play), tuple(meshes), skew)
 
 
 def _notes(content: Loaded, play: Mapping[str, float]) -> tuple[str, ...]:

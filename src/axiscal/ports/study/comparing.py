@@ -69,6 +69,12 @@ class MeasuringWay:
         """Return the mean of a figure; None where there is none."""
         return mean_of(list(self.figures.get(figure, {}).values()))
 
+    @property
+    def place(self) -> tuple[float, float] | None:
+        """Median of the minutes and mean of U, µm; None where there are none."""
+        spent, left = self.spread("minutes"), self.mean("U")
+        return None if spent is None or left is None else (spent.middle, left.value)
+
 
 class ChoiceChange(NamedTuple):
     """Effect of one choice compared with another, all else being the same: the differences of figures, by name.
@@ -126,7 +132,7 @@ def choice_words(key: str, value: Any) -> str:
 
 def unbeaten(ways: Sequence[MeasuringWay]) -> list[MeasuringWay]:
     """Return the ways of which no other is both as quick and as good, the quickest first."""
-    known = [(c.middle, a.value, way) for way in ways if (c := way.spread("minutes")) and (a := way.mean("U"))]
+    known = [(*place, way) for way in ways if (place := way.place)]
     return [
         way
         for spent, left, way in sorted(known, key=lambda each: each[:2])
@@ -212,7 +218,8 @@ def _soonest_of_targets(ways: Sequence[MeasuringWay]) -> Iterator[str]:
 def _front(ways: Sequence[MeasuringWay]) -> Iterator[str]:
     front = unbeaten(ways)
     if len(ways) > 1 and front:
-        each = "; ".join(f"{way.name} ({_at(way)})" for way in front)
+        places = [(way.name, *way.place) for way in front if way.place]
+        each = "; ".join(f"{name} ({_amount(c, 'minutes')}, U {_amount(a, 'U')})" for name, c, a in places)
         yield (
             f"No other way is both quicker and better than: {each}."
             if len(front) < len(ways)
@@ -289,13 +296,6 @@ def _plus_minus(found: Mean, name: str) -> str:
 
 def _amount(value: float, name: str) -> str:
     return f"{figure(value)} {_unit(name)}"
-
-
-def _at(way: MeasuringWay) -> str:
-    spread, mean = way.spread("minutes"), way.mean("U")
-    assert spread is not None
-    assert mean is not None
-    return f"{_amount(spread.middle, 'minutes')}, U {_amount(mean.value, 'U')}"
 
 
 def _unit(name: str) -> str:

@@ -8,7 +8,6 @@ Work in processes of this computer, each with one thread; one that is killed is 
 from __future__ import annotations
 
 import hashlib
-import json
 import multiprocessing
 import os
 import signal
@@ -22,6 +21,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from axiscal.document.durable import Closing, HeldError, alone, sync, write_at, write_whole
+from axiscal.document.file import json_or_none
 from axiscal.exceptions import StudyError
 from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.numerics.threads import one_thread
@@ -141,7 +141,7 @@ class Results(Closing):
 
     def _refuse_other(self, first: bytes, digest: str, versions: Mapping[str, str], resume: bool) -> None:
         """Raise StudyError for results that are not of this study, or where nobody said to go on with them."""
-        match _read(first):
+        match json_or_none(first):
             case {"digest": of, "versions": {"axiscal": by}}:
                 pass
             case _:
@@ -194,20 +194,12 @@ def _digest(done: Done) -> str:
 
 def _done(line: bytes) -> Done | None:
     """Return the result in a line; None where it is not as it was written."""
-    match _read(line):
+    match json_or_none(line):
         case {"key": str() as key, "result": None | dict() as result, "error": str() as error, "sha256": digest}:
             done = Done(key, result, error)
             with suppress(ValueError):  # a number that JSON does not have
                 return done if digest == _digest(done) else None
     return None
-
-
-def _read(text: bytes) -> object:
-    """Return what a JSON text says; None where it is none."""
-    try:
-        return json.loads(text)
-    except (ValueError, RecursionError):
-        return None
 
 
 @contextmanager

@@ -56,14 +56,13 @@ def render(study: Study, found: Mapping[str, Done]) -> str:
 
 def against(ways: Sequence[MeasuringWay]) -> Figure:
     """Return one mark for each way: median of the minutes, mean and quartiles of U."""
-    front = unbeaten(ways)
-    joined = sorted((_at(way) for way in front), key=lambda at: at[0])
+    joined = sorted((at for way in unbeaten(ways) if (at := _at(way))), key=lambda at: at[0])
     traces = [line_trace([x for x, _ in joined], [y for _, y in joined], "var(--rule)", 1.5, "dot")]
     for index, way in enumerate(ways):
-        spread = way.spread("U")
-        if spread is None or way.spread("minutes") is None:
+        spread, at = way.spread("U"), _at(way)
+        if spread is None or at is None:
             continue
-        x, y = _at(way)
+        x, y = at
         ends = [number(spread.low, "U"), number(spread.high, "U")]
         traces.append(line_trace([x, x], ends, colour(index), 1.2))
         marker = {"color": colour(index), "symbol": SYMBOLS[index % len(SYMBOLS)], "size": 9}
@@ -77,11 +76,8 @@ _MARGIN = {"l": 56, "r": 16, "t": 12, "b": 46}
 """Pixels; a matter of taste."""
 
 
-def _at(way: MeasuringWay) -> tuple[float, float]:
-    spread, mean = way.spread("minutes"), way.mean("U")
-    assert spread is not None
-    assert mean is not None
-    return number(spread.middle, "minutes"), number(mean.value, "U")
+def _at(way: MeasuringWay) -> tuple[float, float] | None:
+    return None if way.place is None else (number(way.place[0], "minutes"), number(way.place[1], "U"))
 
 
 def _heading(name: str) -> str:

@@ -142,11 +142,9 @@ def _read(file: OldFile, machine: Machine, sign: float) -> list[Lookup]:
 def _sampled(table: CompensationTable, at: Array) -> CompensationTable:
     if np.array_equal(at, table.positions):
         return table
-    forward, reverse = (table.deviation(at, side) for side in (1, -1))
-    sides = ((forward, table.forward), (reverse, table.reverse))
+    held = table.resampled(at)
+    sides = ((held.forward, table.forward), (held.reverse, table.reverse))
     away = max(float(np.max(np.abs(np.interp(table.positions, at, new) - old))) for new, old in sides)
-    std, silent = (np.interp(at, table.positions, values) for values in (table.std, table.prior_only.astype(float)))
-    held = replace(table, positions=at, forward=forward, reverse=reverse, std=std, prior_only=silent == 1)
     return replace(held, departure=table.departure + away)
 
 

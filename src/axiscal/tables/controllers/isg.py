@@ -27,10 +27,10 @@ from axiscal.machine.description import Machine
 from axiscal.machine.entry import parse_error_name
 from axiscal.numerics import Array
 from axiscal.tables.exporter import FLIP, Exporter, ExportOptions, Written, summed
-from axiscal.tables.loaded import Loaded, Lookup, OldFile
+from axiscal.tables.loaded import Loaded, Lookup, OldFile, both_ways, table_control
 from axiscal.tables.offer import Draft
 from axiscal.tables.sampling import axis_tables, points
-from axiscal.tables.surface import sum_of, table_control
+from axiscal.tables.surface import sum_of
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.volumetric import SampledError, anchored, curves, tip_control, together
 from axiscal.units import from_unit, to_unit
@@ -82,7 +82,7 @@ def read_list(text: str, machine: Machine) -> list[Lookup]:
     scale = list_unit(axis.unit)
     at: Array = scale * (int(keys["kw_startpos"]) + int(keys["interval"]) * np.arange(count, dtype=float))
     pos, neg = (-scale * np.array([values[i] for i in range(count)]) for values in sides.values())
-    return [Lookup(axis.name, axis.name, at, pos, 1), Lookup(axis.name, axis.name, at, neg, -1)]
+    return [*both_ways(axis.name, axis.name, at, pos, neg)]
 
 
 def _whole(values: Array, shown: str) -> Array:

@@ -14,7 +14,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, parse_table
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
-from axiscal.tables.loaded import Loaded, OldFile, both_ways
+from axiscal.tables.loaded import Loaded, OldFile, lookups_of
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
 
@@ -44,10 +44,7 @@ class PlainCsv(TableFormat):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what somebody does who takes the deviations of these tables away; raises ReadingError, TableError."""
-        tables = [parse(file.text, file.name) for file in files]
-        return Loaded(
-            tuple(one for t in tables for one in both_ways(t.axis, t.over, t.positions, -t.forward, -t.reverse))
-        )
+        return Loaded(lookups_of(parse(file.text, file.name) for file in files))
 
 
 def text_of(table: CompensationTable) -> str:

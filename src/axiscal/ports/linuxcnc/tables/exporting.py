@@ -22,7 +22,7 @@ from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import cross, pivots
 from axiscal.ports.linuxcnc.tables.writer import ROWS, LinuxcncTable, notes, parse, resolution, write
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
-from axiscal.tables.loaded import Loaded, Lookup, OldFile, both_ways
+from axiscal.tables.loaded import Loaded, Lookup, OldFile, both_ways, lost_motion
 from axiscal.tables.offer import Draft
 from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.surface import sum_of
@@ -242,9 +242,8 @@ def _type(file: OldFile) -> int:
 
 def _backlash(file: OldFile, axis: str, machine: Machine, unit: str) -> list[Lookup]:
     """Return half the backlash to each side, as motion adds it (control.c)."""
-    own = machine.axis(axis)
-    half = float(from_unit((file.backlash or 0.0) / 2, "deg" if own.rotary else unit))
-    return [*both_ways(axis, axis, np.array(own.travel), np.full(2, half), np.full(2, -half))]
+    lost = float(from_unit(file.backlash or 0.0, "deg" if machine.axis(axis).rotary else unit))
+    return [*lost_motion(machine, {axis: lost})]
 
 
 def _curves(file: OldFile, machine: Machine, unit: str) -> list[Lookup]:
