@@ -298,10 +298,10 @@ def test_sinumerik_text_by_hand() -> None:
     """The example of the manual, read by hand: positive values move the axis down."""
     text = "%_N_AX_EEC_INI\nCHANDATA(1)\n$AA_ENC_COMP[0,0,AX1]=0.0\n$AA_ENC_COMP[0,1,AX1]=0.0042\n"
     text += "$AA_ENC_COMP_STEP[0,AX1]=50.0\n$AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=50.0\nM17\n"
-    found = sinumerik.read([text], {"X": "AX1"}, known("small")[0].machine)[0]
+    found = sinumerik.read(text, {"X": "AX1"}, known("small")[0].machine)[0]
     assert found.at(np.array([0.025, 0.05, 9.0]), np.ones(3)) == pytest.approx([-2.1e-6, -4.2e-6, -4.2e-6])
     with pytest.raises(TableError, match="would not understand 'G0 X9'"):
-        sinumerik.read([text + "G0 X9\n"], {"X": "AX1"}, known("small")[0].machine)
+        sinumerik.read(text + "G0 X9\n", {"X": "AX1"}, known("small")[0].machine)
 
 
 def test_isg_text_read_and_written_again_is_the_same() -> None:

@@ -86,7 +86,7 @@ def test_linuxcnc_pivots(swivel: str, lengths: list[float], conventional: bool) 
 def test_sinumerik(table: CompensationTable) -> None:
     names = {"X": "X1", "C": "C1"}
     files = sinumerik.write([table], sinumerik.blocks_of([table], []), names)
-    found = sinumerik.read(files.values(), names, MACHINE)
+    found = [each for text in files.values() for each in sinumerik.read(text, names, MACHINE)]
     middle = -found[0].added
     half = -found[1].added if len(found) > 1 else np.zeros_like(middle)
     same = CompensationTable(table.axis, table.rotary, found[0].positions, middle + half, middle - half, table.std)

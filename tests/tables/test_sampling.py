@@ -23,7 +23,7 @@ from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline
 from axiscal.tables import surface
-from axiscal.tables.conditional import from_the_other_side, mean_along
+from axiscal.tables.conditional import mean_along
 from axiscal.tables.loaded import table_control
 from axiscal.tables.sampling import axis_tables, closest, cross_tables, own_table, points
 from axiscal.tables.surface import Effect, effect_of_control
@@ -131,10 +131,10 @@ def test_rows_are_the_mean_over_the_other_axes_of_a_machine_that_turns(moved: li
     index, axes = model.machine.index(over), [model.machine.index(name) for name in moved]
     low, high = np.array(box).T
     at = np.array([low[index], 0.3 * low[index] + 0.7 * high[index], high[index]])
-    rows = mean_along(model, box, axes, index, at, 1)
     taken = {"B": "EBB", "C": "ECC"}
     left = [f for f in model.functions if f.name.partition("_")[0] not in taken.values()]
-    for sign, found in ((1, rows), (-1, from_the_other_side(model, index, rows))):
+    for sign in (1, -1):
+        found = mean_along(model, box, axes, index, at, sign)
         for number, position in enumerate(at):
             poses = rng.uniform(low, high, (6000, len(low)))
             poses[:, index] = position

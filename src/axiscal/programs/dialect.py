@@ -84,9 +84,9 @@ class Dialect:
     dwell: Lines
     tip_on: Lines
     tip_off: Lines
-    tip_move: str
     tip_needs: Lines
     tip_notes: Lines
+    tip_move: str = "G1 {to} F{feed}"
     tip_decimals: int = 4
     tip_tables: Lines = ()
     tip_tables_said: str = ""

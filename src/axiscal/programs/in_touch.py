@@ -139,14 +139,14 @@ class InTouch:
 
     def _stops(self, standing: Array, there: Array, side: Array) -> list[Array]:
         """Return over which places u a place is come to from its side."""
-        straight = self._ways.legs(standing, there)
+        straight = self._ways.chart.between(standing, there)
         if straight is not None and len(straight) == 2 and self._ways.comes_right(standing, there, side):
             return [there]
         return [starts_of_ways(self._ways.chart, there[None], side[None])[0], there]
 
     def _way(self, here: Array, there: Array) -> Iterator[Step]:
         """Yield a way in touch; where there is none the tool goes off, and comes back."""
-        legs = self._ways.legs(here, there)
+        legs = self._ways.chart.between(here, there)
         if legs is not None:
             for start, stop in pairwise(legs):
                 yield from self._driver.along(self._ways.poses_along(start, stop))
@@ -199,10 +199,6 @@ class Ways:
         at, slanted, begin = self.chart.poses(np.vstack([there, there - last * gone, start]))
         known = KNOWN * np.array([axis.overrun for axis in self._machine.axes])
         return bool(np.all((np.abs(at - begin) < known) | ((at - slanted) * np.sign(at - begin) >= known)))
-
-    def legs(self, here: Array, there: Array) -> Array | None:
-        """Return over which places (k, size) a way goes in touch; None where there is none."""
-        return self.chart.between(here, there)
 
     def poses_along(self, start: Array, stop: Array) -> Array:
         """Return poses between which the control may go straight, both ends among them, (p, q)."""

@@ -72,15 +72,6 @@ def _counted(model: ErrorModel, index: int, over: int, sign: int) -> float:
     return 0.5 * sign * (function.axis == over) if function.kind == "reversal" else 1.0
 
 
-def from_the_other_side(model: ErrorModel, over: int, rows: Array) -> Array:
-    """Return the rows (…, size) of `mean_along` where positions are approached in the other direction."""
-    result = rows.copy()
-    for function in model.functions:
-        if function.kind == "reversal" and function.axis == over:
-            result[..., function.columns] *= -1.0
-    return result
-
-
 def turned(model: ErrorModel, box: Box, axis: int, positions: Array, sign: int) -> Array:
     """Return rows (positions, size) of the rotation of a rotary axis about its own line beyond its command."""
     poses = np.tile(np.mean(box, axis=1), (len(positions), 1))

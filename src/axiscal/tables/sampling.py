@@ -30,7 +30,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis
 from axiscal.numerics import Array
-from axiscal.tables.conditional import from_the_other_side, mean_along, turned
+from axiscal.tables.conditional import mean_along, turned
 from axiscal.tables.table import CompensationTable, Hats
 from axiscal.units import format_quantity
 
@@ -179,10 +179,8 @@ def _bends(curves: Array) -> bool:
 
 def _along(estimate: Estimate, moved: Sequence[int], over: int, hats: Hats) -> list[Array]:
     """Return the mean deviation along each moved axis, by the sides it is reached from, as rows (s, nodes, size)."""
-    model, (first, *other) = estimate.model, _sides(estimate, over)
-    rows = mean_along(model, estimate.box, moved, over, hats.nodes, first)
-    sides = [rows, *(from_the_other_side(model, over, rows) for _ in other)]
-    return [np.stack([side[number] for side in sides]) for number in range(len(moved))]
+    known = estimate.model, estimate.box, moved, over, hats.nodes
+    return list(np.stack([mean_along(*known, sign) for sign in _sides(estimate, over)], axis=1))
 
 
 def _sides(estimate: Estimate, over: int) -> tuple[int, ...]:

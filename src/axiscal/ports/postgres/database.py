@@ -145,14 +145,11 @@ class Database:
             with contextlib.suppress(*_network_failures()):
                 connection.close()
 
-    @property
-    def _named(self) -> str:
-        return self.address.shown
-
     def _opened(self) -> Any:
         if self._connection is None:
             if self._within:
-                raise UnreachableError("The server went away in the middle", "Give the command again", self._named)
+                remedy = "Give the command again"
+                raise UnreachableError("The server went away in the middle", remedy, self.address.shown)
             line = _line(self.address)
             self._line = line.fileno()  # it stays the same under TLS
             self._connection = _connected(self.address, line)
@@ -166,7 +163,7 @@ class Database:
         except UnicodeEncodeError as failure:
             self.close()
             what, remedy = "{text} has a letter that is none", "Give the campaign a name without it"
-            raise RecordError(what, remedy, self._named, text=shown(failure.object)) from None
+            raise RecordError(what, remedy, self.address.shown, text=shown(failure.object)) from None
         except _network_failures() as failure:
             found = failure.args[0] if failure.args else ""
             state = str(found.get("C", "")) if isinstance(found, dict) else ""
@@ -174,20 +171,20 @@ class Database:
                 self.close()
                 what = "The store cannot prove who it is: {reason}"
                 remedy = "Name its authority by SSL_CERT_FILE, or write ?sslmode=prefer in a network that you trust"
-                raise RecordError(what, remedy, self._named, reason=_words(failure)) from failure
+                raise RecordError(what, remedy, self.address.shown, reason=_words(failure)) from failure
             if not state or state.startswith(_GONE):
                 self.close()
                 what = "The store does not answer: {reason}"
                 remedy = "Look whether server and network are there, then give the command again; what was kept is kept"
-                raise UnreachableError(what, remedy, self._named, reason=_words(failure)) from failure
+                raise UnreachableError(what, remedy, self.address.shown, reason=_words(failure)) from failure
             if state in (_UNIQUE, *_SECOND):
                 what = "Another process has written to this record in the meantime"
                 remedy = "Look at it with `axiscal step status`, then give the command again"
                 error = OvertakenError if state == _UNIQUE else _ConflictError
-                raise error(what, remedy, self._named) from failure
+                raise error(what, remedy, self.address.shown) from failure
             other = later("The store refuses it: {reason}"), later("Ask whoever keeps the store")
             words = _SENTENCES.get(state, other)
-            raise RecordError(words[0], words[1], self._named, reason=_words(failure)) from failure
+            raise RecordError(words[0], words[1], self.address.shown, reason=_words(failure)) from failure
         except BaseException:  # Ctrl-C: the answer that is still to come is not one to the next question
             self.close()
             raise

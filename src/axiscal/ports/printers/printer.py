@@ -100,16 +100,9 @@ class Printer(ABC):
     def probed(self, codes: list[str], over: list[str]) -> float:
         """Execute lines, probe, and return the height of the bed there, mm.  over : what brings the nozzle there"""
 
-    def _ask(
-        self,
-        path: str,
-        query: dict[str, str] | None = None,
-        body: bytes | None = None,
-        method: str | None = None,
-        kind: str | None = None,
-    ) -> bytes:
-        """Return an answer; raises SourceError.  kind : of what is sent, where it is another than usual"""
-        return self._done(path, *self._answered(path, query, body, method, kind))
+    def _ask(self, path: str, query: dict[str, str] | None = None, **sent: Any) -> bytes:
+        """Return an answer; raises SourceError.  sent : of `_answered`"""
+        return self._done(path, *self._answered(path, query, **sent))
 
     def _held(self, path: str, query: dict[str, str] | None = None) -> bytes | None:
         """Return a file, None where the printer says that there is none; raises SourceError."""
@@ -134,7 +127,10 @@ class Printer(ABC):
         method: str | None = None,
         kind: str | None = None,
     ) -> tuple[int, bytes]:
-        """Return the status of HTTP and what was said, refusals too; raises SourceError where nothing is."""
+        """Return the status of HTTP and what was said, refusals too; raises SourceError where nothing is.
+
+        body : what is sent; kind : of that, where it is another than usual
+        """
         url = f"http://{self._host}{path}" + (f"?{urllib.parse.urlencode(query)}" if query else "")
         headers = {} if kind is None else {"Content-Type": kind}
         try:

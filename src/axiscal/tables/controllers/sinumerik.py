@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
+from axiscal.document.file import number_or_none
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import later
 from axiscal.machine.description import Machine
@@ -26,15 +27,14 @@ from axiscal.units import from_unit, to_unit
 _PLAIN = re.compile(r"^\s*N\d+\s+")
 _VALUE = re.compile(r"\$A([AN])_(ENC_COMP|CEC)(?:_([A-Z_]+))?\[(\d+)(?:,(\w+))?(?:,(\w+))?\]\s*=\s*\(?([^)\s;]+)\)?")
 
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
 _MOST_POINTS = 100_000
 """Of a table; controls hold a few thousand."""
 
 
 def read(
-    texts: Iterable[str], names: Mapping[str, str], machine: Machine, flip: bool = False, encoder: int | None = None
+    text: str, names: Mapping[str, str], machine: Machine, flip: bool = False, encoder: int | None = None
 ) -> list[Lookup]:
-    """Return what a SINUMERIK makes of the files, by its manuals: one assignment after the other.
+    """Return what a SINUMERIK makes of a file, by its manuals: one assignment after the other.
 
     flip : CEC values are added as they are, instead of taken away as encoder compensation is
     encoder : 0 or 1, the measuring system that is looked at; None for the one that there is
@@ -43,20 +43,19 @@ def read(
     own = {f"{name}1": name for name in names} | {name: name for name in names}
     axes = own | {identifier: name for name, identifier in names.items()}
     tables: dict[tuple[str, ...], dict[str, str]] = {}
-    for text in texts:
-        for line in (_PLAIN.sub("", each.split(";")[0]).strip() for each in text.splitlines()):
-            if not line or line.startswith(("%_N_", "CHANDATA(")) or line in ("M17", "M30"):
-                continue
-            found = _VALUE.fullmatch(line)
-            if found is None:
-                remedy = "this is a defect of axiscal"
-                raise TableError("SINUMERIK would not understand {text!r}", remedy, text=line[:60])
-            _, kind, key, first, second, third, value = found.groups()
-            if kind == "ENC_COMP" and encoder not in (None, int(first)):
-                continue
-            place = (kind, first) if kind == "CEC" else (kind, first, (third or second or ""))
-            index = key or f"#{second}"
-            tables.setdefault(place, {})[index] = value
+    for line in (_PLAIN.sub("", each.split(";")[0]).strip() for each in text.splitlines()):
+        if not line or line.startswith(("%_N_", "CHANDATA(")) or line in ("M17", "M30"):
+            continue
+        found = _VALUE.fullmatch(line)
+        if found is None:
+            remedy = "this is a defect of axiscal"
+            raise TableError("SINUMERIK would not understand {text!r}", remedy, text=line[:60])
+        _, kind, key, first, second, third, value = found.groups()
+        if kind == "ENC_COMP" and encoder not in (None, int(first)):
+            continue
+        place = (kind, first) if kind == "CEC" else (kind, first, (third or second or ""))
+        index = key or f"#{second}"
+        tables.setdefault(place, {})[index] = value
     lookups = (_understood(place, values, axes, machine, flip) for place, values in tables.items())
     return [lookup for lookup in lookups if lookup is not None]
 
@@ -91,9 +90,9 @@ def _understood(
 
 def _number(text: str) -> float:
     """Return a finite number; raises TableError."""
-    if not _NUMBER.fullmatch(text):
+    if (value := number_or_none(text)) is None:
         raise TableError("{text!r} is no number", "write digits with a decimal point", text=text[:40])
-    return float(text)
+    return value
 
 
 TABLES = 128
@@ -232,7 +231,7 @@ class Sinumerik(TableFormat):
         names, lookups = _names(machine, options), []
         for file in files:
             try:
-                lookups += read([file.text], names, machine, options.flip, options.encoder - 1)
+                lookups += read(file.text, names, machine, options.flip, options.encoder - 1)
             except TableError as fault:
                 remedy = "give AX_EEC.INI and NC_CEC.INI as the control saved them"
                 raise TableError(fault.what, remedy, file.name) from None

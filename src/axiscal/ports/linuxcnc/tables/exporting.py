@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from axiscal.document.file import number_or_none
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
@@ -30,8 +31,6 @@ from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit
 
 _CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-(\d+)\s+(\S+)")
-
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
 
 _LARGEST = 1e6
 """In the machine's unit: a kilometre in millimetres, which no table corrects."""
@@ -249,11 +248,11 @@ def _backlash(file: OldFile, axis: str, machine: Machine, unit: str) -> list[Loo
 def _curves(file: OldFile, machine: Machine, unit: str) -> list[Lookup]:
     """Return the curves of axes over other axes."""
     found: dict[tuple[str, str], dict[str, dict[int, float]]] = {}
-    for moved, over, side, number, value in _CURVE.findall(file.text):
-        if not _NUMBER.fullmatch(value):
+    for moved, over, side, place, value in _CURVE.findall(file.text):
+        if (number := number_or_none(value)) is None:
             remedy = "give the HAL file as it is"
             raise TableError("{text!r} is no number of a curve", remedy, file.name, text=value[:40])
-        found.setdefault((moved.upper(), over.upper()), {"x": {}, "y": {}})[side][int(number)] = float(value)
+        found.setdefault((moved.upper(), over.upper()), {"x": {}, "y": {}})[side][int(place)] = number
     lookups = []
     for (moved, over), sides in found.items():
         x, y = (np.array([sides[side][i] for i in sorted(sides[side])]) for side in "xy")
