@@ -18,11 +18,11 @@ from axiscal.machine import Machine, load_machine
 from axiscal.machine.kinematics import frames, tip_at
 from axiscal.machine.motion import Driving
 from axiscal.measurement.candidates import chart_candidates
+from axiscal.measurement.charts.ways import SmoothChart
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.programs import Program, controllers, dialect, programs
 from axiscal.programs.gliding import TipDriver
-from axiscal.programs.in_touch import Ways
 from axiscal.programs.scale import AxisScale
 from axiscal.programs.steps import groups
 from tests.generators.kinematics import in_travel, pose_with_tip, tip
@@ -250,10 +250,10 @@ def test_a_control_without_kinematics_for_the_chain_refuses() -> None:
 def test_where_no_way_in_touch_leads_the_tool_goes_off_and_comes_back(
     kind: str, controller: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Ways, "legs", lambda self, here, there: None)
     on_mill = BAR.format(machine="three-axis-mill", station=ON_MILL, keys="")
     campaign = described(NEST) if kind == "nest" else described(on_mill, "three-axis-mill")
     places = places_of(campaign, 3)
+    monkeypatch.setattr(SmoothChart, "between", lambda self, here, there: None)
     done = read(campaign, places, controller)
     text = program_of(campaign, places, controller).text
     readings = [k for k, (what, _, _) in enumerate(done) if what.startswith("READING")]
@@ -288,9 +288,8 @@ def test_a_way_in_touch_that_leaves_the_travels_is_refused() -> None:
     machine = load_machine("dmu60")
     scales = [AxisScale.of(axis, 4) for axis in machine.axes]
     ways = np.stack(a_way_that_swings_out(machine))
-    held = TipDriver(machine, scales, groups(machine, Driving()), None, Decimal("0.0001"), 500)
-    for _ in held.begin(ways[0]):
-        pass
+    known = scales, groups(machine, Driving()), None
+    held = TipDriver(*known, machine=machine, step=Decimal("0.0001"), gentle=500)
     with pytest.raises(ProgramError, match="a way in touch leaves the travels"):
         list(held.along(ways))
     beyond = ways[0].copy()

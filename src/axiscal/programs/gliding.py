@@ -10,7 +10,8 @@ way that are not proven to be free with that are halved.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from itertools import pairwise
 
@@ -176,133 +177,138 @@ _SAMPLES = 33
 Words = tuple[tuple[str, str], ...]
 
 
+@dataclass(frozen=True, eq=False)
 class SlideDriver:
     """Drives along poses that are close to each other: linear axes go together, and no rotary axis turns.
 
-    holding : whether the control holds the tool point now
+    standing : where the axes stand, None before the first way; holding : whether the control holds the tool point
+    Each way returns the driver that stands at its end.
     """
 
-    def __init__(self, scales: Sequence[AxisScale], groups: Sequence[Group], clearance: Clearance | None) -> None:
-        self._scales, self._groups, self._clearance = scales, groups, clearance
-        self._standing: Decimals | None = None
-        self.holding = False
+    scales: Sequence[AxisScale]
+    groups: Sequence[Group]
+    clearance: Clearance | None
+    standing: Decimals | None = None
+    holding: bool = False
 
     def written(self, pose: Array) -> Decimals:
         """Return the axes of a pose in the numbers of the program; raises ProgramError outside the travel."""
-        numbers = [scale.nearest(float(value)) for scale, value in zip(self._scales, pose, strict=True)]
-        for scale, number in zip(self._scales, numbers, strict=True):
+        numbers = [scale.nearest(float(value)) for scale, value in zip(self.scales, pose, strict=True)]
+        for scale, number in zip(self.scales, numbers, strict=True):
             if number is None:
                 remedy = "Read nearer to the middle of the travels"
                 raise ProgramError("a way in touch leaves the travel of {axis}", remedy, axis=scale.axis.name)
         return tuple(number for number in numbers if number is not None)
 
-    def begin(self, pose: Array) -> Iterator[Step]:
+    def begin(self, pose: Array) -> Way:
         """Yield the way to the start; what goes clear does so before the others move."""
         there = self.written(pose)
-        if self._standing is None:
-            yield from to_the_start(there, self._scales, self._groups, self._clearance)
-            self._standing = there
-            return
-        for stop in (cleared(self._standing, self._clearance), cleared(there, self._clearance), there):
-            yield from self._move(stop)
+        if self.standing is None:
+            yield from to_the_start(there, self.scales, self.groups, self.clearance)
+            return replace(self, standing=there)
+        driver = self
+        for stop in (cleared(self.standing, self.clearance), cleared(there, self.clearance), there):
+            driver = yield from driver._move(stop)
+        return driver
 
-    def along(self, poses: Array, gently: bool = False) -> Iterator[Step]:
+    def along(self, poses: Array, gently: bool = False) -> Way:
         """Yield straight moves; raises ProgramError where the axes that move are not in one group."""
+        driver = self
         for pose in poses[1:]:
             stop = self.written(pose)
-            self._refuse_apart(stop)
-            yield from self._move(stop, gently)
+            driver._refuse_apart(stop)
+            driver = yield from driver._move(stop, gently)
+        return driver
 
-    def end(self) -> Iterator[Step]:
+    def end(self) -> Way:
         """Nothing is to be done."""
         yield from ()
+        return self
 
-    def cleared(self) -> Iterator[Step]:
+    def cleared(self) -> Way:
         """Yield the way of the axis that goes clear."""
-        yield from self._move(cleared(self._stood, self._clearance))
+        return (yield from self._move(cleared(self._stood, self.clearance)))
 
     @property
     def _stood(self) -> Decimals:
-        assert self._standing is not None, "every way begins with `begin`"
-        return self._standing
+        assert self.standing is not None, "every way begins with `begin`"
+        return self.standing
 
-    def _move(self, stop: Decimals, gently: bool = False) -> Iterator[Step]:
-        yield from moves(self._stood, stop, self._scales, self._groups, stop if gently else None)
-        self._standing = stop
+    def _move(self, stop: Decimals, gently: bool = False) -> Way:
+        yield from moves(self._stood, stop, self.scales, self.groups, stop if gently else None)
+        return replace(self, standing=stop)
 
     def _refuse_apart(self, stop: Decimals) -> None:
         moving = {k for k, (a, b) in enumerate(zip(self._stood, stop, strict=True)) if a != b}
-        if not any(moving <= set(group.axes) for group in self._groups):
-            names = " ".join(self._scales[k].axis.name for k in sorted(moving))
+        if not any(moving <= set(group.axes) for group in self.groups):
+            names = " ".join(self.scales[k].axis.name for k in sorted(moving))
             remedy = "Let them be in one group"
             raise ProgramError("{names} move together while the instrument is in touch", remedy, names=names)
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
 class TipDriver(SlideDriver):
     """The control holds the tool point on the workpiece while rotary axes turn.
 
     step : the last decimal of a place of the tool point, mm; gentle : feed into touch and out of it, mm/min
+    at : the pose of the tool while it is held; last : what was written of each axis since
     """
 
-    def __init__(
-        self,
-        machine: Machine,
-        scales: Sequence[AxisScale],
-        groups: Sequence[Group],
-        clearance: Clearance | None,
-        step: Decimal,
-        gentle: int,
-    ) -> None:
-        super().__init__(scales, groups, clearance)
-        self._machine, self._step, self._gentle = machine, step, gentle
-        self._room, self._rotary = Room.empty(machine), [k for k, axis in enumerate(machine.axes) if axis.rotary]
-        self._last: dict[str, str] = {}
-        self._at: Array | None = None
+    machine: Machine
+    step: Decimal
+    gentle: int
+    at: Array | None = None
+    last: Mapping[str, str] = field(default_factory=dict)
 
-    def begin(self, pose: Array) -> Iterator[Step]:
+    def begin(self, pose: Array) -> Way:
         """Yield the way to the gate, where the tool point begins to be held."""
-        yield from super().begin(pose)
-        self._at, self._last, self.holding = pose, {}, True
+        driver = yield from super().begin(pose)
         yield Hold(self._tip(pose))
+        return replace(self, standing=driver.standing, holding=True, at=pose, last={})
 
-    def along(self, poses: Array, gently: bool = False) -> Iterator[Step]:
+    def along(self, poses: Array, gently: bool = False) -> Way:
         """Yield straight moves of the tool point; raises ProgramError where an axis would leave its travel."""
+        last = dict(self.last)
         for start, stop in pairwise(poses):
-            words = self._changed(stop)
-            if words:
-                feed, seconds = self._feed(start, stop, gently)
-                yield Glide(words, feed, seconds)
-        self._at = poses[-1]
+            if words := tuple((name, text) for name, text in self._words(stop) if last.get(name) != text):
+                yield Glide(words, *self._feed(start, stop, gently))
+                last |= dict(words)
+        return replace(self, at=poses[-1], last=last)
 
-    def end(self) -> Iterator[Step]:
+    def end(self) -> Way:
         """Yield the end of holding, where the axes are: from there they go on in the machine's coordinates."""
-        assert self._at is not None, "every way begins with `begin`"
-        at = self._standing = self.written(self._at)
-        named = zip(self._machine.axes, self._scales, at, strict=True)
+        assert self.at is not None, "every way begins with `begin`"
+        at = self.written(self.at)
+        named = zip(self.machine.axes, self.scales, at, strict=True)
         yield Release(tuple((axis.name, scale.written(value)) for axis, scale, value in named if not axis.rotary))
-        self._at, self.holding = None, False
+        return replace(self, standing=at, holding=False)
 
-    def _changed(self, pose: Array) -> Words:
-        turned = ((self._scales[k], self.written(pose)[k]) for k in self._rotary)
-        words = (*self._tip(pose), *((scale.axis.name, scale.written(value)) for scale, value in turned))
-        new = tuple((name, text) for name, text in words if self._last.get(name) != text)
-        self._last |= dict(new)
-        return new
+    @property
+    def _rotary(self) -> list[int]:
+        return [k for k, axis in enumerate(self.machine.axes) if axis.rotary]
+
+    def _words(self, pose: Array) -> Words:
+        turned = ((self.scales[k], self.written(pose)[k]) for k in self._rotary)
+        return (*self._tip(pose), *((scale.axis.name, scale.written(value)) for scale, value in turned))
 
     def _tip(self, pose: Array) -> Words:
-        point = frames(self._machine, pose[None]).tcp[0]
-        texts = (exact(to_unit(float(value), "mm")).quantize(self._step) + 0 for value in point)
+        point = frames(self.machine, pose[None]).tcp[0]
+        texts = (exact(to_unit(float(value), "mm")).quantize(self.step) + 0 for value in point)
         return tuple((name, f"{text:f}") for name, text in zip("XYZ", texts, strict=True))
 
     def _feed(self, start: Array, stop: Array, gently: bool) -> tuple[int, float]:
         """Return feed and time of a move whose tool point goes straight and whose rotary axes turn evenly."""
-        ends = frames(self._machine, np.stack([start, stop])).tcp
-        path = held_way(self._machine, start, stop)(np.linspace(0.0, 1.0, _SAMPLES))
-        if not np.all(self._room.in_travel(path)):
+        ends = frames(self.machine, np.stack([start, stop])).tcp
+        path = held_way(self.machine, start, stop)(np.linspace(0.0, 1.0, _SAMPLES))
+        if not np.all(Room.empty(self.machine).in_travel(path)):
             raise ProgramError("a way in touch leaves the travels", "Read nearer to the middle of the travels")
-        seconds = float(path_seconds(self._machine, path[:, None])[0])
+        seconds = float(path_seconds(self.machine, path[:, None])[0])
         far = to_unit(float(np.linalg.norm(ends[1] - ends[0])), "mm")
         turned = to_unit(float(np.linalg.norm((stop - start)[self._rotary])), "deg")
-        length = far if far > float(self._step) else turned
-        feed = max(1, min(math.floor(length / max(seconds, 1e-9) * 60), self._gentle if gently else FASTEST))
+        length = far if far > float(self.step) else turned
+        feed = max(1, min(math.floor(length / max(seconds, 1e-9) * 60), self.gentle if gently else FASTEST))
         return feed, max(seconds, length / feed * 60)
+
+
+Way = Generator[Step, None, SlideDriver]
+"""The steps of a way, and the driver behind it."""

@@ -26,7 +26,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import SideTouch, cycle_of, touches
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
-from axiscal.programs.gliding import KeptOut, SlideDriver
+from axiscal.programs.gliding import KeptOut, SlideDriver, Way
 from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget, exact
 from axiscal.programs.steps import Arrival, Group, Halt, Remark, Step, Touched, dwells, moves
 from axiscal.units import to_unit
@@ -116,26 +116,20 @@ class InTouch:
         there = self._ways.chart.places(poses)
         sides = sides_of(self._ways.chart, there, approaches)
         standing = starts_of_ways(self._ways.chart, there[:1], sides[:1])[0]
-        yield from self._start(standing)
+        yield from (Remark("PRESS START WHEN THE WAY TO THE START IS CLEAR"), Halt())
+        driver = yield from self._together(self._driver, standing)
+        yield from (Remark("MOUNT AND ZERO THE INSTRUMENT THEN PRESS START"), Halt(driver.holding))
         for (number, place), at, side in zip(readings, there, sides, strict=True):
             for stop in self._stops(standing, at, side):
-                yield from self._way(standing, stop)
+                driver = yield from self._way(driver, standing, stop)
                 standing = stop
             yield Remark(f"READING {number}")
-            position = self._driver.written(np.array(place.pose))
+            position = driver.written(np.array(place.pose))
             yield Arrival(ReadingTarget(number, position, position, place.approach))
             yield from dwells(self._setup.settle)
-            yield from [self._halt()] if reading is None else dwells(reading)
-        yield from self._apart(standing)
-        yield from self._driver.cleared()
-
-    def _start(self, start: Array) -> Iterator[Step]:
-        yield from (Remark("PRESS START WHEN THE WAY TO THE START IS CLEAR"), Halt())
-        yield from self._together(start)
-        yield from (Remark("MOUNT AND ZERO THE INSTRUMENT THEN PRESS START"), self._halt())
-
-    def _halt(self) -> Halt:
-        return Halt(self._driver.holding)
+            yield from [Halt(driver.holding)] if reading is None else dwells(reading)
+        driver = yield from self._apart(driver, standing)
+        yield from driver.cleared()
 
     def _stops(self, standing: Array, there: Array, side: Array) -> list[Array]:
         """Return over which places u a place is come to from its side."""
@@ -144,31 +138,32 @@ class InTouch:
             return [there]
         return [starts_of_ways(self._ways.chart, there[None], side[None])[0], there]
 
-    def _way(self, here: Array, there: Array) -> Iterator[Step]:
+    def _way(self, driver: SlideDriver, here: Array, there: Array) -> Way:
         """Yield a way in touch; where there is none the tool goes off, and comes back."""
         legs = self._ways.chart.between(here, there)
         if legs is not None:
             for start, stop in pairwise(legs):
-                yield from self._driver.along(self._ways.poses_along(start, stop))
-            return
+                driver = yield from driver.along(self._ways.poses_along(start, stop))
+            return driver
         bar = self._setup.length is not None
-        yield from (Remark("TAKE THE BAR OFF THEN PRESS START"), self._halt()) if bar else ()
-        yield from self._apart(here)
-        yield from self._together(there)
-        yield from (Remark("PUT THE BAR ON THEN PRESS START"), self._halt()) if bar else ()
+        yield from (Remark("TAKE THE BAR OFF THEN PRESS START"), Halt(driver.holding)) if bar else ()
+        driver = yield from self._apart(driver, here)
+        driver = yield from self._together(driver, there)
+        yield from (Remark("PUT THE BAR ON THEN PRESS START"), Halt(driver.holding)) if bar else ()
+        return driver
 
-    def _together(self, place: Array) -> Iterator[Step]:
+    def _together(self, driver: SlideDriver, place: Array) -> Way:
         """Yield the way from anywhere to a place u: to the gate, then with the tool held to the place drawn back."""
         gate, drawn, pose = self._ways.entrance(place)
-        yield from self._driver.begin(gate[0])
-        yield from self._driver.along(gate)
-        yield from self._driver.along(np.stack([drawn, pose]), gently=True)
+        driver = yield from driver.begin(gate[0])
+        driver = yield from driver.along(gate)
+        return (yield from driver.along(np.stack([drawn, pose]), gently=True))
 
-    def _apart(self, place: Array) -> Iterator[Step]:
+    def _apart(self, driver: SlideDriver, place: Array) -> Way:
         gate, drawn, pose = self._ways.entrance(place)
-        yield from self._driver.along(np.stack([pose, drawn]), gently=True)
-        yield from self._driver.along(gate[::-1])
-        yield from self._driver.end()
+        driver = yield from driver.along(np.stack([pose, drawn]), gently=True)
+        driver = yield from driver.along(gate[::-1])
+        return (yield from driver.end())
 
 
 class Ways:

@@ -167,7 +167,7 @@ class _Writer:
         if _turns(setup, self._machine):
             self._dialect.refuse_no_tip(self._machine)
             step = Decimal(1).scaleb(-self._dialect.tip_decimals)
-            driver = TipDriver(machine, *known, step, self._gentle)
+            driver = TipDriver(*known, machine=machine, step=step, gentle=self._gentle)
         from_zero = self._holds and self._dialect.from_zero
         ways = Ways(self._machine, setup, chart, from_zero, self._inside(self._clearance))
         return InTouch(setup, ways, driver)
