@@ -23,7 +23,7 @@ from axiscal.planning.proposal import proposed
 COUNTS = (5, 7, 9, 16, 25)
 LENGTHS = (0.1, 0.25, 0.5, 1.0)
 """Of the travel: how far what is drawn goes together."""
-DRAWN = 4
+DRAWN = 12
 """Shapes of each length."""
 _TRAVEL, _NODES = 300.0, 21
 _LINE = f'chain = "w-b-X-t"\n[tool]\nlength = "100 mm"\n[axes.X]\ntravel = ["0 mm", "{_TRAVEL} mm"]\n[errors]\n'
