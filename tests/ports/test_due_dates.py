@@ -24,7 +24,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.ports.fleet.due_dates import due_dates, titles
 from axiscal.ports.fleet.type_learning import learnt_type
-from axiscal.ports.fleet.worn_machine import Aging, Pair, Wearing, WornMachine, aging
+from axiscal.ports.fleet.worn_machine import Aging, Pair, Wearing, aging, worn
 from tests.generators.sisters import read_on, shop, slide, write_record
 from tests.generators.texts import machine_text, setup_text
 
@@ -86,7 +86,7 @@ def test_what_is_left_is_what_machines_that_drift_show(renewed: tuple[str, ...])
     rows = errors.rows(poses, sides)[:, 0]
     shift = rows.mean(axis=0) if known.case.yardstick.zeroed[0] else 0.0
     true = float(np.sqrt(np.mean(((rows - shift) @ left) ** 2)))
-    np.testing.assert_allclose(WornMachine(known, _certain(0.905), renewed).rms(1.0), true, rtol=0.05)
+    np.testing.assert_allclose(worn(known, _certain(0.905), renewed)(1.0), true, rtol=0.05)
 
 
 @pytest.fixture(scope="module")
@@ -217,9 +217,9 @@ def test_what_is_left_with_tables_is_what_a_machine_that_drifts_shows(asked: str
         tips[:, 1] -= lies @ (lies.T @ tips[:, 1]) / np.sum(lies**2)
     counts = ["xyz".index(way) for way in "xyz" if f'"{way}"' in asked or "directions" not in asked]
     true = float(np.sqrt(np.mean(np.sum(tips[:, counts] ** 2, axis=1))))
-    np.testing.assert_allclose(WornMachine(known, _certain(0.905), (), "linuxcnc").rms(1.0), true, rtol=0.05)
+    np.testing.assert_allclose(worn(known, _certain(0.905), (), "linuxcnc")(1.0), true, rtol=0.05)
     if 1 in counts:
-        assert WornMachine(known, _certain(0.905)).rms(1.0) < 0.9 * true
+        assert worn(known, _certain(0.905))(1.0) < 0.9 * true
 
 
 def test_a_target_of_u_is_read_from_the_campaign(folder: Path) -> None:

@@ -17,7 +17,7 @@ from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import unique_root
-from axiscal.ports.fleet.worn_machine import Aging, WornMachine, without_tables
+from axiscal.ports.fleet.worn_machine import Aging, without_tables, worn
 from tests.generators.sisters import measured
 from tests.generators.texts import campaign_text, setup_text
 
@@ -126,12 +126,12 @@ def _kept(twin: Twin, years: float) -> Array:
 @pytest.mark.long
 @pytest.mark.parametrize("renewed", ["", "X", "Y"])
 def test_rms_is_that_of_machines_drawn_one_by_one(twin: Twin, renewed: str) -> None:
-    machine = WornMachine(twin.known, _aging(), tuple(renewed))
+    rms = worn(twin.known, _aging(), tuple(renewed))
     evenly, squares = twin.known.case.yardstick.evenly, list[float]()
     for _ in range(MACHINES // AT_ONCE):
         left = twin.left(_kept(twin, 2.0), renewed)
         squares.append(float(np.mean(left[evenly] ** 2)))
-    np.testing.assert_allclose(machine.rms(2.0), np.sqrt(np.mean(squares)), rtol=0.012)
+    np.testing.assert_allclose(rms(2.0), np.sqrt(np.mean(squares)), rtol=0.012)
 
 
 SETUPS = {

@@ -30,7 +30,9 @@ def write_programs(
     Raises ProgramError before the first file is touched, OSError.
     """
     made = programs(machine, setups, places, dialect(controller), log)
-    files = {name: text for program in made for name, text in _files(program).items()}
+    files = dict[str, str]()
+    for program in made:
+        files |= {program.file_name: program.text, f"{program.name}.csv": program.listing, **program.beside}
     code = plan_code([program.listing for program in made])
     _refuse_other_plan(Path(folder), LISTS.format(code), files)
     if log:
@@ -48,10 +50,6 @@ def _refuse_other_plan(folder: Path, own: str, files: Collection[str]) -> None:
             what = "{folder} holds {taken} of another plan, whose logs are read with it"
             remedy = "Write to another folder; or take out {list} if it was never run"
             raise ProgramError(what, remedy, folder=folder, taken=shown(taken), list=other.name)
-
-
-def _files(program: Program) -> dict[str, str]:
-    return {program.file_name: program.text, f"{program.name}.csv": program.listing, **program.beside}
 
 
 def _readme(made: Sequence[Program], controller: str) -> str:

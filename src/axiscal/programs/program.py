@@ -86,14 +86,15 @@ def programs(
     known = {setup.name: setup for setup in setups}
     used = dict.fromkeys(place.setup for place in places)
     numbered = list(enumerate(places, start=1))
-    writers = [_Writer(machine, dialect, _named(known, name), log) for name in used]
-    drafts = [writer.draft([each for each in numbered if each[1].setup == writer.name]) for writer in writers]
+    own = {name: [each for each in numbered if each[1].setup == name] for name in used}
+    writers = [_Writer(machine, dialect, _named(known, name), places, log) for name, places in own.items()]
+    drafts = [writer.draft() for writer in writers]
     if log and not any(writer.touches for writer in writers):
         what = "no set-up of this plan is one that a control reads by itself"
         raise ProgramError(what, 'Leave --log out, or plan a set-up of instrument = "sphere"')
-    code = plan_code([listing(draft.readings) for draft in drafts])
+    code = plan_code([listing(readings) for _, readings in drafts])
     return tuple(
-        writer.program(number, draft, code)
+        writer.program(number, *draft, code)
         for number, (writer, draft) in enumerate(zip(writers, drafts, strict=True), start=1)
     )
 
@@ -105,47 +106,41 @@ def _named(known: Mapping[str, Setup], name: str) -> Setup:
     return known[name]
 
 
-@dataclass(frozen=True, slots=True)
-class _Draft:
-    """The actions of a program, before it is written.  places : with the numbers of the readings"""
-
-    places: Sequence[tuple[int, Place]]
-    run: tuple[Step, ...]
-    readings: tuple[Listed, ...]
-
-
 class _Writer:
-    """Writes the program of one set-up in one dialect."""
+    """Writes the program of one set-up in one dialect.  places : with the numbers of the readings"""
 
-    def __init__(self, machine: Machine, dialect: Dialect, setup: Setup, log: bool) -> None:
+    def __init__(
+        self, machine: Machine, dialect: Dialect, setup: Setup, places: Sequence[tuple[int, Place]], log: bool
+    ) -> None:
         dialect.check_axes(machine.axes)
-        self._machine, self._dialect, self._setup = machine, dialect, setup
+        self._machine, self._dialect, self._setup, self._places = machine, dialect, setup, places
         self._scales = tuple(AxisScale.of(axis, _decimals(axis, setup, dialect)) for axis in machine.axes)
         self._groups = groups(machine, setup.driving)
         self._clearance = clearance_of(machine, self._scales, setup)
-        self.name, self.touches = setup.name, log and setup.contact == "retracted" and setup.instrument == "sphere"
+        self.touches = log and setup.contact == "retracted" and setup.instrument == "sphere"
 
-    def draft(self, places: Sequence[tuple[int, Place]]) -> _Draft:
-        run, artefact = tuple(self._steps(places)), self._setup.artefact
+    def draft(self) -> tuple[tuple[Step, ...], tuple[Listed, ...]]:
+        """Return the actions of the program, and its readings."""
+        run, artefact = tuple(self._steps()), self._setup.artefact
         if artefact is not None and artefact.keep_out:
             kept = KeptOut(Room.with_boxes(self._machine, artefact.keep_out))
             refuse_kept_out(kept, self._setup, self._scales, run)
-        return _Draft(places, run, tuple(self._listed(run, places)))
+        return run, tuple(self._listed(run))
 
-    def program(self, number: int, draft: _Draft, code: str) -> Program:
+    def program(self, number: int, run: Sequence[Step], readings: tuple[Listed, ...], code: str) -> Program:
         setup, dialect = self._setup, self._dialect
         name = program_name(number, setup.name, dialect.longest_name)
-        lines = [self._comment(text) for text in self._head(draft.places)]
+        lines = [self._comment(text) for text in self._head()]
         told, log = {"code": code, "head": head(code)}, dialect.logging() if self.touches else None
         lines += filled(log.on, **told) if log else []
-        lines += [line for step in draft.run for line in self._lines(step, code)]
-        lines += filled(log.off, readings=len(draft.readings), **told) if log else []
+        lines += [line for step in run for line in self._lines(step, code)]
+        lines += filled(log.off, readings=len(readings), **told) if log else []
         text = dialect.framed(name, number, self._machine.axes, lines, self.touches)
         beside = {file.format(**told): each.format(**told) for file, each in (log.files if log else {}).items()}
-        return Program(name, f"{name}.{dialect.suffix}", text, draft.readings, self._notes(), beside)
+        return Program(name, f"{name}.{dialect.suffix}", text, readings, self._notes(), beside)
 
-    def _steps(self, places: Sequence[tuple[int, Place]]) -> Iterator[Step]:
-        setup = self._setup
+    def _steps(self) -> Iterator[Step]:
+        setup, places = self._setup, self._places
         reading = setup.reading_time if setup.driving.dwell else None
         if setup.chart is not None and setup.contact == "held":
             yield from self._in_touch(setup.chart).run_through(places, reading)
@@ -194,7 +189,7 @@ class _Writer:
         pose: list[float] = drawn_back(self._machine, np.array([place.pose]), setup.retract)[0].tolist()
         return pose
 
-    def _head(self, places: Sequence[tuple[int, Place]]) -> list[str]:
+    def _head(self) -> list[str]:
         artefact = self._setup.artefact
         put = [artefact.standing] if artefact is not None and artefact.standing != artefact.name else []
         return [
@@ -202,7 +197,7 @@ class _Writer:
             f"MACHINE {self._machine.name}",
             f"SET-UP {self._setup.name}",
             *put,
-            f"READINGS {places[0][0]} TO {places[-1][0]}",
+            f"READINGS {self._places[0][0]} TO {self._places[-1][0]}",
             "MACHINE COORDINATES IN MM AND DEG",
             f"ORDER OF MOVES {order_text(self._groups)}",
             *(self._dialect.tip_needs if self._holds else ()),
@@ -224,7 +219,8 @@ class _Writer:
             case Glide():
                 return [self._dialect.tip_move.format(to=self._dialect.words(step.to), feed=step.feed)]
             case Hold():
-                return filled(self._dialect.tip_on, tool=self._tool(), to=self._dialect.words(step.at))
+                length = f"{to_unit(self._machine.tool, 'mm'):.{self._dialect.tip_decimals}f}"
+                return filled(self._dialect.tip_on, tool=length, to=self._dialect.words(step.at))
             case Release():
                 return filled(self._dialect.tip_off, to=self._dialect.words(step.at))
             case Dwell():
@@ -237,17 +233,13 @@ class _Writer:
         assert isinstance(step, Arrival)  # for the list of readings alone
         return []
 
-    def _tool(self) -> str:
-        """Return the length of the tool, mm."""
-        return f"{to_unit(self._machine.tool, 'mm'):.{self._dialect.tip_decimals}f}"
-
     def _comment(self, text: str) -> str:
         """Return a comment; it begins with our own words, so that no name becomes a command such as (PROBEOPEN x)."""
         return self._dialect.comment.format(text=plain(text))
 
-    def _listed(self, run: Sequence[Step], places: Sequence[tuple[int, Place]]) -> Iterator[Listed]:
+    def _listed(self, run: Sequence[Step]) -> Iterator[Listed]:
         """Yield the readings with the time from the start at the first one, stops not counted."""
-        seconds, asked = 0.0, dict(places)
+        seconds, asked = 0.0, dict(self._places)
         for step in run:
             if isinstance(step, Move | Glide | Dwell | Touched):
                 seconds += step.seconds

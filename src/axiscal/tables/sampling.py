@@ -168,13 +168,9 @@ def _tables(
 ) -> Iterator[CompensationTable]:
     hats = hats_along(estimate, over, positions)
     for axis, rows in zip(moved, _along(estimate, moved, over, hats), strict=True):
-        if _bends(rows @ estimate.mean) and estimate.sees(rows.mean(axis=0)):
+        bends = np.ptp(rows @ estimate.mean) > _NOTHING  # no table over another axis holds a constant
+        if bends and estimate.sees(rows.mean(axis=0)):
             yield (_nearest if uneven else _fitted)(estimate, axis, over, hats, rows)
-
-
-def _bends(curves: Array) -> bool:
-    """Return whether a curve is more than a constant, which no table over another axis holds.  curves : (s, nodes)"""
-    return bool(np.ptp(curves) > _NOTHING)
 
 
 def _along(estimate: Estimate, moved: Sequence[int], over: int, hats: Hats) -> list[Array]:

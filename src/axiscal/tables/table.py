@@ -92,8 +92,9 @@ class Hats:
         slope, a quadratic, vanishes.
         """
         within = self.weights.reshape(-1, 5)[:, 2]
+        least = 1e-3 if np.min(within) < 1e-3 * np.max(within) else 0.0  # outside the bounds they weigh a millionth
         apart = (curve - np.interp(self.nodes, self.points, values)).reshape(-1, 5)
-        kept = apart[within >= 0.5 * np.max(within) * _least(within)]
+        kept = apart[within >= 0.5 * np.max(within) * least]
         return float(np.max(np.abs(_extremes(kept @ _CUBIC.T))))
 
     def at(self, place: float, values: Array) -> Array:
@@ -106,11 +107,6 @@ class Hats:
         """Return between which point and the next one places lie, and the share of the way, (m,) each."""
         index = np.clip(np.searchsorted(self.points, places, side="right") - 1, 0, len(self.points) - 2)
         return index, (places - self.points[index]) / (self.points[index + 1] - self.points[index])
-
-
-def _least(within: Array) -> float:
-    """Stretches outside the bounds weigh a millionth; anything above a thousandth of the widest is inside."""
-    return 1e-3 if np.min(within) < 1e-3 * np.max(within) else 0.0
 
 
 def _extremes(cubics: Array) -> Array:

@@ -31,7 +31,7 @@ from axiscal.language.spoken import listed, put
 from axiscal.language.stages import staged
 from axiscal.numerics.threads import one_thread
 from axiscal.ports.fleet.sister_records import ACTIVE, MachineRecord, equation_of, other_machine, read_records, why_not
-from axiscal.ports.fleet.worn_machine import YEAR, Aging, Pair, Wearing, WornMachine, aging, found_by
+from axiscal.ports.fleet.worn_machine import YEAR, Aging, Pair, Wearing, aging, found_by, worn
 
 _HORIZON = 20.0
 """Years: nobody plans farther."""
@@ -153,8 +153,8 @@ def _due(
         remedy = 'Say one for all machines: --target "4 um"'
         raise TargetError("the campaign asks for no RMS and no U that could be kept", remedy, record.file)
     last = datetime.fromisoformat(record.begun).date()
-    machine = WornMachine(known, learnt, record.renewed, tables)
-    days = _first_day(lambda day: machine.rms(day * _DAY) > target)
+    rms = worn(known, learnt, record.renewed, tables)
+    days = _first_day(lambda day: rms(day * _DAY) > target)
     return DueMachine(
         name=record.description.machine.name + (f" {record.serial}" if record.serial else ""),
         record=record.file,
@@ -162,7 +162,7 @@ def _due(
         minutes=known.timed.seconds / 60.0,
         target=target,
         then=known.accuracy.rms,
-        now=machine.rms(max((today - last).days, 0) * _DAY),
+        now=rms(max((today - last).days, 0) * _DAY),
         due=None if days is None else last + timedelta(days=days),
         renewed=record.renewed,
     )

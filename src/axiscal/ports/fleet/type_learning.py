@@ -52,13 +52,15 @@ def learnt_type(
         found = _of_name(found, named)
     if not found:
         raise _nothing(left)
-    reference = machine or _as_stated(usual_machine(found))
-    units = prior_units(ErrorModel(reference))
-    seen, equations = equations_of(found, reference, units.root)
+    if machine is None:  # what usually goes wrong is none of what a type teaches
+        stated = usual_machine(found)
+        machine = machine_from_text(stated.text, fine_knots=stated.fine_knots)
+    units = prior_units(ErrorModel(machine))
+    seen, equations = equations_of(found, machine, units.root)
     records = tuple(sorted([*seen, *left], key=lambda record: (record.digest, record.file)))
     if not equations:
         raise _nothing(records)
-    return taught(reference, units, records, equations, directions, doubt)
+    return taught(machine, units, records, equations, directions, doubt)
 
 
 def taught(
@@ -89,11 +91,6 @@ def _learned(found: SisterPrior, units: PriorUnits, name: str) -> Learned:
     weights = np.array([units.blocks[index].weight for index in mine])
     figures = (found.scales, found.scale_stds, found.shares, found.share_stds)
     return Learned(*(float(weights @ each[mine] / weights.sum()) for each in figures))
-
-
-def _as_stated(machine: Machine) -> Machine:
-    """Return the machine without what usually goes wrong: what a type has taught is over the errors of its text."""
-    return machine_from_text(machine.text, fine_knots=machine.fine_knots)
 
 
 def _of_name(records: list[MachineRecord], named: str) -> list[MachineRecord]:

@@ -32,7 +32,7 @@ and the product over pairs.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple, Self
 
@@ -162,42 +162,34 @@ def aging(pairs: Sequence[Pair]) -> Aging:
     return Aging(weights / weights.sum(), len(pairs))
 
 
-class WornMachine:
-    """One machine and its last campaign.
+def worn(
+    known: Estimation, aging: Aging, renewed: Sequence[str] = (), tables: str | None = None
+) -> Callable[[float], float]:
+    """Return what gives the RMS over the volume of a machine, m, a time in years after its last campaign.
 
     known : what that came to; aging : how machines change; renewed : axes of which nothing is as it was found
     tables : of which control; None where all that was found is taken away
     Raises TableError where no tables can be made for the control.
     """
+    errors, yardstick = known.case.errors, known.case.yardstick
+    found, wears, fresh = found_by(known), Wearing.from_estimation(known), np.zeros(errors.size, dtype=bool)
+    for term in errors.terms:
+        fresh[term.columns] = any(errors.machine.axes[axis].name in renewed for axis in term.axes)
+    if tables is None:
+        moving = found.mean - wears.mean
+        fields = np.array([yardstick.root.matrix @ (moving * share) for share in (0.0, ~fresh, fresh)])
+        products: Array = fields @ fields.T
+    else:
+        products = products_left(known, offered_control(known, tables), fresh, wears.mean)
 
-    def __init__(
-        self,
-        known: Estimation,
-        aging: Aging,
-        renewed: Sequence[str] = (),
-        tables: str | None = None,
-    ) -> None:
-        errors, self._root = known.case.errors, known.case.yardstick.root
-        self._known, self._aging = known, aging
-        self._fresh = np.zeros(errors.size, dtype=bool)
-        for term in errors.terms:
-            self._fresh[term.columns] = any(errors.machine.axes[axis].name in renewed for axis in term.axes)
-        self._found, self._wears = found_by(known), Wearing.from_estimation(known)
-        self._control = None if tables is None else offered_control(known, tables)
-        if self._control is None:
-            moving = self._found.mean - self._wears.mean
-            fields = np.array([self._root.matrix @ (moving * share) for share in (0.0, ~self._fresh, self._fresh)])
-            self._products = fields @ fields.T
-        else:
-            self._products = products_left(known, self._control, self._fresh, self._wears.mean)
-
-    def rms(self, years: float) -> float:
-        """Return the RMS over the volume after a time in years, m."""
-        rho, square = self._aging.kept(years)
+    def rms(years: float) -> float:
+        rho, square = aging.kept(years)
         once = np.array([1.0, rho - 1.0, -1.0])
-        moved = once @ self._products @ once + (square - rho**2) * self._products[1, 1]
-        drifted = np.sum(self._root.weights * self._wears.covariance(self._found, square, self._fresh))
-        return self._known.case.yardstick.rms_of(float(drifted + moved))
+        moved = once @ products @ once + (square - rho**2) * products[1, 1]
+        drifted = np.sum(yardstick.root.weights * wears.covariance(found, square, fresh))
+        return yardstick.rms_of(float(drifted + moved))
+
+    return rms
 
 
 def _counted(known: Estimation, poses: Array, field: Array) -> Array:

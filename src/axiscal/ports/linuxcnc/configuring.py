@@ -172,7 +172,7 @@ class Configured:
 
     def patched(self) -> patching.Configuration:
         """Return the files with the component in them; raises TableError for what has to be done by hand."""
-        return patching.patched(self.name, self.files, sorted(n for axis in self.machine.axes for n in axis.joints))
+        return patching.patched(self.ini, self.files, sorted(n for axis in self.machine.axes for n in axis.joints))
 
 
 def configured(path: Path) -> Configured:

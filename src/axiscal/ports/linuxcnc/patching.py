@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from hashlib import sha256
 
+from axiscal.description.ini_file import IniFile
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import said
 
@@ -43,9 +44,7 @@ setp axiscal-vcomp.enable 0
 LOAD_FILE, JOIN_FILE, APPLY, UNDO = "axiscal-load.hal", "axiscal-join.hal", "apply.sh", "undo.sh"
 _BACKUP = "before-axiscal"
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,120}")
-_HALFILE = re.compile(r"(\s*)HALFILE\s*=", re.IGNORECASE)
-_SECTION = re.compile(r"\s*\[\s*(\w+)\s*\]")
-_TABLE = re.compile(r"\s*(COMP_FILE|COMP_FILE_TYPE|BACKLASH)\s*=", re.IGNORECASE)
+_TABLE_KEYS = ("COMP_FILE", "COMP_FILE_TYPE", "BACKLASH")
 _FUNCTION = re.compile(r"\s*addf\s+(motion-command-handler|motion-controller)\s+(\S+)(?:\s+-?\d+)?\s*(#.*)?")
 _ARROWS = {"=>", "<=", "<=>"}
 _OLD_WORDS = re.compile(r"\s*(linkps|linksp|linkpp|newsig|unlinkp)\b")
@@ -68,24 +67,24 @@ class Configuration:
         return [name for name in self.files if name != self.ini]
 
 
-def patched(ini: str, files: Mapping[str, str], joints: Sequence[int]) -> Configuration:
+def patched(ini: IniFile, files: Mapping[str, str], joints: Sequence[int]) -> Configuration:
     """Return the configuration with the component in it.
 
-    ini : name of the INI file; files : it and its HAL files in the order in which they run; joints : their numbers
+    files : the INI file and its HAL files in the order in which they run; joints : their numbers
     Raises TableError with file and line for what has to be done by hand.
     """
     for name in files:
         if not _NAME.fullmatch(name):
             remedy = "rename the file: letters, digits, . _ -"
             raise TableError("{name!r} is no name that a script can copy", remedy, name=name[:60])
-    found = Configuration(ini, dict(files))
+    found = Configuration(ini.path.name, dict(files))
     thread = _functions(found)
     for name in found.texts():
         _read_nets(found, name)
     for joint in joints:
         _exchange(found, f"joint.{joint}.motor-pos-cmd", f"axiscal-vcomp.drive-{joint}")
         _exchange(found, f"joint.{joint}.motor-pos-fb", f"axiscal-vcomp.encoder-{joint}")
-    _ini(found)
+    _ini(found, ini)
     found.files[LOAD_FILE] = f"# Made by axiscal: the component, before anything is joined to it.\n{_LOADRT}\n"
     found.files[JOIN_FILE] = _join(found, joints, thread)
     return found
@@ -147,25 +146,19 @@ def _exchange(found: Configuration, pin: str, other: str) -> None:
     raise TableError("no net line of the HAL files joins {pin}", _BY_HAND, found.ini, pin=pin)
 
 
-def _ini(found: Configuration) -> None:
+def _ini(found: Configuration, ini: IniFile) -> None:
     """Load the component first and join it last; tables and backlash are taken out by a sign before them."""
-    lines, section, files, end = list[str](), "", 0, 0
-    for line in found.files[found.ini].split("\n"):
-        section = s[1].upper() if (s := _SECTION.match(line)) else section
-        if section.startswith(("JOINT_", "AXIS_")) and _TABLE.match(line):
-            found.tables += 1
-            line = f"# taken out by axiscal: {line.strip()}"
-        if section == "HAL" and (own := _HALFILE.match(line)):
-            if not files:
-                lines.append(f"{own[1]}HALFILE = {LOAD_FILE}")
-            files += 1
-            lines.append(line)
-            end = len(lines)
-            continue
-        lines.append(line)
-    if not files:
+    lines = found.files[found.ini].split("\n")
+    for (section, key), values in ini.values.items():
+        if section.startswith(("JOINT_", "AXIS_")) and key in _TABLE_KEYS:
+            for at in (each.line - 1 for each in values if each.file == ini.path):
+                lines[at] = f"# taken out by axiscal: {lines[at].strip()}"
+                found.tables += 1
+    named = [each.line for each in ini.all("HAL", "HALFILE") if each.file == ini.path]
+    if not named:
         raise TableError("[HAL] names no HALFILE", _BY_HAND, found.ini)
-    lines.insert(end, f"HALFILE = {JOIN_FILE}")
+    lines.insert(named[-1], f"HALFILE = {JOIN_FILE}")
+    lines.insert(named[0] - 1, f"HALFILE = {LOAD_FILE}")
     found.files[found.ini] = "\n".join(lines)
 
 
@@ -231,10 +224,6 @@ _TAKEN = (
 _OTHER = '{ echo "A file is not the one that was read." >&2; exit 1; }'
 
 
-def _digest(text: str) -> str:
-    return sha256(text.encode()).hexdigest()
-
-
 def _quoted(names: Sequence[str]) -> list[str]:
     return [shlex.quote(name) for name in names]
 
@@ -253,7 +242,7 @@ def _script(what: str, first: Sequence[str], files: Sequence[tuple[str, Sequence
             *first,
             *(
                 f'case "$(sha256sum < "$to"/{shlex.quote(name)})" in '
-                f"{'|'.join(_digest(text) + '*' for text in texts)}) ;; *) {_OTHER} ;; esac"
+                f"{'|'.join(sha256(text.encode()).hexdigest() + '*' for text in texts)}) ;; *) {_OTHER} ;; esac"
                 for name, texts in files
             ),
             *lines,

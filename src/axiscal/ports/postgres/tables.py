@@ -158,7 +158,7 @@ ROLES = "axiscal_reader", "axiscal_measurer"
 
 def prepare(database: Database) -> bool:
     """Make a database a store, or one of an earlier form one of this; False where it is one.  Raises RecordError."""
-    there = _there(database)
+    there = bool(database.select("SELECT to_regclass('axiscal.form') IS NOT NULL")[0][0])
     form = _form(database) if there else 0
     if form >= FORM:
         refuse_other(database)
@@ -199,10 +199,6 @@ def _form(database: Database) -> int:
     """Return the form of a store; one without is as new as can be."""
     form = database.select("SELECT max(number) FROM axiscal.form")[0][0]
     return FORM + 1 if form is None else int(form)
-
-
-def _there(database: Database) -> bool:
-    return bool(database.select("SELECT to_regclass('axiscal.form') IS NOT NULL")[0][0])
 
 
 def quarantined(database: Database, campaign: str, first: int) -> int:

@@ -105,21 +105,16 @@ def read_plans(records: Records, file: str, machine: Machine, numbers: Mapping[s
     numbers : of the controlled axes by name.  Raises TableError.
     """
     axes = {name: machine.axis(name) for name in numbers}
-    known = [n for n, a in axes.items() if not a.rotary or (_has(records, numbers[n]) and _from_zero(a))]
-    found = {name: _plan(records, file, axes[name], numbers[name]) for name in known}
-    plans = {name: plan for name, plan in found.items() if plan is not None}
+    plans = dict[str, PitchParameters]()
+    for name, axis in axes.items():
+        number, from_zero = numbers[name], not axis.cyclic or abs(axis.travel[0]) < DETECTION[True]
+        has = from_zero and all(number in records.get(key, {}) for key in _NEEDED)
+        if (not axis.rotary or has) and (plan := _plan(records, file, axis, number)) is not None:
+            plans[name] = plan
     if not plans:
         raise TableError("no axis has an interval of compensation (3624)", "set it on the control first", file)
     _refuse_shared_points(plans, file)
     return plans
-
-
-def _has(records: Records, number: int) -> bool:
-    return all(number in records.get(key, {}) for key in _NEEDED)
-
-
-def _from_zero(axis: Axis) -> bool:
-    return not axis.cyclic or abs(axis.travel[0]) < DETECTION[True]
 
 
 def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParameters | None:

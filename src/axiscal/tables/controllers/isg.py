@@ -47,8 +47,8 @@ def list_unit(axis_unit: str) -> float:
 
 def write_list(table: CompensationTable, number: int, cyclic: bool) -> str:
     """Return the list of one axis; number : logical axis; cyclic : the table holds one turn and repeats."""
-    position = table.unit
-    at, forward, reverse = (_whole(values, position) for values in (table.positions, table.forward, table.reverse))
+    columns = np.stack([table.positions, table.forward, table.reverse])
+    at, forward, reverse = np.round(np.asarray(to_unit(columns, table.unit)) / _UNIT).astype(np.int64)
     steps = np.diff(at)
     if np.ptp(steps):
         raise TableError("the points of {axis} are not evenly spaced", "leave the spacing to axiscal", axis=table.axis)
@@ -83,10 +83,6 @@ def read_list(text: str, machine: Machine) -> list[Lookup]:
     at: Array = scale * (int(keys["kw_startpos"]) + int(keys["interval"]) * np.arange(count, dtype=float))
     pos, neg = (-scale * np.array([values[i] for i in range(count)]) for values in sides.values())
     return [*both_ways(axis.name, axis.name, at, pos, neg)]
-
-
-def _whole(values: Array, shown: str) -> Array:
-    return np.round(np.asarray(to_unit(values, shown)) / _UNIT).astype(np.int64)
 
 
 NAMES = re.compile(r"E[XYZABC][XYZABC]|[XYZABC]0[XYZABC]|P[XYZ][ABC]|P0[XYZ]")
@@ -149,7 +145,8 @@ def _take_block(rows: list[list[str]], machine: Machine, found: dict[str, Sample
         if not NAMES.fullmatch(name) or name in found:
             remedy = "this is a defect of axiscal"
             raise TableError("the kernel would refuse the column {name!r}", remedy, name=name[:20])
-        found[name] = _sampled(name, at, _inside(name, np.asarray(table[:, column])))
+        values = np.asarray(table[:, column])
+        found[name] = _sampled(name, at, values if _angular(name) else from_unit(values, "mm"))
 
 
 def _sampled(name: str, at: Mapping[str, Array], values: Array) -> SampledError:
@@ -187,10 +184,6 @@ def _row(words: Iterable[str]) -> str:
 
 def _shown(name: str, values: Array) -> Array:
     return 0.0 + (values if _angular(name) else to_unit(values, "mm"))
-
-
-def _inside(name: str, values: Array) -> Array:
-    return values if _angular(name) else from_unit(values, "mm")
 
 
 def _angular(name: str) -> bool:

@@ -49,10 +49,14 @@ class Settings:
 
 
 def files(joints: Sequence[Joint], settings: Settings) -> Mapping[str, str]:
-    """Return name and text of every file that LinuxCNC reads."""
+    """Return name and text of every file that LinuxCNC reads.
+
+    Where the component stands before the motors, their encoders show where it has sent them.
+    """
+    hal = re.sub(r"net vc-enc-(\d)", r"net vc-drv-\1", settings.hal) or "".join(map(fed_back, range(len(joints))))
     return {
         "machine.ini": _ini(joints, settings),
-        "machine.hal": _hal(len(joints), settings.hal),
+        "machine.hal": MOTION + hal,
         "sim.tbl": "T1 P1 D6 Z0\n",
         **settings.beside,
     }
@@ -116,8 +120,3 @@ net tool-chg iocontrol.0.tool-change => iocontrol.0.tool-changed
 def fed_back(joint: int) -> str:
     """Return the line by which a motor stands where it is sent."""
     return f"net j{joint}m joint.{joint}.motor-pos-cmd => joint.{joint}.motor-pos-fb\n"
-
-
-def _hal(count: int, hal: str) -> str:
-    """Return HAL text; where the component stands before the motors, their encoders show where it has sent them."""
-    return MOTION + (re.sub(r"net vc-enc-(\d)", r"net vc-drv-\1", hal) or "".join(map(fed_back, range(count))))
