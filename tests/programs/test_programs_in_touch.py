@@ -24,7 +24,7 @@ from axiscal.numerics import Array
 from axiscal.programs import Program, controllers, dialect, programs
 from axiscal.programs.gliding import TipDriver
 from axiscal.programs.scale import AxisScale
-from axiscal.programs.steps import groups
+from axiscal.programs.steps import ProgramAxes, groups
 from tests.generators.kinematics import in_travel, pose_with_tip, tip
 from tests.generators.program_ways import STEP, Reader
 from tests.generators.texts import artefact_text, campaign_text, setup_text
@@ -286,10 +286,10 @@ def a_way_that_swings_out(machine: Machine) -> tuple[Array, Array]:
 
 def test_a_way_in_touch_that_leaves_the_travels_is_refused() -> None:
     machine = load_machine("dmu60")
-    scales = [AxisScale.of(axis, 4) for axis in machine.axes]
+    scales = tuple(AxisScale.of(axis, 4) for axis in machine.axes)
     ways = np.stack(a_way_that_swings_out(machine))
-    known = scales, groups(machine, Driving()), None
-    held = TipDriver(*known, machine=machine, step=Decimal("0.0001"), gentle=500)
+    axes = ProgramAxes(scales, groups(machine, Driving()))
+    held = TipDriver(axes, machine=machine, step=Decimal("0.0001"), gentle=500)
     with pytest.raises(ProgramError, match="a way in touch leaves the travels"):
         list(held.along(ways))
     beyond = ways[0].copy()

@@ -27,20 +27,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import path_seconds
 from axiscal.numerics import Array
 from axiscal.programs.scale import AxisScale, Decimals, exact
-from axiscal.programs.steps import (
-    FASTEST,
-    Arrival,
-    Clearance,
-    Glide,
-    Group,
-    Hold,
-    Move,
-    Release,
-    Step,
-    cleared,
-    moves,
-    to_the_start,
-)
+from axiscal.programs.steps import FASTEST, Arrival, Glide, Hold, Move, ProgramAxes, Release, Step
 from axiscal.units import from_unit, to_unit
 
 _LIMIT = 2e-6
@@ -185,16 +172,14 @@ class SlideDriver:
     Each way returns the driver that stands at its end.
     """
 
-    scales: Sequence[AxisScale]
-    groups: Sequence[Group]
-    clearance: Clearance | None
+    axes: ProgramAxes
     standing: Decimals | None = None
     holding: bool = False
 
     def written(self, pose: Array) -> Decimals:
         """Return the axes of a pose in the numbers of the program; raises ProgramError outside the travel."""
-        numbers = [scale.nearest(float(value)) for scale, value in zip(self.scales, pose, strict=True)]
-        for scale, number in zip(self.scales, numbers, strict=True):
+        numbers = [scale.nearest(float(value)) for scale, value in zip(self.axes.scales, pose, strict=True)]
+        for scale, number in zip(self.axes.scales, numbers, strict=True):
             if number is None:
                 remedy = "Read nearer to the middle of the travels"
                 raise ProgramError("a way in touch leaves the travel of {axis}", remedy, axis=scale.axis.name)
@@ -204,10 +189,10 @@ class SlideDriver:
         """Yield the way to the start; what goes clear does so before the others move."""
         there = self.written(pose)
         if self.standing is None:
-            yield from to_the_start(there, self.scales, self.groups, self.clearance)
+            yield from self.axes.to_the_start(there)
             return replace(self, standing=there)
         driver = self
-        for stop in (cleared(self.standing, self.clearance), cleared(there, self.clearance), there):
+        for stop in (self.axes.cleared(self.standing), self.axes.cleared(there), there):
             driver = yield from driver._move(stop)
         return driver
 
@@ -227,7 +212,7 @@ class SlideDriver:
 
     def cleared(self) -> Way:
         """Yield the way of the axis that goes clear."""
-        return (yield from self._move(cleared(self._stood, self.clearance)))
+        return (yield from self._move(self.axes.cleared(self._stood)))
 
     @property
     def _stood(self) -> Decimals:
@@ -235,13 +220,13 @@ class SlideDriver:
         return self.standing
 
     def _move(self, stop: Decimals, gently: bool = False) -> Way:
-        yield from moves(self._stood, stop, self.scales, self.groups, stop if gently else None)
+        yield from self.axes.moves(self._stood, stop, stop if gently else None)
         return replace(self, standing=stop)
 
     def _refuse_apart(self, stop: Decimals) -> None:
         moving = {k for k, (a, b) in enumerate(zip(self._stood, stop, strict=True)) if a != b}
-        if not any(moving <= set(group.axes) for group in self.groups):
-            names = " ".join(self.scales[k].axis.name for k in sorted(moving))
+        if not any(moving <= set(group.axes) for group in self.axes.groups):
+            names = " ".join(self.axes.scales[k].axis.name for k in sorted(moving))
             remedy = "Let them be in one group"
             raise ProgramError("{names} move together while the instrument is in touch", remedy, names=names)
 
@@ -279,7 +264,7 @@ class TipDriver(SlideDriver):
         """Yield the end of holding, where the axes are: from there they go on in the machine's coordinates."""
         assert self.at is not None, "every way begins with `begin`"
         at = self.written(self.at)
-        named = zip(self.machine.axes, self.scales, at, strict=True)
+        named = zip(self.machine.axes, self.axes.scales, at, strict=True)
         yield Release(tuple((axis.name, scale.written(value)) for axis, scale, value in named if not axis.rotary))
         return replace(self, standing=at, holding=False)
 
@@ -288,7 +273,7 @@ class TipDriver(SlideDriver):
         return [k for k, axis in enumerate(self.machine.axes) if axis.rotary]
 
     def _words(self, pose: Array) -> Words:
-        turned = ((self.scales[k], self.written(pose)[k]) for k in self._rotary)
+        turned = ((self.axes.scales[k], self.written(pose)[k]) for k in self._rotary)
         return (*self._tip(pose), *((scale.axis.name, scale.written(value)) for scale, value in turned))
 
     def _tip(self, pose: Array) -> Words:

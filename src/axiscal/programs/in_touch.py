@@ -27,8 +27,8 @@ from axiscal.measurement.touched import SideTouch, cycle_of, touches
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
 from axiscal.programs.gliding import KeptOut, SlideDriver, Way
-from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget, exact
-from axiscal.programs.steps import Arrival, Group, Halt, Remark, Step, Touched, dwells, moves
+from axiscal.programs.scale import Decimals, ReadingTarget, exact
+from axiscal.programs.steps import Arrival, Group, Halt, ProgramAxes, Remark, Step, Touched, dwells
 from axiscal.units import to_unit
 
 _TRAVEL = 600
@@ -38,10 +38,10 @@ _TRAVEL = 600
 class SphereCycle:
     """Touches the spheres of one set-up by moves of the linear axes, which must be one group called X, Y and Z."""
 
-    def __init__(self, machine: Machine, setup: Setup, scales: Sequence[AxisScale], groups: Sequence[Group]) -> None:
-        self._machine, self._setup, self._scales = machine, setup, scales
+    def __init__(self, machine: Machine, setup: Setup, axes: ProgramAxes) -> None:
+        self._machine, self._setup, self._scales = machine, setup, axes.scales
         self._cycle = cycle_of(machine, setup)
-        self._group = next((group for group in groups if set(group.names) == set("XYZ")), None)
+        self._group = next((group for group in axes.groups if set(group.names) == set("XYZ")), None)
 
     def steps(self, target: ReadingTarget, place: Place) -> Iterator[Step]:
         """Yield the touches of a reading, from where the tool is drawn back and back to there."""
@@ -50,17 +50,17 @@ class SphereCycle:
             what = "X, Y and Z touch the spheres of {setup} and are not one group of moves"
             remedy = "Name the linear axes X, Y and Z, and let them move together in --order"
             raise ProgramError(what, remedy, setup=shown(self._setup.name))
-        standing = target.position
+        standing, axes = target.position, ProgramAxes(self._scales, (group,))
         for number, touch in enumerate(touches(self._machine, np.array(place.pose), self._cycle), start=1):
             stops = [self._written(pose, target) for pose in (*touch.way, touch.beside)]
             for stop in stops:
-                yield from moves(standing, stop, self._scales, [group])
+                yield from axes.moves(standing, stop)
                 standing = stop
             yield self._touched(target, number, touch, standing, group)
             for stop in stops[-2::-1]:
-                yield from moves(standing, stop, self._scales, [group])
+                yield from axes.moves(standing, stop)
                 standing = stop
-        yield from moves(standing, target.position, self._scales, [group])
+        yield from axes.moves(standing, target.position)
 
     def _written(self, pose: Array, target: ReadingTarget) -> Decimals:
         """Return a pose in the numbers of the program, the rotary axes as they stand; raises TravelError."""

@@ -12,7 +12,6 @@ import numpy as np
 
 from axiscal.document import shown
 from axiscal.exceptions import ProgramError
-from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import drawn_back
@@ -30,18 +29,16 @@ from axiscal.programs.steps import (
     Clearance,
     Dwell,
     Glide,
-    Group,
     Halt,
     Hold,
     Move,
+    ProgramAxes,
     Release,
     Remark,
     Step,
     Touched,
-    groups,
-    run_through,
 )
-from axiscal.units import format_quantity, to_unit
+from axiscal.units import to_unit
 
 LONGEST = 60
 """Characters of a remark that every control shows."""
@@ -114,9 +111,7 @@ class _Writer:
     ) -> None:
         dialect.check_axes(machine.axes)
         self._machine, self._dialect, self._setup, self._places = machine, dialect, setup, places
-        self._scales = tuple(AxisScale.of(axis, _decimals(axis, setup, dialect)) for axis in machine.axes)
-        self._groups = groups(machine, setup.driving)
-        self._clearance = clearance_of(machine, self._scales, setup)
+        self._axes = ProgramAxes.of(machine, setup, [_decimals(axis, setup, dialect) for axis in machine.axes])
         self.touches = log and setup.contact == "retracted" and setup.instrument == "sphere"
 
     def draft(self) -> tuple[tuple[Step, ...], tuple[Listed, ...]]:
@@ -124,7 +119,7 @@ class _Writer:
         run, artefact = tuple(self._steps()), self._setup.artefact
         if artefact is not None and artefact.keep_out:
             kept = KeptOut(Room.with_boxes(self._machine, artefact.keep_out))
-            refuse_kept_out(kept, self._setup, self._scales, run)
+            refuse_kept_out(kept, self._setup, self._axes.scales, run)
         return run, tuple(self._listed(run))
 
     def program(self, number: int, run: Sequence[Step], readings: tuple[Listed, ...], code: str) -> Program:
@@ -147,30 +142,30 @@ class _Writer:
             return
         poses = [self._stood_at(place) for _, place in places]
         numbered = zip(places, poses, strict=True)
-        targets = [target(self._scales, setup.name, k, pose, place.approach) for (k, place), pose in numbered]
+        targets = [target(self._axes.scales, setup.name, k, pose, place.approach) for (k, place), pose in numbered]
         read = self._cycle(dict(places)) if self.touches else None
-        yield from run_through(targets, self._scales, self._groups, setup.settle, reading, self._clearance, read)
+        yield from self._axes.run_through(targets, setup.settle, reading, read)
 
     def _cycle(self, places: Mapping[int, Place]) -> Callable[[ReadingTarget], Iterator[Step]]:
-        cycle = SphereCycle(self._machine, self._setup, self._scales, self._groups)
+        cycle = SphereCycle(self._machine, self._setup, self._axes)
         return lambda reached: cycle.steps(reached, places[reached.number])
 
     def _in_touch(self, chart: Chart) -> InTouch:
         """Return what drives a set-up in touch; raises ProgramError where the control cannot."""
-        setup, machine, known = self._setup, self._machine, (self._scales, self._groups, self._clearance)
-        driver = SlideDriver(*known)
+        setup, machine = self._setup, self._machine
+        driver = SlideDriver(self._axes)
         if _turns(setup, self._machine):
             self._dialect.refuse_no_tip(self._machine)
             step = Decimal(1).scaleb(-self._dialect.tip_decimals)
-            driver = TipDriver(*known, machine=machine, step=step, gentle=self._gentle)
+            driver = TipDriver(self._axes, machine=machine, step=step, gentle=self._gentle)
         from_zero = self._holds and self._dialect.from_zero
-        ways = Ways(self._machine, setup, chart, from_zero, self._inside(self._clearance))
+        ways = Ways(self._machine, setup, chart, from_zero, self._inside(self._axes.clearance))
         return InTouch(setup, ways, driver)
 
     @property
     def _gentle(self) -> int:
         """mm/min, into touch and out of it."""
-        return next((group.near for group in self._groups if group.near is not None), GENTLE)
+        return next((group.near for group in self._axes.groups if group.near is not None), GENTLE)
 
     def _inside(self, clearance: Clearance | None) -> tuple[int, float] | None:
         """Return a clearance in m, a little within the travel: chords of a turn may rise."""
@@ -199,7 +194,7 @@ class _Writer:
             *put,
             f"READINGS {self._places[0][0]} TO {self._places[-1][0]}",
             "MACHINE COORDINATES IN MM AND DEG",
-            f"ORDER OF MOVES {order_text(self._groups)}",
+            f"ORDER OF MOVES {self._axes.order}",
             *(self._dialect.tip_needs if self._holds else ()),
             *(_BY_ITSELF if self.touches else _AT_BALL if self._setup.contact == "retracted" else ()),
         ]
@@ -214,7 +209,7 @@ class _Writer:
             case Touched():
                 return self._dialect.touched(code, step)
             case Move():
-                words = [(self._machine.axes[k].name, self._scales[k].written(v)) for k, v in step.to.items()]
+                words = [(self._machine.axes[k].name, self._axes.scales[k].written(v)) for k, v in step.to.items()]
                 return [self._dialect.straight_move(words, step.feed)]
             case Glide():
                 return [self._dialect.tip_move.format(to=self._dialect.words(step.to), feed=step.feed)]
@@ -246,9 +241,9 @@ class _Writer:
             elif isinstance(step, Arrival):
                 reached, at = step.target, step.target.position
                 if self._setup.contact == "retracted":  # the pose that is read has the tool point at the ball
-                    pose = zip(self._scales, asked[reached.number].pose, strict=True)
+                    pose = zip(self._axes.scales, asked[reached.number].pose, strict=True)
                     at = tuple(number for scale, value in pose if (number := scale.nearest(value)) is not None)
-                texts = tuple(scale.written(value) for scale, value in zip(self._scales, at, strict=True))
+                texts = tuple(scale.written(value) for scale, value in zip(self._axes.scales, at, strict=True))
                 yield Listed(reached.number, seconds, self._setup, self._machine.axes, texts, reached.approach)
 
     def _notes(self) -> tuple[str, ...]:
@@ -258,33 +253,33 @@ class _Writer:
             *(self._dialect.logging().notes if self.touches else ()),
             *(_LOGGED if self.touches else _TOUCHED if self._setup.contact == "retracted" else ()),
             "Coordinates are those of the machine description; its zeros and signs must be the control's own.",
-            f"At every place the axes move in this order: {order_text(self._groups)}.{self._clear()}{self._slow()} "
+            f"At every place the axes move in this order: {self._axes.order}.{self._clear()}{self._slow()} "
             "Nothing is known here of what stands in the way: watch the first run at reduced feed.",
             f"Jog the axes only {_JOG if not self._holds else _JOG_HELD} At a reading nothing may be moved by hand.",
             f"The longest overrun is {self._overruns()}; no coordinate leaves the travel.",
         )
 
     def _clear(self) -> str:
-        if self._clearance is None:
+        if self._axes.clearance is None:
             return ""
-        scale = self._scales[self._clearance[0]]
-        return f" {scale.axis.name} goes to {self._clearance[1]} {scale.unit} before others move, and at the end."
+        scale = self._axes.scales[self._axes.clearance[0]]
+        return f" {scale.axis.name} goes to {self._axes.clearance[1]} {scale.unit} before others move, and at the end."
 
     def _slow(self) -> str:
         if self._holds:
             return f" Into touch and out of it the tool goes at F{self._gentle} at most."
-        slow = [f"{' '.join(group.names)} at F{group.near}" for group in self._groups if group.near is not None]
+        slow = [f"{' '.join(group.names)} at F{group.near}" for group in self._axes.groups if group.near is not None]
         return "" if not slow else f" The last {self._nearness()} to a place are slow, {', '.join(slow)} at most."
 
     def _nearness(self) -> str:
-        found = dict.fromkeys(f"{scale.nearness.normalize():f} {scale.unit}" for scale in self._scales)
+        found = dict.fromkeys(f"{scale.nearness.normalize():f} {scale.unit}" for scale in self._axes.scales)
         return " or ".join(found)
 
     def _overruns(self) -> str:
         def text(axis: Axis, step: Decimal, scale: AxisScale) -> str:
             return f"{scale.above(axis.overrun).quantize(step).normalize():f} {scale.unit} on {axis.name}"
 
-        return ", ".join(text(scale.axis, scale.step, scale) for scale in self._scales)
+        return ", ".join(text(scale.axis, scale.step, scale) for scale in self._axes.scales)
 
 
 _AT_BALL = ("AT A READING THE TOOL IS DRAWN BACK FROM ITS BALL", "RUN THE SPHERE CYCLE THEN PRESS START")
@@ -315,31 +310,6 @@ def _decimals(axis: Axis, setup: Setup, dialect: Dialect) -> int:
 def _turns(setup: Setup, machine: Machine) -> bool:
     """Whether a rotary axis moves in a set-up."""
     return any(machine.axes[k].rotary for k in setup.moves)
-
-
-def clearance_of(machine: Machine, scales: Sequence[AxisScale], setup: Setup) -> Clearance | None:
-    """Return the axis that goes clear and where; raises ProgramError for a place outside its travel.
-
-    For balls on the table that axis is Z at its upper end, unless another is stated.
-    """
-    if setup.driving.clearance is None:
-        high = {k: scales[k].last if axis.direction[2] > 0 else scales[k].first for k, axis in enumerate(machine.axes)}
-        over = (k for k, axis in enumerate(machine.axes) if axis.name == "Z" and setup.contact != "free")
-        return next(((k, high[k]) for k in over), None)
-    name, place = setup.driving.clearance
-    index = machine.index(name)
-    number = scales[index].nearest(place)
-    if number is None:
-        scale, what = scales[index], "{name} is to go clear at {place}, outside its travel"
-        travel = said("{low} to {high}", low=scale.low, high=f"{scale.high} {scale.unit}")
-        shown = format_quantity(place, scale.unit)
-        raise ProgramError(what, "Choose a place within {travel}", name=name, place=shown, travel=travel)
-    return index, number
-
-
-def order_text(order: Sequence[Group]) -> str:
-    """Return the groups as words: "X Y Z then A C"."""
-    return " then ".join(" ".join(group.names) for group in order)
 
 
 def plain(text: str) -> str:

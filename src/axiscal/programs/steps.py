@@ -13,9 +13,11 @@ from decimal import Decimal
 import numpy as np
 
 from axiscal.exceptions import ProgramError
+from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.motion import FAMILIES, Driving, move_groups, quick_share, turn_parts
+from axiscal.measurement.setup import Setup
 from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget
 from axiscal.units import format_quantity, to_unit
 
@@ -198,98 +200,131 @@ Clearance = tuple[int, Decimal]
 """Index of the axis that goes clear before others move, and where it is clear, mm or deg."""
 
 
-def run_through(
-    targets: Sequence[ReadingTarget],
-    scales: Sequence[AxisScale],
-    groups: Sequence[Group],
-    settle: float,
-    reading: float | None,
-    clearance: Clearance | None = None,
-    read: Callable[[ReadingTarget], Iterator[Step]] | None = None,
-) -> Iterator[Step]:
-    """Yield the way through readings in one set-up; settle, reading : s, None stops the program.
+@dataclass(frozen=True, eq=False, slots=True)
+class ProgramAxes:
+    """The axes of one set-up as its program moves them.
 
-    read : what the program does at a reading, instead of waiting or stopping; it ends where it began
-
-    After the instrument is mounted every axis is sent to the start once more, in case somebody had to jog.
-    Raises ProgramError for waits or feeds that cannot be.
+    scales : in chain order; groups : in the order in which they move; clearance : None where nothing goes clear
     """
-    standing = targets[0].turning
-    for text, slow in _BEGINNING:
-        yield from (Remark(text), Halt())
-        yield from to_the_start(standing, scales, groups, clearance, targets[0].position if slow else None)
-    for target in targets:
-        yield from way_to(target, standing, scales, groups, clearance, first=target is targets[0])
-        standing = target.position
-        yield Remark(f"READING {target.number}")
-        yield Arrival(target)
-        yield from dwells(settle)
-        yield from read(target) if read is not None else [Halt()] if reading is None else dwells(reading)
-    yield from moves(standing, cleared(standing, clearance), scales, groups)
 
+    scales: tuple[AxisScale, ...]
+    groups: tuple[Group, ...]
+    clearance: Clearance | None = None
 
-def way_to(
-    target: ReadingTarget,
-    standing: Decimals,
-    scales: Sequence[AxisScale],
-    groups: Sequence[Group],
-    clearance: Clearance | None,
-    first: bool = False,
-) -> Iterator[Move]:
-    """Yield the way to a reading from where the axes stand, over where they are clear if others move.
+    @classmethod
+    def of(cls, machine: Machine, setup: Setup, decimals: Sequence[int]) -> ProgramAxes:
+        """Return those of a set-up; decimals : of each axis.  Raises ProgramError, DescriptionError for an order."""
+        scales = tuple(AxisScale.of(axis, each) for axis, each in zip(machine.axes, decimals, strict=True))
+        return cls(scales, groups(machine, setup.driving), clearance_of(machine, scales, setup))
 
-    first : they stand where its last way begins
-    """
-    clear = cleared(standing, clearance)
-    turning = target.turning if first else target.way_in(standing)
-    stops = [turning, target.position]
-    if _others_move(standing, turning, clearance):
-        turning = target.way_in(clear)
-        stops = [clear, cleared(turning, clearance), turning, target.position]
-    for stop in stops:
-        yield from moves(standing, stop, scales, groups, target.position)
-        standing = stop
+    @property
+    def order(self) -> str:
+        """The groups as words: "X Y Z then A C"."""
+        return " then ".join(" ".join(group.names) for group in self.groups)
 
+    def run_through(
+        self,
+        targets: Sequence[ReadingTarget],
+        settle: float,
+        reading: float | None,
+        read: Callable[[ReadingTarget], Iterator[Step]] | None = None,
+    ) -> Iterator[Step]:
+        """Yield the way through readings in one set-up; settle, reading : s, None stops the program.
 
-def to_the_start(
-    start: Decimals,
-    scales: Sequence[AxisScale],
-    groups: Sequence[Group],
-    clearance: Clearance | None,
-    place: Decimals | None = None,
-) -> Iterator[Move]:
-    """Yield the moves to the start from nobody knows where: what goes clear first does so, and comes down last.
+        read : what the program does at a reading, instead of waiting or stopping; it ends where it began
 
-    place : of the first reading, where something is mounted, so that the way is slow; with a clearance only near it
-    """
-    slow = place is not None
-    if clearance is None:
-        yield from (Move({k: start[k] for k in group.axes}, group.feed(None, slow), 0.0) for group in groups)
-        return
-    apart, (own,) = clearance[0], [group for group in groups if clearance[0] in group.axes]
-    clear, there = {apart: clearance[1]}, {apart: start[apart]}
-    low = place is not None and abs(clearance[1] - place[apart]) <= scales[apart].nearness
-    yield from (Move(to, own.feed(None, low), 0.0) for to in [*_places(there, clear, scales)] or [clear])
-    for group in groups:
-        to = {k: start[k] for k in group.axes if k != apart}
-        yield from [Move(to, group.feed(None, low), 0.0)] if to else []
-    edge = there if place is None or own.near is None else _edge(clear, there, place, scales)
-    yield from (Move(to, own.feed(None), 0.0) for to in _places(clear, edge, scales))
-    yield from (Move(to, own.feed(None, slow), 0.0) for to in _places(edge, there, scales))
+        After the instrument is mounted every axis is sent to the start once more, in case somebody had to jog.
+        Raises ProgramError for waits or feeds that cannot be.
+        """
+        standing = targets[0].turning
+        for text, slow in _BEGINNING:
+            yield from (Remark(text), Halt())
+            yield from self.to_the_start(standing, targets[0].position if slow else None)
+        for target in targets:
+            yield from self.way_to(target, standing, first=target is targets[0])
+            standing = target.position
+            yield Remark(f"READING {target.number}")
+            yield Arrival(target)
+            yield from dwells(settle)
+            yield from read(target) if read is not None else [Halt()] if reading is None else dwells(reading)
+        yield from self.moves(standing, self.cleared(standing))
 
+    def way_to(self, target: ReadingTarget, standing: Decimals, first: bool = False) -> Iterator[Move]:
+        """Yield the way to a reading from where the axes stand, over where they are clear if others move.
 
-def cleared(place: Decimals, clearance: Clearance | None) -> Decimals:
-    """Return the place with the axis of the clearance where it is clear."""
-    if clearance is None:
-        return place
-    return tuple(clearance[1] if k == clearance[0] else value for k, value in enumerate(place))
+        first : they stand where its last way begins
+        """
+        clear = self.cleared(standing)
+        turning = target.turning if first else target.way_in(standing)
+        stops = [turning, target.position]
+        if self.clearance is not None and clear != self.cleared(turning):  # an axis moves that is not its own
+            turning = target.way_in(clear)
+            stops = [clear, self.cleared(turning), turning, target.position]
+        for stop in stops:
+            yield from self.moves(standing, stop, target.position)
+            standing = stop
 
+    def to_the_start(self, start: Decimals, place: Decimals | None = None) -> Iterator[Move]:
+        """Yield the moves to the start from nobody knows where: what goes clear first does so, and comes down last.
 
-def _others_move(start: Decimals, stop: Decimals, clearance: Clearance | None) -> bool:
-    """Return whether there is a clearance and an axis moves that is not its own."""
-    return clearance is not None and any(
-        k != clearance[0] and a != b for k, (a, b) in enumerate(zip(start, stop, strict=True))
-    )
+        place : of the first reading, where something is mounted, so that the way is slow; with a clearance only near it
+        """
+        slow = place is not None
+        if self.clearance is None:
+            yield from (Move({k: start[k] for k in group.axes}, group.feed(None, slow), 0.0) for group in self.groups)
+            return
+        apart, above = self.clearance
+        (own,) = (group for group in self.groups if apart in group.axes)
+        clear, there = {apart: above}, {apart: start[apart]}
+        low = place is not None and abs(above - place[apart]) <= self.scales[apart].nearness
+        yield from (Move(to, own.feed(None, low), 0.0) for to in [*self._places(there, clear)] or [clear])
+        for group in self.groups:
+            to = {k: start[k] for k in group.axes if k != apart}
+            yield from [Move(to, group.feed(None, low), 0.0)] if to else []
+        edge = there if place is None or own.near is None else self._edge(clear, there, place)
+        yield from (Move(to, own.feed(None), 0.0) for to in self._places(clear, edge))
+        yield from (Move(to, own.feed(None, slow), 0.0) for to in self._places(edge, there))
+
+    def cleared(self, place: Decimals) -> Decimals:
+        """Return the place with the axis of the clearance where it is clear."""
+        if self.clearance is None:
+            return place
+        apart, above = self.clearance
+        return (*place[:apart], above, *place[apart + 1 :])
+
+    def moves(self, start: Decimals, stop: Decimals, place: Decimals | None = None) -> Iterator[Move]:
+        """Yield the moves from one place to another, group after group; none where nothing is to move.
+
+        place : of the reading that is gone to, near which moves are slow
+        """
+        for group in self.groups:
+            begin, end = ({k: where[k] for k in group.axes} for where in (start, stop))
+            edge = end if place is None or group.near is None else self._edge(begin, end, place)
+            yield from self._straight(begin, edge, group, slow=False)
+            yield from self._straight(edge, end, group, slow=True)
+
+    def _edge(self, begin: Places, end: Places, place: Decimals) -> Places:
+        """Return where a straight way comes near a reading with all its axes; its end if it never does."""
+        ways = (np.array([float(at[k]) for k in end]) for at in (begin, end, place))
+        share = Decimal(float(quick_share([float(self.scales[k].nearness) for k in end], *ways)))
+        return {k: (begin[k] + (end[k] - begin[k]) * share).quantize(self.scales[k].step) for k in end}
+
+    def _straight(self, begin: Places, end: Places, group: Group, slow: bool) -> Iterator[Move]:
+        """Yield a straight way as moves."""
+        for stop in self._places(begin, end):
+            ways = [float(abs(stop[k] - begin[k])) for k in group.axes]
+            feed = group.feed(ways, slow)
+            yield Move({k: stop[k] for k in group.axes if stop[k] != begin[k]}, feed, group.seconds(ways, feed))
+            begin = stop
+
+    def _places(self, begin: Places, end: Places) -> Iterator[Places]:
+        """Yield the places on a straight way, its end included, between which no axis turns far; none for no way."""
+        if begin == end:
+            return
+        turns = [math.radians(abs(end[k] - begin[k])) for k in end if self.scales[k].axis.rotary]
+        count = int(turn_parts(np.array(max(turns, default=0.0))))
+        for part in range(1, count + 1):
+            yield {k: (begin[k] + (end[k] - begin[k]) * part / count).quantize(self.scales[k].step) for k in end}
 
 
 def dwells(seconds: float) -> Iterator[Dwell]:
@@ -301,45 +336,21 @@ def dwells(seconds: float) -> Iterator[Dwell]:
     yield from [Dwell(seconds / max(parts, 1))] * parts
 
 
-def moves(
-    start: Decimals,
-    stop: Decimals,
-    scales: Sequence[AxisScale],
-    groups: Sequence[Group],
-    place: Decimals | None = None,
-) -> Iterator[Move]:
-    """Yield the moves from one place to another, group after group; none where nothing is to move.
+def clearance_of(machine: Machine, scales: Sequence[AxisScale], setup: Setup) -> Clearance | None:
+    """Return the axis that goes clear and where; raises ProgramError for a place outside its travel.
 
-    place : of the reading that is gone to, near which moves are slow
+    For balls on the table that axis is Z at its upper end, unless another is stated.
     """
-    for group in groups:
-        begin, end = ({k: where[k] for k in group.axes} for where in (start, stop))
-        edge = end if place is None or group.near is None else _edge(begin, end, place, scales)
-        yield from _straight(begin, edge, scales, group, slow=False)
-        yield from _straight(edge, end, scales, group, slow=True)
-
-
-def _edge(begin: Places, end: Places, place: Decimals, scales: Sequence[AxisScale]) -> Places:
-    """Return where a straight way comes near a reading with all its axes; its end if it never does."""
-    ways = (np.array([float(at[k]) for k in end]) for at in (begin, end, place))
-    share = Decimal(float(quick_share([float(scales[k].nearness) for k in end], *ways)))
-    return {k: (begin[k] + (end[k] - begin[k]) * share).quantize(scales[k].step) for k in end}
-
-
-def _straight(begin: Places, end: Places, scales: Sequence[AxisScale], group: Group, slow: bool) -> Iterator[Move]:
-    """Yield a straight way as moves."""
-    for stop in _places(begin, end, scales):
-        ways = [float(abs(stop[k] - begin[k])) for k in group.axes]
-        feed = group.feed(ways, slow)
-        yield Move({k: stop[k] for k in group.axes if stop[k] != begin[k]}, feed, group.seconds(ways, feed))
-        begin = stop
-
-
-def _places(begin: Places, end: Places, scales: Sequence[AxisScale]) -> Iterator[Places]:
-    """Yield the places on a straight way, its end included, between which no axis turns far; none for no way."""
-    if begin == end:
-        return
-    turns = [math.radians(abs(end[k] - begin[k])) for k in end if scales[k].axis.rotary]
-    count = int(turn_parts(np.array(max(turns, default=0.0))))
-    for part in range(1, count + 1):
-        yield {k: (begin[k] + (end[k] - begin[k]) * part / count).quantize(scales[k].step) for k in end}
+    if setup.driving.clearance is None:
+        high = {k: scales[k].last if axis.direction[2] > 0 else scales[k].first for k, axis in enumerate(machine.axes)}
+        over = (k for k, axis in enumerate(machine.axes) if axis.name == "Z" and setup.contact != "free")
+        return next(((k, high[k]) for k in over), None)
+    name, place = setup.driving.clearance
+    index = machine.index(name)
+    number = scales[index].nearest(place)
+    if number is None:
+        scale, what = scales[index], "{name} is to go clear at {place}, outside its travel"
+        travel = said("{low} to {high}", low=scale.low, high=f"{scale.high} {scale.unit}")
+        shown = format_quantity(place, scale.unit)
+        raise ProgramError(what, "Choose a place within {travel}", name=name, place=shown, travel=travel)
+    return index, number

@@ -25,9 +25,8 @@ from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.live.connection import Connection
 from axiscal.ports.linuxcnc.live.in_force import InForce
 from axiscal.programs.in_touch import SphereCycle
-from axiscal.programs.program import clearance_of
-from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget, exact, target
-from axiscal.programs.steps import Clearance, Group, Move, Step, Touched, cleared, groups, moves, to_the_start, way_to
+from axiscal.programs.scale import Decimals, ReadingTarget, exact, target
+from axiscal.programs.steps import Move, ProgramAxes, Step, Touched
 from axiscal.units import format_quantity, from_unit
 
 _DECIMALS = 6
@@ -226,25 +225,24 @@ class _WayToBall:
     def __init__(self, machine: Machine, request: Request, above: float = 0.0) -> None:
         self._machine, self._request = machine, request
         setup = request.setup
-        self._scales = tuple(AxisScale.of(axis, _DECIMALS) for axis in machine.axes)
-        self._groups: tuple[Group, ...] = groups(machine, setup.driving)
-        self._clearance: Clearance | None = clearance_of(machine, self._scales, setup)
+        self._axes = ProgramAxes.of(machine, setup, [_DECIMALS] * len(machine.axes))
         self._pose = drawn_back(machine, np.array([request.pose]), above)[0] if above else np.array(request.pose)
         back = drawn_back(machine, np.array([request.pose]), setup.retract)[0]
-        self.target: ReadingTarget = target(self._scales, setup.name, request.reading, back.tolist(), request.approach)
+        place = setup.name, request.reading, back.tolist(), request.approach
+        self.target: ReadingTarget = target(self._axes.scales, *place)
 
     def to(self, standing: tuple[str, Decimals] | None) -> list[Step]:
         """Return the way from where the axes stand, from anywhere if nobody knows."""
         if standing is not None and standing[0] == self._request.setup.name:
-            return list(way_to(self.target, standing[1], self._scales, self._groups, self._clearance))
+            return list(self._axes.way_to(self.target, standing[1]))
         start = self.target.turning
-        steps = list[Step](to_the_start(start, self._scales, self._groups, self._clearance))
-        steps += way_to(self.target, start, self._scales, self._groups, self._clearance, first=True)
+        steps = list[Step](self._axes.to_the_start(start))
+        steps += self._axes.way_to(self.target, start, first=True)
         return steps
 
     def off(self, standing: Decimals) -> list[Step]:
         """Return the way from where the axes stand to where they are clear."""
-        return list(moves(standing, cleared(standing, self._clearance), self._scales, self._groups))
+        return list(self._axes.moves(standing, self._axes.cleared(standing)))
 
     def trial(self) -> list[Step]:
         """Return all of it 20 mm higher over the ball along the tool, from anywhere; raises TravelError."""
@@ -255,7 +253,7 @@ class _WayToBall:
         """Yield the touches, with the moves between them."""
         request = self._request
         place = Place(request.setup.name, tuple(self._pose.tolist()), request.approach)
-        yield from SphereCycle(self._machine, request.setup, self._scales, self._groups).steps(self.target, place)
+        yield from SphereCycle(self._machine, request.setup, self._axes).steps(self.target, place)
 
     def expected(self, step: Touched) -> Array:
         """Return the pose (q,) in which a side is expected: between where a touch begins and where it ends."""
