@@ -17,7 +17,7 @@ from axiscal.measurement.charts.room import Room
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.programs import dialect, programs
-from axiscal.programs.gliding import KeptOut, refuse_kept_out
+from axiscal.programs.gliding import free, refuse_kept_out
 from axiscal.programs.scale import AxisScale, ReadingTarget
 from axiscal.programs.steps import Arrival, Move
 from tests.generators.printed_machine import printed_machine
@@ -131,7 +131,7 @@ def test_a_way_is_free_where_no_fine_sample_of_it_meets_a_box() -> None:
         stop = np.where(rotary == (rng.random() < 0.5), rng.uniform(low, high), start)
         shares: Array = np.linspace(0, 1, 2001)[:, None]
         at = frames(machine, start + shares * (stop - start))
-        found.append((KeptOut(room).free(start, stop), not room.hit(at.tcp, at.stem, -2e-6).any()))
+        found.append((free(room, start, stop), not room.hit(at.tcp, at.stem, -2e-6).any()))
     assert all(sampled for proven, sampled in found if proven)
     assert sum(sampled and not proven for proven, sampled in found) <= 1  # what only grazes may be refused
     assert {proven for proven, _ in found} == {True, False}
@@ -171,7 +171,7 @@ def test_a_way_into_a_box_is_refused_with_the_reading_it_leads_to() -> None:
     scales = [AxisScale.of(axis, 4) for axis in machine.axes]
     x, y, z = (machine.index(name) for name in "XYZ")
     box = ((0.0, 0.1), (-0.1, 0.1), (-0.5, 0.5))
-    kept = KeptOut(Room.with_boxes(machine, [box]))
+    kept = Room.with_boxes(machine, [box])
     start = {k: Decimal(0) for k in range(len(machine.axes))} | {x: Decimal(-200), z: Decimal(0)}
     through, around = Move({x: Decimal(200)}, 500, 1.0), Move({y: Decimal(200)}, 500, 1.0)
     reached = Arrival(ReadingTarget(4, (), (), ()))

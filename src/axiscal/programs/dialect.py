@@ -150,10 +150,6 @@ class Dialect:
         """Return a straight move in machine coordinates."""
         return self.move.format(to=self.words(words), feed=feed)
 
-    def waited(self, seconds: float) -> list[str]:
-        """Return a wait, in the control's own unit of time."""
-        return filled(self.dwell, s=seconds, ms=round(seconds * 1000))
-
     def stopped(self, axes: Sequence[Axis], logs: bool) -> list[str]:
         """Return what halts the program, and proves afterwards that its coordinates are the machine's."""
         proof = self.proof if not logs or self.logging().proof is None else self.logging().proof

@@ -39,47 +39,41 @@ Poses = Callable[[Array], Array]
 """Shares of a way (m,) -> poses (m, q)."""
 
 
-class KeptOut:
-    """What the ways of one set-up stay out of."""
+def free(room: Room, start: Array, stop: Array) -> bool:
+    """Return whether the axes can go straight from pose to pose, (q,), and stay out of what is to be kept out."""
+    ends, rotary = np.stack([start, stop]), np.array([axis.rotary for axis in room.machine.axes])
+    slides, turns = (float(np.abs(stop - start)[these].sum()) for these in (~rotary, rotary))
+    return _proven(room, _straight(ends), slides + turns * (_lever(room.machine, ends) + slides))
 
-    def __init__(self, room: Room) -> None:
-        self._room, self.machine = room, room.machine
-        self._rotary = np.array([axis.rotary for axis in room.machine.axes])
 
-    def free(self, start: Array, stop: Array) -> bool:
-        """Return whether the axes can go straight from pose to pose, (q,)."""
-        ends = np.stack([start, stop])
-        slides, turns = (float(np.abs(stop - start)[these].sum()) for these in (~self._rotary, self._rotary))
-        return self._proven(_straight(ends), slides + turns * (self._lever(ends) + slides))
+def free_held(room: Room, start: Array, stop: Array) -> bool:
+    """Return whether the tool point can go straight while the rotary axes turn evenly, from pose to pose."""
+    tips, rotary = frames(room.machine, np.stack([start, stop])).tcp, [axis.rotary for axis in room.machine.axes]
+    far = float(np.linalg.norm(tips[1] - tips[0])) + float(np.abs(stop - start)[rotary].sum()) * room.machine.tool
+    return _proven(room, held_way(room.machine, start, stop), far)
 
-    def free_held(self, start: Array, stop: Array) -> bool:
-        """Return whether the tool point can go straight while the rotary axes turn evenly, from pose to pose."""
-        ends = np.stack([start, stop])
-        tips = frames(self.machine, ends).tcp
-        turns = float(np.abs(stop - start)[self._rotary].sum())
-        far = float(np.linalg.norm(tips[1] - tips[0])) + turns * self.machine.tool
-        return self._proven(held_way(self.machine, start, stop), far)
 
-    def _lever(self, poses: Array) -> float:
-        """Return how far from any axis any place of the tool can be while the axes turn, m."""
-        at = frames(self.machine, poses)
-        corners = np.concatenate([at.origins, at.tcp[None]])
-        links = np.linalg.norm(np.diff(corners, axis=0), axis=2).sum(axis=0)
-        return float(links.max()) + self.machine.tool
+def _lever(machine: Machine, poses: Array) -> float:
+    """Return how far from any axis any place of the tool can be while the axes turn, m."""
+    at = frames(machine, poses)
+    corners = np.concatenate([at.origins, at.tcp[None]])
+    links = np.linalg.norm(np.diff(corners, axis=0), axis=2).sum(axis=0)
+    return float(links.max()) + machine.tool
 
-    def _proven(self, poses: Poses, far: float) -> bool:
-        """Return whether a way is free on which no place of the tool goes further than `far`, m."""
-        left, right, tried = np.zeros(1), np.ones(1), 0
-        while len(left):
-            tried += len(left)
-            at, widths = frames(self.machine, poses(np.concatenate([left, right]))), right - left
-            if tried > _MOST or self._room.hit(at.tcp, at.stem, -_LIMIT).any():
-                return False
-            hit = self._room.hit(at.tcp, at.stem, np.tile(far * widths / 2 - _LIMIT, 2))
-            open_ = (hit[: len(left)] | hit[len(left) :]) & (far * widths > _LIMIT)
-            middle = (left[open_] + right[open_]) / 2
-            left, right = np.concatenate([left[open_], middle]), np.concatenate([middle, right[open_]])
-        return True
+
+def _proven(room: Room, poses: Poses, far: float) -> bool:
+    """Return whether a way is free on which no place of the tool goes further than `far`, m."""
+    left, right, tried = np.zeros(1), np.ones(1), 0
+    while len(left):
+        tried += len(left)
+        at, widths = frames(room.machine, poses(np.concatenate([left, right]))), right - left
+        if tried > _MOST or room.hit(at.tcp, at.stem, -_LIMIT).any():
+            return False
+        hit = room.hit(at.tcp, at.stem, np.tile(far * widths / 2 - _LIMIT, 2))
+        open_ = (hit[: len(left)] | hit[len(left) :]) & (far * widths > _LIMIT)
+        middle = (left[open_] + right[open_]) / 2
+        left, right = np.concatenate([left[open_], middle]), np.concatenate([middle, right[open_]])
+    return True
 
 
 def _straight(ends: Array) -> Poses:
@@ -94,14 +88,14 @@ def held_way(machine: Machine, start: Array, stop: Array) -> Poses:
     return lambda shares: tip_at(machine, turned(shares), along(shares))
 
 
-def refuse_kept_out(kept: KeptOut, setup: Setup, scales: Sequence[AxisScale], run: Sequence[Step]) -> None:
+def refuse_kept_out(room: Room, setup: Setup, scales: Sequence[AxisScale], run: Sequence[Step]) -> None:
     """Raise ProgramError for the first way of a program that leads into what is to be kept out.
 
     Ways on which it is not known where every axis is, before all of them have been sent somewhere, are not looked at.
     """
     pending = False
-    for step, free in zip(run, _free_ways(kept, scales, run), strict=True):
-        pending = pending or not free
+    for step, clear in zip(run, _free_ways(room, scales, run), strict=True):
+        pending = pending or not clear
         if isinstance(step, Arrival) and pending:
             raise _hit(setup, said("the way to reading {number}", number=step.target.number))
     if pending:
@@ -109,20 +103,17 @@ def refuse_kept_out(kept: KeptOut, setup: Setup, scales: Sequence[AxisScale], ru
 
 
 def _hit(setup: Setup, way: str) -> ProgramError:
-    what = "{way} of the set-up {setup} leads into what is to be kept out"
-    what = (
-        what
-        if setup.artefact is None
-        else "{way} of the set-up {setup} leads into what is to be kept out of {artefact}"
-    )
-    artefact = shown(setup.artefact.name if setup.artefact else "")
+    what, artefact = "{way} of the set-up {setup} leads into what is to be kept out", ""
+    if setup.artefact is not None:
+        what = "{way} of the set-up {setup} leads into what is to be kept out of {artefact}"
+        artefact = shown(setup.artefact.name)
     remedy = (
         "Say what goes clear before others move (--clearance), read the place from another side, or move the artefact"
     )
     return ProgramError(what, remedy, way=way, setup=shown(setup.name), artefact=artefact)
 
 
-def _free_ways(kept: KeptOut, scales: Sequence[AxisScale], run: Sequence[Step]) -> Iterator[bool]:
+def _free_ways(room: Room, scales: Sequence[AxisScale], run: Sequence[Step]) -> Iterator[bool]:
     """Yield of each step whether its way is free."""
     names = [scale.axis.name for scale in scales]
     at, tip = np.full(len(scales), np.nan), dict[str, float]()
@@ -136,12 +127,12 @@ def _free_ways(kept: KeptOut, scales: Sequence[AxisScale], run: Sequence[Step]) 
                 to = dict(step.to)
                 tip |= _metres([(name, text) for name, text in step.to if name in tip])
                 _send(at, {k: to[name] for k, name in enumerate(names) if scales[k].axis.rotary and name in to}, scales)
-                at = tip_at(kept.machine, at[None], np.array([[tip[name] for name in "XYZ"]]))[0]
-                yield kept.free_held(before, at)
+                at = tip_at(room.machine, at[None], np.array([[tip[name] for name in "XYZ"]]))[0]
+                yield free_held(room, before, at)
             case Move() | Release():
                 _send(at, step.to if isinstance(step, Move) else {names.index(n): text for n, text in step.at}, scales)
                 known = np.all(np.isfinite(before)) and not np.all(before == at)
-                yield not known or kept.free(before, at)
+                yield not known or free(room, before, at)
             case _:
                 yield True
 

@@ -26,9 +26,9 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import SideTouch, cycle_of, touches
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
-from axiscal.programs.gliding import KeptOut, SlideDriver, Way
+from axiscal.programs.gliding import SlideDriver, Way, free, free_held
 from axiscal.programs.scale import Decimals, ReadingTarget, exact
-from axiscal.programs.steps import Arrival, Group, Halt, ProgramAxes, Remark, Step, Touched, dwells
+from axiscal.programs.steps import Arrival, Clearance, Group, Halt, ProgramAxes, Remark, Step, Touched, dwells
 from axiscal.units import to_unit
 
 _TRAVEL = 600
@@ -105,17 +105,22 @@ Entrance = tuple[Array, Array, Array]
 
 
 class InTouch:
-    """Goes through the readings of one set-up; raises ProgramError for what the machine cannot do in one piece."""
+    """Goes through the readings of one set-up; raises ProgramError for what the machine cannot do in one piece.
 
-    def __init__(self, setup: Setup, ways: Ways, driver: SlideDriver) -> None:
-        self._setup, self._ways, self._driver = setup, ways, driver
+    from_zero : rotary axes must stand at zero when the control begins to hold the tool point
+    """
+
+    def __init__(self, machine: Machine, setup: Setup, chart: Chart, driver: SlideDriver, from_zero: bool) -> None:
+        self._machine, self._setup, self._chart, self._driver = machine, setup, chart, driver
+        self._from_zero, self._clear = from_zero, _inside(machine, driver.axes.clearance)
+        self._room = Room.with_boxes(machine, () if setup.artefact is None else setup.artefact.keep_out)
 
     def run_through(self, readings: Sequence[tuple[int, Place]], reading: float | None) -> Iterator[Step]:
         """Yield the way through numbered readings; reading : s, None stops the program at each."""
         poses, approaches = (np.array([getattr(place, key) for _, place in readings]) for key in ("pose", "approach"))
-        there = self._ways.chart.places(poses)
-        sides = sides_of(self._ways.chart, there, approaches)
-        standing = starts_of_ways(self._ways.chart, there[:1], sides[:1])[0]
+        there = self._chart.places(poses)
+        sides = sides_of(self._chart, there, approaches)
+        standing = starts_of_ways(self._chart, there[:1], sides[:1])[0]
         yield from (Remark("PRESS START WHEN THE WAY TO THE START IS CLEAR"), Halt())
         driver = yield from self._together(self._driver, standing)
         yield from (Remark("MOUNT AND ZERO THE INSTRUMENT THEN PRESS START"), Halt(driver.holding))
@@ -133,17 +138,17 @@ class InTouch:
 
     def _stops(self, standing: Array, there: Array, side: Array) -> list[Array]:
         """Return over which places u a place is come to from its side."""
-        straight = self._ways.chart.between(standing, there)
-        if straight is not None and len(straight) == 2 and self._ways.comes_right(standing, there, side):
+        straight = self._chart.between(standing, there)
+        if straight is not None and len(straight) == 2 and self._comes_right(standing, there, side):
             return [there]
-        return [starts_of_ways(self._ways.chart, there[None], side[None])[0], there]
+        return [starts_of_ways(self._chart, there[None], side[None])[0], there]
 
     def _way(self, driver: SlideDriver, here: Array, there: Array) -> Way:
         """Yield a way in touch; where there is none the tool goes off, and comes back."""
-        legs = self._ways.chart.between(here, there)
+        legs = self._chart.between(here, there)
         if legs is not None:
             for start, stop in pairwise(legs):
-                driver = yield from driver.along(self._ways.poses_along(start, stop))
+                driver = yield from driver.along(self._poses_along(start, stop))
             return driver
         bar = self._setup.length is not None
         yield from (Remark("TAKE THE BAR OFF THEN PRESS START"), Halt(driver.holding)) if bar else ()
@@ -154,51 +159,35 @@ class InTouch:
 
     def _together(self, driver: SlideDriver, place: Array) -> Way:
         """Yield the way from anywhere to a place u: to the gate, then with the tool held to the place drawn back."""
-        gate, drawn, pose = self._ways.entrance(place)
+        gate, drawn, pose = self._entrance(place)
         driver = yield from driver.begin(gate[0])
         driver = yield from driver.along(gate)
         return (yield from driver.along(np.stack([drawn, pose]), gently=True))
 
     def _apart(self, driver: SlideDriver, place: Array) -> Way:
-        gate, drawn, pose = self._ways.entrance(place)
+        gate, drawn, pose = self._entrance(place)
         driver = yield from driver.along(np.stack([pose, drawn]), gently=True)
         driver = yield from driver.along(gate[::-1])
         return (yield from driver.end())
 
-
-class Ways:
-    """The ways of one set-up.
-
-    from_zero : rotary axes must stand at zero when the control begins to hold the tool point
-    clear : index of the axis that goes clear before others turn, and where it is clear, m
-    """
-
-    def __init__(
-        self, machine: Machine, setup: Setup, chart: Chart, from_zero: bool, clear: tuple[int, float] | None
-    ) -> None:
-        self._machine, self._setup, self.chart, self._from_zero = machine, setup, chart, from_zero
-        self._clear = clear
-        self._room = Room.with_boxes(machine, () if setup.artefact is None else setup.artefact.keep_out)
-        self._kept = KeptOut(self._room)
-
-    def comes_right(self, here: Array, there: Array, side: Array) -> bool:
+    def _comes_right(self, here: Array, there: Array, side: Array) -> bool:
         """Return whether a straight way, and the axes that follow, come from the right side over the whole overrun.
 
         These go by its slant: coming far along one coordinate and hardly along another a slide may come from elsewhere.
         """
-        overrun, gone, asked = np.array([end.overrun for end in self.chart.coordinates]), there - here, side != 0
+        overrun, gone, asked = np.array([end.overrun for end in self._chart.coordinates]), there - here, side != 0
         if not np.all(~asked | (gone * side >= overrun - _SLACK)):
             return False
         last = float(np.max(overrun[asked] / np.abs(gone[asked]), initial=0.0))
-        start = starts_of_ways(self.chart, there[None], side[None])
-        at, slanted, begin = self.chart.poses(np.vstack([there, there - last * gone, start]))
+        start = starts_of_ways(self._chart, there[None], side[None])
+        at, slanted, begin = self._chart.poses(np.vstack([there, there - last * gone, start]))
         known = KNOWN * np.array([axis.overrun for axis in self._machine.axes])
         return bool(np.all((np.abs(at - begin) < known) | ((at - slanted) * np.sign(at - begin) >= known)))
 
-    def poses_along(self, start: Array, stop: Array) -> Array:
+    def _poses_along(self, start: Array, stop: Array) -> Array:
         """Return poses between which the control may go straight, both ends among them, (p, q)."""
         count = max(1, math.ceil(float(np.max(np.abs(stop - start), initial=0.0)) / self._step - 1e-9))
-        return self.chart.poses(start + np.linspace(0.0, 1.0, count + 1)[:, None] * (stop - start))
+        return self._chart.poses(start + np.linspace(0.0, 1.0, count + 1)[:, None] * (stop - start))
 
     @property
     def _step(self) -> float:
@@ -207,9 +196,9 @@ class Ways:
             return LARGEST_TURN
         return math.sqrt(8 * _SAG * (self._setup.stroke or 1e-3) / self._setup.length)
 
-    def entrance(self, place: Array) -> Entrance:
+    def _entrance(self, place: Array) -> Entrance:
         """Return how a place u is come to from where nothing is in touch.  Raises ProgramError where it cannot be."""
-        pose = self.chart.poses(place[None])[0]
+        pose = self._chart.poses(place[None])[0]
         boxes = len(self._room.keep_out) > 0
         for far in (*_BACK, *(_OUT if boxes else ())):
             drawn = drawn_back(self._machine, pose[None], far)[0]
@@ -230,8 +219,8 @@ class Ways:
         clear = way[0].copy()
         if self._clear is not None:
             clear[self._clear[0]] = self._clear[1]
-        pairs = all(self._kept.free_held(start, stop) for start, stop in pairwise([*way, pose]))
-        return pairs and self._kept.free(clear, way[0])
+        pairs = all(free_held(self._room, start, stop) for start, stop in pairwise([*way, pose]))
+        return pairs and free(self._room, clear, way[0])
 
     def _from_zeros(self, drawn: Array) -> Array:
         """Return poses from rotary axes at zero to a pose, turning where it is clear, (p, q)."""
@@ -241,6 +230,16 @@ class Ways:
         rotary = np.array([axis.rotary for axis in self._machine.axes])
         turned = _between(np.where(rotary, 0.0, above), above)
         return np.concatenate([turned, _between(above, drawn)[1:]])
+
+
+def _inside(machine: Machine, clearance: Clearance | None) -> tuple[int, float] | None:
+    """Return the axis that goes clear and where, m, a little within the travel: chords of a turn may rise."""
+    if clearance is None:
+        return None
+    axis = machine.axes[clearance[0]]
+    low, high = axis.travel
+    place = float(clearance[1]) / to_unit(1.0, axis.unit)
+    return clearance[0], min(max(place, low + axis.overrun), high - axis.overrun)
 
 
 def _between(start: Array, stop: Array) -> Array:

@@ -20,13 +20,12 @@ from axiscal.measurement.readers.touch_log import plan_code
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs.dialect import Dialect, filled, head
-from axiscal.programs.gliding import GENTLE, KeptOut, SlideDriver, TipDriver, refuse_kept_out
-from axiscal.programs.in_touch import InTouch, SphereCycle, Ways
+from axiscal.programs.gliding import GENTLE, SlideDriver, TipDriver, refuse_kept_out
+from axiscal.programs.in_touch import InTouch, SphereCycle
 from axiscal.programs.listing import Listed, listing
 from axiscal.programs.scale import AxisScale, ReadingTarget, target
 from axiscal.programs.steps import (
     Arrival,
-    Clearance,
     Dwell,
     Glide,
     Halt,
@@ -111,15 +110,15 @@ class _Writer:
     ) -> None:
         dialect.check_axes(machine.axes)
         self._machine, self._dialect, self._setup, self._places = machine, dialect, setup, places
-        self._axes = ProgramAxes.of(machine, setup, [_decimals(axis, setup, dialect) for axis in machine.axes])
+        self._axes = ProgramAxes.from_setup(machine, setup, [_decimals(axis, setup, dialect) for axis in machine.axes])
         self.touches = log and setup.contact == "retracted" and setup.instrument == "sphere"
 
     def draft(self) -> tuple[tuple[Step, ...], tuple[Listed, ...]]:
         """Return the actions of the program, and its readings."""
         run, artefact = tuple(self._steps()), self._setup.artefact
         if artefact is not None and artefact.keep_out:
-            kept = KeptOut(Room.with_boxes(self._machine, artefact.keep_out))
-            refuse_kept_out(kept, self._setup, self._axes.scales, run)
+            room = Room.with_boxes(self._machine, artefact.keep_out)
+            refuse_kept_out(room, self._setup, self._axes.scales, run)
         return run, tuple(self._listed(run))
 
     def program(self, number: int, run: Sequence[Step], readings: tuple[Listed, ...], code: str) -> Program:
@@ -152,29 +151,17 @@ class _Writer:
 
     def _in_touch(self, chart: Chart) -> InTouch:
         """Return what drives a set-up in touch; raises ProgramError where the control cannot."""
-        setup, machine = self._setup, self._machine
-        driver = SlideDriver(self._axes)
-        if _turns(setup, self._machine):
-            self._dialect.refuse_no_tip(self._machine)
+        machine, driver = self._machine, SlideDriver(self._axes)
+        if _turns(self._setup, machine):
+            self._dialect.refuse_no_tip(machine)
             step = Decimal(1).scaleb(-self._dialect.tip_decimals)
             driver = TipDriver(self._axes, machine=machine, step=step, gentle=self._gentle)
-        from_zero = self._holds and self._dialect.from_zero
-        ways = Ways(self._machine, setup, chart, from_zero, self._inside(self._axes.clearance))
-        return InTouch(setup, ways, driver)
+        return InTouch(machine, self._setup, chart, driver, self._holds and self._dialect.from_zero)
 
     @property
     def _gentle(self) -> int:
         """mm/min, into touch and out of it."""
         return next((group.near for group in self._axes.groups if group.near is not None), GENTLE)
-
-    def _inside(self, clearance: Clearance | None) -> tuple[int, float] | None:
-        """Return a clearance in m, a little within the travel: chords of a turn may rise."""
-        if clearance is None:
-            return None
-        axis = self._machine.axes[clearance[0]]
-        low, high = axis.travel
-        place = float(clearance[1]) / to_unit(1.0, axis.unit)
-        return clearance[0], min(max(place, low + axis.overrun), high - axis.overrun)
 
     def _stood_at(self, place: Place) -> Sequence[float]:
         """Return where the axes stand at a reading: off its ball, where the probe begins."""
@@ -219,7 +206,7 @@ class _Writer:
             case Release():
                 return filled(self._dialect.tip_off, to=self._dialect.words(step.at))
             case Dwell():
-                return self._dialect.waited(step.seconds)
+                return filled(self._dialect.dwell, s=step.seconds, ms=round(step.seconds * 1000))
             case Halt():
                 stop = self._dialect.stopped(self._machine.axes, self.touches)
                 return [*self._dialect.pause] if step.held else stop

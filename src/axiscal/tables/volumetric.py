@@ -16,8 +16,8 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.entry import parse_error_name, side_name
 from axiscal.numerics import Array
+from axiscal.tables.sampling import hats_along
 from axiscal.tables.surface import Control, Mesh, by_linear_axes
-from axiscal.tables.table import Hats
 
 _POINTS_PER_INTERVAL, _RECORDS = 4, 4000
 """Of a table over two axes: points as of one over one axis, as far as so many lines last."""
@@ -59,8 +59,7 @@ def curves(estimate: Estimate, grids: Mapping[int, Array], together: bool = Fals
             found[function.name] = SampledError(np.zeros(1), control)
         elif function.kind == "motion":
             at = grids[function.axis]
-            closed = estimate.machine.axes[function.axis].cyclic
-            hats = Hats.on(at, function.basis.knots, estimate.box[function.axis], closed)
+            hats = hats_along(estimate, function.axis, at)
             values, name = hats.best(function.basis.rows(hats.nodes) @ control), _name(function)
             found[name] = SampledError(at, values + found[name].values if name in found else values)
     for plane in estimate.model.planes if together else ():
@@ -72,7 +71,7 @@ def _take_in(estimate: Estimate, plane: PlaneError, grids: Mapping[int, Array], 
     """Add what two axes do together to the motion of the later one, where that depends on no other axis yet."""
     name, own, (other,) = _plane_name(estimate.model, plane), plane.axis, set(plane.axes) - {plane.axis}
     across = _across(estimate, plane, other, len(grids[own]))
-    sides = [_hats(estimate, plane, axis, at) for axis, at in ((other, across), (own, grids[own]))]
+    sides = [hats_along(estimate, axis, at) for axis, at in ((other, across), (own, grids[own]))]
     nodes = np.meshgrid(sides[0].nodes, sides[1].nodes, indexing="ij")
     places = {other: nodes[0].ravel(), own: nodes[1].ravel()}
     rows = plane.rows(np.stack([places[axis] for axis in plane.axes], axis=1))
@@ -89,11 +88,6 @@ def _across(estimate: Estimate, plane: PlaneError, other: int, count: int) -> Ar
     intervals = len(plane.knots_along(other)[0]) - 1
     fit = max(min(_POINTS_PER_INTERVAL * intervals, _RECORDS // count - 1), intervals)
     return np.linspace(*estimate.machine.axes[other].travel, fit + 1)
-
-
-def _hats(estimate: Estimate, plane: PlaneError, axis: int, at: Array) -> Hats:
-    closed = estimate.machine.axes[axis].cyclic
-    return Hats.on(at, plane.knots_along(axis)[0], estimate.box[axis], closed)
 
 
 def anchored(model: ErrorModel, found: Mapping[str, SampledError]) -> dict[str, SampledError]:

@@ -51,11 +51,6 @@ class ErrorBlock:
     columns: slice
     weight: float = 1.0
 
-    @property
-    def unknowns(self) -> int:
-        """Number of unknowns."""
-        return int(self.columns.stop - self.columns.start)
-
 
 @dataclass(frozen=True, eq=False)
 class Hierarchy:
@@ -77,7 +72,7 @@ class Hierarchy:
     @cached_property
     def sizes(self) -> Array:
         """Number of unknowns of each error, (f,)."""
-        return np.array([part.unknowns for part in self.parts], dtype=float)
+        return np.array([part.columns.stop - part.columns.start for part in self.parts], dtype=float)
 
     @cached_property
     def owner(self) -> NDArray[np.intp]:

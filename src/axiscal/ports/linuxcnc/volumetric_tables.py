@@ -18,7 +18,6 @@ import numpy as np
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import later
 from axiscal.machine.description import Machine
-from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.patching import FILE, HAL_FILE, STATEMENT, hal_text
 from axiscal.tables import vcomp_file
 from axiscal.tables.exporter import Exporter, ExportOptions, Written
@@ -67,7 +66,9 @@ class LinuxcncVolumetric(Exporter):
         largest = np.max(np.abs(sides), axis=(0, 1))
         if np.max(largest) <= _NOTHING:
             return Draft({}, wanted, wanted, {}, (), self.holds, self.left_out, (), tried=True)
-        file = _content(estimate, options, largest)
+        numbers = vcomp_file.joints_of(options.joints(machine), machine.axes)
+        given = [(numbers[axis.name], own) for axis, own in zip(machine.axes, reversal_times(estimate), strict=True)]
+        file = vcomp_file.content_of(estimate, given, options.unit, largest, options.origin)
         joints = [n for axis in file.axes for n in axis.joints]
         source = resources.files(__package__)
         files = {FILE: vcomp_file.text_of(file, STATEMENT), HAL_FILE: hal_text(joints)}
@@ -79,14 +80,6 @@ class LinuxcncVolumetric(Exporter):
         """Return what the component makes of its files; raises TableError."""
         read = vcomp_file.read_among(files)
         return Loaded(others=tuple(component_control(each, machine) for each in read))
-
-
-def _content(estimate: Estimate, options: ExportOptions, largest: Array) -> VcompFile:
-    axes = estimate.machine.axes
-    joints = vcomp_file.joints_of(options.joints(estimate.machine), axes)
-    seconds = reversal_times(estimate)
-    given = [(joints[axis.name], own) for axis, own in zip(axes, seconds, strict=True)]
-    return vcomp_file.content_of(estimate, given, options.unit, largest, options.origin)
 
 
 def reversal_times(estimate: Estimate) -> list[float]:

@@ -111,12 +111,9 @@ class Printer(ABC):
 
     def _done(self, path: str, code: int, data: bytes) -> bytes:
         if code >= _REFUSED:
-            raise self._failed(
-                "the printer {host} refused {path} ({code}): {message}",
-                path=path,
-                code=code,
-                message=" ".join(_reason(data).split())[:200],
-            )
+            message = " ".join(_reason(data).split())[:200]
+            what = "the printer {host} refused {path} ({code}): {message}"
+            raise self._failed(what, path=path, code=code, message=message)
         return data
 
     def _answered(
@@ -136,10 +133,9 @@ class Printer(ABC):
         try:
             code, data = _exchanged(urllib.request.Request(url, body, headers, method=method))
         except (OSError, ValueError, http.client.HTTPException) as fault:
+            reason = " ".join(str(fault).split())[:200]
             raise self._failed(
-                "the printer {host} does not answer {path}: {reason}",
-                path=path,
-                reason=" ".join(str(fault).split())[:200],
+                "the printer {host} does not answer {path}: {reason}", path=path, reason=reason
             ) from None
         if len(data) > _MOST:
             raise self._failed("the printer {host} answers {path} with more than {most} bytes", path=path, most=_MOST)
@@ -160,9 +156,8 @@ class Printer(ABC):
 
     def _height(self, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            raise self._failed(
-                "the printer {host} answers {value!r} where the height of the bed was expected", value=value
-            )
+            what = "the printer {host} answers {value!r} where the height of the bed was expected"
+            raise self._failed(what, value=value)
         return float(value)
 
 
@@ -324,9 +319,8 @@ class Duet(Printer):
 
     def _sound(self, code: str, said: str) -> str:
         if (amiss := _AMISS.search(said)) is not None:
-            raise self._failed(
-                "the printer {host} answers {message!r} to {code}", message=amiss[1].strip()[:200], code=code
-            )
+            what = "the printer {host} answers {message!r} to {code}"
+            raise self._failed(what, message=amiss[1].strip()[:200], code=code)
         return said
 
     def _reply(self, code: str, wait: bool) -> str:

@@ -13,7 +13,7 @@ import os
 import sys
 from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -288,11 +288,8 @@ class Done(NamedTuple):
     error: str = ""
 
 
-class Engine(Protocol):
-    """Something that works: in this process, or in some of this computer."""
-
-    def __call__(self, solve: Solve, questions: Iterable[WorkItem]) -> Generator[Done]:
-        """Yield what comes of questions, in any order."""
+Engine = Callable[[Solve, Iterable[WorkItem]], Generator[Done]]
+"""Yields what comes of questions, in any order: worked on in this process, or in some of this computer."""
 
 
 def answered(solve: Solve, question: WorkItem) -> Done:

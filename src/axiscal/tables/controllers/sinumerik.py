@@ -110,16 +110,6 @@ class TableBlock:
     values: Array
     direction: int
 
-    @property
-    def largest(self) -> float:
-        """The most that it adds to an axis, m or rad."""
-        return float(np.max(np.abs(self.values)))
-
-    @property
-    def slope(self) -> float:
-        """How fast that changes at most along the axis that is looked up."""
-        return float(np.max(np.abs(np.diff(self.values) / np.diff(self.table.positions))))
-
 
 def blocks_of(own: Sequence[CompensationTable], over: Sequence[CompensationTable]) -> tuple[TableBlock, ...]:
     """Return the CEC tables, in the order of their numbers; raises TableError for more than there can be."""
@@ -291,14 +281,15 @@ def _by_axis(blocks: Sequence[TableBlock], sizes: Sequence[float]) -> dict[str, 
 
 
 def _sums(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> str:
-    sums = _by_axis(blocks, [block.largest for block in blocks])
+    sums = _by_axis(blocks, [float(np.max(np.abs(block.values))) for block in blocks])
     units = {block.table.axis: "deg" if block.table.rotary else "mm" for block in blocks}
     shown = {axis: _above(to_unit(size, units[axis]), 4) for axis, size in sums.items()}
     return ", ".join(f"{size} {units[axis]} ({names[axis]})" for axis, size in shown.items())
 
 
 def _slopes(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> str:
-    steepest = [block.slope for block in blocks]
+    slopes = (np.diff(block.values) / np.diff(block.table.positions) for block in blocks)
+    steepest = [float(np.max(np.abs(each))) for each in slopes]
     return ", ".join(
         f"{_above(100 * slope, 3)} % ({names[axis]})" for axis, slope in _by_axis(blocks, steepest).items()
     )

@@ -225,7 +225,7 @@ class _WayToBall:
     def __init__(self, machine: Machine, request: Request, above: float = 0.0) -> None:
         self._machine, self._request = machine, request
         setup = request.setup
-        self._axes = ProgramAxes.of(machine, setup, [_DECIMALS] * len(machine.axes))
+        self._axes = ProgramAxes.from_setup(machine, setup, [_DECIMALS] * len(machine.axes))
         self._pose = drawn_back(machine, np.array([request.pose]), above)[0] if above else np.array(request.pose)
         back = drawn_back(machine, np.array([request.pose]), setup.retract)[0]
         place = setup.name, request.reading, back.tolist(), request.approach

@@ -30,6 +30,7 @@ except ImportError as error:
 part.main()
 """
 _PYTHON = ("/usr/bin/python3", "-u", "-c", _FIRST)
+_SSH = "ssh -o BatchMode=yes -o ConnectTimeout=10 -o ServerAliveInterval=2"
 _HOST = re.compile(r"(?:[A-Za-z0-9_][\w.-]{0,63}@)?[A-Za-z0-9](?:[A-Za-z0-9.-]{0,251}[A-Za-z0-9])?")
 _ALIVE = 1.0
 """s between signs of life."""
@@ -51,17 +52,7 @@ def command(host: str) -> tuple[str, ...]:
     if not _HOST.fullmatch(host):
         remedy = "Write linuxcnc-live:mill.local or user@mill.local"
         raise SourceError("{text!r} is no name of a computer", remedy, text=host[:60])
-    return (
-        "ssh",
-        "-o",
-        "BatchMode=yes",
-        "-o",
-        "ConnectTimeout=10",
-        "-o",
-        "ServerAliveInterval=2",
-        host,
-        shlex.join(_PYTHON),
-    )
+    return (*_SSH.split(), host, shlex.join(_PYTHON))
 
 
 class Connection:

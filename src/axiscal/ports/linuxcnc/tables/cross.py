@@ -75,11 +75,8 @@ def write(tables: Sequence[CompensationTable], wiring: Wiring) -> str:
 
 
 def _refuse_what_it_cannot_hold(table: CompensationTable, wiring: Wiring) -> None:
-    if len(table.positions) > POINTS:
-        what, count = (
-            "the table of {axis} over {over} has {count} points, a lincurve holds {most}",
-            len(table.positions),
-        )
+    if (count := len(table.positions)) > POINTS:
+        what = "the table of {axis} over {over} has {count} points, a lincurve holds {most}"
         raise TableError(what, _FITS, axis=table.axis, over=table.over, count=count, most=POINTS)
     for axis in (table.axis, table.over):
         if axis not in wiring.joints or len(axis) != 1:

@@ -19,7 +19,6 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
-from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import cross, pivots
 from axiscal.ports.linuxcnc.tables.writer import ROWS, LinuxcncTable, notes, parse, resolution, write
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
@@ -181,16 +180,11 @@ def turns(axis: Axis) -> tuple[int, int]:
 
 def _repeated(table: CompensationTable, below: int, above: int) -> CompensationTable:
     """Return the table over whole turns; the end of one is the beginning of the next."""
-    shifts = 2 * np.pi * np.arange(-below, above + 1)
-
-    def again(values: Array) -> Array:
-        return np.append(np.tile(values[:-1], len(shifts)), values[-1])
-
+    shifts, count = 2 * np.pi * np.arange(-below, above + 1), len(table.positions)
+    again = np.append(np.tile(np.arange(count - 1), len(shifts)), count - 1)
     at = np.append((shifts[:, None] + table.positions[:-1]).ravel(), shifts[-1] + table.positions[-1])
-    silent = np.append(np.tile(table.prior_only[:-1], len(shifts)), table.prior_only[-1])
-    columns = (again(values) for values in (table.forward, table.reverse, table.std))
-    forward, reverse, std = columns
-    return replace(table, positions=at, forward=forward, reverse=reverse, std=std, prior_only=silent)
+    forward, reverse, std = (values[again] for values in (table.forward, table.reverse, table.std))
+    return replace(table, positions=at, forward=forward, reverse=reverse, std=std, prior_only=table.prior_only[again])
 
 
 def _axis(file: OldFile, machine: Machine, joints: Mapping[str, Sequence[int]]) -> str:
