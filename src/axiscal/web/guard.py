@@ -134,36 +134,24 @@ _HEADERS = {
 }
 
 
-class Admission:
-    """Who may come in: the port we listen on, and the token that was printed at the start.
+class Guard:
+    """Lets a request through to `app`, or refuses it with its reason; sets the headers of every answer.
 
-    hosts : the names under which we answer; origins : of our own page
-    address : to open, the token in it; cookie : the name of ours, for all ports of a computer share theirs
+    port : we listen on; address : to open, with a token that is new at every start
     """
 
-    def __init__(self, port: int) -> None:
-        self.token = secrets.token_urlsafe(_TOKEN_BYTES)
-        self.hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
-        self.origins = tuple(f"http://{host}" for host in self.hosts)
-        self.address, self.cookie = f"http://127.0.0.1:{port}/?token={self.token}", f"axiscal-{port}"
-
-    def holds(self, token: str) -> bool:
-        """Return whether a token is ours, in a time that does not depend on the token."""
-        return hmac.compare_digest(token.encode("utf-8", "replace"), self.token.encode())
-
-
-class Guard:
-    """Lets a request through to `app`, or refuses it with its reason; sets the headers of every answer."""
-
-    def __init__(self, app: ASGIApp, admitted: Admission) -> None:
-        self._app, self._admitted = app, admitted
+    def __init__(self, app: ASGIApp, port: int) -> None:
+        self._app, self._token = app, secrets.token_urlsafe(_TOKEN_BYTES)
+        self._hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
+        self._cookie = f"axiscal-{port}"  # all ports of a computer share theirs
+        self.address = f"http://127.0.0.1:{port}/?token={self._token}"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        headers = Headers(scope=scope)
+        refusal = self._refusal(scope, Headers(scope=scope))
 
         async def answered(message: Message) -> None:
             if message["type"] == "http.response.start":
@@ -171,13 +159,10 @@ class Guard:
                 for name, value in _HEADERS.items():
                     answer[name] = value
                 answer.setdefault("Content-Security-Policy", _POLICY)
-                if _carries(scope, self._admitted) and self._refusal(scope, headers) is None:
-                    answer["Set-Cookie"] = (
-                        f"{self._admitted.cookie}={self._admitted.token}; Path=/; HttpOnly; SameSite=Strict"
-                    )
+                if refusal is None and self._carried(scope):
+                    answer["Set-Cookie"] = f"{self._cookie}={self._token}; Path=/; HttpOnly; SameSite=Strict"
             await send(message)
 
-        refusal = self._refusal(scope, headers)
         if refusal is not None:
             await problem(*refusal)(scope, receive, answered)
             return
@@ -185,34 +170,38 @@ class Guard:
 
     def _refusal(self, scope: Scope, headers: Headers) -> tuple[int, str, str] | None:
         """Return status, code and sentence of what is wrong; None where nothing is."""
-        ours, origin = self._admitted, headers.get("origin")
-        if headers.getlist("host") not in ([host] for host in ours.hosts):
+        origin = headers.get("origin")
+        if headers.getlist("host") not in ([host] for host in self._hosts):
             return 400, "host", "This page answers under http://127.0.0.1 only"
-        if origin is not None and origin not in ours.origins:
+        if origin is not None and origin not in [f"http://{host}" for host in self._hosts]:
             return 403, "forbidden", "This request comes from another page"
         scheme, _, token = headers.get("authorization", "").partition(" ")
-        if scheme.lower() == "bearer" and self._admitted.holds(token):
+        if scheme.lower() == "bearer" and self._is_ours(token):
             return None
-        if not (self._knows_cookie(headers) or _carries(scope, ours)):
+        if not (self._is_ours(self._kept(headers)) or self._carried(scope)):
             return 403, "forbidden", "Open the address that axiscal serve has printed: it holds the token"
         if scope["method"] not in ("GET", "HEAD") and origin is None:
             return 403, "forbidden", "This request does not say from which page it comes"
         return None
 
-    def _knows_cookie(self, headers: Headers) -> bool:
+    def _is_ours(self, token: str) -> bool:
+        """Return whether a token is ours, in a time that does not depend on the token."""
+        return hmac.compare_digest(token.encode("utf-8", "replace"), self._token.encode())
+
+    def _kept(self, headers: Headers) -> str:
+        """Return the token of our cookie, "" where there is none."""
         try:
             jar = SimpleCookie(headers.get("cookie", ""))
         except CookieError:
+            return ""
+        return jar[self._cookie].value if self._cookie in jar else ""
+
+    def _carried(self, scope: Scope) -> bool:
+        """Whether a request for the page has the token in its address."""
+        if scope["path"] != "/" or scope["method"] not in ("GET", "HEAD"):
             return False
-        return self._admitted.cookie in jar and self._admitted.holds(jar[self._admitted.cookie].value)
-
-
-def _carries(scope: Scope, admitted: Admission) -> bool:
-    """Whether a request for the page has the token in its address."""
-    if scope["path"] != "/" or scope["method"] not in ("GET", "HEAD"):
-        return False
-    (token,) = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[:1]
-    return admitted.holds(token)
+        (token,) = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[:1]
+        return self._is_ours(token)
 
 
 def _bounded(receive: Receive) -> Receive:

@@ -19,7 +19,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from axiscal.exceptions import InputError
 from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
-from axiscal.web.guard import ROOT, Admission, Guard, document, page_application, problem
+from axiscal.web.guard import ROOT, Guard, document, page_application, problem
 from axiscal.web.shapes import (
     CostQuery,
     CostShape,
@@ -38,7 +38,7 @@ from axiscal.web.shapes import (
 _FILES = ("page.css", "elements.js", "page.js", "pictures.js", "words.js", "icon.svg")
 
 
-def application(counter: Counter, admitted: Admission) -> Guard:
+def application(counter: Counter, port: int) -> Guard:
     """Return the whole page behind its guard."""
     api = _Api(counter)
 
@@ -67,7 +67,7 @@ def application(counter: Counter, admitted: Admission) -> Guard:
     app.post(f"{ROOT}/undo", response_model=DoneShape)(api.undo)
     app.post(f"{ROOT}/next", response_model=DoneShape)(api.go_on)
     app.post(f"{ROOT}/finish", response_model=DoneShape)(api.finish)
-    return Guard(app, admitted)
+    return Guard(app, port)
 
 
 class _Api:
@@ -82,7 +82,7 @@ class _Api:
 
     async def typed(self, query: Annotated[TypedQuery, Query()]) -> Response:
         """What a typed text would mean for the question that is open."""
-        return document(self._counter.read(query.text))
+        return document(self._counter.desk.read(query.text))
 
     async def cost(self, query: Annotated[CostQuery, Query()]) -> Response:
         """What skipping the reading costs, or leaving its set-up."""
@@ -121,8 +121,9 @@ class _Api:
 
     async def report(self) -> Response:
         """The report, which allows its own scripts by their hashes and asks for nothing."""
-        file = self._counter.report
-        if not file.is_file() or file.resolve().parent.parent != self._counter.folder.resolve():
+        desk = self._counter.desk
+        file, folder = desk.results / "report.html", desk.campaign.path.absolute().parent
+        if not file.is_file() or file.resolve().parent.parent != folder.resolve():
             return problem(404, "missing", "There is no report yet")
         return FileResponse(file, media_type="text/html", headers={"Content-Security-Policy": "frame-ancestors 'none'"})
 
@@ -143,12 +144,12 @@ def serve_record(record: Path, port: int, ready: Callable[[str], None]) -> str:
     port : 0 is any that is free; ready : called with the address once the page answers
     Raises RecordError if that is no record, InputError if the port is taken.
     """
-    counter = Counter.open(record)
+    counter = Counter(record)
     try:
         with _listening(port) as listener:
-            admitted = Admission(int(listener.getsockname()[1]))
+            page = application(counter, int(listener.getsockname()[1]))
             config = uvicorn.Config(
-                application(counter, admitted),
+                page,
                 http=_Caller,
                 ws="none",
                 log_level="error",
@@ -159,7 +160,7 @@ def serve_record(record: Path, port: int, ready: Callable[[str], None]) -> str:
                 backlog=_BURST,
                 h11_max_incomplete_event_size=_HEAD,
             )
-            server = _Server(config, counter.end, lambda: ready(admitted.address))
+            server = _Server(config, counter.end, lambda: ready(page.address))
             server.run(sockets=[listener])
     except KeyboardInterrupt:
         pass  # the way in which a server is ended
