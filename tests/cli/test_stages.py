@@ -15,7 +15,7 @@ from axiscal.cli.progress import progress_line
 from axiscal.cli.stages import StageLine, stage_text
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Accuracy
-from axiscal.language.stages import Stage, listening, stage, staged
+from axiscal.language.stages import Listener, Stage, listening, stage, staged
 from axiscal.measurement.reading import Reading
 
 
@@ -43,21 +43,22 @@ def test_nothing_is_said_in_the_first_seconds(monkeypatch: pytest.MonkeyPatch) -
     err = Terminal()
     monkeypatch.setattr("sys.stderr", err)
     shown = StageLine()
-    with listening(shown), stage("one"):
-        shown.show(shown._start + 1.0)
+    with listening(Listener(shown.stages, shown.wipe)), stage("one"):
+        shown.show(shown.start + 1.0)
         assert err.getvalue() == ""
-        shown.show(shown._start + 2.5)
-        assert err.getvalue() == "\rone, 2 s so far"
+        shown.show(shown.start + 2.5)
+        assert err.getvalue().strip() == "one, 2 s so far"
 
 
 def test_on_a_terminal_one_line_changes_and_goes_when_the_work_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
     err = Terminal()
     monkeypatch.setattr("sys.stderr", err)
     shown = StageLine()
-    with listening(shown):
+    shown.start -= 4.0
+    with listening(Listener(shown.stages, shown.wipe)):
         for _ in staged("readings", "abcdefghijklmnopqrst", 20):
-            shown.show(shown._start + 4.0)
-    said = [line for line in err.getvalue().split("\r") if line.strip()]
+            shown.show(shown.start + 4.0)
+    said = [line.rstrip() for line in err.getvalue().split("\r") if line.strip()]
     assert said[0] == "readings, 0 of 20, 4 s so far"
     assert said[10].startswith("readings, 10 of 20, about ")
     assert "left, 4 s so far" in said[10]
@@ -69,14 +70,14 @@ def test_work_in_another_thread_says_nothing() -> None:
 
     def work() -> None:
         with stage("elsewhere"):
-            heard.append(len(shown._stack))
+            heard.append(len(shown.stages))
 
-    with listening(shown):
+    with listening(Listener(shown.stages, shown.wipe)):
         thread = threading.Thread(target=work)
         thread.start()
         thread.join()
         with stage("here"):
-            heard.append(len(shown._stack))
+            heard.append(len(shown.stages))
     assert heard == [0, 1]
 
 

@@ -29,10 +29,10 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(64_093, 50_000),
+    "lines of src": Budget(63_947, 50_000),
     "files of src": Budget(334, 334),
     "mechanisms that remember": Budget(3, 1),
-    "classes that change": Budget(27, 15),
+    "classes that change": Budget(26, 15),
     "public names of more than five functions": Budget(10, 10),
 }
 WALKS = {

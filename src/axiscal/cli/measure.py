@@ -5,6 +5,7 @@ The prompt shows the line on top, the set-up to mount, the reading to take, and 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import Enum, auto
 from pathlib import Path
 from typing import Annotated
@@ -51,40 +52,37 @@ class _Then(Enum):
     PAUSE = auto()
 
 
+@dataclass(frozen=True, eq=False, slots=True)
 class Prompt:
-    """The dialogue about one campaign; it remembers which set-up the person has mounted.
+    """The dialogue about one campaign.  out : folder for the results"""
 
-    out : folder for the results
-    """
-
-    def __init__(self, campaign: Campaign, out: Path) -> None:
-        self.campaign, self.out = campaign, out
-        readings = campaign.state.readings
-        self.mounted = readings[-1].setup if readings else ""
+    campaign: Campaign
+    out: Path
 
     def held(self) -> bool:
         """Hold the dialogue; return False where the person pauses, True where the campaign is to be finished."""
         tell_out_of_reach(self.campaign)
-        then = _Then.ANEW
+        readings = self.campaign.state.readings
+        then, mounted = _Then.ANEW, readings[-1].setup if readings else ""
         while then is _Then.ANEW:
-            then = self._answered(self.campaign.next())
+            then, mounted = self._answered(self.campaign.next(), mounted)
         return then is _Then.FINISH
 
-    def _answered(self, asked: Asked | Ended) -> _Then:
+    def _answered(self, asked: Asked | Ended, mounted: str) -> tuple[_Then, str]:
+        """Ask, and return what comes then and which set-up stands.  mounted : the one that stands"""
         if isinstance(asked, Ended):
-            return self._ended(asked)
+            return self._ended(asked), mounted
         question = Question.from_campaign(self.campaign, asked)
-        if question.setup != self.mounted:
+        if question.setup != mounted:
             steps = [f"  {step.name:<9} {step.what}" for step in question.mounting]
-            mounted = said('Set-up "{setup}"', setup=question.setup)
-            say("\n".join([f"\n{mounted}: {question.mount_sentence}.", *steps]))
+            named = said('Set-up "{setup}"', setup=question.setup)
+            say("\n".join([f"\n{named}: {question.mount_sentence}.", *steps]))
             then = self._asked(said("Enter when it stands, or ? > "), question, standing=False)
             if then is not _Then.STANDS:
-                return then
-            self.mounted = question.setup
+                return then, mounted
         say(headline(self.campaign, question))
         say(question_lines(question))
-        return self._asked(said("reading [{unit}] > ", unit=question.unit), question, standing=True)
+        return self._asked(said("reading [{unit}] > ", unit=question.unit), question, standing=True), question.setup
 
     def _asked(self, prompt: str, question: Question, *, standing: bool) -> _Then:
         """Ask until something has been done; a refusal is said, and the same is asked again."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import sys
 import textwrap
 from collections.abc import Iterable, Mapping
@@ -28,8 +29,9 @@ def tell(text: str) -> None:
 
 
 def rewrite(text: str) -> None:
-    """Write a line to stderr in the place of the one that stands there."""
-    sys.stderr.write(f"\r{text}")
+    """Write a line to stderr in the place of the one that stands there, as far as there is room for it."""
+    width = shutil.get_terminal_size().columns - 1
+    sys.stderr.write(f"\r{text[:width].ljust(width)}\r")
     sys.stderr.flush()
 
 

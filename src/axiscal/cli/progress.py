@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -33,11 +32,10 @@ def shown_progress(target: Target) -> Iterator[Callable[[Milestone], None]]:
         if not sys.stderr.isatty():
             yield lambda milestone: None
             return
-        width = shutil.get_terminal_size().columns - 1
         try:
-            yield lambda milestone: rewrite(progress_line(milestone, target)[:width].ljust(width))
+            yield lambda milestone: rewrite(progress_line(milestone, target))
         finally:
-            rewrite("\n")
+            tell("")
 
 
 def progress_line(milestone: Milestone, target: Target) -> str:

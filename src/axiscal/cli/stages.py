@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 from axiscal.cli.printing import rewrite
 from axiscal.language.spoken import put, said, speaking
-from axiscal.language.stages import Stage, listening
+from axiscal.language.stages import Listener, Stage, listening
 from axiscal.present.whose_language import chosen
 
 _QUIET = 2.0
@@ -21,61 +21,34 @@ _LOOK = 0.25
 
 
 class StageLine:
-    """Listens to the work, and shows where it is.
+    """Shows on stderr where the work is, in the language of whoever began it.
 
-    now : seconds, of any clock
+    stages : that last; over : whether nothing more is to be shown
     """
 
     def __init__(self) -> None:
-        self._lock, self._stack = threading.Lock(), list[tuple[Stage, float]]()
-        self._start, self._done = time.monotonic(), threading.Event()
-        self._line, self._language = "", chosen(None)
-
-    def begun(self, stage: Stage) -> None:
-        """A stage begins."""
-        with self._lock:
-            self._stack.append((stage, time.monotonic()))
-
-    def advanced(self, number: int) -> None:
-        """So many things of the last stage are done."""
-        with self._lock:
-            stage, since = self._stack[-1]
-            self._stack[-1] = stage._replace(number=number), since
-
-    def ended(self) -> None:
-        """The last stage ends; what stands of it on the screen goes."""
-        with self._lock:
-            self._stack.pop()
-            if not self._stack:
-                self._wipe()
+        self.stages, self.start, self.over = list[Stage](), time.monotonic(), threading.Event()
+        self._lock, self._language = threading.Lock(), chosen(None)
 
     def show(self, now: float) -> None:
-        """Show the stage that lasts, once the command has taken long enough."""
+        """Show the stage that lasts, once the command has taken long enough.  now : s, as of its start"""
         with self._lock:
-            if not self._stack or now - self._start < _QUIET:
-                return
-            stage, since = self._stack[-1]
-            with speaking(self._language):  # of the thread that began
-                passed = put("{seconds:.0f}", seconds=now - self._start)
-                line = said("{stage}, {seconds} s so far", stage=stage_text(stage, now - since), seconds=passed)
-            self._line, before = line, self._line
-            rewrite(line.ljust(len(before)))
+            if self.stages and now - self.start >= _QUIET:
+                with speaking(self._language):  # of the thread that began
+                    stage = stage_text(self.stages[-1], now - self.stages[-1].since)
+                    passed = put("{seconds:.0f}", seconds=now - self.start)
+                    rewrite(said("{stage}, {seconds} s so far", stage=stage, seconds=passed))
+
+    def wipe(self) -> None:
+        """Let nothing stand on the screen that could have been shown."""
+        with self._lock:
+            if time.monotonic() - self.start >= _QUIET:
+                rewrite("")
 
     def watch(self) -> None:
         """Look again and again, in a separate thread, until the end."""
-        while not self._done.wait(_LOOK):
+        while not self.over.wait(_LOOK):
             self.show(time.monotonic())
-
-    def end(self) -> None:
-        """Show nothing more."""
-        self._done.set()
-        with self._lock:
-            self._wipe()
-
-    def _wipe(self) -> None:
-        if self._line:
-            rewrite(f"{' ' * len(self._line)}\r")
-            self._line = ""
 
 
 def stage_text(stage: Stage, seconds: float) -> str:
@@ -100,12 +73,12 @@ def shown_stages() -> Iterator[None]:
     if os.environ.get("AXISCAL_PROGRESS") == "off" or not sys.stderr.isatty():
         yield
         return
-    stages = StageLine()
-    watcher = threading.Thread(target=stages.watch, daemon=True)
+    line = StageLine()
+    watcher = threading.Thread(target=line.watch, daemon=True)
     watcher.start()
     try:
-        with listening(stages):
+        with listening(Listener(line.stages, line.wipe)):
             yield
     finally:
-        stages.end()
+        line.over.set()
         watcher.join()

@@ -6,33 +6,32 @@ with stage("scales of the errors", 2, 4):
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from contextvars import ContextVar
-from typing import NamedTuple, Protocol, TypeVar
+from typing import NamedTuple, TypeVar
 
 Thing = TypeVar("Thing")
 
 
 class Stage(NamedTuple):
-    """One piece of work.  number, of : which of how many, or how many things of how many are done; 0 where unknown"""
+    """One piece of work, and since when, s of `time.monotonic`.
+
+    number, of : which of how many, or how many things of how many are done; 0 where unknown
+    """
 
     name: str
     number: int = 0
     of: int = 0
+    since: float = 0.0
 
 
-class Listener(Protocol):
-    """Who wants to know."""
+class Listener(NamedTuple):
+    """Who wants to know.  stages : those that last, the newest at the end; over : called when the last has ended"""
 
-    def begun(self, stage: Stage) -> None:
-        """A stage begins, inside the one before."""
-
-    def advanced(self, number: int) -> None:
-        """So many things of the last stage are done."""
-
-    def ended(self) -> None:
-        """The last stage that was begun ends."""
+    stages: list[Stage]
+    over: Callable[[], None]
 
 
 _LISTENER: ContextVar[Listener | None] = ContextVar("listener", default=None)
@@ -55,20 +54,20 @@ def stage(name: str, number: int = 0, of: int = 0) -> Iterator[None]:
     if listener is None:
         yield
         return
-    listener.begun(Stage(name, number, of))
+    listener.stages.append(Stage(name, number, of, time.monotonic()))
     try:
         yield
     finally:
-        listener.ended()
+        listener.stages.pop()
+        if not listener.stages:
+            listener.over()
 
 
 def staged(name: str, things: Iterable[Thing], of: int) -> Iterator[Thing]:
     """Yield things, and say of how many each is which."""
-    listener = _LISTENER.get()
-    with stage(name, 0, of):
+    with counting(name) as moved:
         for number, thing in enumerate(things):
-            if listener is not None:
-                listener.advanced(number)
+            moved(number, of)
             yield thing
 
 
@@ -82,6 +81,6 @@ def counting(name: str) -> Iterator[Callable[[int, int], None]]:
             if listener is not None and not number:
                 stack.enter_context(stage(name, 0, of))
             if listener is not None:
-                listener.advanced(number)
+                listener.stages[-1] = listener.stages[-1]._replace(number=number)
 
         yield moved

@@ -30,7 +30,8 @@ from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline, Spline, even_knots
 from axiscal.numerics.line import largest_along
 from axiscal.present.delivery import write_files
-from axiscal.python.measured_case import Case, DrawnLine, NotebookPicture, Quantity, curves_picture, html_table, si
+from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, line_trace
+from axiscal.python.measured_case import FILL, HEIGHT, LINE, Case, NotebookPicture, Quantity, html_table, si
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.units import format_quantity, to_unit
@@ -109,14 +110,17 @@ class Curve:
 
     def plot(self) -> NotebookPicture:
         """Return a picture: mean, and the band that holds it with 95 %."""
-        return curves_picture([self.line()])
+        return NotebookPicture((self._figure(),))
 
-    def line(self) -> DrawnLine:
+    def _figure(self) -> Figure:
         """Return the curve as it is drawn."""
         at = np.linspace(self.spline.knots[0], self.spline.knots[-1], _SHOWN)
         mean, std = self(at)
-        shown = to_unit(at, self.position_unit), to_unit(mean, self.unit), BAND * to_unit(std, self.unit)
-        return DrawnLine(self.name, *shown, self.position_unit, self.unit)
+        x, middle = to_unit(at, self.position_unit).tolist(), to_unit(mean, self.unit).tolist()
+        half = (BAND * to_unit(std, self.unit)).tolist()
+        axes = axis_style(f"position, {self.position_unit}"), axis_style(f"{self.name}, {self.unit}")
+        data = [band(x, middle, half, FILL), line_trace(x, middle, LINE, 1.5)]
+        return {"name": self.name, "data": data, "layout": layout(*axes, HEIGHT)}
 
     @property
     def _weight(self) -> Array:
@@ -217,7 +221,7 @@ class Estimated(Mapping[str, Curve]):
 
     def plot(self) -> NotebookPicture:
         """Return a picture of every curve with its 95 % band."""
-        return curves_picture([self[name].line() for name in self if self._function(name).basis.size > 1])
+        return NotebookPicture(tuple(self[name]._figure() for name in self if self._function(name).basis.size > 1))
 
     def _function(self, name: str) -> ErrorFunction:
         return self.estimation.case.errors.names[name]

@@ -13,22 +13,21 @@ its unit.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from html import escape
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.document.quoting import toml_value
+from axiscal.document.quoting import toml_document
 from axiscal.estimation.case import Case as Mathematics
 from axiscal.estimation.inheritance import case_of
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Place, approach_text, place_text
-from axiscal.numerics import Array
 from axiscal.planning.next_readings import CANDIDATES, placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Proposal, proposed
-from axiscal.present.drawing.svg_picture import Figure, alone, axis_style, band, layout, picture
+from axiscal.present.drawing.svg_picture import Figure, alone, axis_style, layout, line_trace, picture
 from axiscal.present.plan_answer import PlanAnswer, plan_answer
 from axiscal.present.plan_words import bound_sentence
 from axiscal.units import Dimension, format_quantity, from_unit, parse_quantity, to_unit
@@ -41,8 +40,8 @@ def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str
     return f"<table><caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
-_LINE, _FILL = "#1f5fa8", "rgba(31, 95, 168, 0.18)"
-_WIDE, _NARROW, _HEIGHT = 640, 360, 260
+LINE, FILL = "#1f5fa8", "rgba(31, 95, 168, 0.18)"
+_WIDE, _NARROW, HEIGHT = 640, 360, 260
 """Pixels; a matter of taste."""
 
 
@@ -65,52 +64,6 @@ class NotebookPicture:
         return "".join(self.svg)
 
 
-def curves_picture(lines: Sequence[DrawnLine]) -> NotebookPicture:
-    """Return curves side by side, each over its own travel with the band that holds it with 95 %."""
-    return NotebookPicture(tuple(_curve(line) for line in lines))
-
-
-def plan_picture(plan: PlanAnswer) -> NotebookPicture:
-    """Return the accuracy of a plan after each reading against its minutes."""
-    bound = plan.bound_rms_um
-    minutes = [0.0, *(point.minutes for point in plan.points)]
-    rms = [plan.before_rms_um, *(point.rms_um for point in plan.points)]
-    steps = {
-        "type": "scatter",
-        "mode": "lines+markers",
-        "x": minutes,
-        "y": rms,
-        "line": {"color": _LINE, "shape": "hv"},
-        "marker": {"color": _LINE, "size": 6},
-    }
-    floor = {"x": [minutes[0], minutes[-1]], "y": [bound, bound], "line": {"color": _LINE, "dash": "dot"}}
-    data = [steps] if bound is None else [steps, {"type": "scatter", "mode": "lines", **floor}]
-    drawn = layout(axis_style("minutes"), axis_style("RMS, µm", rangemode="tozero"), _HEIGHT)
-    return NotebookPicture(({"name": "accuracy of a plan", "data": data, "layout": drawn},))
-
-
-def _curve(line: DrawnLine) -> Figure:
-    at, middle = line.at.tolist(), line.middle.tolist()
-    mean = {"type": "scatter", "mode": "lines", "x": at, "y": middle, "line": {"color": _LINE}}
-    x, y = axis_style(f"position, {line.position_unit}"), axis_style(f"{line.name}, {line.unit}")
-    return {
-        "name": line.name,
-        "data": [band(at, middle, line.half.tolist(), _FILL), mean],
-        "layout": layout(x, y, _HEIGHT),
-    }
-
-
-class DrawnLine(NamedTuple):
-    """at : (m,) positions; middle : (m,) mean; half : (m,) half of the band that holds it with 95 %"""
-
-    name: str
-    at: Array
-    middle: Array
-    half: Array
-    position_unit: str
-    unit: str
-
-
 Quantity = float | int | str
 """A number in m, rad or s, or text such as "12 um"."""
 
@@ -120,14 +73,8 @@ def si(value: Quantity, dimension: Dimension) -> float:
     return parse_quantity(value, dimension) if isinstance(value, str) else float(value)
 
 
-@dataclass(frozen=True, slots=True)
-class SetupKeys:
-    """A set-up before it stands on a machine: the keys of a [[setups]] table of campaign.toml."""
-
-    keys: Mapping[str, Any] = field(default_factory=dict)
-
-    def __repr__(self) -> str:
-        return f"<set-up {self.keys['name']}: {self.keys['instrument']}>"
+SetupKeys = Mapping[str, Any]
+"""A set-up before it stands on a machine: the keys of a [[setups]] table of campaign.toml."""
 
 
 def setup(
@@ -145,19 +92,7 @@ def setup(
     """
     usual = " ".join([instrument, *([direction] if isinstance(direction, str) else []), *(moves or ())])
     stated = {"name": name or usual, "instrument": instrument, "direction": direction, "moves": moves, **keys}
-    return SetupKeys(MappingProxyType({key: value for key, value in stated.items() if value is not None}))
-
-
-def campaign_text(machine: str, setups: Sequence[SetupKeys], target: Mapping[str, Any], scales: str) -> str:
-    """Return the campaign.toml that says the same.  machine : what stands there as its name"""
-    lines = [f"machine = {toml_value(machine)}", f"scales = {toml_value(scales)}", "[target]", *_pairs(target)]
-    for each in setups:
-        lines += ["[[setups]]", *_pairs(each.keys)]
-    return "\n".join(lines) + "\n"
-
-
-def _pairs(keys: Mapping[str, Any]) -> list[str]:
-    return [f"{key} = {toml_value(value)}" for key, value in keys.items()]
+    return {key: value for key, value in stated.items() if value is not None}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -196,7 +131,14 @@ class PlanResult:
 
     def plot(self) -> NotebookPicture:
         """Return a picture: the accuracy after each reading against the minutes."""
-        return plan_picture(self.answer)
+        bound, points = self.answer.bound_rms_um, self.answer.points
+        minutes = [0.0, *(point.minutes for point in points)]
+        rms = [self.answer.before_rms_um, *(point.rms_um for point in points)]
+        read = line_trace(minutes, rms, LINE, 1.5) | {"mode": "lines+markers", "marker": {"color": LINE, "size": 6}}
+        ends = [minutes[0], minutes[-1]]
+        floor = [] if bound is None else [line_trace(ends, [bound, bound], LINE, 1.5, "dot")]
+        drawn = layout(axis_style("minutes"), axis_style("RMS, µm", rangemode="tozero"), HEIGHT)
+        return NotebookPicture(({"name": "accuracy of a plan", "data": [read, *floor], "layout": drawn},))
 
     def __len__(self) -> int:
         return len(self.proposal.plan.readings)
@@ -242,7 +184,8 @@ class Case:
         target: Mapping[str, Any] = _NO_KEYS,
         learn: bool = False,
     ) -> None:
-        text = campaign_text(machine.name, setups, target, "estimate" if learn else "stated")
+        keys = {"machine": machine.name, "scales": "estimate" if learn else "stated", "target": target}
+        text = toml_document({**keys, "setups": list(setups)})
         described = campaign_from_texts(text, _SOURCE, machine.text, machine.name, fine_knots=machine.fine_knots)
         self.description, self.inner = described, case_of(described)
 
