@@ -25,7 +25,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import page
-from axiscal.present.drawing.strokes import Point, dots, line, short_number, text, text_width, way
+from axiscal.present.drawing.strokes import Point, dots, line, rounded_up, short_number, text, text_width, way
 from axiscal.tables.surface import Control, left_by
 from axiscal.units import to_unit
 
@@ -191,9 +191,7 @@ def circle_picture(circle: BallBarCircle, width: float) -> str:
 def division(circle: BallBarCircle) -> float:
     """Return how much lies between two rings, um: 1, 2 or 5 times a power of ten; five hold all."""
     every = [*circle.read, *circle.found, *(circle.left or ())]
-    least = max(max(abs(value) for value in every), 1e-3) / 5
-    power = 10.0 ** math.floor(math.log10(least))
-    return float(next(factor for factor in (1, 2, 5, 10) if factor * power >= least * (1 - 1e-9))) * power
+    return rounded_up(max(max(abs(value) for value in every), 1e-3) / 5)
 
 
 def _ring(middle: float, radius: float, number: int) -> str:

@@ -13,13 +13,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from markupsafe import Markup
 
 from axiscal.language.spoken import said
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import EYE, Arrow, Fit, Part, Solid, Stroke, Viewport, drawn, page, points_of
-from axiscal.present.drawing.strokes import short_number, text, wrapped
-from axiscal.present.drawing.svg_picture import WIDTHS, Drawing
+from axiscal.present.drawing.strokes import rounded_down, rounded_up, short_number, text, wrapped
+from axiscal.present.drawing.svg_picture import Drawing
 from axiscal.present.machine_drawing.machine_scene import machine_parts
 from axiscal.present.machine_drawing.standing_machine import StandingMachine
 from axiscal.present.volume_error import MACHINES, BentVolume, sides_of
@@ -47,14 +46,6 @@ def found_and_left(volume: BentVolume, width: float, found: str = "", left: str 
     """
     whole = found_and_left_drawing(volume, width, found, left)
     return page(whole.width, whole.height, whole.body, said("The error of the volume"))
-
-
-def found_and_left_shown(volume: BentVolume, found: str = "", left: str = "") -> Markup:
-    """Return the picture as markup: one for each width of screen, of which the page shows one."""
-    return Markup("".join(
-        f'<div class="at-{name}">{found_and_left(volume, width, found, left)}</div>'
-        for name, width in WIDTHS.items()
-    ))  # fmt: skip
 
 
 def found_and_left_drawing(volume: BentVolume, width: float, found: str = "", left: str = "") -> Drawing:
@@ -104,14 +95,12 @@ def magnification(volume: BentVolume) -> float:
 
     The largest of all that are drawn is then about a tenth of the shortest side; of a bed its height is none.
     """
-    drawn_ones = [each + volume.allowed for each in _of_all(volume)] + [each[None] for each in _of_all(volume)]
+    drawn_ones = [each + one for each in _of_all(volume) for one in (*volume.allowed, 0.0)]
     largest = max(float(np.linalg.norm(each, axis=-1).max()) for each in drawn_ones)
     sides = sides_of(volume.tcp)
     shortest = min((side for side in sides if side > _FLAT * max(sides)), default=1.0)
-    wanted = math.log10(_SHARE * shortest / max(largest, 1e-12))
-    powers = range(math.floor(wanted) - 1, math.floor(wanted) + 2)
-    steps = [factor * 10.0**power for power in powers for factor in (1, 2, 5)]
-    return min(steps, key=lambda step: abs(math.log10(step) - wanted))
+    wanted = _SHARE * shortest / max(largest, 1e-12)
+    return min(rounded_down(wanted), rounded_up(wanted), key=lambda step: abs(math.log10(step / wanted)))
 
 
 def _of_all(volume: BentVolume) -> list[Array]:
@@ -181,9 +170,7 @@ def _scale_bar(per_metre: float, y: float) -> tuple[str, float]:
 
     per_metre : pixels for a metre of deviation
     """
-    most = _BAR / per_metre * 1e6
-    power = 10.0 ** math.floor(math.log10(most))
-    size = max(factor for factor in (1, 2, 5) if factor * power <= most) * power
+    size = rounded_down(_BAR / per_metre * 1e6)
     pixels = size * 1e-6 * per_metre
     d = f"M{short_number(_SIDE)} {short_number(y)}v8h{short_number(pixels)}v-8"
     words = f"{size:g} µm"

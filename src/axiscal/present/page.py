@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import Any
 
@@ -12,9 +12,18 @@ from axiscal.answers.answer import number, rounded
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.language.spoken import joined, resaid, said
 from axiscal.present import sentences
-from axiscal.present.drawing.svg_picture import Figure, axis_style, band, finite_range, layout, line_trace, shown
+from axiscal.present.drawing.svg_picture import (
+    Figure,
+    axis_style,
+    band,
+    finite_range,
+    for_widths,
+    layout,
+    line_trace,
+    shown,
+)
 from axiscal.present.drawn_by_standards import PositioningCurve, circle_picture
-from axiscal.present.found_and_left import found_and_left_shown
+from axiscal.present.found_and_left import found_and_left
 from axiscal.present.result_document import listed
 from axiscal.present.sentences import (
     U_OF_TABLES,
@@ -44,7 +53,7 @@ def render(summary: Summary) -> str:
     drawn = {
         "draw": shown,
         "draw_circle": lambda circle: Markup(circle_picture(circle, _CIRCLE)),
-        "picture": "" if summary.bent is None else found_and_left_shown(summary.bent),
+        "picture": "" if (bent := summary.bent) is None else for_widths(lambda width: found_and_left(bent, width)),
         "code": Markup("<code>{}</code>").format,
     }
     templates = environment("axiscal.present")
@@ -55,6 +64,7 @@ def render(summary: Summary) -> str:
 def report_values(summary: Summary) -> dict[str, Any]:
     """Return what both reports, the page and the PDF, are filled with, in the language that is spoken."""
     listed_rows, others_words = listed(summary)
+    first_number = said("A reading with several numbers shows the first, along x.")
     return {
         "s": summary,
         "groups": groups(summary.curves, summary.chain),
@@ -68,7 +78,7 @@ def report_values(summary: Summary) -> dict[str, Any]:
         "unsaid": said(UNSAID),
         "u_of_tables": said(U_OF_TABLES),
         "volume_words": sentences.volume_words(summary),
-        "first_number": sentences.first_number_words(summary),
+        "first_number": first_number if any(row.others for row in summary.history) else "",
         "before": [row for row in summary.history if not row.position],
         "listed_rows": listed_rows,
         "others_words": others_words,
@@ -116,9 +126,8 @@ def groups(curves: Sequence[CurveSummary], chain: str = "") -> list[tuple[str, s
     """
     axes = dict.fromkeys(curve.axis for curve in curves)
     height = _HEIGHT_ALONE if len(curves) == 1 else _HEIGHT
-    return [
-        (axis, _turned(axis, chain), _rows([curve for curve in curves if curve.axis == axis], height)) for axis in axes
-    ]
+    rows_of = {axis: list(_rows([curve for curve in curves if curve.axis == axis], height)) for axis in axes}
+    return [(axis, _turned(axis, chain), rows) for axis, rows in rows_of.items()]
 
 
 def _turned(axis: str, chain: str) -> str:
@@ -129,15 +138,12 @@ def _turned(axis: str, chain: str) -> str:
     return said(turned, axis=axis)
 
 
-def _rows(curves: list[CurveSummary], height: int) -> list[list[Panel]]:
-    ordered = sorted(curves, key=lambda curve: curve.value_unit)
-    ordered.sort(key=lambda curve: curve.value_unit != "um")
-    return [_row(list(row), height) for _, row in groupby(ordered, key=lambda curve: curve.value_unit)]
-
-
-def _row(curves: list[CurveSummary], height: int) -> list[Panel]:
-    shared = finite_range([value for curve in curves for value in _content(curve)])
-    return [(curve, panel_figure(curve, shared, height)) for curve in curves]
+def _rows(curves: list[CurveSummary], height: int) -> Iterator[list[Panel]]:
+    ordered = sorted(curves, key=lambda curve: (curve.value_unit != "um", curve.value_unit))
+    for _, each in groupby(ordered, key=lambda curve: curve.value_unit):
+        row = list(each)
+        shared = finite_range([value for curve in row for value in _content(curve)])
+        yield [(curve, panel_figure(curve, shared, height)) for curve in row]
 
 
 def _content(curve: CurveSummary) -> list[float]:
@@ -157,11 +163,15 @@ def panel_figure(curve: CurveSummary, shared: list[float], height: int) -> Figur
         [BAND * std for std in rounded(stds, f"{what} of {curve.name}", size)]
         for what, stds in (("prior_std", curve.prior_std), ("std", curve.std), ("std_seen", curve.std_seen))
     )
+    truth = []
+    if curve.truth is not None:
+        at, value = (rounded(values, f"truth of {curve.name}") for values in curve.truth)
+        truth = [line_trace(at, value, "var(--truth)", 1.6, "4px,3px")]
     traces = [
         band(positions, [0.0] * size, prior, "var(--prior)"),
         band(positions, mean, whole, "var(--whole)"),
         band(positions, mean, seen, "var(--seen)"),
-        *_truth(curve),
+        *truth,
         line_trace(positions, mean, "var(--accent)", 1.8),
         *_points(curve),
     ]
@@ -176,13 +186,6 @@ def panel_figure(curve: CurveSummary, shared: list[float], height: int) -> Figur
     )
     y = axis_style(unit_text(curve.value_unit), range=shared, nticks=6, zeroline=True, zerolinecolor="var(--rule)")
     return {"data": traces, "layout": layout(x, y, height), "wide": height == _HEIGHT_ALONE}
-
-
-def _truth(curve: CurveSummary) -> list[Figure]:
-    if curve.truth is None:
-        return []
-    positions, value = (rounded(values, f"truth of {curve.name}") for values in curve.truth)
-    return [line_trace(positions, value, "var(--truth)", 1.6, "4px,3px")]
 
 
 def _points(curve: CurveSummary) -> list[Figure]:

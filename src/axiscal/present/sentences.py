@@ -108,12 +108,6 @@ def volume_words(summary: Summary) -> str:
     return said(parked if volume.parked else alone, **told)
 
 
-def first_number_words(summary: Summary) -> str:
-    """Return which number of a reading with several is compared, "" where there is no such reading."""
-    several = any(row.others for row in summary.history)
-    return said("A reading with several numbers shows the first, along x.") if several else ""
-
-
 def left_out_words(block: Iso230) -> str:
     """Return which readings a test after ISO 230-2 does without, "" where it has all."""
     if not block.left_out:

@@ -34,6 +34,21 @@ def text_safe(text: str) -> str:
     return escape(_NO_XML.sub("?", text), quote=True)
 
 
+SLACK = 1e-9
+"""Share of a step by which rounding may be off."""
+
+
+def rounded_up(size: float) -> float:
+    """Return the smallest of 1, 2, 5 times a power of ten that is not below size."""
+    power = 10.0 ** math.floor(math.log10(size))
+    return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= size * (1 - SLACK))
+
+
+def rounded_down(size: float) -> float:
+    """Return the largest of 1, 2, 5 times a power of ten that is not above size: whose inverse is another of them."""
+    return 1 / rounded_up(1 / size)
+
+
 def short_number(value: float) -> str:
     """Return a number of pixels to a tenth."""
     text = f"{value:.1f}"

@@ -9,7 +9,7 @@ A page has it as one SVG, or as one for each width of screen, of which the page 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -19,6 +19,7 @@ from markupsafe import Markup
 from axiscal.answers.answer import rounded
 from axiscal.language.spoken import decimals
 from axiscal.present.drawing.strokes import (
+    SLACK,
     Point,
     dots,
     line,
@@ -26,6 +27,7 @@ from axiscal.present.drawing.strokes import (
     mark,
     on_paper,
     page_colours,
+    rounded_up,
     short_number,
     text_safe,
     title,
@@ -33,9 +35,6 @@ from axiscal.present.drawing.strokes import (
     way,
     words,
 )
-
-_SLACK = 1e-9
-"""Share of a step by which a tick may lie outside through rounding."""
 
 Figure = dict[str, Any]
 
@@ -144,7 +143,10 @@ def _scale(figure: Figure, name: str, start: float, end: float) -> PixelScale:
     if "range" in axis:
         return PixelScale(axis["range"][0], axis["range"][1], start, end)
     values = [value for trace in figure["data"] for value in trace[name]]
-    return PixelScale(*spread_of(values, axis.get("rangemode") == "tozero"), start, end)
+    low, high = min(values, default=0.0), max(values, default=1.0)
+    margin = 0.05 * (high - low) or max(abs(high), 1.0) * 0.05
+    low = min(0.0, low) if axis.get("rangemode") == "tozero" else low - margin
+    return PixelScale(low, high + margin, start, end)
 
 
 def _axes(layout: Figure, frame: Frame) -> Iterator[str]:
@@ -256,44 +258,21 @@ class PixelScale:
 
     def ticks(self, count: int, step: float | None = None) -> list[tuple[float, str]]:
         """Return about so many ticks as (pixel, text).  step : between two of them, where it is given"""
-        return [(self.pixel(value), tick_text(value)) for value in _even(self.low, self.high, count, step)]
+        size = step or rounded_up((self.high - self.low) / max(count, 1))
+        found = self._multiples(size)
+        while len(found) < _FEWEST and step is None and self.high > self.low:
+            size = rounded_up(size / 3)  # 5, 2, 1: the next round step down
+            found = self._multiples(size)
+        texts = (decimals(f"{value + 0.0:.6g}").replace("-", "−") for value in found)
+        return [(self.pixel(value), text) for value, text in zip(found, texts, strict=True)]
+
+    def _multiples(self, size: float) -> list[float]:
+        first, last = math.ceil(self.low / size - SLACK), math.floor(self.high / size + SLACK)
+        return [float(f"{number * size:.9g}") for number in range(first, last + 1)]
 
 
 _FEWEST = 2
 """Ticks without which a picture has no scale."""
-
-
-def tick_text(value: float) -> str:
-    """Return the text of a tick."""
-    text = f"{value:.6g}"
-    return "0" if text in ("0", "-0") else decimals(text).replace("-", "−")
-
-
-def _even(low: float, high: float, count: int, step: float | None) -> list[float]:
-    size = step or _round((high - low) / max(count, 1))
-    found = _multiples(low, high, size)
-    while len(found) < _FEWEST and step is None and high > low:
-        size = _round(size / 3)  # 5, 2, 1: the next round step down
-        found = _multiples(low, high, size)
-    return found
-
-
-def _multiples(low: float, high: float, size: float) -> list[float]:
-    first, last = math.ceil(low / size - _SLACK), math.floor(high / size + _SLACK)
-    return [float(f"{number * size:.9g}") for number in range(first, last + 1)]
-
-
-def _round(size: float) -> float:
-    """Return the smallest of 1, 2, 5 times a power of ten that is not below size."""
-    power = 10.0 ** math.floor(math.log10(size))
-    return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= size * (1 - _SLACK))
-
-
-def spread_of(values: Sequence[float], from_nought: bool) -> tuple[float, float]:
-    """Return the range of an axis that nobody has chosen: all values with a margin.  from_nought : it begins there"""
-    low, high = min(values, default=0.0), max(values, default=1.0)
-    margin = 0.05 * (high - low) or max(abs(high), 1.0) * 0.05
-    return (min(0.0, low) if from_nought else low - margin), high + margin
 
 
 SCREENS = (1400.0, 768.0, 390.0)
@@ -318,10 +297,12 @@ def shown(figure: Figure, label: str) -> Markup:
     """Return a figure as markup.  label : what it shows, for people who hear the page"""
     if not figure.get("wide"):
         return Markup(picture(figure, _PANEL, label))
-    return Markup("".join(
-        f'<div class="at-{name}">{picture(figure, width, label)}</div>'
-        for name, width in WIDTHS.items()
-    ))  # fmt: skip
+    return for_widths(lambda width: picture(figure, width, label))
+
+
+def for_widths(drawn: Callable[[int], str]) -> Markup:
+    """Return a picture as markup: one for each width of screen, of which the page shows one."""
+    return Markup("".join(f'<div class="at-{name}">{drawn(width)}</div>' for name, width in WIDTHS.items()))
 
 
 def paper_svg(figure: Figure, width: int) -> str:
