@@ -11,7 +11,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import AxiscalError
 from axiscal.machine import load_machine
 from axiscal.measurement.setup import Setup
-from axiscal.present.guide.question import Value, Word, answer, reads_text, sign_text, ways
+from axiscal.present.guide.question import Value, Word, answer, sense
 from tests.generators.texts import campaign_text, setup_text
 
 SETUPS = campaign_text(
@@ -118,11 +118,11 @@ def test_nothing_typed_is_a_traceback(text: str) -> None:
 
 
 def test_the_sign_is_said_in_words() -> None:
-    assert sign_text(DIAL) == "+ where the tool stands too far towards -y, seen from the workpiece"
-    assert sign_text(LEVEL) == "+ where the tool is turned too far about +x by the right hand, seen from the workpiece"
-    assert "+x, +y, +z" in sign_text(NEST)
+    assert sense(DIAL).sign == "+ where the tool stands too far towards -y, seen from the workpiece"
+    assert sense(LEVEL).sign == "+ where the tool is turned too far about +x by the right hand, seen from the workpiece"
+    assert "+x, +y, +z" in sense(NEST).sign
 
 
 def test_the_way_drawn_is_the_way_in_words() -> None:
-    assert (ways(DIAL), ways(LEVEL), len(ways(NEST))) == (((0.0, -1.0, 0.0),), ((1.0, 0.0, 0.0),), 3)
-    assert [reads_text(each) for each in (DIAL, LEVEL, NEST)] == ["along -y", "about x", "x, y and z"]
+    assert (sense(DIAL).ways, sense(LEVEL).ways, len(sense(NEST).ways)) == (((0.0, -1.0, 0.0),), ((1.0, 0.0, 0.0),), 3)
+    assert [sense(each).reads for each in (DIAL, LEVEL, NEST)] == ["along -y", "about x", "x, y and z"]

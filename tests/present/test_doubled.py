@@ -39,7 +39,7 @@ def test_a_file_that_was_added_twice_is_found() -> None:
     once = taken(1, 20, 2)
     found = repeated([*once, *once], NOISE)
     assert found is not None
-    assert (found.before, found.again, found.count) == ((0, 19), (20, 39), 20)
+    assert (found.before, found.again, found.size) == (0, 20, 20)
 
 
 def test_a_block_that_was_pasted_again_elsewhere_is_found() -> None:
@@ -49,7 +49,7 @@ def test_a_block_that_was_pasted_again_elsewhere_is_found() -> None:
     ]
     found = repeated([*readings[:14], *pasted, *readings[19:]], NOISE)
     assert found is not None
-    assert (found.before, found.again) == ((5, 9), (14, 18))
+    assert (found.before, found.again, found.size) == (5, 14, 5)
 
 
 def test_a_display_that_froze_is_found() -> None:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
@@ -27,16 +26,18 @@ _DECIMALS = 9
 
 def coordinate(value: float, what: str) -> float:
     """Return where an axis stood, at nine decimals; raises SummaryError if it is not finite."""
-    if not math.isfinite(value):
-        raise SummaryError(f"{what} is {value}; the report takes finite figures only.")
-    return round(value, _DECIMALS) + 0.0
+    return round(_refused_unless_finite(value, what), _DECIMALS) + 0.0
 
 
 def number(value: float, what: str) -> float:
     """Return value at six significant digits; raises SummaryError if it is not finite."""
+    return float(f"{_refused_unless_finite(value, what):.{_DIGITS}g}") + 0.0  # + 0.0 turns -0.0 into 0.0
+
+
+def _refused_unless_finite(value: float, what: str) -> float:
     if not math.isfinite(value):
         raise SummaryError(f"{what} is {value}; the report takes finite figures only.")
-    return float(f"{value:.{_DIGITS}g}") + 0.0  # + 0.0 turns -0.0 into 0.0
+    return value
 
 
 def finite(value: float) -> float | None:
@@ -225,13 +226,3 @@ class ResultAnswer(AnswerDocument):
     withheld: bool
     steps: Sequence[NextStep]
     checked: TablesChecked | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class NamedMistake:
-    """A mistake that explains readings that contradict: its kind, its odds, the set-ups it is about, and in words."""
-
-    mistake: str
-    odds: float
-    setups: Sequence[str]
-    words: str

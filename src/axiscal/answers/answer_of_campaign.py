@@ -18,7 +18,6 @@ from axiscal.answers.answer import (
     Aim,
     AnswerLine,
     AnswerRow,
-    NamedMistake,
     NextStep,
     ResultAnswer,
     StepCode,
@@ -31,7 +30,6 @@ from axiscal.answers.rows import AnsweredRow, answered
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import count_reached
 from axiscal.estimation.accuracy.expanded import known_to
-from axiscal.estimation.agreement_words import mistake_words
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.functional import AxisLine
 from axiscal.estimation.functionals.known import KnownRow, known_rows
@@ -124,17 +122,6 @@ def _controls(known: Estimation) -> Iterator[tuple[str, Control]]:
     for name in known.case.description.controls if known.readings else ():
         with suppress(TableError, ReadingError):
             yield name, offered_control(known, name)
-
-
-def named_mistakes(estimation: Estimation) -> list[NamedMistake]:
-    """Return the mistakes that explain readings that contradict, the likeliest first."""
-    setups = estimation.stated.description.setups
-    return [
-        NamedMistake(
-            each.mistake, each.odds, [setups[index].name for index in each.setups], mistake_words(each, estimation)
-        )
-        for each in estimation.agreement.explained
-    ]
 
 
 def best_control(rows: Sequence[AnsweredRow], names: Sequence[str]) -> str:
@@ -276,17 +263,14 @@ def _lines(lines: Sequence[AxisLine], axes: Sequence[Axis]) -> Iterator[AnswerLi
     for line in lines:
         first, last = (shown_pose(axes, tuple(pose)) for pose in line.poses[[0, -1]].tolist())
         name = axes[line.axis].name
+        first, last = ({each: coordinate(at, "an end of a row") for each, at in end.items()} for end in (first, last))
         yield AnswerLine(
             setup=line.setup,
             axis=name,
-            ends=(_place(first[name]), _place(last[name])),
-            at={other: _place(value) for other, value in first.items() if other != name},
+            ends=(first.pop(name), last[name]),
+            at=first,
             places={"+": len(line.plus), "-": len(line.minus), "both": len(line.both)},
         )
-
-
-def _place(value: float) -> float:
-    return coordinate(value, "an end of a row")
 
 
 def cost_words(campaign: Campaign, *, rest: bool) -> str:

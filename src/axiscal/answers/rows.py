@@ -5,21 +5,21 @@ found = √(estimate² + u²),    left = √((what the tables leave)² + u²),  
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from axiscal.errors.volume import Counted
 from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
-from axiscal.estimation.functionals.functional import Functional
 from axiscal.estimation.functionals.known import KnownRow, known_row, with_one_more, without_readings
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.tables.offer import places, unknown_rms
-from axiscal.tables.surface import Control, left_by, rms
+from axiscal.tables.surface import Control, left_by
 
 
 @dataclass(frozen=True)
@@ -44,10 +44,7 @@ def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[Answer
     """Return the rows of a campaign.  controls : what the tables of each control that is offered do"""
     described = known.stated.description
     asked = asked_rows(described, known.readings, whole=bool(described.target.lines))
-    every = (
-        _volume(each, known, controls) if each.map is None else _row(each, each.map, known, controls) for each in asked
-    )
-    found = [row for row in every if row.described]
+    found = [row for row in (_row(each, known, controls) for each in asked) if row.described]
     turned = with_one_more(known, [each.lines[0] for each in found if _unturned(each)])
     if turned is None:
         return tuple(found)
@@ -65,62 +62,41 @@ def _unturned(row: AnsweredRow) -> bool:
     return row.row.kind == "backlash" and not row.measured and row.lines[0].read > 0
 
 
-def _row(asked: AskedRow, functional: Functional, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
-    """Return a row along lines."""
-    estimate = known.estimate()
-    case, belief = known.case, known.printed.belief
-    variances = functional.spectra(case.errors, belief.factor).sum(axis=1)
-    if functional.angular:
-        at, left = functional.rows(case.errors) @ estimate.mean, dict[str, Array]()
+def _row(asked: AskedRow, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
+    """Return a row along lines, or that of the volume."""
+    estimate, errors, belief, functional = known.estimate(), known.case.errors, known.printed.belief, asked.map
+    shown: Callable[[Array], Array]
+    if functional is None:
+        where, dimensions = places(estimate), len(estimate.counted)
+        variances, shown = np.array(unknown_rms(estimate) ** 2), partial(_counted, estimate, where[0])
     else:
-        where = functional.poses, functional.sides
-        at = functional.row(estimate.deviation(*where))
-        left = {
-            name: functional.row(left_by(estimate.machine, estimate.deviation, control, *where))
-            for name, control in controls.items()
-        }
-    found = _squares(functional, at) + variances
+        where, dimensions, shown = (functional.poses, functional.sides), functional.dimensions, functional.row
+        variances = functional.spectra(errors, belief.factor).sum(axis=1)
+    if functional is not None and functional.angular:
+        at, left = functional.rows(errors) @ estimate.mean, dict[str, Array]()
+    else:
+        after = partial(left_by, estimate.machine, estimate.deviation)
+        at, left = (
+            shown(estimate.deviation(*where)),
+            {name: shown(after(each, *where)) for name, each in controls.items()},
+        )
+
+    def squares(row: Array) -> Array:
+        """Return the squared length of each vector of a row, with what is not known of it."""
+        found: Array = np.sum(row.reshape(-1, dimensions) ** 2, axis=1) + variances
+        return found
+
     return AnsweredRow(
-        **vars(known_row(asked, case, belief, bool(known.readings))),
-        found=float(np.sqrt(np.mean(found))),
-        largest=float(np.sqrt(np.max(found))),
+        **vars(known_row(asked, known.case, belief, bool(known.readings))),
+        found=float(np.sqrt(np.mean(squares(at)))),
+        largest=float(np.sqrt(np.max(squares(at)))),
         stated=without_readings(asked, known.stated),
-        left={name: float(np.sqrt(np.mean(_squares(functional, each) + variances))) for name, each in left.items()},
+        left={name: float(np.sqrt(np.mean(squares(each)))) for name, each in left.items()},
     )
 
 
-def _squares(functional: Functional, row: Array) -> Array:
-    """Return the squared length of each vector of a row (k,), (k/d,)."""
-    squares: Array = np.sum(row.reshape(-1, functional.dimensions) ** 2, axis=1)
-    return squares
-
-
-def _volume(asked: AskedRow, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
-    """Return the row of the volume."""
-    estimate = known.estimate()
-    where = places(estimate)
-    unknown = unknown_rms(estimate)
-
-    def shape(deviations: Array) -> Array:
-        return deviations if estimate.alignment is None else estimate.alignment.left(where[0], deviations)
-
-    def root_mean_square(deviations: Array) -> float:
-        return float(np.hypot(rms(shape(deviations), estimate.counted), unknown))
-
-    here = estimate.deviation(*where)
-    return AnsweredRow(
-        **vars(known_row(asked, known.case, known.printed.belief, bool(known.readings))),
-        found=root_mean_square(here),
-        largest=float(np.hypot(_farthest(shape(here), estimate.counted), unknown)),
-        stated=without_readings(asked, known.stated),
-        left={
-            name: root_mean_square(left_by(estimate.machine, estimate.deviation, control, *where))
-            for name, control in controls.items()
-        },
-    )
-
-
-def _farthest(deviations: Array, counted: Counted) -> float:
-    """Return the largest deviation (m, 3), their constant part taken off, m.  counted : the directions that count"""
-    centred = (deviations - deviations.mean(axis=0))[:, list(counted)]
-    return float(np.sqrt(np.max(np.sum(centred**2, axis=1))))
+def _counted(estimate: Estimate, poses: Array, deviations: Array) -> Array:
+    """Return what counts of deviations (m, 3), their constant part taken off, one after another, (m d,)."""
+    shaped = deviations if estimate.alignment is None else estimate.alignment.left(poses, deviations)
+    centred: Array = (shaped - shaped.mean(axis=0))[:, list(estimate.counted)]
+    return centred.ravel()

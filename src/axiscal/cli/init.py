@@ -6,7 +6,7 @@ import math
 import shlex
 import sys
 import textwrap
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Annotated, TypeVar
@@ -19,7 +19,6 @@ from axiscal.description.campaign_schema import SCHEMAS
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.first_files import (
     Beginning,
-    FirstFiles,
     first_files,
     instruments_of,
     linear_travels,
@@ -83,10 +82,10 @@ def init(
     try:
         begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
         given = instrument and instruments_of(", ".join(instrument))
-        names = given or _until_right(lambda: _instruments(begun))
-        files = (
-            _until_right(lambda: _with_target(begun, names)) if target is None else first_files(begun, names, target)
-        )
+        names = given or _instruments(begun)
+        wanted = said("How well is the tool point to be known, such as 20 um? Enter for as good as it gets")
+        made = partial(first_files, begun, names)
+        files = _answered(wanted, (), made) if target is None else made(target)
     except EOFError:
         raise DescriptionError("Nobody answered", "Give --machine or --from, --instrument and --target") from None
     write_files(folder, files.texts)
@@ -112,44 +111,43 @@ def _built_in(machine: str | None) -> Beginning:
     if machine is not None:
         return of_builtin(machine)
     question = said("Which built-in machine is most like yours? Enter for {machine}", machine=_MACHINE)
-    begun = _until_right(lambda: of_builtin(_asked(question, builtin_names()) or _MACHINE))
-    return _until_right(lambda: _as_long(begun))
-
-
-def _as_long(begun: Beginning) -> Beginning:
+    begun = _answered(question, builtin_names(), lambda name: of_builtin(name or _MACHINE))
     usual = linear_travels(begun)
     each = " ".join(f"{length:g}" for length in usual.values())
     question = said("How far do {axes} travel, in mm? Enter for {usual}", axes=" ".join(usual), usual=each)
-    words = _asked(question, ()).replace(",", " ").split()
-    return with_travels(begun, _lengths(list(usual), words)) if words else begun
+    return _answered(question, (), lambda text: with_travels(begun, _lengths(usual, text)) if text else begun)
 
 
 def _instruments(begun: Beginning) -> list[str]:
+    def offered(text: str) -> list[str]:
+        names = instruments_of(text) or [_INSTRUMENT]
+        first_files(begun, names, "")  # refuses those that it has none for
+        return names
+
     known = offered_words()
     question = said("Which instruments are there? Enter for {usual}", usual=known[list(OFFERED).index(_INSTRUMENT)])
-    names = instruments_of(_asked(question, known)) or [_INSTRUMENT]
-    first_files(begun, names, "")  # refuses those that it has none for
-    return names
+    return _answered(question, known, offered)
 
 
-def _with_target(begun: Beginning, names: Sequence[str]) -> FirstFiles:
-    question = said("How well is the tool point to be known, such as 20 um? Enter for as good as it gets")
-    return first_files(begun, names, _asked(question, ()))
+def _answered(question: str, known: Iterable[str], read: Callable[[str], _Answer]) -> _Answer:
+    """Return what a person answers; at a terminal a refusal is shown and the question asked again.
 
-
-def _until_right(answer: Callable[[], _Answer]) -> _Answer:
-    """Return what a person answers; at a terminal a refusal is shown and the question asked again."""
+    read : makes it of what is typed.  Raises EOFError where nobody is there.
+    """
+    names = ", ".join(known)
     while True:
+        say(textwrap.fill(f"{question}{f' ({names})' if names else ''}", WIDTH, break_on_hyphens=False))
         try:
-            return answer()
+            return read(ask("> ").strip())
         except InputError as refusal:
             if not sys.stdin.isatty():
                 raise
             complain(str(refusal))
 
 
-def _lengths(axes: Sequence[str], words: Sequence[str]) -> dict[str, float]:
+def _lengths(axes: Collection[str], text: str) -> dict[str, float]:
     """Return how far each axis travels, mm; raises DescriptionError."""
+    words = text.replace(",", " ").split()
     try:
         lengths = [float(word) for word in words]
     except ValueError:
@@ -163,42 +161,31 @@ def _lengths(axes: Sequence[str], words: Sequence[str]) -> dict[str, float]:
 
 def _from_ini(file: Path, chain: str | None, limits: Sequence[str], folder: Path) -> Beginning:
     """Return the machine of an INI file; at a terminal, ask for what it leaves open."""
-    ini, given = read_ini(file), dict(map(_limits, limits))
+    ini, given = read_ini(file), dict(_limits(*each.partition(" ")[::2]) for each in limits)
     asking = sys.stdin.isatty()
     if asking:
         open_ = {letter: unit for letter, unit in lacking_limits(ini).items() if letter not in given}
         for letter, unit in open_.items():
-            given |= [_until_right(partial(_asked_limits, letter, unit))]
+            question = said("From where to where does {axis} move, in {unit}, such as -300 0?", axis=letter, unit=unit)
+            given |= [_answered(question, (), partial(_limits, letter))]
     found = machine_of(ini, given)
     if asking and chain is None and not found.build.sure:
         how = said("How is it built? Primed axes carry the workpiece; Enter for {chain}", chain=found.build.chain)
-        return _until_right(lambda: of_ini(found, file, folder, _asked(how, ()) or None))
+        return _answered(how, (), lambda text: of_ini(found, file, folder, text or None))
     return of_ini(found, file, folder, chain)
 
 
-def _asked_limits(letter: str, unit: str) -> tuple[str, tuple[float, float]]:
-    question = said("From where to where does {axis} move, in {unit}, such as -300 0?", axis=letter, unit=unit)
-    return _limits(f"{letter} {_asked(question, ())}")
-
-
-def _limits(text: str) -> tuple[str, tuple[float, float]]:
-    """Return the axis and its limits of a text such as "Z -300 0"."""
-    letter, *numbers = text.split() or [""]
+def _limits(letter: str, numbers: str) -> tuple[str, tuple[float, float]]:
+    """Return an axis and its limits.  numbers : such as "-300 0"; raises DescriptionError"""
     try:
-        low, high = map(float, numbers)
+        low, high = map(float, numbers.split())
     except ValueError:
         low = high = math.nan
     if not (math.isfinite(low) and math.isfinite(high)):
         remedy = 'Write the letter of the axis, the lower and the upper limit, such as "Z -300 0"'
+        text = f"{letter} {numbers}".strip()
         raise DescriptionError("{text!r} is not an axis and its two limits", remedy, text=text)
     return letter.upper(), (low, high)
-
-
-def _asked(question: str, known: Iterable[str]) -> str:
-    """Return what is typed; raises EOFError where nobody is there."""
-    names = ", ".join(known)
-    say(textwrap.fill(f"{question}{f' ({names})' if names else ''}", WIDTH, break_on_hyphens=False))
-    return ask("> ").strip()
 
 
 def schema(

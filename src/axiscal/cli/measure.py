@@ -5,6 +5,7 @@ The prompt shows the line on top, the set-up to mount, the reading to take, and 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum, auto
 from pathlib import Path
@@ -85,12 +86,15 @@ class Prompt:
         return self._asked(said("reading [{unit}] > ", unit=question.unit), question, standing=True), question.setup
 
     def _asked(self, prompt: str, question: Question, *, standing: bool) -> _Then:
+        setup, heed = self.campaign.description.setup(question.setup), self._heed if standing else self._heed_mounting
+        return self._until_done(lambda: heed(answer(ask(prompt), setup), question))
+
+    def _until_done(self, heed: Callable[[], _Then]) -> _Then:
         """Ask until something has been done; a refusal is said, and the same is asked again."""
         then = _Then.SAME
         while then is _Then.SAME:
             try:
-                typed = answer(ask(prompt), self.campaign.description.setup(question.setup))
-                then = self._heed(typed, question) if standing else self._heed_mounting(typed, question)
+                then = heed()
             except OvertakenError:
                 self.campaign.looked_at_again()
                 say("  " + said("Nothing was done: the record has moved on, on a page or by another command."))
@@ -109,11 +113,6 @@ class Prompt:
         if isinstance(typed, Value):
             return self._keep(typed, question)
         match typed.action:
-            case "pause":
-                return _Then.PAUSE
-            case "undo":
-                say(f"  {take_back(self.campaign)[1]}")
-                return _Then.ANEW
             case "skip":
                 self._costs(rest=False)
                 self.campaign.skip(typed.text or ask("  " + said("why can it not be taken?") + " "))
@@ -121,14 +120,14 @@ class Prompt:
                 return _Then.ANEW
             case "leave":
                 return self._leave(typed.text, question)
-            case "note":
-                self._note(typed.text)
             case "stop":
                 return self._stop()
             case "help":
                 say(help_text())
-            case _:
+            case "show" | "more":
                 say(question_lines(question))
+            case _:
+                return self._heed_anywhere(typed.action, typed.text)
         return _Then.SAME
 
     def _keep(self, typed: Value, question: Question) -> _Then:
@@ -167,10 +166,6 @@ class Prompt:
         say("  " + said('left "{setup}": the plan is made anew without it; undo goes back to it', setup=setup))
         return _Then.ANEW
 
-    def _note(self, text: str) -> None:
-        self.campaign.note(text or ask("  " + said("what is to be kept in the record?") + " "))
-        say("  " + said("noted; it is on the disk"))
-
     def _stop(self) -> _Then:
         """Say what there would be if the campaign ended here, and end it where the person wants that."""
         now = Progress.of(self.campaign)
@@ -192,28 +187,28 @@ class Prompt:
         figures = {"figure": said(known.figure), "now": um_text(known.now_um), "minutes": minutes_text(known.minutes)}
         say("\n" + said(done, because=because_text(ended.because), taken=taken, **figures))
         prompt = said("Enter writes the results into {folder}; undo, more, note or pause > ", folder=self.out)
-        then = _Then.SAME
-        while then is _Then.SAME:
-            try:
-                then = self._heed_at_end(*ask(prompt).strip().partition(" ")[::2])
-            except AxiscalError as failure:
-                say(f"  {failure}")
-        return then
+        return self._until_done(lambda: self._heed_at_end(*ask(prompt).strip().partition(" ")[::2]))
 
-    def _heed_at_end(self, word: str, rest: str) -> _Then:
-        match action(word):
-            case "":
-                return _Then.FINISH
-            case "more":
-                self.campaign.next(beyond=True)
-                return _Then.ANEW
+    def _heed_at_end(self, word: str, text: str) -> _Then:
+        wanted = action(word)
+        if wanted == "":
+            return _Then.FINISH
+        if wanted == "more":
+            self.campaign.next(beyond=True)
+            return _Then.ANEW
+        return self._heed_anywhere(wanted, text)
+
+    def _heed_anywhere(self, wanted: str | None, text: str) -> _Then:
+        """Do what can be asked for at every prompt."""
+        match wanted:
+            case "pause":
+                return _Then.PAUSE
             case "undo":
                 say(f"  {take_back(self.campaign)[1]}")
                 return _Then.ANEW
             case "note":
-                self._note(rest)
-            case "pause":
-                return _Then.PAUSE
+                self.campaign.note(text or ask("  " + said("what is to be kept in the record?") + " "))
+                say("  " + said("noted; it is on the disk"))
         return _Then.SAME
 
 

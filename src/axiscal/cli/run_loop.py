@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -10,15 +11,16 @@ import typer
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, because_text
-from axiscal.campaign.sources import Source, open_source
+from axiscal.campaign.sources import open_source
 from axiscal.cli.arguments import CampaignFile, Details, Json, Out
 from axiscal.cli.outputs import tell_details, write_outputs, written_screen
 from axiscal.cli.printing import say
 from axiscal.cli.progress import shown_progress, tell_out_of_reach
+from axiscal.cli.texts import saying_what_is_kept
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.estimation.case import Case
-from axiscal.exceptions import AxiscalError, InputError, RecordError, TargetError
-from axiscal.language.spoken import capital, counted, put, said
+from axiscal.exceptions import RecordError, TargetError
+from axiscal.language.spoken import capital, counted, said
 from axiscal.measurement.simulation import Simulator
 from axiscal.ports.fleet.type_learning import with_sisters
 from axiscal.present.demo import description, run_demo
@@ -71,7 +73,9 @@ def run_loop(
                 out.mkdir(parents=True, exist_ok=True)
                 opened = stack.enter_context(Campaign.create(out / RECORD, with_sisters(description)))
             tell_out_of_reach(opened)
-            _loop(opened, readings, again)
+            kept = partial(_kept, opened, again)
+            with saying_what_is_kept(kept), shown_progress(description.target) as watch:
+                opened.run(readings, watch)
         write_outputs(opened, out, as_json=json, details=details)
         _refuse_unreached(opened)
 
@@ -87,7 +91,9 @@ def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -
     if same and resume:
         return opened
     opened.close()
-    if _only_begun(path):
+    with Record.open(path, write=False) as record:
+        only_begun = all(isinstance(stored.event, Created | Planned | Asked) for stored in record.events())
+    if only_begun:
         path.unlink()
         return None
     if not resume:
@@ -95,24 +101,6 @@ def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -
         raise RecordError("This folder holds a campaign already", remedy, path)
     remedy = "Name another --out for the changed description, or take the changes back"
     raise RecordError("The campaign or its machine has been changed since this record was begun", remedy, path)
-
-
-def _only_begun(path: Path) -> bool:
-    with Record.open(path, write=False) as record:
-        return all(isinstance(stored.event, Created | Planned | Asked) for stored in record.events())
-
-
-def _loop(campaign: Campaign, source: Source, again: str) -> None:
-    try:
-        with shown_progress(campaign.description.target) as watch:
-            campaign.run(source, watch)
-    except InputError as failure:
-        remedy = put("{remedy}. {kept}", remedy=failure.remedy, kept=_kept(campaign, again))
-        raise type(failure)(failure.what, remedy, failure.file, failure.line) from failure
-    except KeyboardInterrupt:
-        raise AxiscalError(
-            put("{stopped} {kept}", stopped=said("Stopped by Ctrl-C."), kept=_kept(campaign, again))
-        ) from None
 
 
 def _refuse_unreached(campaign: Campaign) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Annotated
@@ -13,14 +14,14 @@ import typer
 from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say_either
-from axiscal.cli.texts import count_text
+from axiscal.cli.texts import count_text, saying_what_is_kept
 from axiscal.document.durable import write_whole
-from axiscal.exceptions import AxiscalError, InputError, StudyError
-from axiscal.language.spoken import counted, put, said
+from axiscal.exceptions import StudyError
+from axiscal.language.spoken import counted, said
 from axiscal.language.stages import counting
 from axiscal.ports.study.comparing import verdicts, ways_of
 from axiscal.ports.study.results import Processes, Ran, Results, rows_of, run_missing, write_table
-from axiscal.ports.study.study_case import FIGURES, Done, Engine, WorkItem, answered, here, outcome, processors_here
+from axiscal.ports.study.study_case import FIGURES, Done, WorkItem, answered, here, outcome, processors_here
 from axiscal.ports.study.study_file import Study, read_study
 from axiscal.ports.study.study_page import render
 
@@ -63,25 +64,15 @@ def study(
     engine = here if count == 1 else Processes(count)
     again = f"axiscal study {file} --out {folder} --resume"
     with Results(folder, described.text, described.digest, versions(), resume) as results:
-        ran = _run(described, results, engine, again)
+        questions = (WorkItem(case.key, case) for case in described.cases())
+        with saying_what_is_kept(partial(_kept, results, described, again)), counting("cases") as watch:
+            ran = run_missing(results, questions, described.count, outcome, engine, watch)
         _write(described, results, folder, ran, json)
     if ran.failed:
         one = "{count} case of {cases} could not be computed: the last column of the table says why"
         many = "{count} cases of {cases} could not be computed: the last column of the table says why"
         what = counted(one, many, ran.failed, cases=described.count)
         raise StudyError(what, "Mend the study, and begin another --out")
-
-
-def _run(described: Study, results: Results, engine: Engine, again: str) -> Ran:
-    questions = (WorkItem(case.key, case) for case in described.cases())
-    try:
-        with counting("cases") as watch:
-            return run_missing(results, questions, described.count, outcome, engine, watch)
-    except InputError as failure:
-        kept = put("{remedy}. {kept}", remedy=failure.remedy, kept=_kept(results, described, again))
-        raise type(failure)(failure.what, kept, failure.file, failure.line) from failure
-    except KeyboardInterrupt:
-        raise AxiscalError(f"Stopped by Ctrl-C. {_kept(results, described, again)}") from None
 
 
 def _kept(results: Results, described: Study, again: str) -> str:

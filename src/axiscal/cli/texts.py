@@ -6,7 +6,7 @@ After Ctrl-C the error says what was kept and what to call next.
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal
@@ -14,10 +14,10 @@ from typing import Literal
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.estimation.accuracy.yardstick import Accuracy
-from axiscal.exceptions import AxiscalError
-from axiscal.language.spoken import counted, ending, said
+from axiscal.exceptions import AxiscalError, InputError
+from axiscal.language.spoken import counted, ending, put, said
 from axiscal.measurement.reading import reading_unit, value_names
-from axiscal.present.guide.question import axis_places, question_text, reads_text, sign_text, touch_text
+from axiscal.present.guide.question import axis_places, question_text, sense, touch_text
 from axiscal.record.events import Asked, State
 from axiscal.units import said_quantity
 
@@ -32,9 +32,9 @@ def asked_screen(campaign: Campaign, asked: Asked) -> str:
         number=asked.reading,
         setup=setup.name,
         instrument=said(setup.instrument),
-        reads=reads_text(setup),
+        reads=sense(setup).reads,
     )
-    where = question_text(axis_places(campaign, asked), touch_text(campaign, asked), sign_text(setup), then)
+    where = question_text(axis_places(campaign, asked), touch_text(campaign, asked), sense(setup).sign, then)
     return f"{head}\n{where}"
 
 
@@ -118,6 +118,18 @@ def opened_to_write(record: Path, going_on: str = "next") -> Iterator[Campaign]:
                 ) from None
     except KeyboardInterrupt:
         raise AxiscalError(said("Stopped by Ctrl-C. {kept}", kept=_nothing(record))) from None
+
+
+@contextmanager
+def saying_what_is_kept(kept: Callable[[], str]) -> Iterator[None]:
+    """Say behind each failure of a block, and after Ctrl-C, what is kept and how to go on: `kept` says it."""
+    try:
+        yield
+    except InputError as failure:
+        remedy = put("{remedy}. {kept}", remedy=failure.remedy, kept=kept())
+        raise type(failure)(failure.what, remedy, failure.file, failure.line) from failure
+    except KeyboardInterrupt:
+        raise AxiscalError(said("Stopped by Ctrl-C. {kept}", kept=kept())) from None
 
 
 def _kept(before: State, now: State, record: Path, going_on: str) -> str:

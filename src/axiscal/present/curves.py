@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from axiscal.errors.iso230 import words
 from axiscal.errors.model import ErrorFunction
 from axiscal.estimation.estimation import Estimation, paths
-from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import later, said
 from axiscal.measurement.reading import Reading, reading_unit, value_names
 from axiscal.measurement.reading_rows import seen
@@ -40,10 +40,10 @@ _UNKNOWNS = {
 
 def curves(estimation: Estimation, readings: Sequence[Reading], truth: VirtualMachine | None) -> list[CurveSummary]:
     """Return every error that is a function of position."""
-    estimate = estimation.estimate()
-    parts = _partial_residuals(estimation, readings)
+    sight = _sight(estimation, readings)
     drawn = [function for function in estimation.case.errors.functions if function.basis.size > 1]
-    return [_curve(estimation, estimate, function, parts, truth) for function in drawn]
+    points = ([*_points(estimation, function, readings, sight)] for function in drawn)
+    return [_curve(estimation, *each, truth) for each in zip(drawn, points, strict=True)]
 
 
 def value_unit(function: ErrorFunction) -> str:
@@ -52,8 +52,9 @@ def value_unit(function: ErrorFunction) -> str:
 
 
 def _curve(
-    known: Estimation, estimate: Estimate, function: ErrorFunction, parts: list[_Part], truth: VirtualMachine | None
+    known: Estimation, function: ErrorFunction, points: list[CurvePoint], truth: VirtualMachine | None
 ) -> CurveSummary:
+    estimate = known.estimate()
     axis = known.case.errors.machine.axes[function.axis]
     positions = np.linspace(*axis.travel, _POSITIONS)
     rows = function.basis.rows(positions)
@@ -80,11 +81,7 @@ def _curve(
         value_unit=unit,
         truth=None if truth is None else (shown, to_unit(_truth(truth, function, positions), unit).tolist()),
         from_readings=float(np.clip(1.0 - np.sum(now.std**2) / np.sum(prior**2), 0.0, 1.0)),
-        points=[
-            part.point(known, function)
-            for part in parts
-            if function.axis in part.moves and _share(part.row, function) > _BEARS_ON * part.whole
-        ],
+        points=points,
     )
 
 
@@ -149,59 +146,51 @@ def _drifts(estimation: Estimation) -> list[ConstantSummary]:
     return result
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Part:
-    """One reading, with what the whole model leaves of it.
+class _Sight(NamedTuple):
+    """The first number of each reading, with what the whole model leaves of it.
 
-    moves : axes whose curves it reads at their places; row : (size,) of its first number
-    left : that number less what is expected of it; std : of its noise, m or rad
-    whole : variance that the priors of all errors give it together
+    rows : (m, size); left : (m,) the number less what is expected of it; std : (m,) of its noise, m or rad
     """
 
-    number: int
-    reading: Reading
-    moves: Sequence[int]
-    row: Array
-    left: float
-    std: float
-    whole: float
-    rejected: bool
+    rows: Array
+    left: Array
+    std: Array
 
-    def point(self, known: Estimation, function: ErrorFunction) -> CurvePoint:
-        """Return the reading as this curve sees it: less what the rest of the model says, per unit of the lever."""
-        position = self.reading.pose[function.axis]
-        basis = function.basis.rows(np.array([position]))[0]
-        lever = float(self.row[function.columns] @ basis / (basis @ basis))
-        value = float(basis @ known.printed.belief.mean[function.columns]) + self.left / lever
-        unit, axis = value_unit(function), known.case.errors.machine.axes[function.axis]
-        return CurvePoint(
-            position=to_unit(position, axis.unit),
-            value=to_unit(value, unit),
-            std=to_unit(self.std / abs(lever), unit),
-            setup=self.reading.setup,
-            reading=self.number,
-            rejected=self.rejected,
-        )
+    def shares(self, function: ErrorFunction) -> Array:
+        """Return the variance that the prior of one error gives to each, (m,)."""
+        own = self.rows[:, function.columns]
+        shares: Array = np.sum((own @ function.covariance) * own, axis=1)
+        return shares
 
 
-def _partial_residuals(estimation: Estimation, readings: Sequence[Reading]) -> list[_Part]:
-    functions, mean = estimation.case.errors.functions, estimation.printed.belief.mean
-    setups = estimation.case.description.setups
-    moves = {setup.name: setup.moves if setup.base is None else () for setup in setups}  # a slope is no height
-    parts = []
+def _sight(estimation: Estimation, readings: Sequence[Reading]) -> _Sight:
     numbers = seen(estimation.printed.observation, readings)
     firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))
-    for index, (reading, first) in enumerate(zip(readings, firsts, strict=True)):
-        row, std = numbers.rows[first], float(np.sqrt(numbers.variances[first]))
-        left, whole = float(numbers.values[first] - row @ mean), sum(_share(row, function) for function in functions)
-        moved = moves[reading.setup]
-        parts.append(
-            _Part(reading.numbered(index), reading, moved, row, left, std, whole, index in estimation.left_out)
+    rows = numbers.rows[firsts]
+    left = numbers.values[firsts] - rows @ estimation.printed.belief.mean
+    return _Sight(rows, left, np.sqrt(numbers.variances[firsts]))
+
+
+def _points(
+    known: Estimation, function: ErrorFunction, readings: Sequence[Reading], sight: _Sight
+) -> Iterator[CurvePoint]:
+    """Yield each reading as a curve sees it: less what the rest of the model says, per unit of the lever."""
+    setups = known.case.description.setups
+    moves = {setup.name: setup.moves if setup.base is None else () for setup in setups}  # a slope is no height
+    whole = sum(sight.shares(each) for each in known.case.errors.functions)
+    unit, axis = value_unit(function), known.case.errors.machine.axes[function.axis]
+    for index in np.flatnonzero(sight.shares(function) > _BEARS_ON * whole).tolist():
+        reading = readings[index]
+        if function.axis not in moves[reading.setup]:
+            continue
+        basis = function.basis.rows(np.array([reading.pose[function.axis]]))[0]
+        lever = float(sight.rows[index, function.columns] @ basis / (basis @ basis))
+        value = float(basis @ known.printed.belief.mean[function.columns]) + float(sight.left[index]) / lever
+        yield CurvePoint(
+            position=to_unit(reading.pose[function.axis], axis.unit),
+            value=to_unit(value, unit),
+            std=to_unit(float(sight.std[index]) / abs(lever), unit),
+            setup=reading.setup,
+            reading=reading.numbered(index),
+            rejected=index in known.left_out,
         )
-    return parts
-
-
-def _share(row: Array, function: ErrorFunction) -> float:
-    """Return the variance that the prior of one error gives to a reading."""
-    own = row[function.columns]
-    return float(own @ function.covariance @ own)

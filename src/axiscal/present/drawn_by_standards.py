@@ -17,8 +17,6 @@ import numpy as np
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import asked_rows
-from axiscal.estimation.functionals.functional import Functional
-from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Reading
@@ -61,24 +59,19 @@ def positioning_curves(
             continue
         (line,), axis = row.lines, description.machine.axes[row.lines[0].axis]
         unit = "urad" if axis.rotary else "um"
-        left = None if control is None or axis.rotary else _sides(_left(estimate, control, row.map), unit)
+        at, left = row.map.poses, None
+        if axis.rotary:
+            read = row.map.rows(estimate.model) @ estimate.mean
+        else:
+            read = row.map.row(estimate.deviation(at, row.map.sides))
+        if control is not None and not axis.rotary:
+            after = left_by(estimate.machine, estimate.deviation, control, at, row.map.sides)
+            left = _sides(row.map.row(after), unit)
         half = BAND * np.sqrt(row.map.spectra(estimate.model, estimate.factor)[:, 0])
         positions = to_unit(line.positions, axis.unit).tolist()
         own = (axis.name, axis.unit, unit, positions)
-        found.append(
-            PositioningCurve(*own, _sides(_found(estimate, row.map), unit), _sides(half, unit), left, controller)
-        )
+        found.append(PositioningCurve(*own, _sides(read, unit), _sides(half, unit), left, controller))
     return found
-
-
-def _found(estimate: Estimate, row: Functional) -> Array:
-    if row.angular:
-        return row.rows(estimate.model) @ estimate.mean
-    return row.row(estimate.deviation(row.poses, row.sides))
-
-
-def _left(estimate: Estimate, control: Control, row: Functional) -> Array:
-    return row.row(left_by(estimate.machine, estimate.deviation, control, row.poses, row.sides))
 
 
 def _sides(values: Array, unit: str) -> tuple[list[float], list[float]]:

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -57,13 +57,12 @@ _FINEST = 6
 """Decimals of um or urad: values with more were not read off a display."""
 
 
-@dataclass(frozen=True, slots=True)
-class Copies:
-    """Readings that show what others showed: indices of the first and the last one, there and before; how many."""
+class Copies(NamedTuple):
+    """Readings that show what others showed: indices of the first, there and before; how many."""
 
-    before: tuple[int, int]
-    again: tuple[int, int]
-    count: int
+    before: int
+    again: int
+    size: int
 
 
 def copies(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
@@ -77,16 +76,15 @@ def copies(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Fin
         mine = [reading for reading in readings if reading.setup == setup.name]
         found = repeated(mine, setup.noise)
         if found is not None:
-            where = {"again": _lines(mine, found.again), "before": _lines(mine, found.before)}
-            yield Finding("copies", None, said(text, setup=setup.name, count=found.count, **where))
+            again, before = (_lines(mine, first, first + found.size - 1) for first in (found.again, found.before))
+            yield Finding("copies", None, said(text, setup=setup.name, count=found.size, again=again, before=before))
 
 
-def _lines(readings: Sequence[Reading], ends: tuple[int, int]) -> str:
+def _lines(readings: Sequence[Reading], first: int, last: int) -> str:
     """Return where readings stand in their file, else among the readings of their set-up."""
-    first, last = (readings[end].line for end in ends)
-    if first is None or last is None:
-        return said("its readings {first} to {last}", first=ends[0] + 1, last=ends[1] + 1)
-    return said("lines {first} to {last}", first=first, last=last)
+    if readings[first].line is None or readings[last].line is None:
+        return said("its readings {first} to {last}", first=first + 1, last=last + 1)
+    return said("lines {first} to {last}", first=readings[first].line, last=readings[last].line)
 
 
 def repeated(readings: Sequence[Reading], noise: float) -> Copies | None:
@@ -100,8 +98,8 @@ def repeated(readings: Sequence[Reading], noise: float) -> Copies | None:
     for at in range(len(values) - length + 1):
         start = seen.setdefault(tuple(values[at : at + length]), at)
         if at - start >= length:
-            count = _run(values, start, at)
-            return Copies((start, start + count - 1), (at, at + count - 1), count)
+            alike = [one == other for one, other in zip(values[start:at], values[at:], strict=False)]
+            return Copies(start, at, [*alike, False].index(False))
     return None
 
 
@@ -123,14 +121,6 @@ def last_decimal(numbers: Array) -> float:
         if np.all(np.abs(micro - shown) <= 1e-9 * np.maximum(np.abs(micro), 1.0)):
             return float(10.0 ** -(6 + decimals))
     return float(10.0 ** -(6 + _FINEST))
-
-
-def _run(values: Sequence[tuple[float, ...]], start: int, at: int) -> int:
-    """Return how many values from one place on are those from another one on, as far as the other one."""
-    count = 0
-    while count < at - start and at + count < len(values) and values[start + count] == values[at + count]:
-        count += 1
-    return count
 
 
 def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
@@ -250,12 +240,13 @@ def observability(case: Case) -> list[str]:
 
 def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
     """Return the warnings of an estimate.  ended : the campaign is over, and no reading is asked for"""
+    drifted = [list(_drift(estimation, setup)) for setup in estimation.stated.description.setups]
     return [
         *coarse_displays(estimation.readings, estimation.stated.description.setups),
         *_unobservable(estimation),
         *_outliers(estimation, ended),
         *learnt_sizes(estimation),
-        *_drift(estimation),
+        *(Finding("drift", None, listed(" ", found)) for found in drifted if found),
         *_changes(estimation),
         *strangers(estimation),
     ]
@@ -305,16 +296,9 @@ def _disagreeing(estimation: Estimation) -> Iterator[Finding]:
             yield Finding("outlier", None, capital(said(text, reading=name, away=float(left[index].z))))
 
 
-def _drift(estimation: Estimation) -> Iterator[Finding]:
-    """Say how far zeros have wandered that may."""
-    for setup in estimation.stated.description.setups:
-        if found := _stated_drift(estimation, setup):
-            yield Finding("drift", None, found)
-
-
-def _stated_drift(estimation: Estimation, setup: Setup) -> str:
-    """Return by how much a zero has drifted that may, and whether that is more than stated; empty if it hardly has."""
-    unit, found = reading_unit(setup), list[str]()
+def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
+    """Yield by how much a zero has drifted that may, and whether that is more than stated; nothing if it hardly has."""
+    unit = reading_unit(setup)
     for number, path in enumerate(paths(estimation, setup)):
         worst = int(np.argmax(np.abs(path.mean)))
         far, std = float(path.mean[worst]), float(path.std[worst])
@@ -323,22 +307,19 @@ def _stated_drift(estimation: Estimation, setup: Setup) -> str:
             many = 'The zero along {way} of "{setup}" had moved by {size} after {time}; the estimate takes that off.'
             moved, spread = float(to_unit(far, unit)), float(to_unit(std, unit))
             seconds = float(path.times[worst] - path.times[0])
-            found.append(
-                said(
-                    many if value_names(setup)[0] == "x" else one,
-                    way=value_names(setup)[number],
-                    setup=f"{setup.name} {number + 1}" if setup.stations else setup.name,
-                    size=put("{moved:.2g} ± {spread:.2g} {unit}", moved=moved, spread=spread, unit=unit),
-                    time=said_quantity(seconds, "h" if seconds >= _AN_HOUR else "min", 2),
-                )
+            yield said(
+                many if value_names(setup)[0] == "x" else one,
+                way=value_names(setup)[number],
+                setup=f"{setup.name} {number + 1}" if setup.stations else setup.name,
+                size=put("{moved:.2g} ± {spread:.2g} {unit}", moved=moved, spread=spread, unit=unit),
+                time=said_quantity(seconds, "h" if seconds >= _AN_HOUR else "min", 2),
             )
             if abs(far) > _FAR * path.prior[worst]:
-                rate = abs(far) / max(float(path.times[worst] - path.times[0]), 60.0)
+                rate = abs(far) / max(seconds, 60.0)
                 usual = "That is more than is usual: state drift = {rate}."
                 stated = "That is more than is stated: drift = {rate} would be."
                 written = f'"{to_unit(rate * _AN_HOUR, unit):.2g} {unit}/h"'
-                found.append(said(usual if setup.drift_said == "usual" else stated, rate=written))
-    return listed(" ", found)
+                yield said(usual if setup.drift_said == "usual" else stated, rate=written)
 
 
 def _changes(estimation: Estimation) -> Iterator[Finding]:

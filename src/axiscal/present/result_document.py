@@ -85,6 +85,7 @@ EFFECT = ("before_um", "after_um", "expected_um", "U_um")
 """Figures of a table."""
 _CURVE = "axis position mean std position_unit value_unit std_seen prior_std from_readings"
 _PLANE = "axes position mean std position_unit value_unit prior_std whole_mean whole_std from_readings"
+_HISTORY = "reading setup others rms_um worst_um minutes rejected"
 _VOLUME = "axes parked tcp_mm found_um half_um left_um controller"
 
 
@@ -99,13 +100,13 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "budget": [_kept(row, "rms_um share", source=row.words) for row in summary.budget],
         **_kept(summary, "nonlinearity target_rms_um target_worst_um", target_U_um=summary.target_u_um),
         "target_reached": summary.target_reached,
-        "history": [_history(row) for row in summary.history],
+        "history": [_row(row, _HISTORY, unit=row.unit if row.values else None) for row in summary.history],
         "errors": {curve.name: _curve(curve) for curve in (*summary.curves, *summary.reversals)},
         "plane_errors": {plane.name: _plane(plane) for plane in summary.planes},
         "volume": None if summary.volume is None else _kept(summary.volume, _VOLUME),
         "constants": {each.name: _kept(each, "mean std unit prior_std seen") for each in summary.constants},
         "observability": list(summary.observability),
-        "rejected": [_rejection(rejection) for rejection in summary.rejected],
+        "rejected": [_row(row, "reading setup unit reason") for row in summary.rejected],
         "warnings": [_kept(each, "code error text") for each in summary.warnings],
         "answer": _answer(summary.answer),
         "rows": [row.model_dump(mode="json") for row in summary.answer.rows],
@@ -152,7 +153,8 @@ def _position(position: Position | None) -> dict[str, float] | None:
 
 def _agreement(summary: Summary) -> dict[str, Any]:
     found = _kept(summary.agreement, "count agreeing c2 p", contradict=summary.agreement.contradicts)
-    explained = [_kept(each, "mistake odds setups", text=each.words) for each in summary.mistakes]
+    names = ("mistake", "odds", "setups", "text")
+    explained = [dict(zip(names, _figures(each, "a mistake"), strict=True)) for each in summary.mistakes]
     return found | {"explained": explained, "text": summary.agreement_words}
 
 
@@ -170,13 +172,8 @@ def _expanded(summary: Summary) -> dict[str, Any]:
     }
 
 
-def _history(row: HistoryRow) -> dict[str, Any]:
-    return _kept(
-        row,
-        "reading setup others rms_um worst_um minutes rejected",
-        value=row.value_um,
-        unit=None if row.value_um is None else row.unit,
-    ) | {"position": _position(row.position)}
+def _row(row: HistoryRow, fields: str, **named: Any) -> dict[str, Any]:
+    return _kept(row, fields, value=row.value_um, **named) | {"position": _position(row.position)}
 
 
 def _answer(answer: ResultAnswer) -> dict[str, Any]:
@@ -188,8 +185,3 @@ def _answer(answer: ResultAnswer) -> dict[str, Any]:
 def _table(offer: TableOffer, summary: Summary) -> dict[str, Any]:
     found = {**dict.fromkeys(EFFECT), **offer.effect, **({"U_um": None} if summary.answer.withheld else {})}
     return _kept(offer, "controller axis left_out", file=offer.file if offer.effect else None, **found)
-
-
-def _rejection(rejection: HistoryRow) -> dict[str, Any]:
-    found = _kept(rejection, "reading setup unit reason", value=rejection.value_um)
-    return found | {"position": _position(rejection.position)}

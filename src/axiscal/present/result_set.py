@@ -26,7 +26,6 @@ from axiscal.record.signing import signature
 
 RECORD = "campaign.axiscal"
 MANIFEST = "manifest.json"
-_RESULTS = {RECORD, MANIFEST, "result.json", "report.html", "report.pdf", "data", "certificate.xml", "tables"}
 _BEFORE = "before.json"
 _SCHEMA = "axiscal-manifest/1"
 _STAGING = re.compile(r"\.(?P<name>.+)\.(?P<process>\d+)\.(?P<kind>new|old)")
@@ -78,8 +77,6 @@ def mend(folder: Path) -> None:
             found = _STAGING.fullmatch(path.name)
             if found and found["name"] == "results" and path.is_dir() and not is_running(int(found["process"])):
                 _go_on(path, folder)
-            elif path.name in {f".{name}.part" for name in _RESULTS}:
-                path.unlink()
 
 
 def write_manifest(

@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.answers.answer import ResultAnswer, TablesChecked
-from axiscal.answers.answer_of_campaign import answer_of, named_mistakes
+from axiscal.answers.answer_of_campaign import answer_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text, reaches
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import CampaignDescription, Equipment
 from axiscal.description.type_b import Distribution
-from axiscal.estimation.agreement_words import agreement_words, change_words
+from axiscal.estimation.agreement_words import agreement_words, change_words, mistake_words
 from axiscal.estimation.budget import BudgetShare, budget
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
@@ -50,7 +50,6 @@ from axiscal.present.sentences import cause_words
 from axiscal.present.statement import conditions, counted_along
 from axiscal.present.summary import (
     BudgetRow,
-    CurveSummary,
     Finding,
     HistoryRow,
     Iso230,
@@ -218,8 +217,8 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         history=rows,
         expanded=expanded,
         answer=answer.model_copy(update={"checked": extras.checked}),
-        curves=[curve for curve in drawn if not _reversal(curve)],
-        reversals=[curve for curve in drawn if _reversal(curve)],
+        curves=[curve for curve in drawn if not curve.name.endswith("_reversal")],
+        reversals=[curve for curve in drawn if curve.name.endswith("_reversal")],
         constants=constants(estimation),
         planes=planes(estimation),
         observability=observability(case),
@@ -235,7 +234,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         record=record_state(campaign),
         agreement=estimation.agreement,
         agreement_words=agreement_words(estimation) if estimation.agreement.count else "",
-        mistakes=named_mistakes(estimation),
+        mistakes=list(_mistakes(estimation)),
         volume=volume_error(estimation, *left_by) if campaign.state.readings else None,
         bent=bent_volume(estimation, *left_by) if campaign.state.readings else None,
         positioning=positioning_curves(estimation, *left_by),
@@ -246,6 +245,12 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         ended=last.date().isoformat(),
         nonlinearity=linear.largest,
     )
+
+
+def _mistakes(estimation: Estimation) -> Iterator[tuple[str, float, list[str], str]]:
+    setups = estimation.stated.description.setups
+    for each in estimation.agreement.explained:
+        yield each.mistake, each.odds, [setups[index].name for index in each.setups], mistake_words(each, estimation)
 
 
 def _checksums(campaign: Campaign) -> dict[str, str]:
@@ -275,10 +280,6 @@ def _expanded(estimation: Estimation) -> Uncertainty:
 def record_state(campaign: Campaign) -> RecordState:
     """Return from which state of which record figures and tables are made."""
     return RecordState(campaign.path.name, campaign.state.last, campaign.state.name)
-
-
-def _reversal(curve: CurveSummary) -> bool:
-    return curve.name.endswith("_reversal")
 
 
 def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:
@@ -332,14 +333,8 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
     along = " ".join(value_names(setup)) if values_of(setup) > 1 else direction_text(setup)
     along = along if setup.length is None else said("the bar")
     own = setup.name, said(setup.instrument), along, moves, noise, count
-    return SetupUse(*own, of.serial, of.certificate, _temperature(setup))
-
-
-def _temperature(setup: Setup) -> str:
-    """Return how much the measured material has grown against 20 degC, where the set-up states its temperature."""
-    if not setup.growth:
-        return ""
-    return said("{growth:.3g} um/m against 20 degC", growth=float(setup.growth * 1e6))
+    grown = said("{growth:.3g} um/m against 20 degC", growth=float(setup.growth * 1e6)) if setup.growth else ""
+    return SetupUse(*own, of.serial, of.certificate, grown)
 
 
 def not_gaussian(found: Linearity) -> Iterator[Finding]:

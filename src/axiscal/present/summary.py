@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from axiscal.answers.answer import NamedMistake, ResultAnswer
+from axiscal.answers.answer import ResultAnswer
 from axiscal.description.campaign import NOTHING_SAID, Particulars
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
 from axiscal.present.drawn_by_standards import BallBarCircle, PositioningCurve
@@ -209,7 +209,7 @@ class Summary:
 
     answer : what is said first; without what tables leave until they are made
     agreement_words : whether the readings agree, in a sentence, "" before the first
-    mistakes : what explains readings that contradict, the likeliest first
+    mistakes : what explains readings that contradict, the likeliest first: its kind, odds, set-ups, and in words
     """
 
     title: str
@@ -244,7 +244,7 @@ class Summary:
     record: RecordState | None = None
     agreement: Agreement = NOTHING_READ
     agreement_words: str = ""
-    mistakes: Sequence[NamedMistake] = ()
+    mistakes: Sequence[tuple[str, float, Sequence[str], str]] = ()
     volume: VolumeError | None = None
     bent: BentVolume | None = None
     positioning: Sequence[PositioningCurve] = ()

@@ -5,7 +5,7 @@ One error of two axes as plain data in display units, beside the rest of a summa
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +22,7 @@ from axiscal.machine.description import Machine
 from axiscal.machine.entry import COMPONENTS
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
-from axiscal.tables.surface import Control, Deviation, left_by
+from axiscal.tables.surface import Control, left_by
 from axiscal.units import said_quantity, to_unit
 
 _POSITIONS = 31
@@ -154,17 +154,16 @@ def volume_error(estimation: Estimation, controller: str = "", control: Control 
     moving = moving_axes(estimate)
     poses, _ = places_over(estimate, moving, _COUNTS)
     found = _shifted(_either_way(estimate.deviation, poses))
-    left = () if control is None else _rows(_shifted(_left(estimate, control, poses)))
+    left = () if control is None else _triples(_shifted(_left(estimate, control, poses)))
     axes = estimate.machine.axes
     at = {axis.name: said_quantity(float(poses[0, k]), axis.unit, 4) for k, axis in enumerate(axes) if k not in moving}
     parked = listed(", ", [put("{axis} {at}", axis=name, at=at[name]) for name in sorted(at)])
-    places = [(x, y, z) for x, y, z in to_unit(frames(estimate.machine, poses).tcp, "mm").tolist()]
+    places = _triples(frames(estimate.machine, poses).tcp, "mm")
     names = [axes[k].name for k in moving]
-    rows = (estimate.model.rows(poses, np.ones_like(poses)) + estimate.model.rows(poses, -np.ones_like(poses))) / 2
-    spread = (rows - rows.mean(axis=0)) @ estimate.factor
+    spread = _shifted(_either_way(estimate.model.rows, poses)) @ estimate.factor
     rests = np.einsum("fmc,f->mc", estimate.model.levers(poses) ** 2, estimate.model.rests**2)
     half: Array = BAND * np.sqrt(np.sum(spread**2, axis=2) + rests)
-    return VolumeError(names, parked, places, _rows(found), _rows(half), left, controller)
+    return VolumeError(names, parked, places, _triples(found), _triples(half), left, controller)
 
 
 def moving_axes(estimate: Estimate) -> list[int]:
@@ -195,9 +194,9 @@ def places_over(
     return poses, along
 
 
-def _either_way(deviation: Deviation, poses: Array) -> Array:
-    """Return the mean of both sides from which an axis may come, (m, 3)."""
-    return (deviation(poses, np.ones_like(poses)) + deviation(poses, -np.ones_like(poses))) / 2
+def _either_way(of: Callable[[Array, Array], Array], poses: Array) -> Array:
+    """Return the mean of both sides from which an axis may come, (m, ...)."""
+    return (of(poses, np.ones_like(poses)) + of(poses, -np.ones_like(poses))) / 2
 
 
 def _left(estimate: Estimate, control: Control, poses: Array) -> Array:
@@ -205,13 +204,13 @@ def _left(estimate: Estimate, control: Control, poses: Array) -> Array:
 
 
 def _shifted(mean: Array) -> Array:
-    """Return deviations less one shift of all places, (m, 3)."""
+    """Return deviations, or their rows, less one shift of all places, (m, ...)."""
     shifted: Array = mean - mean.mean(axis=0)
     return shifted
 
 
-def _rows(metres: Array) -> list[Triple]:
-    return [(x, y, z) for x, y, z in to_unit(metres, "um").tolist()]
+def _triples(metres: Array, unit: str = "um") -> list[Triple]:
+    return [(x, y, z) for x, y, z in to_unit(metres, unit).tolist()]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -251,17 +250,10 @@ def bent_volume(estimation: Estimation, controller: str = "", control: Control |
 
     found = off(_either_way(estimate.deviation, poses))
     left = None if control is None else off(_left(estimate, control, poses))
-    allowed = np.stack([off(each) for each in _draws(estimate, poses)])
-    return BentVolume(estimate.machine, tcp.reshape(shape), found, left, allowed, aligned, controller)
-
-
-def _draws(estimate: Estimate, poses: Array) -> Array:
-    """Return what draws of the posterior add to the deviation that is expected, (MACHINES, m, 3)."""
-    model, sides = estimate.model, np.ones_like(poses)
-    rows = (model.rows(poses, sides) + model.rows(poses, -sides)) / 2
     chances = np.random.default_rng(_SEED).standard_normal((MACHINES, estimate.factor.shape[1]))
-    drawn: Array = np.einsum("mij,nj->nmi", rows, chances @ estimate.factor.T)
-    return drawn
+    draws = np.einsum("mij,nj->nmi", _either_way(estimate.model.rows, poses), chances @ estimate.factor.T)
+    allowed = np.stack([off(each) for each in draws])
+    return BentVolume(estimate.machine, tcp.reshape(shape), found, left, allowed, aligned, controller)
 
 
 def sides_of(tcp: Array) -> Sequence[float]:

@@ -6,7 +6,7 @@ on since, so that no reading answers another question.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from datetime import datetime, timedelta
 from pathlib import Path
 
@@ -58,26 +58,22 @@ def _answer(campaign: Campaign, answer: ResultAnswer | PlannedAnswer, results: P
     )
 
 
-def _latest(campaign: Campaign) -> list[ReadingShape]:
-    """Return the last readings, the latest first."""
+def _latest(campaign: Campaign) -> Iterator[ReadingShape]:
+    """Yield the last readings, the latest first."""
     doubted = {doubt.reading for doubt in campaign.estimate().outliers}
-    readings = campaign.state.readings
-    indices = range(len(readings) - 1, max(-1, len(readings) - 1 - _LATEST), -1)
-    return [_reading(campaign, readings[n], n, n in doubted) for n in indices]
-
-
-def _reading(campaign: Campaign, reading: Reading, index: int, doubted: bool) -> ReadingShape:
-    setup = campaign.description.setup(reading.setup)
-    unit = reading_unit(setup)
-    return ReadingShape(
-        number=reading.numbered(index),
-        setup=reading.setup,
-        place=_place(campaign, reading, setup),
-        values=[float(each) for each in to_unit(np.array(reading.values), unit)],
-        unit=unit,
-        at=_moment_of(campaign, reading),
-        doubted=doubted,
-    )
+    begun = datetime.fromisoformat(campaign.begun)
+    for index, reading in list(enumerate(campaign.state.readings))[: -_LATEST - 1 : -1]:
+        setup, seconds = campaign.description.setup(reading.setup), reading.time
+        unit = reading_unit(setup)
+        yield ReadingShape(
+            number=reading.numbered(index),
+            setup=reading.setup,
+            place=_place(campaign, reading, setup),
+            values=to_unit(np.array(reading.values), unit).tolist(),
+            unit=unit,
+            at="" if seconds is None else (begun + timedelta(seconds=seconds)).isoformat(timespec="milliseconds"),
+            doubted=index in doubted,
+        )
 
 
 def _place(campaign: Campaign, reading: Reading, setup: Setup) -> str:
@@ -85,12 +81,6 @@ def _place(campaign: Campaign, reading: Reading, setup: Setup) -> str:
     axes = campaign.description.machine.axes
     moved = sorted(((axes[k], reading.pose[k]) for k in setup.moves), key=lambda each: (each[0].rotary, each[0].name))
     return ", ".join(f"{axis.name} {round(shown_coordinate(at, axis), 3) + 0.0:.9g}" for axis, at in moved)
-
-
-def _moment_of(campaign: Campaign, reading: Reading) -> str:
-    if reading.time is None:
-        return ""
-    return (datetime.fromisoformat(campaign.begun) + timedelta(seconds=reading.time)).isoformat(timespec="milliseconds")
 
 
 Publisher = Callable[[StateShape], None]
@@ -303,7 +293,7 @@ class Desk:
             ended=None if self._ended is None else spelt(because_text(self._ended)),
             finished=None if state.finished is None else spelt(because_text(state.finished)),
             trouble=self._trouble,
-            readings=_latest(campaign),
+            readings=list(_latest(campaign)),
             notes=state.notes,
             due=due(campaign),
             undo=last_step(campaign)[0],

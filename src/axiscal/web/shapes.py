@@ -100,22 +100,26 @@ class TypedQuery(AnswerDocument):
     text: Annotated[str, Field(max_length=LONGEST_TEXT)]
 
 
-class KeepRequest(AnswerDocument):
+class StepRequest(AnswerDocument):
+    """A step that needs no more words."""
+
+    after: After
+
+
+class KeepRequest(StepRequest):
     """A reading as it is typed: "-1,7", "0.0021 mm", three numbers in one line; by default in the unit of the question.
 
     keep : keep it although it surprises; vouch : and believe it, however much the others contradict it
     """
 
-    after: After
     text: Annotated[str, Field(max_length=LONGEST_TEXT)]
     keep: bool = False
     vouch: bool = False
 
 
-class SkipRequest(AnswerDocument):
+class SkipRequest(StepRequest):
     """The reading asked for cannot be taken; rest : nor any other of its set-up, which is left."""
 
-    after: After
     reason: Annotated[str, Field(max_length=LONGEST_TEXT)]
     rest: bool = False
 
@@ -124,12 +128,6 @@ class NoteRequest(AnswerDocument):
     """A sentence for the record; it answers no question, so no state has to be named."""
 
     text: Annotated[str, Field(max_length=LONGEST_TEXT)]
-
-
-class StepRequest(AnswerDocument):
-    """A step that needs no more words."""
-
-    after: After
 
 
 class TypedShape(AnswerDocument):

@@ -146,11 +146,6 @@ def words(text: str, at: Point, size: float, colour: str, anchor: str = "start",
     return f'<text {place} font-size="{size:g}" fill="{colour}"{where}{more}>{text_safe(text)}</text>'
 
 
-def title(text: str) -> str:
-    """Return what a pointer over the element shows."""
-    return f"<title>{text_safe(text)}</title>"
-
-
 FONT = 14.0
 """Pixels of all words in a picture of a machine."""
 _WIDE, _NARROW, _USUAL = 0.92, 0.34, 0.6

@@ -30,7 +30,6 @@ from axiscal.present.drawing.strokes import (
     rounded_up,
     short_number,
     text_safe,
-    title,
     variables,
     way,
     words,
@@ -218,7 +217,8 @@ def _marks(trace: Figure, points: Sequence[Point]) -> Iterator[str]:
     if texts and len(points) <= _POINTED_AT:
         if marker.get("round"):
             look = "circle", max(size, 10.0), "transparent", "", 0
-        yield from (f"<g>{title(text)}{mark(point, *look)}</g>" for text, point in zip(texts, points, strict=True))
+        for text, point in zip(texts, points, strict=True):  # a pointer over it shows the title
+            yield f"<g><title>{text_safe(text)}</title>{mark(point, *look)}</g>"
     elif not marker.get("round"):
         yield from (mark(point, *look) for point in points)
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -196,8 +196,8 @@ class Question(AnswerDocument):
             places=places,
             touch=touch,
             again=again,
-            sign=sign_text(setup),
-            ways=list(ways(setup)),
+            sign=sense(setup).sign,
+            ways=list(sense(setup).ways),
             turns=INSTRUMENTS[setup.instrument].reads == "angle",
             unit=unit,
             expected=[ExpectedNumber(mean=mean, half=half) for mean, half in zip(means, halves, strict=True)],
@@ -273,40 +273,34 @@ def axis_places(campaign: Campaign, asked: Asked) -> list[AxisPlace]:
     return sorted(found, key=lambda place: (place.unit != "mm", place.axis))
 
 
-def sign_text(setup: Setup) -> str:
-    """Return when a reading of the set-up is positive; all are of the tool, seen from the workpiece."""
-    instrument = INSTRUMENTS[setup.instrument]
+class Sense(NamedTuple):
+    """What a set-up reads, of the tool, seen from the workpiece.
+
+    reads : "x, y and z", "the distance from its station", "along x" or "about -y"; sign : when a reading is positive
+    ways : the directions along or about which it is; none where it is a distance
+    """
+
+    reads: str
+    sign: str
+    ways: tuple[Vector, ...]
+
+
+def sense(setup: Setup) -> Sense:
+    """Return what a set-up reads."""
+    instrument, direction = INSTRUMENTS[setup.instrument], direction_text(setup)
+    towards = "+ where the tool stands too far towards {way}, seen from the workpiece"
     if instrument.values > 1:
-        return said("+ where the tool stands too far towards {way}, seen from the workpiece", way="+x, +y, +z")
+        every = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+        return Sense(said("x, y and z"), said(towards, way="+x, +y, +z"), every)
     if not instrument.model.directed:
-        return said("+ where the distance is longer than it should be")
-    direction = direction_text(setup)
+        several, one = "the distances from its {count} stations, in their order", "the distance from its station"
+        reads = said(several, count=len(setup.stations)) if setup.stations else said(one)
+        return Sense(reads, said("+ where the distance is longer than it should be"), ())
     way = direction if direction[0] in "-(" else f"+{direction}"
     if instrument.reads == "angle":
         turned = "+ where the tool is turned too far about {way} by the right hand, seen from the workpiece"
-        return said(turned, way=way)
-    return said("+ where the tool stands too far towards {way}, seen from the workpiece", way=way)
-
-
-def ways(setup: Setup) -> tuple[Vector, ...]:
-    """Return the directions along or about which readings are positive; none where it is a distance."""
-    instrument = INSTRUMENTS[setup.instrument]
-    if instrument.values > 1:
-        return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-    return (setup.direction,) if instrument.model.directed else ()
-
-
-def reads_text(setup: Setup) -> str:
-    """Return what a set-up reads: "x, y and z", "the distance from its station", "along x" or "about -y"."""
-    instrument = INSTRUMENTS[setup.instrument]
-    if instrument.values > 1:
-        return said("x, y and z")
-    if setup.stations:
-        return said("the distances from its {count} stations, in their order", count=len(setup.stations))
-    if not instrument.model.directed:
-        return said("the distance from its station")
-    way = direction_text(setup)
-    return said("along {way}", way=way) if instrument.reads == "length" else said("about {way}", way=way)
+        return Sense(said("about {way}", way=direction), said(turned, way=way), (setup.direction,))
+    return Sense(said("along {way}", way=direction), said(towards, way=way), (setup.direction,))
 
 
 BAND = 2.0
@@ -327,7 +321,7 @@ def expectation(known: Estimation, place: Place) -> Band:
 
 def mount_sentence(setup: Setup, places: Sequence[AxisPlace]) -> str:
     """Return what to mount and what it will read."""
-    reads, moving = reads_text(setup), [place.axis for place in places if place.moves]
+    reads, moving = sense(setup).reads, [place.axis for place in places if place.moves]
     if setup.artefact is not None:
         with_artefact = "set up {artefact}, and mount the instrument ({instrument}); it reads {reads}"
         mounted = said(with_artefact, artefact=setup.artefact.standing, instrument=said(setup.instrument), reads=reads)

@@ -119,15 +119,19 @@ def _dial(stand: MountedSetup, touched: Array) -> Iterator[Part]:
 
 def _indicator(stand: MountedSetup) -> Iterator[Part]:
     """Yield a dial gauge against a block on the table."""
+    yield from _block(stand)
+    yield from _dial(stand, stand.tip)
+    yield Caption(stand.tip + 0.05 * stand.sizes.whole * _from_us(stand.direction), said(stand.setup.instrument))
+
+
+def _block(stand: MountedSetup) -> Iterator[Part]:
+    """Yield a block on the table that is touched where the tool point is, if there is room for one."""
     s, along = stand.sizes.whole, _from_us(stand.direction)
-    side = np.maximum(0.05 * s * (1 - np.abs(along)), 0)
-    low, high = stand.tip - side, stand.tip + side + along * 0.06 * s
-    low[2] = stand.table
-    high[2] = stand.tip[2] + (0.0 if abs(along[2]) > 0.7 else 0.03 * s)
+    side = 0.05 * s * (1 - np.abs(along))
+    low, high = stand.tip - side, stand.tip + side + 0.06 * s * along
+    low[2], high[2] = stand.table, stand.tip[2] + (0.0 if abs(along[2]) > 0.7 else 0.03 * s)
     if high[2] > low[2] + 1e-6:
         yield box(low, high, "stone")
-    yield from _dial(stand, stand.tip)
-    yield Caption(stand.tip + 0.05 * s * along, said(stand.setup.instrument))
 
 
 def _straightedge(stand: MountedSetup) -> Iterator[Part]:
@@ -275,17 +279,9 @@ def _probe(stand: MountedSetup) -> Iterator[Part]:
     if abs(along[2]) > 0.7 and tip[2] > stand.table:
         yield Stroke(np.array([tip, tip * [1, 1, 0] + up(stand.table)]), "beam", 1.6, "2 3")
     elif abs(along[2]) <= 0.7:
-        yield from _indicator_block(stand)
+        yield from _block(stand)
     yield RoundMark(tip, 0.01 * s, "beam", 3.0)
     yield Caption(tip, said(stand.setup.instrument))
-
-
-def _indicator_block(stand: MountedSetup) -> Iterator[Part]:
-    s, along = stand.sizes.whole, _from_us(stand.direction)
-    side = 0.04 * s * (1 - np.abs(along)) * [1, 1, 0]
-    low, high = stand.tip - side, stand.tip + side + 0.05 * s * along
-    low[2], high[2] = stand.table, max(float(stand.tip[2]) + 0.02 * s, stand.table + 0.02 * s)
-    yield box(low, high, "stone")
 
 
 _DRAWN: Mapping[str, Callable[[MountedSetup], Iterator[Part]]] = MappingProxyType(
