@@ -108,19 +108,16 @@ def _lines_of_due(found: Shop, tables: str | None) -> list[str]:
 def _line(machine: DueMachine, name: str) -> str:
     day = said("not within 20 years") if machine.due is None else machine.due.isoformat()
     if machine.due == machine.last:
-        day = _at_once(machine)
+        worse, faded = (
+            "at once: its last campaign was not as good",
+            "at once: its last campaign came to {rms}, and what is not kept is more",
+        )
+        day = said(worse if machine.then > machine.target else faded, rms=said_quantity(machine.then, "um"))
     rms, target = (said_quantity(each, "um") for each in (machine.now, machine.target))
     time = said("{minutes:.0f} min the last time", minutes=machine.minutes)
     if machine.renewed:
         time = said("{time}, renewed since: {parts}", time=time, parts=", ".join(machine.renewed))
     return f"{name}  {machine.last}  {rms:>9}  {target:>9}  {day} ({time})"
-
-
-def _at_once(machine: DueMachine) -> str:
-    if machine.then > machine.target:
-        return said("at once: its last campaign was not as good")
-    words = "at once: its last campaign came to {rms}, and what is not kept is more"
-    return said(words, rms=said_quantity(machine.then, "um"))
 
 
 _SHOWN = 12
@@ -281,7 +278,8 @@ def check(
       axiscal shop check mill.axiscal check.csv --tables sinumerik
     """
     with Campaign.open(record, write=False) as campaign:
-        share = kept if kept is not None else _usual(datetime.fromisoformat(campaign.begun))
+        since = max(datetime.now(UTC) - datetime.fromisoformat(campaign.begun), timedelta(0))
+        share = aging([]).kept(since.total_seconds() / YEAR)[0] if kept is None else kept
         asked, stated = QuickCheck.from_campaign(campaign, share, tables), campaign.description
     if found is None:
         _planned(asked, record, readings, plan, json)
@@ -297,12 +295,6 @@ def check(
         "kept": share,
     }
     say_either(json, "axiscal-check/1", document, [_said(judged, share)])
-
-
-def _usual(begun: datetime) -> float:
-    """Return the share that is kept as a rule since a day."""
-    since = max(datetime.now(UTC) - begun, timedelta(0))
-    return aging([]).kept(since.total_seconds() / YEAR)[0]
 
 
 def _planned(asked: QuickCheck, record: Path, readings: int, plan: Path | None, as_json: bool) -> None:

@@ -82,7 +82,12 @@ def record(
         raise typer.BadParameter(said("--setup and --approach belong to --at"))
     with opened_to_write(record) as campaign:
         # first: what is misspelt is said at once
-        place = typed_place(campaign, setup, at, approach) if at is not None else campaign.open_question().place
+        if at is None:
+            place = campaign.open_question().place
+        else:
+            chosen, machine = _setup(campaign, setup), campaign.description.machine
+            pose = placed_pose(chosen, machine, _position(at, machine))
+            place = Place(chosen.name, pose, placed_approach(chosen, machine, _directions(approach or "")))
         mounted = campaign.description.setup(place.setup)
         dimension = INSTRUMENTS[mounted.instrument].reads
         number, *others = (parse_quantity(part, dimension) for part in value_texts(text, mounted))
@@ -195,17 +200,8 @@ _ENTRY = re.compile(r"\s*([A-Z][0-9]?)\s*=\s*([^=,;]*?)\s*(?:[,;]|(?=\s[A-Z][0-9
 _DIRECTION = re.compile(r"([A-Z][0-9]?)([+−-])")
 
 
-def typed_place(campaign: Campaign, setup: str | None, at: str, approach: str | None) -> Place:
-    """Return the place of a reading that was not asked for; raises ReadingError, UnitError or DescriptionError.
-
-    setup : name; None is the set-up of the question that is open, or the only one there is
-    """
-    chosen, machine = _setup(campaign, setup), campaign.description.machine
-    pose = placed_pose(chosen, machine, _position(at, machine))
-    return Place(chosen.name, pose, placed_approach(chosen, machine, _directions(approach or "")))
-
-
 def _setup(campaign: Campaign, name: str | None) -> Setup:
+    """Return a set-up by its name; without one that of the question that is open, or the only one there is."""
     description, pending = campaign.description, campaign.state.pending
     if name is None and pending is None and len(description.setups) > 1:
         names = listed(", ", [quoted(setup.name) for setup in description.setups])

@@ -18,7 +18,7 @@ from axiscal.exceptions import RecordError
 from axiscal.language.spoken import said
 from axiscal.machine import load_machine
 from axiscal.planning.plan.plan import Plan
-from axiscal.ports.fleet.rehearsal import ErrorLine, Imagined, error_lines, rehearsed, summary_sentences
+from axiscal.ports.fleet.rehearsal import Imagined, error_lines, rehearsed, summary_sentences
 from axiscal.ports.fleet.type_learning import DIRECTIONS, DOUBT, learnt_type, saving
 from axiscal.record.copies import carried_text, gathered
 from axiscal.units import format_quantity, to_unit
@@ -129,16 +129,13 @@ def _files(given: Sequence[Path]) -> list[Path]:
 
 def _show(prior: TypePrior, saved: Sequence[str], written: Path | None, as_json: bool) -> None:
     heads = f"{'error':14} {'std stated':>12} {'by its type':>12} {'times stated':>13} {'in common':>12}"
-    rows, files = map(_error_text, error_lines(prior)), [f"Written: {written}"] * (written is not None)
-    lines = (*saved, *summary_sentences(prior), heads, *rows, *files)
+    rows = list[str]()
+    for line in error_lines(prior):
+        unit, share = "urad" if line.angular else "um", f"{line.share:.0%} ± {line.share_std:.0%}"
+        std = [format_quantity(each, unit, 3) for each in (line.stated, line.known)]
+        rows.append(f"{line.name:14} {std[0]:>12} {std[1]:>12} {line.factor:>13.2f} {share:>12}")
+    lines = (*saved, *summary_sentences(prior), heads, *rows, *([f"Written: {written}"] if written else []))
     say_either(as_json, "axiscal-type-learnt/1", _document(prior, saved, written), lines)
-
-
-def _error_text(line: ErrorLine) -> str:
-    unit = "urad" if line.angular else "um"
-    std = [format_quantity(each, unit, 3) for each in (line.stated, line.known)]
-    share = f"{line.share:.0%} ± {line.share_std:.0%}"
-    return f"{line.name:14} {std[0]:>12} {std[1]:>12} {line.factor:>13.2f} {share:>12}"
 
 
 def _document(prior: TypePrior, saved: Sequence[str], written: Path | None) -> dict[str, object]:

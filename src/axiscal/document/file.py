@@ -45,7 +45,8 @@ def bounded_content(path: str | Path, most: int) -> bytes:
     finally:
         os.close(handle)
     if not left:
-        raise OSError(errno.EFBIG, f"it has more than {_megabytes(most)}", str(path))
+        size = f"{most // 1_000_000} MB" if most >= 1_000_000 else f"{most // 1000} kB"
+        raise OSError(errno.EFBIG, f"it has more than {size}", str(path))
     return b"".join(content)
 
 
@@ -61,10 +62,6 @@ def _wait(handle: int, name: str) -> None:
     if not select.select([handle], [], [], _PATIENCE)[0]:
         raise OSError(errno.EPIPE, "it is a pipe that nobody writes into", name)
     os.set_blocking(handle, True)
-
-
-def _megabytes(most: int) -> str:
-    return f"{most // 1_000_000} MB" if most >= 1_000_000 else f"{most // 1000} kB"
 
 
 def number_or_none(text: str) -> float | None:

@@ -198,18 +198,15 @@ def _points(curve: CurveSummary) -> list[Figure]:
 
 def _point_trace(curve: CurveSummary, points: list[CurvePoint], symbol: str, colour: str) -> Figure:
     bars = {"array": [number(BAND * p.std, "std of a point") for p in points], "color": "var(--whisker)"}
-    text = [_point_text(point, curve.value_unit) for point in points]
+    names = [f"{said('reading {number}', number=point.reading)}, {point.setup}" for point in points]
+    sizes = [f"{figure(point.value)} ± {quantity(BAND * point.std, curve.value_unit)}" for point in points]
+    text = [f"{name}\n{size}" for name, size in zip(names, sizes, strict=True)]
     data = {"x": rounded([p.position for p in points], "points"), "y": rounded([p.value for p in points], "points")}
     edge = colour if symbol == "circle-open" else "var(--card)"
     marker = {"color": "var(--card)" if edge == colour else colour, "size": 5.0, "symbol": symbol, "round": True}
     marker["line"] = {"color": edge, "width": 1.5 if edge == colour else 0.6}
     style = {"type": "scatter", "mode": "markers", "marker": marker}
     return {**data, **style, "error_y": bars, "text": text}
-
-
-def _point_text(point: CurvePoint, unit: str) -> str:
-    label = "" if point.reading is None else f"{said('reading {number}', number=point.reading)}, "
-    return f"{label}{point.setup}\n{figure(point.value)} ± {quantity(BAND * point.std, unit)}"
 
 
 def _maps(plane: PlaneSummary, rows: Sequence[HistoryRow]) -> list[tuple[Figure, str]]:

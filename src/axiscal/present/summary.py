@@ -81,7 +81,7 @@ class CurvePoint:
     value: float
     std: float
     setup: str
-    reading: int | None = None
+    reading: int
     rejected: bool = False
 
 

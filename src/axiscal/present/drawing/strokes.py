@@ -292,19 +292,14 @@ def on_paper(svg: str) -> str:
     return _VARIABLE.sub(lambda found: paper[found[1]], svg)
 
 
-def colours_of(values: Array, scale: ColourScale, low: float, high: float) -> Array:
-    """Return red, green and blue of values, (..., 3) from 0 to 255."""
-    shares = [share for share, _ in scale]
-    stops = np.array([[int(text[i : i + 2], 16) for i in (1, 3, 5)] for _, text in scale], dtype=float)
-    at = np.clip((values - low) / ((high - low) or 1.0), 0.0, 1.0)
-    return np.stack([np.interp(at, shares, stops[:, k]) for k in range(3)], axis=-1)
-
-
 def map_image(rows: Sequence[Sequence[float]], scale: ColourScale, low: float, high: float) -> str:
     """Return a map as a data address of a PNG, its first row below.  rows : (m, n)"""
-    values = np.array(rows, dtype=float)
-    finer = _stretched(_stretched(values, 0), 1)[::-1]
-    return f"data:image/png;base64,{base64.b64encode(_png(colours_of(finer, scale, low, high))).decode('ascii')}"
+    finer = _stretched(_stretched(np.array(rows, dtype=float), 0), 1)[::-1]
+    shares = [share for share, _ in scale]
+    stops = np.array([[int(text[i : i + 2], 16) for i in (1, 3, 5)] for _, text in scale], dtype=float)
+    at = np.clip((finer - low) / ((high - low) or 1.0), 0.0, 1.0)
+    colours = np.stack([np.interp(at, shares, stops[:, k]) for k in range(3)], axis=-1)
+    return f"data:image/png;base64,{base64.b64encode(_png(colours)).decode('ascii')}"
 
 
 def _stretched(values: Array, axis: int) -> Array:
@@ -324,9 +319,6 @@ def _png(colours: Array) -> bytes:
     pixels = np.rint(colours).astype(np.uint8)
     lines = b"".join(b"\x00" + row.tobytes() for row in pixels)
     head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    chunks = ((b"IHDR", head), (b"IDAT", zlib.compress(lines, 9)), (b"IEND", b""))
-    return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(kind, data) for kind, data in chunks)
-
-
-def _chunk(kind: bytes, data: bytes) -> bytes:
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    chunks = b"IHDR" + head, b"IDAT" + zlib.compress(lines, 9), b"IEND"
+    framed = (struct.pack(">I", len(each) - 4) + each + struct.pack(">I", zlib.crc32(each)) for each in chunks)
+    return b"\x89PNG\r\n\x1a\n" + b"".join(framed)

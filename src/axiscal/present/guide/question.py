@@ -212,9 +212,10 @@ class Question(AnswerDocument):
 
 def question_text(places: Sequence[AxisPlace], touch: str, sign: str, *others: tuple[str, str]) -> str:
     """Return where to go, how, when a reading is positive, and other lines, each behind its name; none is empty."""
+    sides = {"+": said("from below"), "-": said("from above")}
     rows = (
         (said("go to"), coordinates_text(places, moves=True)),
-        (said("coming"), coming_text(places)),
+        (said("coming"), ", ".join(f"{place.axis} {sides[place.side]}" for place in places if place.side)),
         (said("parked"), coordinates_text(places, moves=False)),
         (said("touch"), touch),
         (said("sign"), sign),
@@ -226,12 +227,6 @@ def question_text(places: Sequence[AxisPlace], touch: str, sign: str, *others: t
 def coordinates_text(places: Sequence[AxisPlace], *, moves: bool) -> str:
     """Return where the axes go that move, or where the others stand: "X = 120 mm", in the order of the display."""
     return ", ".join(f"{place.axis} = {place.shown} {place.unit}" for place in places if place.moves is moves)
-
-
-def coming_text(places: Sequence[AxisPlace]) -> str:
-    """Return from which sides to come: "X from below"; empty where none matters."""
-    below, above = said("from below"), said("from above")
-    return ", ".join(f"{place.axis} {below if place.side == '+' else above}" for place in places if place.side)
 
 
 def touch_text(campaign: Campaign, asked: Asked) -> str:

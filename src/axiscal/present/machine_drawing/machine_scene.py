@@ -189,29 +189,22 @@ def head(sizes: Measures, nose: float) -> tuple[float, list[Laid]]:
     parts: list[Laid] = [(room.spindle, cylinder(foot, foot + up(0.09 * t), 0.045 * t, "head"))]
     for axis in reversed(rotary):
         if room.way(axis) == 2:
-            level, more = _neck(sizes, axis, level)
-        else:  # a fork that holds the spindle on both sides
-            level, more = level_of(sizes, axis, level), list(_cheeks(sizes, axis, level))
-        parts += more
+            foot = room.tip * [1, 1, 0] + up(level)
+            parts.append((axis, cylinder(foot, foot + up(0.1 * t), 0.11 * t, "table")))
+            parts.append(turning(sizes, axis, _on_line(sizes, axis, foot + up(0.05 * t)), 0.16 * t))
+            level += 0.1 * t
+        else:  # a fork whose top is above the line that it swivels about, and above the spindle
+            top = max(float(room.axis_point(axis)[2]), level) + 0.22 * t
+            parts += _cheeks(sizes, axis, level, top)
+            level = top
     return level, parts
 
 
-def _neck(sizes: Measures, axis: int, level: float) -> tuple[float, list[Laid]]:
-    """Return the top of a head that turns about an upright axis, and its parts."""
-    t, foot = sizes.spindle, sizes.room.tip * [1, 1, 0] + up(level)
-    turned = cylinder(foot, foot + up(0.1 * t), 0.11 * t, "table")
-    return level + 0.1 * t, [(axis, turned), turning(sizes, axis, _on_line(sizes, axis, foot + up(0.05 * t)), 0.16 * t)]
-
-
-def level_of(sizes: Measures, axis: int, level: float) -> float:
-    """Return the top of a fork, m: above the line that it swivels about, and above the spindle."""
-    return max(float(sizes.room.axis_point(axis)[2]), level) + 0.22 * sizes.spindle
-
-
-def _cheeks(sizes: Measures, axis: int, level: float) -> Iterator[Laid]:
+def _cheeks(sizes: Measures, axis: int, level: float, top: float) -> Iterator[Laid]:
+    """Yield a fork that holds the spindle on both sides."""
     room, t, base = sizes.room, sizes.spindle, under(sizes.room, axis)
     along, line = np.eye(3)[room.way(axis)], room.axis_point(axis)
-    top, middle = level_of(sizes, axis, level), room.tip * [1, 1, 0]
+    middle = room.tip * [1, 1, 0]
     across_it = (1 - along) * [1, 1, 0]
     wide = 0.07 * t * np.array([1.0, 1.0, 0.0])
     yield axis, box(middle - wide + up(level), middle + wide + up(top - 0.09 * t), "table")

@@ -77,7 +77,10 @@ def setup_scene(
     read = "● " + counted("{count} reading", "{count} readings", len(own)) if own else ""
     coming_words = said("grey: {count} to come", count=len(later)) if later else ""
     legend = " · ".join(part for part in (read, coming_words) if part)
-    return SetupScene(parts, setup.name, legend, reach_words(room, tails=tails))
+    spans = " × ".join(f"{1e3 * span:.0f}" for span in room.reach[1] - room.reach[0] if span > 1e-9)
+    notes = [said("dashed: where the tool reaches, {size} mm", size=spans)] if spans else []
+    notes += [said("tail: the side it comes from")] if tails else []
+    return SetupScene(parts, setup.name, legend, " · ".join(notes))
 
 
 def _tips(room: StandingMachine, places: Sequence[Place]) -> Array:
@@ -124,14 +127,6 @@ def _outlines(campaign: CampaignDescription, room: StandingMachine) -> Iterator[
         for kept_out in artefact.keep_out:
             low_corner, high_corner = np.clip(np.array(kept_out), -1.0, 1.0).T
             yield from edges(room.on_table(box_corners(low_corner, high_corner)), "beam", "2 4")
-
-
-def reach_words(room: StandingMachine, *, tails: bool) -> str:
-    """Return what the dashed lines are.  tails : whether readings show the side they come from"""
-    low, high = room.reach
-    spans = " × ".join(f"{1e3 * span:.0f}" for span in high - low if span > 1e-9)
-    parts = [said("dashed: where the tool reaches, {size} mm", size=spans)] if spans else []
-    return " · ".join([*parts, *([said("tail: the side it comes from")] if tails else [])])
 
 
 def setup_picture(scene: SetupScene, width: float) -> str:
