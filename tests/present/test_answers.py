@@ -11,7 +11,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import AxiscalError
 from axiscal.machine import load_machine
 from axiscal.measurement.setup import Setup
-from axiscal.present.guide.question import Value, Word, answer, sense
+from axiscal.present.guide.question import Word, answer, sense
 from tests.generators.texts import campaign_text, setup_text
 
 SETUPS = campaign_text(
@@ -45,13 +45,13 @@ DIAL, LEVEL, NEST = setup("dial"), setup("level"), setup("nest")
 )
 def test_a_number_is_in_the_unit_shown_unless_one_is_said(text: str, metres: float) -> None:
     typed = answer(text, DIAL)
-    assert isinstance(typed, Value)
-    np.testing.assert_allclose(typed.values, [metres], rtol=1e-12)
+    assert not isinstance(typed, Word)
+    np.testing.assert_allclose(typed, [metres], rtol=1e-12)
 
 
 def test_angles_are_in_microradians() -> None:
     typed = answer("4 arcsec", LEVEL), answer("19.39", LEVEL)
-    values = [each.values[0] for each in typed if isinstance(each, Value)]
+    values = [each[0] for each in typed if not isinstance(each, Word)]
     np.testing.assert_allclose(values, [4 / 3600 / 180 * np.pi, 19.39e-6], rtol=1e-12)
 
 
@@ -60,8 +60,8 @@ def test_angles_are_in_microradians() -> None:
 )
 def test_three_values_stand_in_one_line(text: str) -> None:
     typed = answer(text, NEST)
-    assert isinstance(typed, Value)
-    np.testing.assert_allclose(typed.values, [1.2e-6, -0.4e-6, 0.8e-6], rtol=1e-12)
+    assert not isinstance(typed, Word)
+    np.testing.assert_allclose(typed, [1.2e-6, -0.4e-6, 0.8e-6], rtol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -76,8 +76,8 @@ def test_three_values_stand_in_one_line(text: str) -> None:
 )
 def test_a_unit_after_the_last_of_three_is_of_all(text: str) -> None:
     typed = answer(text, NEST)
-    assert isinstance(typed, Value)
-    np.testing.assert_allclose(typed.values, [1.2e-6, -0.4e-6, 0.8e-6], rtol=1e-12)
+    assert not isinstance(typed, Word)
+    np.testing.assert_allclose(typed, [1.2e-6, -0.4e-6, 0.8e-6], rtol=1e-12)
 
 
 @pytest.mark.parametrize("text", ["0.0012 mm -0.4 0.8", "1.2 -0.0004 mm 0.0008 mm", "1.2 -0.4 mm 0.8"])
@@ -114,7 +114,7 @@ def test_nothing_typed_is_a_traceback(text: str) -> None:
             typed = answer(text, where)
         except AxiscalError:
             continue
-        assert isinstance(typed, Word) or np.all(np.isfinite(typed.values))
+        assert isinstance(typed, Word) or np.all(np.isfinite(typed))
 
 
 def test_the_sign_is_said_in_words() -> None:

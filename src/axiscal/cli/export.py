@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from shlex import quote
@@ -189,22 +190,18 @@ def _spacing(texts: list[str]) -> float | dict[str, float] | None:
 
 def _numbers(texts: list[str], coordinates: str | None) -> dict[str, tuple[int, ...]]:
     """Return the numbers of axes, one for each of their joints; raises TableError."""
-    numbered = [_numbered(text) for text in texts]
+    wrong = next((text for text in texts if not re.fullmatch(r"[^\W_]+=[0-9]{1,3}", text)), None)
+    if wrong is not None:
+        raise TableError('"{text}" is not AXIS=N', "Write --number X=1", text=wrong[:40])
+    pairs = [text.partition("=")[::2] for text in texts]
     if coordinates is not None:
-        if numbered:
+        if texts:
             raise TableError("both --number and --coordinates say which joints are whose", "Give one of them")
-        numbered = [(letter, joint) for joint, letter in enumerate(coordinates.upper().replace(" ", ""))]
+        pairs = [(letter, str(joint)) for joint, letter in enumerate(coordinates.upper().replace(" ", ""))]
     found = dict[str, tuple[int, ...]]()
-    for axis, number in numbered:
-        found[axis] = (*found.get(axis, ()), number)
+    for axis, number in pairs:
+        found[axis] = (*found.get(axis, ()), int(number))
     return found
-
-
-def _numbered(text: str) -> tuple[str, int]:
-    axis, equals, number = text.partition("=")
-    if not (equals and axis.isalnum() and number.isascii() and number.isdigit() and len(number) < 4):
-        raise TableError('"{text}" is not AXIS=N', "Write --number X=1", text=text[:40])
-    return axis, int(number)
 
 
 def template_text(path: Path) -> str:

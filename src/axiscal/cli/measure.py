@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import Enum, auto
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -24,12 +23,12 @@ from axiscal.cli.progress import tell_out_of_reach
 from axiscal.cli.texts import opened_to_write
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import counted, decimals, said, speaking, spoken_now
+from axiscal.numerics import Array
 from axiscal.present.guide.progress import Progress, contradictions, doubted, others_doubted, take_back
 from axiscal.present.guide.question import (
     ACTIONS,
     SURPRISING,
     Question,
-    Value,
     Word,
     action,
     answer,
@@ -42,15 +41,8 @@ from axiscal.present.whose_language import chosen
 from axiscal.record.events import Asked
 from axiscal.units import um_text
 
-
-class _Then(Enum):
-    """What comes after something was typed: the same prompt, the question anew, a reading, the end, or a pause."""
-
-    SAME = auto()
-    ANEW = auto()
-    STANDS = auto()
-    FINISH = auto()
-    PAUSE = auto()
+_Then = Literal["same", "anew", "stands", "finish", "pause"]
+"""What comes after something was typed: the same prompt, the question anew, a reading, the end, or a pause."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -64,10 +56,10 @@ class Prompt:
         """Hold the dialogue; return False where the person pauses, True where the campaign is to be finished."""
         tell_out_of_reach(self.campaign)
         readings = self.campaign.state.readings
-        then, mounted = _Then.ANEW, readings[-1].setup if readings else ""
-        while then is _Then.ANEW:
+        then, mounted = "anew", readings[-1].setup if readings else ""
+        while then == "anew":
             then, mounted = self._answered(self.campaign.next(), mounted)
-        return then is _Then.FINISH
+        return then == "finish"
 
     def _answered(self, asked: Asked | Ended, mounted: str) -> tuple[_Then, str]:
         """Ask, and return what comes then and which set-up stands.  mounted : the one that stands"""
@@ -79,7 +71,7 @@ class Prompt:
             named = said('Set-up "{setup}"', setup=question.setup)
             say("\n".join([f"\n{named}: {question.mount_sentence}.", *steps]))
             then = self._asked(said("Enter when it stands, or ? > "), question, standing=False)
-            if then is not _Then.STANDS:
+            if then != "stands":
                 return then, mounted
         say(headline(self.campaign, question))
         say(question_lines(question))
@@ -91,33 +83,33 @@ class Prompt:
 
     def _until_done(self, heed: Callable[[], _Then]) -> _Then:
         """Ask until something has been done; a refusal is said, and the same is asked again."""
-        then = _Then.SAME
-        while then is _Then.SAME:
+        then: _Then = "same"
+        while then == "same":
             try:
                 then = heed()
             except OvertakenError:
                 self.campaign.looked_at_again()
                 say("  " + said("Nothing was done: the record has moved on, on a page or by another command."))
-                then = _Then.ANEW
+                then = "anew"
             except AxiscalError as failure:
                 say(f"  {failure}")
         return then
 
-    def _heed_mounting(self, typed: Value | Word, question: Question) -> _Then:
-        if isinstance(typed, Value):
+    def _heed_mounting(self, typed: Array | Word, question: Question) -> _Then:
+        if not isinstance(typed, Word):
             say("  " + said("This is a reading: press Enter when the set-up stands, then type it."))
-            return _Then.SAME
-        return _Then.STANDS if typed.action == "show" else self._heed(typed, question)
+            return "same"
+        return "stands" if typed.action == "show" else self._heed(typed, question)
 
-    def _heed(self, typed: Value | Word, question: Question) -> _Then:
-        if isinstance(typed, Value):
+    def _heed(self, typed: Array | Word, question: Question) -> _Then:
+        if not isinstance(typed, Word):
             return self._keep(typed, question)
         match typed.action:
             case "skip":
                 self._costs(rest=False)
                 self.campaign.skip(typed.text or ask("  " + said("why can it not be taken?") + " "))
                 say("  " + said("skipped; the plan is made anew around it"))
-                return _Then.ANEW
+                return "anew"
             case "leave":
                 return self._leave(typed.text, question)
             case "stop":
@@ -128,27 +120,27 @@ class Prompt:
                 say(question_lines(question))
             case _:
                 return self._heed_anywhere(typed.action, typed.text)
-        return _Then.SAME
+        return "same"
 
-    def _keep(self, typed: Value, question: Question) -> _Then:
+    def _keep(self, typed: Array, question: Question) -> _Then:
         vouched = False
-        surprise = question.surprise(typed.values)
+        surprise = question.surprise(typed)
         if surprise >= SURPRISING:
             far = "It is {size} standard deviations from what is expected, {expected}."
             say("  " + said(far, size=decimals(f"{surprise:.1f}"), expected=expected_text(question)))
             choice = said("Type k to keep it, v to keep it as surely right, Enter to read again:")
             word = ask(f"  {choice} ").strip().lower()
             if word not in ("k", "v"):
-                return _Then.SAME
+                return "same"
             vouched = word == "v"
         before = doubted(self.campaign)
-        value, *others = (float(each) for each in typed.values)
+        value, *others = (float(each) for each in typed)
         kept = self.campaign.record(value, accepted=vouched, others=tuple(others))
         at = coordinates_text(question.places, moves=True) or said('set-up "{setup}"', setup=question.setup)
         say("  " + said("kept reading {number} at {place}; it is on the disk", number=kept.number, place=at))
         for sentence in [*others_doubted(self.campaign, before), *contradictions(self.campaign)]:
             say("  " + said("Mind: {sentence}", sentence=sentence))
-        return _Then.ANEW
+        return "anew"
 
     def _costs(self, *, rest: bool) -> bool:
         """Say what it costs to skip the reading, or to leave the set-up, and return whether that is anything."""
@@ -161,10 +153,10 @@ class Prompt:
         if self._costs(rest=True):
             choice = said("Type yes to leave it, Enter to go on:")
             if not _is_yes(choice):
-                return _Then.SAME
+                return "same"
         self.campaign.skip(reason or said("the set-up was left"), rest=True)
         say("  " + said('left "{setup}": the plan is made anew without it; undo goes back to it', setup=setup))
-        return _Then.ANEW
+        return "anew"
 
     def _stop(self) -> _Then:
         """Say what there would be if the campaign ended here, and end it where the person wants that."""
@@ -177,7 +169,7 @@ class Prompt:
         rows = answer_text(standing_answer(self.campaign), "", "").rows
         say("\n".join(columns(rows)) if rows else "")
         choice = said("Type yes to end it here and write the results, Enter to go on:")
-        return _Then.FINISH if _is_yes(choice) else _Then.SAME
+        return "finish" if _is_yes(choice) else "same"
 
     def _ended(self, ended: Ended) -> _Then:
         """Say that nothing more is to be measured, and ask whether to write the results, go on or back."""
@@ -192,24 +184,24 @@ class Prompt:
     def _heed_at_end(self, word: str, text: str) -> _Then:
         wanted = action(word)
         if wanted == "":
-            return _Then.FINISH
+            return "finish"
         if wanted == "more":
             self.campaign.next(beyond=True)
-            return _Then.ANEW
+            return "anew"
         return self._heed_anywhere(wanted, text)
 
     def _heed_anywhere(self, wanted: str | None, text: str) -> _Then:
         """Do what can be asked for at every prompt."""
         match wanted:
             case "pause":
-                return _Then.PAUSE
+                return "pause"
             case "undo":
                 say(f"  {take_back(self.campaign)[1]}")
-                return _Then.ANEW
+                return "anew"
             case "note":
                 self.campaign.note(text or ask("  " + said("what is to be kept in the record?") + " "))
                 say("  " + said("noted; it is on the disk"))
-        return _Then.SAME
+        return "same"
 
 
 def _is_yes(choice: str) -> bool:

@@ -30,7 +30,7 @@ _HERE, _EXCHANGE = -100, 2
 """AT_FDCWD and RENAME_EXCHANGE of Linux."""
 _PIECE = 1 << 24
 """Bytes read at once, so that no more are asked for than there are; any would do."""
-_DRAFT = re.compile(r"\.(?P<name>.+)\.(?P<process>\d+)\.new")
+_DRAFT = re.compile(r"\.(?P<name>.+)\.(?P<process>\d+)\.(?P<kind>new|old)")
 
 
 def draft_of(path: Path) -> Path:
@@ -116,10 +116,15 @@ def exchanged(one: Path, other: Path) -> bool:
 def clear_drafts(folder: Path, name: str) -> None:
     """Remove what writers that are gone have left of a file."""
     with contextlib.suppress(OSError):
-        for path in folder.iterdir():
-            found = _DRAFT.fullmatch(path.name)
-            if found and found["name"] == name and path.is_file() and not is_running(int(found["process"])):
+        for path in drafts_left(folder, name):
+            if path.is_file():
                 path.unlink(missing_ok=True)
+
+
+def drafts_left(folder: Path, name: str) -> list[Path]:
+    """Return what writers that are gone have left of a file or folder: `.new`, or `.old` of before; raises OSError."""
+    found = ((path, _DRAFT.fullmatch(path.name)) for path in sorted(folder.iterdir()))
+    return [path for path, of in found if of and of["name"] == name and not is_running(int(of["process"]))]
 
 
 def is_running(process: int) -> bool:

@@ -173,9 +173,14 @@ def bound_sentence(answer: PlanAnswer) -> str:
         return "No bound was asked for."
     bound = answer.bound_rms_um
     readings = f"{answer.readings} reading{'' if answer.readings == 1 else 's'}"
+    kinds = {
+        "every position in the travel": "anywhere in the travel",
+        "any readings whatever": "wherever they are taken",
+    }
+    where = kinds.get(answer.bound_holds_for, f"from these {answer.bound_holds_for.removeprefix('lattice of ')}")
     best = f"make J smaller than {answer.bound_J:.4g}" if bound is None else f"be better than {bound:.3g} um"
     own = f"{answer.J:.4g}" if bound is None else f"{answer.rms_um:.3g} um"
-    text = f"No plan of {readings} {_where(answer.bound_holds_for)} can {best}; this one gives {own}"
+    text = f"No plan of {readings} {where} can {best}; this one gives {own}"
     if answer.proof_gap_percent is not None:
         text += f": {_percent(answer.percent_from_best)} from the best possible; "
         text += f"search stopped at a gap of {_percent(answer.proof_gap_percent)}"
@@ -184,15 +189,6 @@ def bound_sentence(answer: PlanAnswer) -> str:
     if answer.reachable_rms_um < _MUCH * bound:
         return f"{text}."
     return f"{text}. Of both, {answer.reachable_rms_um:.3g} um is what endless readings leave."
-
-
-def _where(holds_for: str) -> str:
-    """Return of which plans a bound holds."""
-    wheres = {
-        "every position in the travel": "anywhere in the travel",
-        "any readings whatever": "wherever they are taken",
-    }
-    return wheres.get(holds_for, f"from these {holds_for.removeprefix('lattice of ')}")
 
 
 def _percent(value: float | None) -> str:

@@ -14,13 +14,12 @@ import errno
 import hashlib
 import json
 import os
-import re
 import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
-from axiscal.document.durable import exchanged, is_running, sync_folder, written
+from axiscal.document.durable import drafts_left, exchanged, sync_folder, written
 from axiscal.present.summary import RecordState
 from axiscal.record.signing import signature
 
@@ -28,7 +27,6 @@ RECORD = "campaign.axiscal"
 MANIFEST = "manifest.json"
 _BEFORE = "before.json"
 _SCHEMA = "axiscal-manifest/1"
-_STAGING = re.compile(r"\.(?P<name>.+)\.(?P<process>\d+)\.(?P<kind>new|old)")
 
 
 @contextmanager
@@ -66,17 +64,13 @@ def result_set(folder: Path, manifest: str = MANIFEST, live: Path | None = None)
 def mend(folder: Path) -> None:
     """Bring to its end, or remove, what a writer that is gone has left of results in this folder; raises OSError."""
     with contextlib.suppress(FileNotFoundError):
-        for path in sorted(folder.parent.iterdir()):
-            found = _STAGING.fullmatch(path.name)
-            if found and found["name"] == folder.name and path.is_dir() and not is_running(int(found["process"])):
-                if found["kind"] == "old" and not folder.exists():
-                    os.rename(path, folder)
-                else:
-                    shutil.rmtree(path)
-        for path in sorted(folder.iterdir()):
-            found = _STAGING.fullmatch(path.name)
-            if found and found["name"] == "results" and path.is_dir() and not is_running(int(found["process"])):
-                _go_on(path, folder)
+        for path in filter(Path.is_dir, drafts_left(folder.parent, folder.name)):
+            if path.suffix == ".old" and not folder.exists():
+                os.rename(path, folder)
+            else:
+                shutil.rmtree(path)
+        for path in filter(Path.is_dir, drafts_left(folder, "results")):
+            _go_on(path, folder)
 
 
 def write_manifest(

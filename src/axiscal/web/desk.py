@@ -22,8 +22,9 @@ from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.language.spoken import decimals, said, spoken_now
 from axiscal.measurement.reading import Reading, reading_unit, shown_coordinate
 from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
 from axiscal.present.guide.progress import Progress, contradictions, doubted, due, last_step, others_doubted, take_back
-from axiscal.present.guide.question import SURPRISING, Question, Value, answer, asked_text
+from axiscal.present.guide.question import SURPRISING, Question, Word, answer, asked_text
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_text
@@ -166,7 +167,7 @@ class Desk:
         if question is None or not text.strip():
             return TypedShape(values=[], surprise=0.0, surprising=False, sentence="")
         try:
-            values = self._value(text, question).values
+            values = self._value(text, question)
         except AxiscalError as failure:
             return TypedShape(values=[], surprise=0.0, surprising=False, sentence=str(failure))
         surprise = question.surprise(values)
@@ -180,11 +181,11 @@ class Desk:
         asked = self.campaign.open_question()
         question = self._question or Question.from_campaign(self.campaign, asked)
         typed = self._value(text, question)
-        surprise = question.surprise(typed.values)
+        surprise = question.surprise(typed)
         if surprise >= SURPRISING and not (keep or vouch):
             raise SurprisingError(surprise)
         before = doubted(self.campaign)
-        value, *others = (float(each) for each in typed.values)
+        value, *others = (float(each) for each in typed)
         kept = self.campaign.record(value, accepted=vouch, others=tuple(others))
         self._before = before
         self._show()
@@ -323,9 +324,9 @@ class Desk:
             self._alike.clear()
             return self.campaign.next()
 
-    def _value(self, text: str, question: Question) -> Value:
+    def _value(self, text: str, question: Question) -> Array:
         typed = answer(text, self.campaign.description.setup(question.setup))
-        if not isinstance(typed, Value):
+        if isinstance(typed, Word):
             what = said('"{text}" is no reading', text=text.strip())
             raise ReadingError(what, said("Type the number that the instrument shows"))
         return typed

@@ -35,13 +35,6 @@ _PLAIN = re.compile(r"[+−-]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][+-]?[0-9]+
 _SEVERAL = re.compile(r"\s*[;/]\s*|\s*,\s+|(?<=[^\W\d]),|\s+(?=[+−-]?[.,]?[0-9])")
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Value:
-    """A reading.  values : (k,) m or rad"""
-
-    values: Array
-
-
 @dataclass(frozen=True, slots=True)
 class Word:
     """Something else than a reading.
@@ -65,9 +58,10 @@ def action(word: str) -> str | None:
     return known.get(word.lower()) if word else ""
 
 
-def answer(text: str, setup: Setup) -> Value | Word:
-    """Return what was typed, a number in the unit of the set-up where none is said; raises ReadingError or UnitError.
+def answer(text: str, setup: Setup) -> Array | Word:
+    """Return what was typed, (k,) m or rad of a reading; raises ReadingError or UnitError.
 
+    A number is in the unit of the set-up where none is said.
     Decimals come after a point or a comma. Three values are parted by blanks, semicolons or commas with a blank.
     """
     word, _, rest = text.strip().partition(" ")
@@ -78,7 +72,7 @@ def answer(text: str, setup: Setup) -> Value | Word:
     if word[0].isalpha():
         what = said('"{text}" is no reading and no word known here', text=text.strip())
         raise ReadingError(what, said("Type ? for what can be typed"))
-    return Value(np.array([_value(part, setup) for part in value_texts(text.strip(), setup)]))
+    return np.array([_value(part, setup) for part in value_texts(text.strip(), setup)])
 
 
 def value_texts(text: str, setup: Setup) -> list[str]:
