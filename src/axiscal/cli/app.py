@@ -68,12 +68,17 @@ _SHOP = {
     "due": "folder.due",
     "check": "folder.check",
 }
-_GROUPS: Mapping[str, tuple[str, Mapping[str, str]]] = {
+_GROUPS = {
     "step": ("Take one step of a campaign per command, as scripts do.", _STEP),
     "data": ("Work on readings, records and poses in files.", _DATA),
     "shop": ("Keep many machines: one store, types, when each is due.", _SHOP),
 }
-_MORE = {"machine": "machine", "study": "study"}
+_Places = Mapping[str, str | tuple[str, Mapping[str, str]]]
+"""The file of each command; of a group what it is for, and the files of its commands."""
+_SECTIONS: Mapping[str, _Places] = {
+    "Commands": _MAIN,
+    "More commands, in groups": {**_GROUPS, "machine": "machine", "study": "study"},
+}
 _UNGROUPED = {**_STEP, **_DATA, **_SHOP}
 """The names that commands had before there were groups: they work, and no help lists them."""
 
@@ -81,35 +86,39 @@ _UNGROUPED = {**_STEP, **_DATA, **_SHOP}
 class AllCommands(TyperGroup):
     """Commands, each loaded from its file when it is called.
 
-    files : the file of each command; of the whole program ten that a calibration needs are listed, the others in groups
+    sections : those that help and completion show, by the heading over them; unlisted : the others
     """
 
-    def __init__(self, files: Mapping[str, str] | None = None, **attributes: Any) -> None:
+    def __init__(
+        self, sections: Mapping[str, _Places] = _SECTIONS, unlisted: _Places = _UNGROUPED, **attributes: Any
+    ) -> None:
         super().__init__(**attributes)
-        self._whole, self.files = files is None, files or {**_MAIN, **_MORE, **_UNGROUPED}
-        names = [*self.files, *_GROUPS] if self._whole else self.files
-        self.commands = dict.fromkeys(names, TyperCommand("not loaded"))
+        self.sections = sections
+        self.places = dict(unlisted) | {name: place for each in sections.values() for name, place in each.items()}
+        self.commands = dict.fromkeys(self.places, TyperCommand("not loaded"))
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names that help and completion show."""
-        return [*_MAIN, *_GROUPS, *_MORE] if self._whole else list(self.files)
+        return [name for each in self.sections.values() for name in each]
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return a command or group by its name, loaded now; None if there is no such command."""
-        if self._whole and cmd_name in _GROUPS:
-            text, files = _GROUPS[cmd_name]
-            return AllCommands(files, name=cmd_name, help=text, rich_markup_mode=None, no_args_is_help=True)
-        return _command(cmd_name, self.files[cmd_name]) if cmd_name in self.files else None
+        place = self.places.get(cmd_name)
+        if isinstance(place, tuple):
+            shown = {"Commands": place[1]}
+            return AllCommands(shown, {}, name=cmd_name, help=place[0], rich_markup_mode=None, no_args_is_help=True)
+        return None if place is None else _command(cmd_name, place)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the lists of commands into the help, each with the first sentence that its file says of it."""
-        lists = {"Commands": _summaries(_MAIN if self._whole else self.files)}
-        if self._whole:
-            groups = [(name, text) for name, (text, _) in _GROUPS.items()]
-            lists["More commands, in groups"] = [*groups, *_summaries(_MORE)]
-        for title, rows in lists.items():
+        for title, places in self.sections.items():
             with formatter.section(title):
-                formatter.write_dl(rows)
+                formatter.write_dl(
+                    [
+                        (name, place[0] if isinstance(place, tuple) else _docstring(place).splitlines()[0])
+                        for name, place in places.items()
+                    ]
+                )
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was called; each is a door of planning or estimating."""
@@ -131,10 +140,6 @@ def _command(name: str, place: str) -> Any:
     alone = typer.Typer(rich_markup_mode=None, add_completion=False)
     alone.command(name)(getattr(module, function or file))
     return typer.main.get_command(alone)
-
-
-def _summaries(files: Mapping[str, str]) -> list[tuple[str, str]]:
-    return [(name, _docstring(file).splitlines()[0]) for name, file in files.items()]
 
 
 def _docstring(place: str) -> str:

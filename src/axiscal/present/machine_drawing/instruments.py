@@ -255,16 +255,11 @@ def _tracker(stand: MountedSetup) -> Iterator[Part]:
     s, tip, floor = stand.sizes.whole, stand.tip, stand.sizes.floor - 0.1 * stand.sizes.whole
     beside = stand.room.tip - [float(stand.room.half[0]) + 0.5 * s, float(stand.room.half[1]), 0.1 * s]
     stations = [stand.room.on_table(np.array(at))[0] for at in stand.setup.standing] or [beside]
-    inside = bool(stand.setup.standing)
     for number, at in enumerate(stations):
-        foot = at * [1, 1, 0] + [
-            0,
-            0,
-            stand.table if inside and at[2] > stand.table + 1e-6 else min(floor, at[2] - 0.1 * s),
-        ]
-        if inside and at[2] > stand.table + 1e-6:
+        if stand.setup.standing and at[2] > stand.table + 1e-6:
             yield stand.post(at)
         else:
+            foot = at * [1, 1, 0] + up(min(floor, at[2] - 0.1 * s))
             yield cylinder(foot, at - up(0.03 * s), 0.03 * s, "stone")
         yield Stroke(np.array([at, tip]), "beam", 1.8)
         yield RoundMark(at, 0.035 * s, "gold", 6.0)

@@ -116,17 +116,14 @@ def portal(sizes: Measures, linear: list[int], top: float) -> Iterator[Laid]:
     legs = 0.7 * thick * beam_way + thick * along
     for side, end in across(reach * beam_way):
         near = side < 0 if room.way(second) == 1 else side > 0
-        leg = box(middle + end - legs + up(sizes.floor), middle + end + legs + up(low), "head",
-                  _SEEN_THROUGH if near else 1.0)  # fmt: skip
-        yield first, leg
+        foot, top_of = middle + end - legs + up(sizes.floor), middle + end + legs + up(low)
+        yield first, box(foot, top_of, "head", _SEEN_THROUGH if near else 1.0)
     beam = (reach + 0.7 * thick) * beam_way + thick * along
     yield first, box(middle - beam + up(low), middle + beam + up(high), "head")
     carriage = 0.13 * t * beam_way
     face = flat + away * a
-    yield (
-        second,
-        box(face - carriage + up(low - 0.04 * t), face + away * sizes.plate + carriage + up(high), "table"),
-    )
+    saddle = box(face - carriage + up(low - 0.04 * t), face + away * sizes.plate + carriage + up(high), "table")
+    yield second, saddle
     shown = middle - away * thick - (reach - 0.6 * sizes.pad) * beam_way * (1 if room.way(second) == 1 else -1)
     yield straight(sizes, first, shown + up((sizes.floor + low) / 2))
     yield straight(sizes, second, face + away * sizes.plate + (carriage + 0.09 * s * beam_way) + up((low + high) / 2))
@@ -137,10 +134,8 @@ def portal(sizes: Measures, linear: list[int], top: float) -> Iterator[Laid]:
     foot = (float(room.half @ along) + sizes.pad) * along + (reach + 1.5 * thick) * beam_way
     back = away * (a + sizes.plate + 2.5 * thick)
     corners = np.array([flat - foot, flat + foot, flat - foot + back, flat + foot + back])
-    yield (
-        BED,
-        box(corners.min(axis=0) + up(sizes.floor - 0.12 * s), corners.max(axis=0) + up(sizes.floor), "bed"),
-    )
+    ends = corners.min(axis=0) + up(sizes.floor - 0.12 * s), corners.max(axis=0) + up(sizes.floor)
+    yield BED, box(*ends, "bed")
 
 
 def frame(sizes: Measures, level: list[int], top: float) -> Iterator[Laid]:
@@ -169,10 +164,8 @@ def frame(sizes: Measures, level: list[int], top: float) -> Iterator[Laid]:
     behind = along if room.way(first) == 1 else -along
     near = flat + behind * 0.03 * s
     cross = ends * beam_way
-    yield (
-        first,
-        box(near - cross + up(high + rail), near + behind * 0.05 * s + cross + up(high + 2.2 * rail), "head"),
-    )
+    bridge = box(near - cross + up(high + rail), near + behind * 0.05 * s + cross + up(high + 2.2 * rail), "head")
+    yield first, bridge
     half = 0.05 * s * (along + beam_way)
     low = float(room.tip[2]) + room.machine.tool
     yield second, box(flat - half + up(low), flat + half - behind * 0.02 * s + up(high + 2.6 * rail), "table")
@@ -266,18 +259,10 @@ def lathe(sizes: Measures) -> Iterator[Laid]:
     spindle = next((k for k in room.work if room.machine.axes[k].rotary), BED)
     _, centre, level = (room.origin if spindle == BED else room.axis_point(spindle)).tolist()
     base = under(room, spindle) if spindle != BED else BED
-    yield (
-        BED,
-        box(
-            [left - 0.4 * s, y - float(room.half[1]) - 0.4 * s, floor - 0.14 * s],
-            [right + 0.2 * s, centre + 0.2 * s, floor],
-            "bed",
-        ),
-    )
-    yield (
-        base,
-        box([left - 0.36 * s, centre - 0.16 * s, floor], [left - 0.13 * s, centre + 0.16 * s, level + 0.2 * s], "head"),
-    )
+    front = y - float(room.half[1]) - 0.4 * s
+    yield BED, box([left - 0.4 * s, front, floor - 0.14 * s], [right + 0.2 * s, centre + 0.2 * s, floor], "bed")
+    low, high = [left - 0.36 * s, centre - 0.16 * s, floor], [left - 0.13 * s, centre + 0.16 * s, level + 0.2 * s]
+    yield base, box(low, high, "head")
     yield spindle, cylinder([left - 0.13 * s, centre, level], [left - 0.05 * s, centre, level], 0.12 * s, "table")
     yield spindle, cylinder([left - 0.05 * s, centre, level], [right - 0.04 * s, centre, level], radius, "head")
     if spindle != BED:
@@ -385,7 +370,6 @@ def _cradle(sizes: Measures, axis: int) -> Iterator[Laid]:
         bearing = outer + side * 0.1 * s * along
         foot = top - 0.17 * s
         yield base, box(outer - 1.2 * half + up(foot), bearing + 1.2 * half + up(level + 0.1 * s), "bed")
-        seen = (way == 0) == (side > 0)
-        if seen:
+        if (way == 0) == (side > 0):  # it is seen
             face = bearing + along * side * 0.004 * s + up(level)
             yield turning(sizes, axis, face, 0.085 * s, 250.0)

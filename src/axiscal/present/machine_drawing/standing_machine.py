@@ -52,7 +52,7 @@ class StandingMachine:
             [k for k, axis in enumerate(axes) if axis.workpiece_side is carries] for carries in (True, False)
         )
         self.table, self.spindle = self.work[0] if self.work else BED, self.tool[-1] if self.tool else BED
-        self.origin = self._in_room(_carried(axes, self._from_bed(self.table), self.home), np.zeros(3))
+        self.origin = self._in_room(_carried(axes, self.from_bed(self.table), self.home), np.zeros(3))
         self.tip = self._in_room(_carried(axes, self.tool, self.home), np.array([0.0, 0.0, -machine.tool]))
         self.tip_now: Array = self.on_table(frames(machine, pose[None]).tcp)[0]
         ends = [(0.0, 0.0) if axis.rotary else axis.travel for axis in axes]
@@ -76,12 +76,12 @@ class StandingMachine:
 
     def axis_point(self, axis: int) -> Array:
         """Return a point on the line of a rotary axis at home, in the room, (3,) m."""
-        order = self._from_bed(axis)[:-1]
+        order = self.from_bed(axis)[:-1]
         return self._in_room(_carried(self.machine.axes, order, self.home), np.array(self.machine.axes[axis].origin))
 
     def part_motion(self, part: int) -> Array:
         """Return the motion of a part in the room from home to the pose, (4, 4)."""
-        order = self._from_bed(part)
+        order = self.from_bed(part)
         now, then = (_carried(self.machine.axes, order, pose) for pose in (self.pose, self.home))
         turned = np.eye(4)
         turned[:3, :3] = self.upright
@@ -90,7 +90,7 @@ class StandingMachine:
     def on_table(self, points: Array, turned: bool = True) -> Array:
         """Return points of the workpiece frame, (n, 3) m, in the room.  turned : whether rotary axes stand as posed"""
         pose = self.pose if turned else np.where([axis.rotary for axis in self.machine.axes], 0.0, self.pose)
-        held = _carried(self.machine.axes, self._from_bed(self.table), pose)
+        held = _carried(self.machine.axes, self.from_bed(self.table), pose)
         return self._in_room(held, np.atleast_2d(points))
 
     def direction_on_table(self, direction: Iterable[float]) -> Array:
@@ -99,7 +99,7 @@ class StandingMachine:
         there: Array = ends[1] - ends[0]
         return there
 
-    def _from_bed(self, part: int) -> list[int]:
+    def from_bed(self, part: int) -> list[int]:
         """Return the axes between the bed and a part, its own last."""
         if part == BED:
             return []
@@ -171,9 +171,7 @@ def name_of(room: StandingMachine, axis: int) -> str:
 
 def under(room: StandingMachine, axis: int) -> int:
     """Return the part that carries the one of an axis."""
-    order = room.work[::-1] if axis in room.work else room.tool
-    at = order.index(axis)
-    return order[at - 1] if at else -1
+    return [BED, *room.from_bed(axis)][-2]
 
 
 def straight(sizes: Measures, axis: int, start: Array) -> Laid:
