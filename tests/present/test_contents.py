@@ -12,9 +12,8 @@ from axiscal.estimation.estimate import concluded
 from axiscal.evaluation.one_axis import PositioningTest, evaluate
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.reading import Reading
-from axiscal.present.sentences import files_of_controls, left_out_words
+from axiscal.present.sentences import left_out_words
 from axiscal.present.summarising import iso230_blocks
-from axiscal.present.summary import TableOffer
 from axiscal.present.volume_error import volume_error
 from axiscal.tables.surface import Control
 from tests.generators.campaigns import drawn, mixed
@@ -101,9 +100,3 @@ def test_a_test_with_too_few_whole_runs_is_none() -> None:
 
 def test_readings_with_a_gap_are_no_such_test() -> None:
     assert iso230_blocks(_described(CAMPAIGN), _test_readings(skip=4)[0]) == []
-
-
-def test_a_sentence_about_many_files_is_said_once() -> None:
-    offers = [TableOffer(f"tables/linuxcnc/{n}.comp", "linuxcnc", n, "They leave 1 um.") for n in "XYZ"]
-    ((_, sentence, files),) = files_of_controls(offers)
-    assert (sentence, len(files)) == ("They leave 1 um.", 3)

@@ -163,8 +163,8 @@ def five_axis_summary(readings: int = 60) -> Summary:
         ],
         warnings=[Finding("prior-misfit", "EXX", "EXX, size: 2.4 times as large as stated or usual.")],
         tables=[
-            TableOffer("x.comp", "LinuxCNC", "X", "0.4 µm between its rows"),
-            TableOffer("curves.csv", "any", "all"),
+            TableOffer("LinuxCNC", {"x.comp": "X"}, "0.4 µm between its rows"),
+            TableOffer("any", {"curves.csv": "all"}),
         ],
         target_rms_um=2.0,
         target_worst_um=4.0,

@@ -63,8 +63,8 @@ def tell_details(summary: Summary, out: Path) -> None:
     for line in statement(resaid(summary)).lines:
         say(line)
     say(f"Files: {out / 'report.html'}, {out / 'report.pdf'}, {out / 'result.json'}{tables}")
-    for offer in {each.controller: each for each in summary.tables}.values():
-        none = "" if offer.axis else "No table for "
+    for offer in summary.tables:
+        none = "" if offer.axes else "No table for "
         say(f"{none}{offer.controller}: {offer.left_out}")
     if summary.tables and not summary.answer.withheld:
         say(said(U_OF_TABLES))

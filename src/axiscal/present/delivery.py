@@ -45,7 +45,7 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
         files = [each for each in made.values() if isinstance(each, Export)]
         controls = {each.controller: each.control for each in files if each.controller in described.controls}
         answer = answer_of(campaign, estimation, controls, written=True, anyway=extras.anyway)
-        offers = [offer for name, each in made.items() for offer in _offers(name, each)]
+        offers = [_offer(name, each) for name, each in made.items()]
         advised = {step.control for step in answer.steps}
         best = min(files, key=lambda each: (each.controller not in advised, each.expected), default=None)
         summary = summarise(campaign, estimation, replace(extras, tables=offers, best=best, answer=answer))
@@ -115,16 +115,16 @@ def _made(estimation: Estimation, controller: str, anyway: bool) -> Export | str
         return str(refusal)
 
 
-def _offers(controller: str, made: Export | str) -> list[TableOffer]:
+def _offer(controller: str, made: Export | str) -> TableOffer:
     """Return what the files for one control hold and leave, or why there are none."""
     if isinstance(made, str):
-        return [TableOffer("none written", controller, "", made)]
+        return TableOffer(controller, {}, made)
     left = effect_sentence(said("All files together"), made.effect, made.U)
     effect = {
         name: to_unit(each, "um") for name, each in zip(EFFECT, (*made.effect, made.expected, made.U), strict=True)
     }
-    axes = {name: name.partition(".")[0].replace("_", " ") for name in made.files}
-    return [TableOffer(f"tables/{controller}/{name}", controller, axis, left, effect) for name, axis in axes.items()]
+    axes = {f"tables/{controller}/{name}": name.partition(".")[0].replace("_", " ") for name in made.files}
+    return TableOffer(controller, axes, left, effect)
 
 
 def introduced(offered: Export, warnings: Sequence[str], agreement: str, record: RecordState | None) -> Export:

@@ -110,7 +110,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "warnings": [_kept(each, "code error text") for each in summary.warnings],
         "answer": _answer(summary.answer),
         "rows": [row.model_dump(mode="json") for row in summary.answer.rows],
-        "tables": [_table(offer, summary) for offer in summary.tables],
+        "tables": [table for offer in summary.tables for table in _tables(offer, summary.answer.withheld)],
         "versions": dict(sorted(summary.versions.items())),
         **({"record": {"event": summary.record.event, "hash": summary.record.hash}} if summary.record else {}),
     }
@@ -182,6 +182,9 @@ def _answer(answer: ResultAnswer) -> dict[str, Any]:
     return found | {"aims": [aim.model_dump(mode="json") | _kept(aim, "now limit floor") for aim in answer.aims]}
 
 
-def _table(offer: TableOffer, summary: Summary) -> dict[str, Any]:
-    found = {**dict.fromkeys(EFFECT), **offer.effect, **({"U_um": None} if summary.answer.withheld else {})}
-    return _kept(offer, "controller axis left_out", file=offer.file if offer.effect else None, **found)
+def _tables(offer: TableOffer, withheld: bool) -> Iterator[dict[str, Any]]:
+    """Yield each file of a control, or why there is none."""
+    found = {**dict.fromkeys(EFFECT), **offer.effect, **({"U_um": None} if withheld else {})}
+    for file, axis in (offer.axes or {"": ""}).items():
+        named = {"axis": axis, "left_out": offer.left_out, "file": file if offer.effect else None}
+        yield _kept(offer, "controller", **named, **found)

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.language.spoken import capital, counted, decimals, joined, later, said, spoken_now
 from axiscal.present.drawing.strokes import static_text
-from axiscal.present.summary import ConstantSummary, CurveSummary, HistoryRow, Iso230, Position, Summary, TableOffer
+from axiscal.present.summary import ConstantSummary, CurveSummary, HistoryRow, Iso230, Position, Summary
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -196,14 +196,6 @@ def root_mean_square(values: ArrayLike) -> float:
 
 def _minus(text: str) -> str:
     return text.replace("-", "−")
-
-
-def files_of_controls(offers: Sequence[TableOffer]) -> list[tuple[str, str, list[str]]]:
-    """Return each control with what its files leave, in a sentence, and the files."""
-    found: dict[tuple[str, str], list[str]] = {}
-    for offer in offers:
-        found.setdefault((offer.controller, offer.left_out), []).append(offer.file)
-    return [(name, left or said("They leave nothing."), files) for (name, left), files in found.items()]
 
 
 _CAUSES = {

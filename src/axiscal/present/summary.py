@@ -135,15 +135,15 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class TableOffer:
-    """A compensation file, and what it leaves uncorrected in words (empty: nothing).
+    """Compensation files for a control, and what they leave uncorrected in words (empty: nothing).
 
+    axes : of each file, by its path; none where none could be made
     effect : of all files of the control together on the tool point over the volume, um, as `result.json` names it: RMS
     before and after, of the deviation as estimated; expected, with what is not known; U of the export
     """
 
-    file: str
     controller: str
-    axis: str
+    axes: Mapping[str, str]
     left_out: str = ""
     effect: Mapping[str, float] = field(default_factory=dict)
 
