@@ -14,12 +14,13 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Generator, Iterable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from axiscal.campaign.possible import versions
 from axiscal.ports.study.results import FILE, Processes, Results, run_missing
-from axiscal.ports.study.study_case import Done, Engine, WorkItem, here, outcome
+from axiscal.ports.study.study_case import Done, Engine, Solve, WorkItem, here, outcome
 from axiscal.ports.study.study_file import Study, read_study
 from tests.ports.texts import CAMPAIGN
 
@@ -43,14 +44,16 @@ def described(folder: Path, machines: int) -> Study:
 def worked(study: Study, folder: Path, engine: Engine, kill: int = 0) -> tuple[dict[str, Done], float, float]:
     """Return all results, and seconds of wall and of this process.  kill : after so many cases, one worker"""
 
-    def watch(done: int, _of: int) -> None:
-        if kill and done == kill:
-            os.kill(multiprocessing.active_children()[0].pid or 0, signal.SIGKILL)
+    def killing(solve: Solve, questions: Iterable[WorkItem]) -> Generator[Done]:
+        for done, found in enumerate(engine(solve, questions), start=1):
+            yield found
+            if done == kill:
+                os.kill(multiprocessing.active_children()[0].pid or 0, signal.SIGKILL)
 
     wall, own = time.monotonic(), time.process_time()
     with Results(folder, study.text, study.digest, versions(), resume=False) as results:
         items = (WorkItem(case.key, case) for case in study.cases())
-        run_missing(results, items, study.count, outcome, engine, watch)
+        run_missing(results, items, study.count, outcome, killing)
         return results.found, time.monotonic() - wall, time.process_time() - own
 
 

@@ -18,7 +18,6 @@ from axiscal.cli.texts import count_text, saying_what_is_kept
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import StudyError
 from axiscal.language.spoken import counted, said
-from axiscal.language.stages import counting
 from axiscal.ports.study.comparing import verdicts, ways_of
 from axiscal.ports.study.results import Processes, Ran, Results, rows_of, run_missing, write_table
 from axiscal.ports.study.study_case import FIGURES, Done, WorkItem, answered, here, outcome, processors_here
@@ -65,8 +64,8 @@ def study(
     again = f"axiscal study {file} --out {folder} --resume"
     with Results(folder, described.text, described.digest, versions(), resume) as results:
         questions = (WorkItem(case.key, case) for case in described.cases())
-        with saying_what_is_kept(partial(_kept, results, described, again)), counting("cases") as watch:
-            ran = run_missing(results, questions, described.count, outcome, engine, watch)
+        with saying_what_is_kept(partial(_kept, results, described, again)):
+            ran = run_missing(results, questions, described.count, outcome, engine)
         _write(described, results, folder, ran, json)
     if ran.failed:
         one = "{count} case of {cases} could not be computed: the last column of the table says why"

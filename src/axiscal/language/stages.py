@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import NamedTuple, TypeVar
 
@@ -65,22 +65,9 @@ def stage(name: str, number: int = 0, of: int = 0) -> Iterator[None]:
 
 def staged(name: str, things: Iterable[Thing], of: int) -> Iterator[Thing]:
     """Yield things, and say of how many each is which."""
-    with counting(name) as moved:
-        for number, thing in enumerate(things):
-            moved(number, of)
-            yield thing
-
-
-@contextmanager
-def counting(name: str) -> Iterator[Callable[[int, int], None]]:
-    """Yield what says how many of how many are done, where they are counted by others."""
     listener = _LISTENER.get()
-    with ExitStack() as stack:
-
-        def moved(number: int, of: int) -> None:
-            if listener is not None and not number:
-                stack.enter_context(stage(name, 0, of))
+    with stage(name, 0, of):
+        for number, thing in enumerate(things):
             if listener is not None:
                 listener.stages[-1] = listener.stages[-1]._replace(number=number)
-
-        yield moved
+            yield thing

@@ -12,7 +12,7 @@ import multiprocessing
 import os
 import signal
 from collections import Counter
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from collections.abc import Generator, Iterable, Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager, suppress
 from itertools import chain, islice
 from multiprocessing.connection import Connection, wait
@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 from axiscal.document.durable import Closing, HeldError, alone, sync, write_at, write_whole
 from axiscal.document.file import json_or_none
 from axiscal.exceptions import StudyError
+from axiscal.language.stages import staged
 from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.numerics.threads import one_thread
 from axiscal.ports.study.study_case import FIGURES, Done, Engine, Solve, WorkItem, answered, canonical, key_of
@@ -218,10 +219,6 @@ def _held(folder: Path) -> Iterator[None]:
         os.close(handle)
 
 
-Watch = Callable[[int, int], None]
-"""How many are done, of how many that were missing."""
-
-
 class Ran(NamedTuple):
     """there : cases that were there before; computed : now; failed : of all"""
 
@@ -236,7 +233,6 @@ def run_missing(
     count: int,
     solve: Solve,
     engine: Engine,
-    watch: Watch = lambda done, of: None,
 ) -> Ran:
     """Work on all items that have no result yet, and keep what comes of them; each is on the disk at once.
 
@@ -247,12 +243,10 @@ def run_missing(
     left = (item for item in items if item.key not in there)
     first = next(left, None)
     if first is not None:  # an engine takes seconds to begin
-        watch(0, missing)
         with closing(engine(solve, chain([first], left))) as coming:
-            for found in coming:
+            for found in staged("cases", coming, missing):
                 results.keep(found)
                 done += 1
-                watch(done, missing)
     failed = sum(found.result is None for found in results.found.values())
     return Ran(len(there), done, failed)
 
