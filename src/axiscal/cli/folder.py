@@ -12,12 +12,11 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, PlacesFile, RecordFile, Records, above_zero
 from axiscal.cli.printing import complain, say_either, tell
-from axiscal.cli.texts import count_text
 from axiscal.description.placed_readings import placed_readings
 from axiscal.document.durable import write_whole
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import ending, later, said
+from axiscal.language.spoken import counted, ending, later, said
 from axiscal.measurement.readers.files import read_any
 from axiscal.ports.fleet.due_dates import DueMachine, Shop, due_dates, titles
 from axiscal.ports.fleet.quick_check import CHANCE, READINGS, Checked, QuickCheck
@@ -95,7 +94,7 @@ def _lines_of_due(found: Shop, tables: str | None) -> list[str]:
     lines = [f"{said('machine'):{width}}  {last:10}  {now:>9}  {target:>9}  {when}"]
     lines += [_line(machine, f"{name:{width}}") for machine, name in zip(found.machines, names, strict=True)]
     (once, once_std), (year, year_std) = found.aging.at_once, found.aging.yearly
-    pairs = count_text(found.aging.pairs, "pair")
+    pairs = counted("{count} pair", "{count} pairs", found.aging.pairs)
     learnt, assumed = "learnt from {pairs} of campaigns", "assumed: no machine was measured again"
     source = said(learnt, pairs=pairs) if found.aging.pairs else said(assumed)
     words = "Kept at once {once:.2f} ± {once_std:.2f}, and in a year {year:.2f} ± {year_std:.2f} of it: {source}."
@@ -184,8 +183,9 @@ def _lines(found: ShopList) -> list[str]:
         minded = [each.known.trouble, each.remark]
         lines += [said("To be minded: {file}: {what}.", file=each.file.name, what=what) for what in minded if what]
     lines += [said("Left out: {file}: {why}.", file=file.name, why=why) for file, why in found.left_out]
-    records, machines = count_text(len(found.listed), "record"), count_text(found.machines, "machine")
-    events = count_text(sum(found.kinds.values()), "event")
+    records = counted("{count} record", "{count} records", len(found.listed))
+    machines = counted("{count} machine", "{count} machines", found.machines)
+    events = counted("{count} event", "{count} events", sum(found.kinds.values()))
     words = "{records} of {machines}; {events} in the folder."
     return [*lines, said(words, records=records, machines=machines, events=events)]
 
@@ -236,7 +236,7 @@ def bring(
 def _words(record: Path, found: Brought) -> str:
     if found.what == "there already":
         return f"{record}: the folder has it, in {found.file}."
-    added = count_text(found.events, "event")
+    added = counted("{count} event", "{count} events", found.events)
     return f"{record}: {found.file} {'is new' if found.what == 'new' else 'has gone on'}, by {added}."
 
 

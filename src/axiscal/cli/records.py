@@ -11,9 +11,9 @@ from axiscal.campaign.possible import beginning_of, described
 from axiscal.campaign.salvaging import salvaged
 from axiscal.cli.arguments import Json, OwnRecord, RecordFile
 from axiscal.cli.printing import say_either
-from axiscal.cli.texts import count_text, opened_to_write, signed_text
+from axiscal.cli.texts import opened_to_write, signed_text
 from axiscal.exceptions import NewerError
-from axiscal.language.spoken import said
+from axiscal.language.spoken import counted, said
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.record.copies import file_name, is_stored, opened_log, write_copy
 from axiscal.record.line_form import EventText
@@ -47,7 +47,9 @@ def copy_record(
         readings = _readings(log)
         write_copy(log, target)
         last, name = log.last(), log.name
-    count = count_text(last, "event") if readings is None else count_text(readings, "reading")
+    count = counted("{count} reading", "{count} readings", readings or 0)
+    if readings is None:
+        count = counted("{count} event", "{count} events", last)
     document = {"copy": str(target), "readings": readings, "event": last, "hash": name}
     words = said(
         "{copy} holds {count}, up to event {last} of the record, {digest}.",
@@ -89,7 +91,8 @@ def salvage(
     found = salvaged(record, new, None if beginning is None else _first(beginning))
     document = {"record": str(new), "readings": len(found.state.readings), "events": found.entries}
     lists = {"missing": list(found.missing), "left_out": list(found.left)}
-    readings, events = count_text(len(found.state.readings), "reading"), count_text(found.entries, "event")
+    readings = counted("{count} reading", "{count} readings", len(found.state.readings))
+    events = counted("{count} event", "{count} events", found.entries)
     lines = [f"{new} holds {readings}, from {events} of {record} that stand whole."]
     lines += [f"Missing: {words}" for words in found.missing] or ["Nothing is missing."]
     lines += [f"Left out: {words}" for words in found.left]

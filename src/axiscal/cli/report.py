@@ -13,11 +13,11 @@ from axiscal.campaign.ending import because_text
 from axiscal.cli.arguments import Anyway, Details, Json, OwnRecord, ReportLanguage, ResultsFolder
 from axiscal.cli.outputs import standing_screen, write_outputs
 from axiscal.cli.printing import say, say_document
-from axiscal.cli.texts import accuracy_text, asked_screen, count_text, opened_to_write, signed_text
+from axiscal.cli.texts import accuracy_text, asked_screen, opened_to_write, signed_text
 from axiscal.estimation.agreement_words import agreement_document, agreement_words, change_words, membership_words
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import capital, decimals, said
+from axiscal.language.spoken import capital, counted, decimals, said
 from axiscal.present.delivery import write_report
 from axiscal.present.guide.progress import contradictions
 from axiscal.present.guide.question import asked_text
@@ -119,7 +119,7 @@ def _lines(campaign: Campaign) -> list[str]:
         said(
             "{machine}: {readings}, {minutes} of machine time",
             machine=description.machine.name,
-            readings=count_text(len(state.readings), "reading"),
+            readings=counted("{count} reading", "{count} readings", len(state.readings)),
             minutes=decimals(format_quantity(status.seconds, "min", 3)),
         ),
         said("standard uncertainty {accuracy}", accuracy=accuracy_text(status.accuracy, target.rms, target.worst)),

@@ -14,7 +14,7 @@ import typer
 from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say_either
-from axiscal.cli.texts import count_text, saying_what_is_kept
+from axiscal.cli.texts import saying_what_is_kept
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import StudyError
 from axiscal.language.spoken import counted, said
@@ -115,7 +115,7 @@ def _write(described: Study, results: Results, folder: Path, ran: Ran, json: boo
         ],
         "written": [str(page), str(table), str(results.path)],
     }
-    computed = count_text(ran.computed, "case")
+    computed = counted("{count} case", "{count} cases", ran.computed)
     words = "{cases} computed, {there} were there. Written: {page}, {table}"
     words = words if ran.there else "{cases} computed. Written: {page}, {table}"
     done = said(words, cases=computed, there=ran.there, page=page, table=table)
@@ -137,9 +137,9 @@ def _foretell(described: Study, workers: int, json: bool) -> None:
     taking = said(long, hours=hours) if hours >= 1 else said(short, minutes=60 * hours)
     words = said(
         "{cases}: {ways} on {machines}. By the first two: about {taking}, on {workers} at a time.",
-        cases=count_text(described.count, "case"),
-        ways=count_text(ways, "way"),
-        machines=count_text(described.machines, "machine"),
+        cases=counted("{count} case", "{count} cases", described.count),
+        ways=counted("{count} way", "{count} ways", ways),
+        machines=counted("{count} machine", "{count} machines", described.machines),
         taking=taking,
         workers=workers,
     )

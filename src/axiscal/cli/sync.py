@@ -10,7 +10,7 @@ import typer
 from axiscal.campaign.adopting import adopted
 from axiscal.cli.arguments import Json, RecordFile, own_record, records_here
 from axiscal.cli.printing import say_either
-from axiscal.cli.texts import count_text, opened_to_write
+from axiscal.cli.texts import opened_to_write
 from axiscal.language.spoken import counted, later, put, said
 from axiscal.ports.postgres.database import Database, opened_database
 from axiscal.ports.postgres.server_log import entries, only_entry
@@ -105,14 +105,14 @@ def _set_aside(database: Database, text: str, as_json: bool) -> None:
     words = said(
         "store:{name}: {events} from {first} on set aside; the database keeps them.",
         name=found.called,
-        events=count_text(count, "event"),
+        events=counted("{count} event", "{count} events", count),
         first=first,
     )
     say_either(as_json, "axiscal-sync/1", {"campaign": found.id, "name": found.name, "set_aside": count}, [words])
 
 
 def _words(path: Path, found: Synced) -> str:
-    sent, taken = count_text(found.sent, "event"), count_text(found.taken, "event")
+    sent, taken = (counted("{count} event", "{count} events", count) for count in (found.sent, found.taken))
     branch = said(
         "branch store:{branch} of store:{name}, from event {event}",
         branch=found.campaign.called,
@@ -167,7 +167,7 @@ def adopt(
         said(
             "{record}: {count} of {branch} taken over; it has {readings} now.",
             record=record,
-            count=count_text(found.taken, "reading"),
+            count=counted("{count} reading", "{count} readings", found.taken),
             branch=branch,
             readings=readings,
         )

@@ -9,7 +9,6 @@ import shlex
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Literal
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
@@ -70,22 +69,6 @@ def accuracy_text(known: Accuracy, rms: float | None, worst: float | None) -> st
     return said("RMS {rms}, worst {worst}", rms=found, worst=largest)
 
 
-Noun = Literal["reading", "event", "record", "machine", "case", "pair", "way"]
-
-
-def count_text(count: int, noun: Noun) -> str:
-    """Return "1 reading", "3 readings"."""
-    return {
-        "reading": counted("{count} reading", "{count} readings", count),
-        "event": counted("{count} event", "{count} events", count),
-        "record": counted("{count} record", "{count} records", count),
-        "machine": counted("{count} machine", "{count} machines", count),
-        "case": counted("{count} case", "{count} cases", count),
-        "pair": counted("{count} pair", "{count} pairs", count),
-        "way": counted("{count} way", "{count} ways", count),
-    }[noun]
-
-
 def signed_text(campaign: Campaign) -> str:
     """Return who answers for how much of the record, in words."""
     found, last = campaign.signed(), campaign.state.last
@@ -98,7 +81,8 @@ def signed_text(campaign: Campaign) -> str:
     signed = said("signed at event {number} by {by}", number=found.number, by=by)
     if found.number == last:
         return signed
-    return said("{signed}; unsigned since: {events}", signed=signed, events=count_text(last - found.number, "event"))
+    events = counted("{count} event", "{count} events", last - found.number)
+    return said("{signed}; unsigned since: {events}", signed=signed, events=events)
 
 
 @contextmanager

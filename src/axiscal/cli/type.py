@@ -10,12 +10,11 @@ import typer
 
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say_either
-from axiscal.cli.texts import count_text
 from axiscal.description.campaign import read_campaign
 from axiscal.document.durable import write_whole
 from axiscal.estimation.type_prior import TypePrior, type_prior
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import said
+from axiscal.language.spoken import counted, said
 from axiscal.machine import load_machine
 from axiscal.planning.plan.plan import Plan
 from axiscal.ports.fleet.rehearsal import Imagined, error_lines, rehearsed, summary_sentences
@@ -195,7 +194,7 @@ def rehearse(
     files = rehearsed(described, Imagined(size, common), machines, out, seed)
     words = said(
         "{records} in {folder}. Learn from them: axiscal shop type learn {folder}",
-        records=count_text(len(files), "record"),
+        records=counted("{count} record", "{count} records", len(files)),
         folder=out,
     )
     say_either(json, "axiscal-type-rehearsed/1", {"records": [str(file) for file in files]}, [words])
