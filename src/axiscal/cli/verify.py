@@ -25,11 +25,8 @@ from axiscal.present.check_answer import (
     CheckAnswer,
     check_answer,
     check_details,
+    check_plan,
     check_screen,
-    passed_over,
-    plan_lines,
-    plan_rows,
-    read_again,
 )
 from axiscal.record.signing import own_hand
 from axiscal.tables import registry
@@ -206,12 +203,11 @@ def _opening(
 
 def _plan(check: Check, places: Places, plan: Path | None, command: str, json: bool) -> None:
     """Show the places and what to do next, and write them into the file `plan`.  command : without its last options"""
-    rows, unread, again = plan_rows(check, places), passed_over(check, places), read_again(check, places)
-    sheet = check.sheet(places)
+    (document, planned), sheet = check_plan(check, places), check.sheet(places)
     if plan is not None:
         write_whole(plan, sheet.encode())
-    lines = [_wrapped(plan_lines(rows, unread, again)), *ending({said("Next"): _steps(sheet, plan, command)})]
-    say_either(json, "axiscal-verify/1", {"plan": rows, "passed_over": unread, "read_again": again}, lines)
+    lines = [_wrapped(planned), *ending({said("Next"): _steps(sheet, plan, command)})]
+    say_either(json, "axiscal-verify/1", document, lines)
 
 
 def _wrapped(lines: Sequence[str]) -> str:

@@ -168,61 +168,45 @@ def plain(micrometres: Array) -> Array:
     return np.where(np.abs(micrometres) < _ROUNDING, 0.0, micrometres)
 
 
-def plan_rows(check: Check, places: Places) -> list[dict[str, object]]:
-    """Return each place with what it is expected to show; three figures where a reading has three values."""
-    described, axes = check.description, check.description.machine.axes
-    before, after = ([_figures(values) for values in each] for each in check.predicted(places))
-    return [
-        {
-            "setup": place.setup,
-            "place": place_text(axes, place.pose, described.setup(place.setup).moves),
-            "position": shown_pose(axes, place.pose),
-            "approach": approach_text(axes, place.approach),
-            "found_um": before[i],
-            "left_um": after[i],
-        }
-        for i, place in enumerate(places.listed(described.setups))
-    ]
+def check_plan(check: Check, places: Places) -> tuple[dict[str, object], list[str]]:
+    """Return places with what each is expected to show, as a document; in words what each set-up shows at the most.
 
-
-_PREDICTED = ("found_um", "left_um")
-
-
-def passed_over(check: Check, places: Places) -> list[str]:
-    """Return the set-ups of the campaign's readings that the check does not read: they lack new places."""
-    setups = check.description.setups
-    read, planned = {reading.setup for reading in check.used}, {setups[index].name for index in places.setups}
-    return [setup.name for setup in setups if setup.name in read - planned]
-
-
-def read_again(check: Check, places: Places) -> list[str]:
-    """Return the set-ups that the check reads where the campaign has read them: they lack new places."""
-    setups = check.description.setups
-    return [setups[index].name for index, _ in places.by_setup() if setups[index].name in check.exhausted]
-
-
-def plan_lines(rows: Sequence[dict[str, object]], unread: Sequence[str], again: Sequence[str]) -> list[str]:
-    """Return how many places a plan has, and what each set-up is expected to show at the most; its file lists them.
-
-    unread : set-ups that it passes over; again : set-ups that it reads at places of the campaign
+    plan : of each place, three figures where a reading has three values
+    passed_over, read_again : set-ups of the campaign without new places, not read or read where the campaign has
     """
-    lines = [counted("{count} PLACE TO CHECK", "{count} PLACES TO CHECK", len(rows))]
-    for setup in dict.fromkeys(row["setup"] for row in rows):
-        mine = [row for row in rows if row["setup"] == setup]
-        found, left = (float(np.max([np.max(np.abs(np.asarray(row[key]))) for row in mine])) for key in _PREDICTED)
-        places = counted("{count} place", "{count} places", len(mine))
+    setups, axes = check.description.setups, check.description.machine.axes
+    predicted = [[plain(to_unit(values, "um")) for values in each] for each in check.predicted(places)]
+    listed_places, rows = places.listed(setups), list[dict[str, object]]()
+    for place, *figures in zip(listed_places, *predicted, strict=True):
+        found, left = (each.tolist() if len(each) > 1 else float(each[0]) for each in figures)
+        rows.append(
+            {
+                "setup": place.setup,
+                "place": place_text(axes, place.pose, check.description.setup(place.setup).moves),
+                "position": shown_pose(axes, place.pose),
+                "approach": approach_text(axes, place.approach),
+                "found_um": found,
+                "left_um": left,
+            }
+        )
+    lines, planned = [counted("{count} PLACE TO CHECK", "{count} PLACES TO CHECK", len(rows))], list[str]()
+    for setup in dict.fromkeys(place.setup for place in listed_places):
+        mine = [n for n, place in enumerate(listed_places) if place.setup == setup]
+        found, left = (digits(max(float(np.abs(each[n]).max()) for n in mine)) for each in predicted)
+        read = counted("{count} place", "{count} places", len(mine))
         words = '"{setup}": {places}, predicted up to {found} um as found, {left} um as left'
-        lines.append(said(words, setup=setup, places=places, found=digits(found), left=digits(left)))
+        lines.append(said(words, setup=setup, places=read, found=found, left=left))
+        planned.append(setup)
+    used = {reading.setup for reading in check.used}
+    unread = [setup.name for setup in setups if setup.name in used and setup.name not in planned]
+    again = [setup.name for setup in setups if setup.name in check.exhausted.intersection(planned)]
     missing, same = (listed(", ", [quoted(name) for name in names]) for names in (unread, again))
     if unread:
         lines.append(said("Not checked, for want of new places: {setups}.", setups=missing))
-    words = "Read again at the same places, for want of new ones: {setups}. This tells whether the tables work."
-    return [*lines, said(words, setups=same)] if again else lines
-
-
-def _figures(values: Array) -> float | list[float]:
-    shown = [float(value) for value in plain(to_unit(values, "um"))]
-    return shown[0] if len(shown) == 1 else shown
+    if again:
+        words = "Read again at the same places, for want of new ones: {setups}. This tells whether the tables work."
+        lines.append(said(words, setups=same))
+    return {"plan": rows, "passed_over": unread, "read_again": again}, lines
 
 
 def check_screen(answer: CheckAnswer) -> list[str]:
