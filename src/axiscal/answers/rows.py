@@ -67,7 +67,7 @@ def _row(asked: AskedRow, known: Estimation, controls: Mapping[str, Control]) ->
     estimate, errors, belief, functional = known.estimate(), known.case.errors, known.printed.belief, asked.map
     shown: Callable[[Array], Array]
     if functional is None:
-        where, dimensions = places(estimate), len(estimate.counted)
+        where, dimensions = places(estimate), sum(estimate.counted)
         variances, shown = np.array(unknown_rms(estimate) ** 2), partial(_counted, estimate, where[0])
     else:
         where, dimensions, shown = (functional.poses, functional.sides), functional.dimensions, functional.row

@@ -110,9 +110,9 @@ class Curve:
 
     def plot(self) -> NotebookPicture:
         """Return a picture: mean, and the band that holds it with 95 %."""
-        return NotebookPicture((self._figure(),))
+        return NotebookPicture((self.line(),))
 
-    def _figure(self) -> Figure:
+    def line(self) -> Figure:
         """Return the curve as it is drawn."""
         at = np.linspace(self.spline.knots[0], self.spline.knots[-1], _SHOWN)
         mean, std = self(at)
@@ -221,7 +221,7 @@ class Estimated(Mapping[str, Curve]):
 
     def plot(self) -> NotebookPicture:
         """Return a picture of every curve with its 95 % band."""
-        return NotebookPicture(tuple(self[name]._figure() for name in self if self._function(name).basis.size > 1))
+        return NotebookPicture(tuple(self[name].line() for name in self if self._function(name).basis.size > 1))
 
     def _function(self, name: str) -> ErrorFunction:
         return self.estimation.case.errors.names[name]

@@ -166,7 +166,6 @@ class PlanResult:
 
 
 _NO_KEYS: Mapping[str, Any] = MappingProxyType({})
-_SOURCE = "the case"
 
 
 class Case:
@@ -186,7 +185,7 @@ class Case:
     ) -> None:
         keys = {"machine": machine.name, "scales": "estimate" if learn else "stated", "target": target}
         text = toml_document({**keys, "setups": list(setups)})
-        described = campaign_from_texts(text, _SOURCE, machine.text, machine.name, fine_knots=machine.fine_knots)
+        described = campaign_from_texts(text, "the case", machine.text, machine.name, fine_knots=machine.fine_knots)
         self.description, self.inner = described, case_of(described)
 
     @classmethod
@@ -208,12 +207,8 @@ class Case:
 
         At least one of them ends it: so many readings, an RMS over the volume reached, so many minutes.
         """
-        limits = Limits(
-            readings,
-            None if rms is None else si(rms, "length"),
-            None,
-            None if minutes is None else 60.0 * minutes,
-        )
+        wanted, seconds = None if rms is None else si(rms, "length"), None if minutes is None else 60.0 * minutes
+        limits = Limits(readings, wanted, None, seconds)
         proposal = proposed(self.inner, limits, candidates, bounded=True)
         return PlanResult(self.inner, proposal, plan_answer(self.inner, proposal, limits))
 

@@ -44,10 +44,12 @@ class SetupScene:
         lines = wrapped(self.legend, width - 2 * _SIDE) if self.legend else []
         over, beneath = _LINE * len(heads) + 4, _LINE * len(lines) + 6
         frame = Viewport(left + _SIDE, top + over, width - 2 * _SIDE, height - over - beneath)
-        words = [text(left + _SIDE, top + 16 + _LINE * n, line, "title") for n, line in enumerate(heads)]
-        foot = top + height - beneath + 18
-        words += [text(left + _SIDE, foot + _LINE * n, line, "soft") for n, line in enumerate(lines)]
-        return drawn(self.parts, frame) + "".join(words)
+        words = _lines(heads, left + _SIDE, top + 16, "title")
+        return drawn(self.parts, frame) + words + _lines(lines, left + _SIDE, top + height - beneath + 18, "soft")
+
+
+def _lines(lines: Sequence[str], left: float, top: float, kind: str) -> str:
+    return "".join(text(left, top + _LINE * n, line, kind) for n, line in enumerate(lines))
 
 
 def setup_scene(
@@ -160,9 +162,8 @@ def _beside_each_other(scenes: Sequence[SetupScene], title: str, width: float) -
     feet = wrapped(" · ".join(part for part in (scenes[0].legend, note) if part) if alone else note, width - 2 * _SIDE)
     top = _LINE * len(heads) + 12
     foot = top + high * -(-len(scenes) // columns)
-    parts = [text(_SIDE, 20 + _LINE * n, line, "title") for n, line in enumerate(heads)]
+    body = _lines(heads, _SIDE, 20, "title")
     for n, scene in enumerate(scenes):
         shown = replace(scene, legend="") if alone else scene
-        parts.append(shown.svg(across, high, across * (n % columns), top + high * (n // columns), titled=not alone))
-    parts += [text(_SIDE, foot + 18 + _LINE * n, line, "soft") for n, line in enumerate(feet)]
-    return Drawing(width, foot + 10 + _LINE * len(feet), "".join(parts))
+        body += shown.svg(across, high, across * (n % columns), top + high * (n // columns), titled=not alone)
+    return Drawing(width, foot + 10 + _LINE * len(feet), body + _lines(feet, _SIDE, foot + 18, "soft"))
