@@ -14,12 +14,12 @@ from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, Log, Programs, RecordFile
 from axiscal.cli.printing import say_either, tell
-from axiscal.cli.texts import ask_next, next_text, opened_to_write, question_document
+from axiscal.cli.texts import next_text, opened_to_write, question_document
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import logged_readings, placed_approach, placed_pose, placed_readings
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import ReadingError, RecordError
-from axiscal.language.spoken import counted, joined, listed, quoted, said
+from axiscal.language.spoken import counted, joined, later, listed, quoted, said
 from axiscal.machine import Machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose
@@ -27,6 +27,8 @@ from axiscal.measurement.setup import Setup
 from axiscal.present.guide.progress import contradictions, doubted, last_doubt, others_doubted
 from axiscal.present.guide.question import asked_text, value_texts
 from axiscal.units import format_quantity, parse_quantity, to_unit
+
+_ASK = later("Ask for the next one: axiscal step next {record}")
 
 
 def record(
@@ -123,7 +125,7 @@ def _answered(
     question = campaign.next() if then_next else None
     if question is not None:
         document |= {"next": question_document(campaign, question)}
-    coming = ask_next(campaign.path) if question is None else next_text(campaign, question)
+    coming = said(_ASK, record=campaign.path) if question is None else next_text(campaign, question)
     say_either(as_json, "axiscal-record/1", document, [*lines, coming])
     if question is None:
         with suppress(RecordError):  # it is kept; what cannot be added to it is found out by `next`
@@ -144,7 +146,7 @@ def _record_log(record: Path, log: Path, programs: Path, as_json: bool) -> None:
         count = len(campaign.state.readings)
         words = counted("Kept {count} reading of {log}.", "Kept {count} readings of {log}.", len(placed), log=log)
         document = {"logged": len(placed), "readings": count}
-        say_either(as_json, "axiscal-record/1", document, [words, ask_next(record)])
+        say_either(as_json, "axiscal-record/1", document, [words, said(_ASK, record=record)])
 
 
 def _left(campaign: Campaign, place: Place) -> str:

@@ -47,11 +47,6 @@ def next_text(campaign: Campaign, asked: Asked | Ended) -> str:
     return asked_screen(campaign, asked)
 
 
-def ask_next(record: Path) -> str:
-    """Return how to ask for the next reading."""
-    return said("Ask for the next one: axiscal step next {record}", record=record)
-
-
 def question_document(campaign: Campaign, asked: Asked | Ended) -> dict[str, object]:
     """Return the question, or why there is none, as the document `axiscal-next/1`."""
     if isinstance(asked, Ended):
