@@ -271,7 +271,7 @@ def _unobservable(estimation: Estimation) -> Iterator[Finding]:
 
 
 def _outliers(estimation: Estimation, ended: bool) -> Iterator[Finding]:
-    """Say which readings do not count, and which do although they do not agree with the others."""
+    """Say which readings do not count, and which do although they do not agree; of very many it is not the readings."""
     text = "{objection}: it is not used; take it again, or record it with --accept if it is right."
     if ended:
         text = (
@@ -280,16 +280,9 @@ def _outliers(estimation: Estimation, ended: bool) -> Iterator[Finding]:
         )
     for doubt in estimation.outliers:
         yield Finding("outlier", None, capital(said(text, objection=estimation.objection_to(doubt))))
-    yield from _disagreeing(estimation)
-
-
-def _disagreeing(estimation: Estimation) -> Iterator[Finding]:
-    """Say which used readings do not agree with the others; of very many it is not the readings."""
     left = {} if estimation.posterior is None else estimation.posterior.left_out
     far = [index for index, each in left.items() if each.z > AGREES and index not in estimation.left_out]
-    if len(far) > max(2.0, _MANY * len(left)):
-        return
-    for index in far:
+    for index in far if len(far) <= max(2.0, _MANY * len(left)) else ():
         if not estimation.readings[index].accepted:
             text = "{reading} is {away:.1f} standard deviations from what the other readings say, and is used."
             name = estimation.name_of(index)

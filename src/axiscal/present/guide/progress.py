@@ -186,17 +186,13 @@ class Due(AnswerDocument):
 
 def due(campaign: Campaign) -> Due:
     """Return what is due now."""
-    warm, ago = _temperature(campaign)
+    noted = ((note.at, _DEGREES.search(note.text)) for note in reversed(campaign.state.notes))
+    at, found = next(((at, found) for at, found in noted if found), ("", None))
+    warm = None if found is None else float(found[1].replace(",", "."))
+    since = (datetime.now(UTC) - datetime.fromisoformat(at)).total_seconds() / 60 if at else 0.0
+    ago = max(since, 0.0)
     asked = warm is None or ago >= _EVERY
     places, read = campaign.state.coming, {reading.place for reading in campaign.state.readings}
     first = next((n for n, place in enumerate(places) if place in read), None)
     until = None if first is None else to_unit(campaign.seconds(places[:first]) - campaign.seconds(), "min")
     return Due(temperature_degc=warm, minutes_ago=ago, ask=asked, marker_minutes=until)
-
-
-def _temperature(campaign: Campaign) -> tuple[float | None, float]:
-    for note in reversed(campaign.state.notes):
-        if (found := _DEGREES.search(note.text)) is not None:
-            ago = (datetime.now(UTC) - datetime.fromisoformat(note.at)).total_seconds() / 60
-            return float(found[1].replace(",", ".")), max(ago, 0.0)
-    return None, 0.0

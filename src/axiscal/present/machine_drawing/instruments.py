@@ -191,7 +191,9 @@ def _level(stand: MountedSetup) -> Iterator[Part]:
     rests = stand.tip if stand.setup.base is not None else room.on_table(np.mean(room.reach, axis=0))[0]
     foot = rests * [1, 1, 0] + up(stand.table)
     if axis in room.tool and stand.setup.base is None:
-        foot = (room.part_motion(axis) @ np.append(_ledge(stand), 1.0))[:3]
+        beside = np.array([-stand.sizes.ram - 0.09 * s, 0.0, room.machine.tool + 0.12 * stand.sizes.spindle])
+        ledge = room.tip + (np.array([-0.24, -0.2, -0.24]) * s if room.lying else beside)  # on the carriage of a lathe
+        foot = (room.part_motion(axis) @ np.append(ledge, 1.0))[:3]
     about = np.abs(stand.direction)
     half = np.array([0.03, 0.09, 0.0]) * s if about[0] > 0.7 else np.array([0.09, 0.03, 0.0]) * s
     yield box(foot - half, foot + half + up(0.055 * s), "gold")
@@ -199,13 +201,6 @@ def _level(stand: MountedSetup) -> Iterator[Part]:
     yield Stroke(np.array([top - 0.4 * half, top + 0.4 * half]), "paper", 5.0)
     yield RoundMark(top, 0.006 * s, "read", 3.0)
     yield Caption(top, said(stand.setup.instrument))
-
-
-def _ledge(stand: MountedSetup) -> Array:
-    """Return where a level rides at home: on the carriage of a lathe, beside the spindle of others, (3,) m."""
-    room, s = stand.room, stand.sizes.whole
-    beside = np.array([-stand.sizes.ram - 0.09 * s, 0.0, room.machine.tool + 0.12 * stand.sizes.spindle])
-    return room.tip + (np.array([-0.24, -0.2, -0.24]) * s if room.lying else beside)
 
 
 def _ballbar(stand: MountedSetup) -> Iterator[Part]:
