@@ -24,7 +24,7 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import PlaceRows, rows_at, visited
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution, solution_of_product, take_off
-from axiscal.numerics.gaussian import lower_root
+from axiscal.numerics.gaussian import condition, lower_root
 from axiscal.planning.gains.gain import Scorer
 
 _MODERATE = 1e13
@@ -125,10 +125,7 @@ class Covariance:
 
     def opened(self, places: Places) -> Covariance:
         """Return the state with columns for the cells that the places lie in."""
-        return self.opened_to(visited(self.observation, places))
-
-    def opened_to(self, after: Observation) -> Covariance:
-        """Return the state with the columns that a map has beyond this one's."""
+        after = visited(self.observation, places)
         if after is self.observation:
             return self
         extra = np.sqrt(self.observation.rest_variances(after))
@@ -189,16 +186,6 @@ class Covariance:
         if not len(places):
             return state
         return replace(state, both=informed(state.both, state.whitened(places)[0]))
-
-    def losses(self, places: Places) -> tuple[Array, NDArray[np.intp]]:
-        """Return what each number of readings takes off the covariance, d dᵀ, (m, n), and whose it is, (m,), in order.
-
-        The whitened rows B give [Bᵀ; I] = Q U. The d of the first numbers are F times the first rows of Qᵀ, whatever
-        follows. The unknowns of the readings' cells are open; readings together, (r + m) m² operations.
-        """
-        scaled, owner = self.whitened(places)
-        apart = np.linalg.qr(np.vstack([scaled.T, np.eye(len(scaled))]))[0]
-        return apart[: scaled.shape[1]].T @ self.factor.T, owner
 
     def whitened(self, places: Places) -> tuple[Array, NDArray[np.intp]]:
         """Return R^-½ G F (m, r) of all numbers of readings, and whose each is (m,), in order."""
@@ -302,8 +289,10 @@ def after_each(state: Covariance, yardstick: Yardstick, order: Places) -> Iterat
     for start in range(0, len(order), _TOGETHER):
         part = order.within(slice(start, start + _TOGETHER))
         state = state.opened(part)
-        losses, owner = state.losses(part)
+        rows, variances, owner = state.rows(part)
+        unread, none = np.zeros(len(rows)), np.zeros(len(rows), dtype=np.intp)
+        root, *_, losses = condition(state.factor, np.zeros(len(state.factor)), rows, unread, variances, none)
         ends = np.searchsorted(owner, np.arange(len(part)), side="right")
         values = state.value - np.cumsum(np.sum(state.root.times(losses.T) ** 2, axis=0))[ends - 1]
         yield from zip(values.tolist(), yardstick.accuracies(state.factor, losses, ends), strict=True)
-        state = state.after_readings(part)
+        state = Covariance.from_factor(state.observation, root, state.root)
