@@ -12,7 +12,6 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case, Rival
 from axiscal.estimation.promise import problem, unknowns
-from axiscal.estimation.promise.dense import Dense
 from axiscal.estimation.promise.problem import MOST_COLUMNS, MOST_NUMBERS, Inherited, PlaneUnknowns, Problem
 from axiscal.estimation.promise.spaces import parts_of
 from axiscal.estimation.promise.unknowns import Unknowns
@@ -25,6 +24,7 @@ from axiscal.numerics import Array
 from benchmarks.nonlinear.stations import at_once, bars, tracers
 from tests.generators import laser_axis
 from tests.generators.campaigns import drawn, mixed
+from tests.generators.dense_posterior import Dense
 from tests.generators.problems import asked
 from tests.generators.texts import campaign_text, setup_text
 

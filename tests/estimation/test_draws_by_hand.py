@@ -15,7 +15,6 @@ from scipy.stats import norm
 from axiscal.description.usual import Kind, Sizes
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise import posterior
-from axiscal.estimation.promise.dense import Dense, mixture
 from axiscal.estimation.promise.draws import Mode, Weighed, _halved, _wings, draws, mode, redrawn, weighed
 from axiscal.estimation.promise.posterior import (
     LeftOut,
@@ -34,6 +33,7 @@ from axiscal.estimation.promise.problem import Problem, _cell_root
 from axiscal.estimation.promise.spaces import Space
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.machine import load_machine
+from tests.generators.dense_posterior import Dense, mixture
 from tests.generators.problems import asked, case_of, readings_of, sized, stated
 
 

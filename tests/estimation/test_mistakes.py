@@ -25,13 +25,13 @@ from axiscal.estimation.promise.agreement import (
     _units,
     agreement,
 )
-from axiscal.estimation.promise.dense import Dense, log_density
 from axiscal.estimation.promise.draws import Weighed
 from axiscal.estimation.promise.posterior import sized as weighed_of
 from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
+from tests.generators.dense_posterior import Dense, log_density
 from tests.generators.problems import asked, sized
 
 COUNTS = {"axis": 9, "two set-ups": 8}

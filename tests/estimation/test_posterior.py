@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from axiscal.estimation.promise.dense import Dense, degrees_of, mixture
 from axiscal.estimation.promise.draws import draws, mode, weighed
 from axiscal.estimation.promise.posterior import Posterior, sorted_out
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from tests.generators.dense_posterior import Dense, degrees_of, mixture
 from tests.generators.problems import asked, case_of, drawn_values, plain_case, readings_of, sized, stated
 
 NOISE = 0.5e-6

@@ -22,13 +22,13 @@ from axiscal.estimation.data_equation import (
     shares_of,
 )
 from axiscal.estimation.membership import shares_of_rivals
-from axiscal.estimation.promise.dense import Dense
 from axiscal.estimation.promise.problem import Inherited, problem
 from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior, is_type_text, rivals, type_prior
 from axiscal.exceptions import RecordError
 from axiscal.machine import machine_from_text
 from axiscal.numerics import Array
 from tests.generators.campaigns import drawn, mixed
+from tests.generators.dense_posterior import Dense
 from tests.generators.laser_axis import CASE, machine, read
 
 TEXT = """

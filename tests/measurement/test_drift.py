@@ -17,7 +17,6 @@ from axiscal.description.usual import Sizes
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, paths
-from axiscal.estimation.promise.dense import Dense
 from axiscal.estimation.promise.problem import problem as posed_of
 from axiscal.exceptions import DescriptionError, ReadingError, UnitError
 from axiscal.machine import load_machine
@@ -34,6 +33,7 @@ from axiscal.present.curves import constants
 from axiscal.present.findings import findings, untimed
 from axiscal.record.events import Recorded
 from axiscal.record.payload import decode, encode
+from tests.generators.dense_posterior import Dense
 
 RATE = 6e-6 / 3600
 STILL = 'drift = "0"'
