@@ -31,7 +31,11 @@ def _section(name: str, found: object) -> str:
 
 def _members(found: type) -> list[str]:
     """Return what stands below a class: a line for each member, or their names in one line; nothing without members."""
-    own = [(f".{each}", member) for each, member in vars(found).items() if not each.startswith("_")]
+    every = dict[str, object]()
+    for base in found.__mro__:
+        if base.__module__.startswith(ac.__name__):
+            every |= {each: member for each, member in vars(base).items() if each not in every}
+    own = [(f".{each}", member) for each, member in every.items() if not each.startswith("_")]
     told = [(each, member) for each, member in own if _told(member)]
     if found.__module__.split(".")[1] in _WHOLE:
         return [*(f"- {_said(each, member)}" for each, member in told), ""]

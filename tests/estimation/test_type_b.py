@@ -17,7 +17,7 @@ from axiscal.description.usual import Learnable, Sizes, sizes_of
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.promise.numbers import Numbers
-from axiscal.estimation.promise.passing import columns_of, contributions
+from axiscal.estimation.promise.passing import contributions
 from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.unknowns import Unknowns
@@ -74,10 +74,8 @@ class Met(NamedTuple):
 
 def causes(observation: Observation, readings: Sequence[Reading], usual: bool = True) -> dict[str, Met]:
     places = places_of(observation.setups, readings)
-    reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
     found = contributions(observation, places, [each.values for each in readings], usual)
-    columns = columns_of(found, places, reading).T
-    return {each.row.name: Met(each.stated, column) for each, column in zip(found, columns, strict=True)}
+    return {each.row.name: Met(each.stated, each.effects) for each in found}
 
 
 def read_at(places: Array, values: Array | None = None, setup: str = "laser") -> list[Reading]:

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.passing import Contribution, columns_of, contributions
+from axiscal.estimation.promise.passing import Contribution, contributions
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading_rows import Seen, places_of, seen
 from axiscal.measurement.setup import Unknown
@@ -78,7 +78,7 @@ def _of_type_b(known: Estimation, spread: Array, numbers: Seen) -> Iterator[Budg
     places, values = places_of(observation.setups, known.readings), [each.values for each in known.readings]
     causes = contributions(observation, places, values, known.case.description.usual)
     if causes:
-        columns = columns_of(causes, places, numbers.reading)
+        columns = np.column_stack([each.effects for each in causes])
         moved = spread @ (numbers.rows.T @ (known.absorbed.precisions(numbers)[:, None] * columns))
         for cause, rms in zip(causes, np.linalg.norm(moved, axis=0).tolist(), strict=True):
             yield BudgetShare("type B", "", rms, cause)

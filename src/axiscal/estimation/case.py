@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -27,8 +27,9 @@ from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import TURNS, location_unknowns
-from axiscal.measurement.observation import Observation, Rows
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Place, Places, Reading
+from axiscal.measurement.reading_rows import rows_at
 from axiscal.measurement.setup import About, Setup, Unknown
 from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array, even_points
@@ -280,7 +281,7 @@ class Case:
     @cached_property
     def hidden(self) -> tuple[Hidden, ...]:
         """Errors that the allowed readings cannot see, in words."""
-        tool = tool_doubt(self.observation, self.yardstick, self.prior.factor, _whitened(list(self._allowed_parts())))
+        tool = tool_doubt(self.observation, self.yardstick, self.prior.factor, self._allowed_rows()[0])
         whole = seen_as_one(self.yardstick)
         return (*tool, *whole, *hidden(self.errors, self.yardstick.unseen, self.yardstick.moments))
 
@@ -306,30 +307,19 @@ class Case:
         setups = tuple(replace(s, approach="both") if s.name in self.both else s for s in self.description.setups)
         return spread(self.description.machine, setups, len(self.lattice)) if self.both else self.lattice
 
-    def _allowed_parts(self) -> Iterator[tuple[int, int, Rows]]:
-        """Yield the readings there: index of a set-up, which of their numbers, and its rows."""
-        for index in range(len(self.description.setups)):
-            for number, seen in enumerate(self.observation.rows_each(index, *self._allowed.in_setup(index))):
-                yield index, number, seen
+    def _allowed_rows(self) -> tuple[Array, Array]:
+        """Return the rows of readings there, each over its noise, (m, size), and that noise, (m,)."""
+        rows, variances, _ = rows_at(self.observation, self._allowed)
+        noise = np.sqrt(variances)
+        return rows / noise[:, None], noise
 
     @property
     def _left(self) -> Array:
         """F (errors, r) with F Fᵀ what endless readings leave of errors; its first columns without type B errors."""
-        parts = list(self._allowed_parts())
         causes = contributions(self.observation, self._allowed, usual=self.description.usual)
-        rows = _whitened(parts)
-        columns = np.zeros((len(causes), len(rows)))
-        for column, cause in zip(columns, causes, strict=True):
-            column[:] = np.concatenate([
-                cause.effects[index][k] / np.sqrt(seen.variances) if index in cause.effects else 0.0 * seen.variances
-                for index, k, seen in parts
-            ])  # fmt: skip
+        rows, noise = self._allowed_rows()
+        columns = np.array([each.effects / noise for each in causes]).reshape(len(causes), len(rows))
         return unseen_factor(self.prior.factor, rows, columns.T)[: self.errors.size]
-
-
-def _whitened(parts: Sequence[tuple[int, int, Rows]]) -> Array:
-    """Return the rows of readings, each divided by its noise, (m, size)."""
-    return np.concatenate([seen.rows / np.sqrt(seen.variances)[:, None] for _, _, seen in parts])
 
 
 def _located_by(setup: Setup, unknowns: set[str]) -> tuple[str, ...] | None:

@@ -17,16 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 from axiscal.exceptions import KnotError, ShapeError
 from axiscal.numerics import Array
 
-_VALUES = np.array([[1 / 3, 1 / 6], [1 / 6, 1 / 3]])
-"""Mathematics: integrals of products of an interval's linear and cubic shapes."""
-_MIXED = np.array([[-2 / 15, -7 / 60], [-7 / 60, -2 / 15]])
-"""Mathematics, of a linear with a cubic shape."""
-_BENDS = np.array([[8 / 105, 31 / 420], [31 / 420, 8 / 105]])
-"""Mathematics, of two cubic shapes."""
-_SHAPES_GRAM = np.block([[_VALUES, _MIXED], [_MIXED, _BENDS]])
-"""∫ f fᵀ dB over [0, 1] of the four shapes f = (A, B, A³ - A, B³ - B)."""
-_SHAPES_ROOT = np.linalg.cholesky(_SHAPES_GRAM).T
-
 
 class Spline(Protocol):
     """A function on a stretch of an axis that is linear in its control values: S(t) = m(t)ᵀ a (B&H eq. 18)."""
@@ -50,8 +40,20 @@ class Spline(Protocol):
         """Return ∫ m mᵀ dt over the knots, (size, size)."""
 
 
+class Integrated:
+    """What has a Gram matrix by a quadrature that is exact."""
+
+    __slots__ = ()
+
+    def gram(self: Spline) -> Array:
+        """Return ∫ m mᵀ dt over the knots (the integral in B&H eq. 25): (size, size), m or rad."""
+        nodes, weights = quadrature(self)
+        root = np.sqrt(weights)[:, None] * self.rows(nodes)
+        return root.T @ root
+
+
 @dataclass(frozen=True, slots=True, eq=False)
-class _Cubic:
+class _Cubic(Integrated):
     _fewest: ClassVar[int]
     """Knots that there must be at least."""
     knots: Array
@@ -95,15 +97,6 @@ class _Cubic:
         weights = _WEIGHTS[derivative](h, (right - inside) / h, (inside - left) / h)
         return self._continued(self._combined(i, weights), position - inside, derivative)
 
-    def gram(self) -> Array:
-        """Return ∫ m mᵀ dt over the knots in closed form (the integral in B&H eq. 25): (size, size), m or rad."""
-        h = np.diff(self.knots)[:, None]
-        scale = np.stack([np.ones_like(h), np.ones_like(h), h**2 / 6, h**2 / 6], axis=1)
-        ends = self._ends()
-        shapes = scale * np.stack([*ends, self.second[:-1], self.second[1:]], axis=1)
-        root = (np.sqrt(h)[:, :, None] * (_SHAPES_ROOT @ shapes)).reshape(-1, self.size)
-        return root.T @ root
-
     def _combined(self, i: NDArray[np.intp], weights: tuple[Array, Array, Array, Array]) -> Array:
         """Return the rows that give a_i, a_{i+1}, s_i, s_{i+1} these weights: (m, size)."""
         rows = self.second.take(i, axis=0, mode="clip")  # unchecked copies: indices are within bounds
@@ -115,11 +108,6 @@ class _Cubic:
         flat[first + i] += weights[0]
         flat[first + (i + 1) % self.size] += weights[1]
         return rows
-
-    def _ends(self) -> tuple[Array, Array]:
-        """Return the rows of the values at the left and the right end of every interval, each (n - 1, size)."""
-        i, eye = np.arange(len(self.knots) - 1), np.eye(self.size)
-        return eye[i], eye[(i + 1) % self.size]
 
     def _second_derivatives(self, h: Array) -> Array:
         raise NotImplementedError
@@ -197,7 +185,7 @@ class CyclicSpline(_Cubic):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Constant:
+class Constant(Integrated):
     """The spline of one control point: an offset or a location error, 1 everywhere.
 
     start, stop : the stretch over which `gram` integrates; m or rad
@@ -225,10 +213,6 @@ class Constant:
         """Return ones, or zeros for a derivative: (m, 1)."""
         return np.full((len(_checked_positions(t, derivative)), 1), 1.0 if derivative == 0 else 0.0)
 
-    def gram(self) -> Array:
-        """Return the length of the stretch, (1, 1), m or rad."""
-        return np.array([[self.stop - self.start]])
-
 
 def even_knots(start: float, stop: float, n: int) -> Array:
     """Return `n` evenly spaced knots from `start` to `stop`, (n,). Raises KnotError."""
@@ -250,9 +234,7 @@ def spacing_limit(width: float, curvature: float) -> float:
 
 
 def quadrature(spline: Spline) -> tuple[Array, Array]:
-    """Return nodes and weights, each (5 (n - 1),), exact for degree 9 per interval; for a constant the midpoint."""
-    if isinstance(spline, Constant):
-        return np.array([(spline.start + spline.stop) / 2]), np.array([spline.stop - spline.start])
+    """Return nodes and weights, each (5 (n - 1),), exact for degree 9 per interval."""
     nodes, weights = gauss(spline.knots, 5)
     return nodes.ravel(), weights.ravel()
 

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import CyclicSpline, even_knots, gauss
+from axiscal.numerics.cubic import CyclicSpline, Integrated, even_knots
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Repeated:
+class Repeated(Integrated):
     """A cyclic cubic spline over one period, again and again: S(t) = S(t + period).
 
     start, stop : the stretch, m or rad; period : m or rad; size : control values in a period, 3 or more
@@ -49,13 +49,9 @@ class Repeated:
         """Return m(t)ᵀ, or its derivative of order 0 to 3: (m, size).  Raises ShapeError."""
         return self._one.rows(t, derivative)
 
-    def gram(self) -> Array:
-        """Return ∫ m mᵀ dt over the stretch, (size, size)."""
-        return _integral(self)
-
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Segments:
+class Segments(Integrated):
     """Levels between joints, with a straight way of some width from one to the next: a scale made of pieces.
 
     start, stop : the stretch; joints : increasing, within it; width : of each way; all m or rad
@@ -97,13 +93,3 @@ class Segments:
         padded = np.hstack([ends[0], passed, ends[1]])
         rows: Array = padded[:, :-1] - padded[:, 1:]
         return rows
-
-    def gram(self) -> Array:
-        """Return ∫ m mᵀ dt over the stretch, (size, size)."""
-        return _integral(self)
-
-
-def _integral(spline: Repeated | Segments) -> Array:
-    nodes, weights = gauss(spline.knots, 5)
-    rows = spline.rows(nodes.ravel())
-    return (rows.T * weights.ravel()) @ rows

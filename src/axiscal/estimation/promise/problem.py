@@ -193,7 +193,7 @@ def problem(
     """
     places = places_of(observation.setups, readings)
     reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
-    type_b, held = type_b_columns(observation, readings, places, reading, usual)
+    type_b, held = type_b_columns(observation, readings, places, len(reading), usual)
     passing = [type_b, passing_columns(observation, readings, places, reading, sizes, usual)]
     blocks, size_at = [each.columns for each in passing], [each.size_at for each in passing]
     start = sum(block.shape[1] for block in blocks)
