@@ -29,7 +29,7 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(63_349, 50_000),
+    "lines of src": Budget(63_265, 50_000),
     "files of src": Budget(333, 333),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(27, 15),

@@ -13,8 +13,7 @@ from scipy.optimize import minimize
 from axiscal.description.usual import Kind, Sizes
 from axiscal.estimation.promise.draws import Weighed, draws, mode, weighed
 from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.spaces import Space
-from axiscal.estimation.promise.unknowns import Unknowns, space_of
+from axiscal.estimation.promise.unknowns import Space, Unknowns, space_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from tests.generators.problems import asked, case_of, readings_of, sized, stated

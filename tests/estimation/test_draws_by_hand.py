@@ -30,8 +30,7 @@ from axiscal.estimation.promise.posterior import (
     sorted_out,
 )
 from axiscal.estimation.promise.problem import Problem, _cell_root
-from axiscal.estimation.promise.spaces import Space
-from axiscal.estimation.promise.unknowns import space_of
+from axiscal.estimation.promise.unknowns import Space, space_of
 from axiscal.machine import load_machine
 from tests.generators.dense_posterior import Dense, mixture
 from tests.generators.problems import asked, case_of, readings_of, sized, stated

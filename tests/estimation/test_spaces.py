@@ -15,8 +15,8 @@ from axiscal.description.usual import Sizes
 from axiscal.estimation.located import absorbed
 from axiscal.estimation.promise.numbers import Numbers
 from axiscal.estimation.promise.problem import Curves, Problem
-from axiscal.estimation.promise.spaces import Given, Space, parts_of
-from axiscal.estimation.promise.unknowns import Unknowns
+from axiscal.estimation.promise.spaces import parts_of
+from axiscal.estimation.promise.unknowns import Given, Space, Unknowns
 from axiscal.numerics import Array
 from tests.generators.dense_posterior import Dense
 from tests.generators.problems import KINDS, asked, case_of, inherited, plain, plain_case, readings_of

@@ -19,8 +19,7 @@ from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.passing import Contribution, contributions
 from axiscal.estimation.promise.problem import Problem, problem
-from axiscal.estimation.promise.spaces import Given
-from axiscal.estimation.promise.unknowns import space_of
+from axiscal.estimation.promise.unknowns import Given, space_of
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
 from axiscal.measurement.reading import Place, Reading

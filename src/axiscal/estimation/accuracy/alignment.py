@@ -79,26 +79,21 @@ def sampled_moments(
     poses : (m, q), those over which the part is aligned
     """
     mean, gram, squares = np.zeros((3, errors.size)), np.zeros((errors.size,) * 2), np.zeros(len(errors.terms))
-    inner, crossed = np.zeros((6, 6)), np.zeros((6, errors.size))
     ways, sides = list(counted), _reversals(errors)
     for at in range(0, len(poses), _BLOCK):
         part = poses[at : at + _BLOCK]
         levers = errors.levers(part).transpose(2, 0, 1)
         middle, above = (errors.along(levers, part, np.full_like(part, side)) for side in (0.0, 1.0))
-        rows = middle[ways].reshape(-1, errors.size)
-        mean += middle.sum(axis=1)
+        left = middle if alignment is None else middle - alignment.taken_off(part).swapaxes(0, 1)
+        rows = left[ways].reshape(-1, errors.size)
+        mean += left.sum(axis=1)
         gram += rows.T @ rows
         squares += np.sum(levers[ways] ** 2, axis=(0, 2))
         for columns in sides:
             own = (above[:, :, columns] - middle[:, :, columns])[ways].reshape(-1, len(columns))
             gram[np.ix_(columns, columns)] += own.T @ own
-        if alignment is not None:
-            motion = alignment.motions(part).swapaxes(0, 1)[ways].reshape(-1, 6)
-            inner += motion.T @ motion
-            crossed += motion.T @ rows
     if alignment is not None:
         mean[:] = 0.0
-        gram -= crossed.T @ np.linalg.lstsq(inner, crossed, rcond=_NO_MOTION)[0]
     count = len(poses)
     return VolumeMoments(mean / count, gram / count, *levers_and_rest(errors, squares / count), counted)
 

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.usual import Sizes
-from axiscal.estimation.promise.spaces import Given, Space
+from axiscal.estimation.promise.unknowns import Given, Space
 from axiscal.numerics import Array, even_points
 from axiscal.numerics.from_scipy import normal_quantile, normal_share
 from axiscal.numerics.gaussian import settled

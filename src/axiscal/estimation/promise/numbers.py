@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.spaces import Answered, Given, Slope, factors_of, raw_cells, turned, variances_of
+from axiscal.estimation.promise.spaces import Answered, Slope, factors_of, raw_cells, turned, variances_of
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
 
@@ -75,11 +75,11 @@ class Numbers:
                 by[length] = by.get(length, 0.0) + _flat(bent[mine]) @ _flat(shown[mine]).T
         return by
 
-    def given(self, theta: Array) -> Given | None:
-        """Return everything at sizes θ."""
+    def given(self, theta: Array) -> InNumbers | None:
+        """Return everything at sizes θ (k,); None where the covariance is not positive definite to rounding."""
         roots = [curves.roots(theta) for curves in self.problem.curves]
         root = root_in_place(self.covariance(theta, roots))
-        return None if root is None else _InNumbers(self, theta, root, roots)
+        return None if root is None else InNumbers(self, theta, root, roots)
 
 
 def _flat(shown: Array) -> Array:
@@ -95,8 +95,11 @@ def _square(shown: Array) -> Array:
 
 
 @dataclass(eq=False)
-class _InNumbers:
-    """K = F Fᵀ at one set of sizes."""
+class InNumbers:
+    """Everything at one set of sizes, K = F Fᵀ.
+
+    theta : (k,); root : F; roots : of the curves' priors; value : log L; square : yᵀK⁻¹y; weighted : K⁻¹y
+    """
 
     space: Numbers
     theta: Array
@@ -113,7 +116,7 @@ class _InNumbers:
         return inverse_of_product(self.root)
 
     def slope(self) -> Slope:
-        """Return value, gradient and information."""
+        """Return log L, gradient and information."""
         problem, theta, weighted, inverse = self.space.problem, self.theta, self.weighted, self._inverse
         by = self.space.derivatives(theta, self.roots)
         pulls = {name: inverse @ each for name, each in by.items()}
@@ -144,20 +147,20 @@ class _InNumbers:
         return Answered(mean, covariance)
 
     def gain(self, columns: Array) -> Array:
-        """Return G B."""
+        """Return G B, (answered, c) m and rad: by what the mean m = G y moves.  columns : B (m, c), over the noise"""
         return self.space.problem.raw(self._shown.T @ self.precision(columns), self.theta, self.roots)
 
     def cell_means(self) -> Array:
-        """Return the means of the rests of the cells that were visited."""
+        """Return the means of the rests of the cells that were visited, (c,) m or rad."""
         problem = self.space.problem
         part = slice(problem.first_cell, problem.first_cell + len(problem.cells))
         factors = factors_of(problem, self.theta)[part]
         return raw_cells(problem, factors**2 * (problem.rows[:, part].T @ self.weighted))
 
     def left_out(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Return K⁻¹y and the blocks of K⁻¹ of some readings."""
+        """Return K⁻¹y (r, k), over the noise, and the blocks of K⁻¹ (r, k, k).  part : (r, k) numbers of readings"""
         return self.weighted[part], self._inverse[part[:, :, None], part[:, None, :]]
 
     def precision(self, columns: Array) -> Array:
-        """Return K⁻¹B."""
+        """Return K⁻¹B, (m, c).  columns : B (m, c), over the noise"""
         return solution_of_product(self.root, columns)

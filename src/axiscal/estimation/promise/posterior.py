@@ -34,8 +34,8 @@ from axiscal.description.usual import BAD, Kind
 from axiscal.estimation.promise.agreement import BAD_SHARE, MOST_BAD, SEVERAL, Agreement, Turned, agreement
 from axiscal.estimation.promise.draws import Draws, Weighed, as_stated, draws, mode, redrawn, weighed
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
-from axiscal.estimation.promise.spaces import Given, parts_of
-from axiscal.estimation.promise.unknowns import space_of
+from axiscal.estimation.promise.spaces import parts_of
+from axiscal.estimation.promise.unknowns import Given, space_of
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 

@@ -16,7 +16,7 @@ With K = F Fᵀ, a = K⁻¹y and P_f = K⁻¹ ∂K_f the gradient is g = ½(aᵀ
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,45 +38,6 @@ class Answered(NamedTuple):
 
     mean: Array
     covariance: Array
-
-
-class Given(Protocol):
-    """Everything at one set of sizes.
-
-    value : log L; square : yᵀK⁻¹y; theta : (k,); roots : of the curves' priors
-    """
-
-    value: float
-    square: float
-    theta: Array
-    roots: list[Array]
-
-    def slope(self) -> Slope:
-        """Return value, gradient and information."""
-
-    def posterior(self) -> Answered:
-        """Return the posterior of the answered unknowns."""
-
-    def cell_means(self) -> Array:
-        """Return the means of the rests of the cells that were visited, (c,) m or rad."""
-
-    def left_out(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Return K⁻¹y (r, k), over the noise, and the blocks of K⁻¹ (r, k, k).  part : (r, k) numbers of readings"""
-
-    def gain(self, columns: Array) -> Array:
-        """Return G B, (answered, c) m and rad: by what the mean m = G y moves.  columns : B (m, c), over the noise"""
-
-    def precision(self, columns: Array) -> Array:
-        """Return K⁻¹B, (m, c).  columns : B (m, c), over the noise"""
-
-
-class Space(Protocol):
-    """A room for a problem."""
-
-    problem: Problem
-
-    def given(self, theta: Array) -> Given | None:
-        """Return everything at sizes θ (k,); None where the covariance is not positive definite to rounding."""
 
 
 def parts_of(reading: NDArray[np.intp]) -> list[NDArray[np.intp]]:

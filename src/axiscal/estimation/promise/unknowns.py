@@ -8,13 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.numbers import Numbers
+from axiscal.estimation.promise.numbers import InNumbers, Numbers
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
 from axiscal.estimation.promise.spaces import (
     Answered,
-    Given,
     Slope,
-    Space,
     factors_of,
     raw_cells,
     times_roots,
@@ -60,7 +58,7 @@ class Unknowns:
         square *= factors
         square *= factors[:, None]
 
-    def given(self, theta: Array) -> Given | None:
+    def given(self, theta: Array) -> InUnknowns | None:
         """Return everything at sizes θ."""
         roots = [curves.roots(theta) for curves in self.problem.curves]
         weights = self.weights(theta)
@@ -70,12 +68,12 @@ class Unknowns:
         self.whitened(matrix, theta, roots)
         matrix[np.diag_indices_from(matrix)] += 1.0
         root = root_in_place(matrix)
-        return None if root is None else _InUnknowns(self, theta, root, roots)
+        return None if root is None else InUnknowns(self, theta, root, roots)
 
 
 @dataclass(eq=False)
-class _InUnknowns:
-    """Q = F Fᵀ at one set of sizes."""
+class InUnknowns:
+    """Q = F Fᵀ at one set of sizes; as of `InNumbers`."""
 
     space: Unknowns
     theta: Array
@@ -231,6 +229,12 @@ class _Bent:
 def _picked(number_at: NDArray[np.intp], count: int) -> Array:
     """Return which of `count` sizes each column has, (n, count) of ones and noughts.  number_at : (n,), −1 for none"""
     return np.asarray(number_at[:, None] == np.arange(count), dtype=float)
+
+
+Space = Numbers | Unknowns
+"""A room for a problem."""
+Given = InNumbers | InUnknowns
+"""Everything at one set of sizes."""
 
 
 def space_of(problem: Problem) -> Space:

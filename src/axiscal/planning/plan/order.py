@@ -24,7 +24,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.promise.passing import Turning, drift_functions, growing, growth_functions, turning
-from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import reading_seconds, short_way, way_seconds
@@ -116,12 +115,11 @@ def _on_a_short_way(task: Task, places: Places, exact: bool) -> Places:
     if len(places) < 2:
         return places
     machine, approaches, first = task.observation.machine, counting(task, places), None
-    setup, here = task.observation.setups[int(places.setups[0])], None
-    if task.here is not None and task.here.setups[0] == places.setups[0]:
-        here = task.here.poses[0]
-        first = way_seconds(machine, setup, here, places.poses, approaches)
+    setup = task.observation.setups[int(places.setups[0])]
     if returns(setup):
-        return out_and_back(machine, setup, places, approaches, here)
+        return _out_and_back(task, setup, places, approaches)
+    if task.here is not None and task.here.setups[0] == places.setups[0]:
+        first = way_seconds(machine, setup, task.here.poses[0], places.poses, approaches)
     once, again = _repeats(np.column_stack([places.poses, approaches]))
     begin = None if first is None else first[once]
     order, _ = short_way(machine, setup, places.poses[once], approaches[once], begin, exact=exact)
@@ -165,16 +163,17 @@ def returns(setup: Setup) -> bool:
     return setup.chart is None and len(setup.moves) == 1
 
 
-def out_and_back(machine: Machine, setup: Setup, places: Places, counted: Array, here: Array | None) -> Places:
-    """Return the readings of such a set-up out and back.
+def _out_and_back(task: Task, setup: Setup, places: Places, counted: Array) -> Places:
+    """Return the readings of such a set-up out and back: the shorter of both ways round, the rising one if equal.
 
-    counted : (m, q) approaches, 0 where any side will do; here : (q,) where the machine stands if it is mounted
+    counted : (m, q) approaches, 0 where any side will do
     """
     (k,) = setup.moves
     rises = _rises(setup, places.poses[:, k], counted[:, k])
     along = np.argsort(places.poses[:, k], kind="stable")
     out, back = along[rises[along]], along[~rises[along]][::-1]
-    return places.within(_shorter(machine, setup, places, counted, out, back, here))
+    rising, falling = (places.within(np.concatenate(way)) for way in ((out, back), (back, out)))
+    return falling if seconds_along(task, falling) < seconds_along(task, rising) - _LONGER else rising
 
 
 def _rises(setup: Setup, at: Array, sides: Array) -> NDArray[np.bool_]:
@@ -185,26 +184,6 @@ def _rises(setup: Setup, at: Array, sides: Array) -> NDArray[np.bool_]:
     if len(setup.sides) > 1 and np.all(sides != 0):
         return np.asarray(sides > 0)
     return np.asarray(np.argsort(np.argsort(at, kind="stable")) % 2 == 0)
-
-
-def _shorter(
-    machine: Machine,
-    setup: Setup,
-    places: Places,
-    counted: Array,
-    out: NDArray[np.intp],
-    back: NDArray[np.intp],
-    here: Array | None,
-) -> NDArray[np.intp]:
-    """Return the shorter of both ways round, the rising one if equal, (m,); out, back : readings in either order."""
-    ways = [np.concatenate(way) for way in ((out, back), (back, out))]
-    first, second = (_seconds(machine, setup, places.within(way), counted[way], here) for way in ways)
-    return ways[int(second < first - _LONGER)]
-
-
-def _seconds(machine: Machine, setup: Setup, places: Places, counted: Array, here: Array | None) -> float:
-    start = np.concatenate([places.poses[:1] if here is None else here[None], places.poses])[:-1]
-    return float(way_seconds(machine, setup, start, places.poses, counted).sum())
 
 
 _LARGER = 3.0

@@ -14,7 +14,7 @@ import itertools
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise, product
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,53 +53,9 @@ _SHORTEST = 1e-9
 """Share of a coordinate: a piece that is shorter holds nothing that its neighbours do not."""
 
 
-class Ground(Protocol):
-    """Coordinates u of readings of one set-up, and the sides +1, −1 from which these are come to."""
-
-    @property
-    def ends(self) -> Array:
-        """From where to where each coordinate goes, (size, 2)."""
-
-    @property
-    def continuous(self) -> list[int]:
-        """The coordinates without steps."""
-
-    @property
-    def choices(self) -> Array:
-        """The sides from which places are come to and that differ in what is read, (choices, size)."""
-
-    @property
-    def sided(self) -> NDArray[np.intp]:
-        """The coordinates that may be come to from either side, where it shows in what is read from which."""
-
-    def as_places(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
-        """Return places and sides, (m, size) each.  poses, approaches : (m, q)"""
-
-    def approachable(self, places: Array, sides: Array) -> NDArray[np.bool_] | None:
-        """Return which places can be come to from their sides, (m,); None where that is all of them."""
-
-    def as_poses(self, places: Array, sides: Array) -> tuple[Array, Array]:
-        """Return poses and approaches, (m, q) each."""
-
-    def looks(self, number: int) -> Array:
-        """Return a few values all along a coordinate, or all that it has, (p,)."""
-
-    def pieces(self, number: int, place: Array, sides: Array) -> Array:
-        """Return the pieces of a coordinate that can be taken and are smooth, (b, 2).  place, sides : (size,)"""
-
-    def nodes(self, number: int) -> int:
-        """Return how many nodes follow the gain's forms along such a piece."""
-
-
-def ground_of(observation: Observation, setup: int) -> Ground:
-    """Return what a set-up may change."""
-    chart = observation.setups[setup].chart
-    return _Axes(observation, setup) if chart is None else _OnChart(observation, setup, chart)
-
-
 @dataclass(frozen=True, eq=False)
 class _Axes:
-    """The axes that move, the others parked."""
+    """Coordinates u of readings of a set-up, here the axes that move, and the sides +1, −1 from which these come."""
 
     observation: Observation
     setup: int
@@ -110,35 +66,42 @@ class _Axes:
 
     @cached_property
     def ends(self) -> Array:
+        """From where to where each coordinate goes, (size, 2)."""
         mounted, machine = self.observation.setups[self.setup], self.observation.machine
         return np.array([mounted.span(machine.axes[axis], axis) for axis in mounted.moves])
 
     @cached_property
     def continuous(self) -> list[int]:
+        """The coordinates without steps."""
         raster = self.observation.setups[self.setup].raster
         return [number for number, axis in enumerate(self._moves) if not raster[axis] > 0]
 
     @cached_property
     def choices(self) -> Array:
+        """The sides from which places are come to and that differ in what is read, (choices, size)."""
         return np.array(sides(self.observation, self.setup))[:, self._moves]
 
     @cached_property
     def sided(self) -> NDArray[np.intp]:
+        """The coordinates that may be come to from either side, where it shows in what is read from which."""
         return np.flatnonzero(np.ptp(self.choices, axis=0) > 0)
 
     def as_places(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
+        """Return places and sides, (m, size) each.  poses, approaches : (m, q)"""
         return poses[:, self._moves], approaches[:, self._moves]
 
     def approachable(self, places: Array, sides: Array) -> None:
-        return None
+        """Return which places can be come to from their sides, (m,); None where that is all of them."""
 
     def as_poses(self, places: Array, sides: Array) -> tuple[Array, Array]:
+        """Return poses and approaches, (m, q) each."""
         poses = np.tile(np.array(self.observation.setups[self.setup].park), (len(places), 1))
         approaches = np.zeros_like(poses)
         poses[:, self._moves], approaches[:, self._moves] = places, sides
         return poses, approaches
 
     def looks(self, number: int) -> Array:
+        """Return a few values all along a coordinate, or all that it has, (p,)."""
         axis = self._moves[number]
         mounted = self.observation.setups[self.setup]
         if mounted.raster[axis] > 0:
@@ -148,16 +111,18 @@ class _Axes:
         return inside.ravel()
 
     def pieces(self, number: int, place: Array, sides: Array) -> Array:
+        """Return the pieces of a coordinate that can be taken and are smooth, (b, 2).  place, sides : (size,)"""
         breaks = breaks_along(self.observation, self._moves[number], self.setup)
         return np.stack([breaks[:-1], breaks[1:]], axis=1)
 
     def nodes(self, number: int) -> int:
+        """Return how many nodes follow the gain's forms along such a piece."""
         return node_count(*smoothness_along(self.observation, self._moves[number], self.setup))
 
 
 @dataclass(frozen=True, eq=False)
 class _OnChart:
-    """The coordinates of a chart; what lies outside the travels, or has no room to come from its side, is not taken."""
+    """The same on a chart; what lies outside the travels, or has no room to come from its side, is not taken."""
 
     observation: Observation
     setup: int
@@ -215,6 +180,16 @@ class _OnChart:
 
     def nodes(self, number: int) -> int:
         return _NODES
+
+
+Ground = _Axes | _OnChart
+"""What a set-up may change."""
+
+
+def ground_of(observation: Observation, setup: int) -> Ground:
+    """Return what a set-up may change."""
+    chart = observation.setups[setup].chart
+    return _Axes(observation, setup) if chart is None else _OnChart(observation, setup, chart)
 
 
 def sides(observation: Observation, setup: int) -> list[Array]:
