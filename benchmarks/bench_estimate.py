@@ -57,7 +57,7 @@ def write_readings(path: Path, description: CampaignDescription, count: int) -> 
     for pose in np.round(low + (high - low) * rng.random((count, len(low))), 6):
         setup = description.setups[rng.integers(len(description.setups))]
         sides = rng.choice([-1, 1], len(low))
-        value = machine.read(setup, tuple(pose.tolist()), tuple(sides.tolist()), rng)
+        value = machine.read_all(setup, tuple(pose.tolist()), tuple(sides.tolist()), rng)[0]
         said = approach_text(description.machine.axes, sides.tolist())
         lines.append(",".join([setup.name, *(f"{1e3 * at:.3f}" for at in pose), said, f"{1e6 * value:.4f}"]))
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -21,7 +21,7 @@ from typing import TypeVar
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.usual import Learnable, sizes_of, usual_machine
+from axiscal.description.usual import sizes_of, usual_machine
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise import problem as estimate_problem
 from axiscal.estimation.promise.draws import draws, mode, weighed
@@ -66,7 +66,7 @@ def case_and_readings(count: int) -> tuple[Case, list[Reading]]:
 def posed(case: Case, readings: list[Reading]) -> Problem:
     """Return readings as a problem with all that usually goes wrong."""
     described = case.description
-    sizes = sizes_of(described.machine, described.setups, Learnable("roughly", True, False))
+    sizes = sizes_of(described.machine, described.setups, "roughly", usual=True, inherited=False)
     return problem(case.observation, readings, sizes)
 
 

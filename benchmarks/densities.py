@@ -61,7 +61,7 @@ def read(stated: Case, seed: int, sides: tuple[int, ...] = (1, 1)) -> tuple[list
     rng = np.random.default_rng((seed, 9))
     (setup,) = stated.description.setups
     readings = [
-        Reading("dial", (float(x),), (side,), machine.read(setup, (float(x),), (side,), rng))
+        Reading("dial", (float(x),), (side,), machine.read_all(setup, (float(x),), (side,), rng)[0])
         for side in sides
         for x in (_PLACES if side == sides[0] else _PLACES[::-1])
     ]

@@ -53,7 +53,9 @@ def read(case: Case, places: Places, seed: int) -> tuple[list[Reading], Array]:
     machine, rng = Simulator(plain.machine, plain.setups).drawn(seed), np.random.default_rng((seed, 1))
     phase = rng.uniform(0, 2 * np.pi)
     readings = [
-        Reading("it", (x,), (1,), machine.read(plain.setups[0], (x,), (1,), rng) + _wave(x, phase), time=60.0 * index)
+        Reading(
+            "it", (x,), (1,), machine.read_all(plain.setups[0], (x,), (1,), rng)[0] + _wave(x, phase), time=60.0 * index
+        )
         for index, x in enumerate(places.poses[:, 0].tolist())
     ]
     truth = machine.deviation(_DENSE, np.ones_like(_DENSE))[:, 0]

@@ -6,7 +6,7 @@ import numpy as np
 
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.stations import BentReadings
-from axiscal.measurement.reading_rows import shown_values
+from axiscal.measurement.reading_rows import shown_by_each
 
 _ROUNDS = 3
 
@@ -20,7 +20,7 @@ def sigma_points(problem: BentReadings) -> Belief:
     count = problem.root.shape[1]
     aside = np.sqrt(count) * np.hstack([np.eye(count), -np.eye(count)])
     observation, readings = problem.case.observation, problem.readings
-    shown = np.array([shown_values(observation, readings, problem.start + problem.root @ z) for z in aside.T])
+    shown = shown_by_each(observation, readings, (problem.start[:, None] + problem.root @ aside).T)
     mean = shown.mean(axis=0)
     spread, common = (shown - mean) / np.sqrt(2 * count), aside.T / np.sqrt(2 * count)
     innovation = spread.T @ spread + np.diag(problem.variances)

@@ -85,7 +85,7 @@ def read(case: Case, seed: int) -> tuple[VirtualMachine, list[Reading]]:
                 poses, sides = case.lattice.in_setup(index)
                 at = int(rng.integers(len(poses)))
                 pose, side = tuple(poses[at].tolist()), tuple(int(s) for s in sides[at])
-            readings.append(Reading(setup.name, pose, side, machine.read(setup, pose, side, rng), time=0.0))
+            readings.append(Reading(setup.name, pose, side, machine.read_all(setup, pose, side, rng)[0], time=0.0))
     return machine, readings
 
 

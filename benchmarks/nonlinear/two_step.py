@@ -40,7 +40,7 @@ def compared_evaluations(case: Case, points: int, seed: int) -> Missed:
     poses, sides = rng.uniform(low, high, (points, len(low))), np.ones((points, len(low)), dtype=int)
     pairs = [(tuple(pose), tuple(side)) for pose, side in zip(poses.tolist(), sides.tolist(), strict=True)]
     readings = [
-        Reading(setup.name, pose, side, machine.read(setup, pose, side, rng), time=0.0)
+        Reading(setup.name, pose, side, machine.read_all(setup, pose, side, rng)[0], time=0.0)
         for setup in case.description.setups
         for pose, side in pairs
     ]

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from axiscal.errors.prior import matern52
+from axiscal.errors.prior import matern
 from axiscal.estimation.intervals import Fitted, sites
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root
@@ -21,7 +21,7 @@ _CURVE, _READINGS = 10.0, 26
 def held(step: float, machines: int, rule: Rule) -> float:
     """Return the share of curves that the 95 % band holds.  step : of the display, in units of the noise"""
     rng, places = np.random.default_rng(0), np.linspace(0, 1, 41)
-    root = _CURVE * lower_root(matern52(np.abs(places[:, None] - places) / 0.2) + 1e-9 * np.eye(41))
+    root = _CURVE * lower_root(matern(np.abs(places[:, None] - places) / 0.2) + 1e-9 * np.eye(41))
     at = np.repeat(np.linspace(0, 40, 13).astype(int), 2)
     shares = []
     for _ in range(machines):

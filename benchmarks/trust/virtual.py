@@ -111,7 +111,7 @@ def read_evenly(problem: Case, machine: VirtualMachine, rng: np.random.Generator
         share = (number + rng.uniform(0, 1)) / readings if len(low) == 1 else rng.uniform(0, 1, len(low))
         pose = tuple((low + (high - low) * share).tolist())
         approach = tuple(int(sign) for sign in rng.choice([-1, 1], len(low)))
-        taken.append(Reading(setup.name, pose, approach, machine.read(setup, pose, approach, rng)))
+        taken.append(Reading(setup.name, pose, approach, machine.read_all(setup, pose, approach, rng)[0]))
     return taken
 
 

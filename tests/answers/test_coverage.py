@@ -72,7 +72,7 @@ def _read(drawn: VirtualMachine, seed: int) -> list[Reading]:
             for at in np.linspace(low, high, 6)[::side]:
                 pose = tuple(float(at) if k == axis else park for k, park in enumerate(setup.park))
                 sides = tuple(side if k == axis else 0 for k in range(2))
-                found.append(Reading(setup.name, pose, sides, drawn.read(setup, pose, sides, rng)))
+                found.append(Reading(setup.name, pose, sides, drawn.read_all(setup, pose, sides, rng)[0]))
     return found
 
 

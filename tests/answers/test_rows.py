@@ -31,7 +31,7 @@ SETUP = CASE.description.setups[0]
 def _readings(places: Sequence[tuple[float, int]]) -> list[Reading]:
     rng = np.random.default_rng(1)
     return [
-        Reading("laser", (x,), (side,), DRAWN.read(SETUP, (x,), (side,), rng), time=10.0 * number)
+        Reading("laser", (x,), (side,), DRAWN.read_all(SETUP, (x,), (side,), rng)[0], time=10.0 * number)
         for number, (x, side) in enumerate(places)
     ]
 

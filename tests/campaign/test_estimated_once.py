@@ -50,7 +50,7 @@ def _readings(description: CampaignDescription, count: int) -> tuple[Reading, ..
     found = []
     for number in range(count):
         pose, side = (float(rng.uniform(low, high)),), (int(rng.choice([-1, 1])),)
-        value = machine.read(setup, pose, side, rng) + (2e-5 if number == 20 else 0.0)
+        value = machine.read_all(setup, pose, side, rng)[0] + (2e-5 if number == 20 else 0.0)
         found.append(Reading("laser", pose, side, value))
     return tuple(found)
 

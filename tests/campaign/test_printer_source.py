@@ -373,7 +373,7 @@ def test_a_ball_is_probed_from_above(monkeypatch: pytest.MonkeyPatch, answer: st
         .read_text(encoding="utf-8")
         .replace('length = "40 mm"', 'length = "40 mm"\nstylus = "2 mm"')
     )
-    campaign = campaign_from_texts(FRAME, "campaign.toml", text, "printer.toml", target_needed=False)
+    campaign = campaign_from_texts(FRAME, "campaign.toml", text, "printer.toml")
     (setup,) = campaign.setups
     assert setup.artefact is not None
     monkeypatch.setattr("sys.stdin", StringIO(answer))

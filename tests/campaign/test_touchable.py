@@ -18,7 +18,7 @@ from axiscal.exceptions import DescriptionError, SourceError
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.touched import all_round, cycle_of
+from axiscal.measurement.touched import cycle_of, met_from
 from axiscal.ports.linuxcnc.live import InForce, LiveSource
 from axiscal.ports.linuxcnc.live.attached import _WayToBall
 from axiscal.programs import dialect, programs
@@ -200,7 +200,7 @@ def test_what_a_person_has_to_look_at_ends_the_run_with_a_sentence(why: str) -> 
     control = made(campaign)
     source, (first, second) = attached(campaign, control), wanted(campaign, 2)
     assert isinstance(source.read(first), Answer)
-    pole, side, *_ = all_round(campaign.machine, np.array(second.pose))
+    pole, side, *_ = met_from(campaign.machine, np.array(second.pose))
     control.probe, control.balls = probe, control.balls + aside * side + up * pole
     with pytest.raises(SourceError, match=why):
         source.read(second)

@@ -103,7 +103,7 @@ class Trial:
             mine = [i for i, visit in enumerate(self.visits) if visit.setup == setup.name]
             if mine:
                 poses, approaches = _stacked([self.visits[i] for i in mine])
-                length = INSTRUMENTS[setup.instrument].reads == "length"
+                length = INSTRUMENTS[setup.instrument].model.reads == "length"
                 deviation = machine.deviation(poses, approaches) if length else machine.rotation(poses, approaches)
                 zero = machine.offsets[setup.name].get("zero", 0.0)
                 noise = setup.noise * np.random.default_rng((seed, 3, mine[0])).standard_normal(len(mine))

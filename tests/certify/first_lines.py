@@ -56,7 +56,7 @@ def told(seed: int) -> Told:
     truth = Simulator(described.machine, described.setups).drawn(seed)
     along = (0.5 + 0.618034 * np.arange(_MOST)) % 1.0 * case.yardstick.box[0][1]
     places = [((float(x),), (1 if n % 4 < 2 else -1,)) for n, x in enumerate(along)]
-    values = [truth.read(described.setups[0], *at, rng) for at in places]
+    values = [truth.read_all(described.setups[0], *at, rng)[0] for at in places]
     pairs = enumerate(zip(places, values, strict=True))
     readings = [Reading("laser", *at, value, time=60.0 * n) for n, (at, value) in pairs]
     planned = foreseen(case, (), [each.place for each in readings[:count]])

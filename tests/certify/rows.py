@@ -64,7 +64,9 @@ def held(name: str, seed: int, times: float) -> list[Held]:
     truth, rng = Simulator(other.description.machine, case.description.setups).drawn(seed), np.random.default_rng(seed)
     setups = {setup.name: setup for setup in case.description.setups}
     readings = [
-        Reading(at.setup, at.pose, at.approach, truth.read(setups[at.setup], at.pose, at.approach, rng), number=n)
+        Reading(
+            at.setup, at.pose, at.approach, truth.read_all(setups[at.setup], at.pose, at.approach, rng)[0], number=n
+        )
         for n, at in enumerate(places, start=1)
     ]
     return list(_rows(concluded(case, tuple(readings)), truth))

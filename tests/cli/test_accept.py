@@ -53,7 +53,7 @@ def right() -> tuple[Reading, ...]:
         for x in np.linspace(0.01, 0.48, COUNT) + 4e-3 * np.sin(3.0 * np.arange(COUNT) + number):
             pose = tuple(float(x) if axis == moving else 0.25 for axis in range(2))
             side = tuple(int(axis == moving) for axis in range(2))
-            found.append(Reading(name, pose, side, drawn.read(setup, pose, side, rng)))
+            found.append(Reading(name, pose, side, drawn.read_all(setup, pose, side, rng)[0]))
     return tuple(found)
 
 

@@ -44,7 +44,7 @@ def _table(folder: Path, seed: int, column: str, factor: float, count: int = 20)
     campaign, rng = read_campaign(_campaign(folder, "readings = 9")), np.random.default_rng(seed)
     machine, (setup,) = Simulator(campaign.machine, campaign.setups).drawn(seed), campaign.setups
     places = [((i + 0.5) / count, 1 if i % 2 else -1) for i in range(count)]
-    values = [1e6 * factor * machine.read(setup, (x,), (side,), rng) for x, side in places]
+    values = [1e6 * factor * machine.read_all(setup, (x,), (side,), rng)[0] for x, side in places]
     rows = [f"laser,{1e3 * x},X{'+-'[s < 0]},{v}" for (x, s), v in zip(places, values, strict=True)]
     path = folder / "r.csv"
     path.write_text("\n".join([f"setup,X_mm,approach,{column}", *rows]) + "\n")

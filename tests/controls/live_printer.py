@@ -196,7 +196,7 @@ def framed(printer: Printer) -> None:
     """Put balls on the bed and read them: each is found where it is for a printer that leans."""
     text = (files("axiscal.machine") / "library" / "printer-gantry.toml").read_text(encoding="utf-8")
     text = text.replace('length = "40 mm"', 'length = "40 mm"\nstylus = "2 mm"')
-    campaign = campaign_from_texts(_FRAME, "campaign.toml", text, "printer.toml", target_needed=False)
+    campaign = campaign_from_texts(_FRAME, "campaign.toml", text, "printer.toml")
     (setup,) = campaign.setups
     assert setup.artefact is not None
     stated = 1e3 * setup.artefact.points + [0.0, 0.0, 40.0]

@@ -97,7 +97,7 @@ def test_the_table_of_defaults_is_the_program_s() -> None:
             format_quantity(usual.settle, "s"),
             format_quantity(usual.reading_time, "s"),
         ]
-        assert (usual.reads, [cell.strip() for cell in rest.split("|")]) == (reads, expected)
+        assert (usual.model.reads, [cell.strip() for cell in rest.split("|")]) == (reads, expected)
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ def test_a_bound_counts_with_its_variance_and_is_an_interval() -> None:
 def test_a_simulated_bound_is_kept() -> None:
     observation = observed('noise = "0.1 um"\nbound = "5 um"\nunknowns = {}')
     machine, rng = Simulator(observation.machine, observation.setups).drawn(1), np.random.default_rng(0)
-    read = np.array([machine.read(observation.setups[0], (0.5,), (1,), rng) for _ in range(400)])
+    read = np.array([machine.read_all(observation.setups[0], (0.5,), (1,), rng)[0] for _ in range(400)])
     assert np.ptp(read) == pytest.approx(10e-6, rel=0.1)
 
 

@@ -12,9 +12,7 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, read_campaign
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine import load_machine
-from axiscal.measurement.charts.bar import Bar, Circle
-from axiscal.measurement.charts.box import Line
-from axiscal.measurement.charts.held import Balls, Held
+from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
 
 SPHERES = """
 [[artefacts]]

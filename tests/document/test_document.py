@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated
 
 import pytest
 from pydantic import BaseModel, ConfigDict, Field
 
-from axiscal.document import Document, Length, Time, dotted, model_fault, read_model, shown
+from axiscal.document import Document, Length, QuantityOf, dotted, model_fault, read_model, shown
 from axiscal.exceptions import DescriptionError, InputError, TargetError, UnitError
 
 TEXT = """\
@@ -188,7 +189,7 @@ class Park(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
     noise: Length = Field(examples=['"0.3 um"'])
-    pause: Time | None = None
+    pause: Annotated[float, QuantityOf("time")] | None = None
     count: int = Field(1, examples=["7"], strict=True, ge=1)
     ends: tuple[float, float] | None = Field(None, examples=["[1, 2]"])
     names: list[str] = Field(["a"], min_length=1, examples=['["a"]'])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import gamma, kv
 
-from axiscal.description.usual import Learnable, sizes_of
+from axiscal.description.usual import sizes_of
 from axiscal.errors import prior
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise.problem import problem
@@ -49,7 +49,7 @@ def test_a_rough_curve_has_knots_at_a_quarter_of_its_length() -> None:
     )
     assert (smooth.basis.size, rough.basis.size) == (21, 21), "there is one curve: fine knots cost nothing"
     at = rough.basis.control_positions
-    expected = 1e-10 * prior.matern32(np.abs(at[:, None] - at) / 0.1)
+    expected = 1e-10 * prior.matern(np.abs(at[:, None] - at) / 0.1, 1.5)
     assert rough.covariance == pytest.approx(expected, rel=1e-12)
 
 
@@ -63,7 +63,7 @@ def test_the_likelihood_of_rough_curves_and_planes_has_the_slope_that_it_says() 
     setup = Setup("p", "probe", (0.0, 0.0, 1.0), (0, 1), (0.0,) * 3, 1e-6, (), 0.0, 0.0, 1.0, (0.0,) * 3, "+")
     poses = np.column_stack([rng.uniform(0, 0.5, 25), rng.uniform(0, 0.4, 25), np.zeros(25)])
     readings = [Reading("p", tuple(pose), (1, 1, 0), float(1e-5 * rng.standard_normal())) for pose in poses.tolist()]
-    sizes = sizes_of(machine, (setup,), Learnable("roughly", usual=True, inherited=False))
+    sizes = sizes_of(machine, (setup,), "roughly", usual=True, inherited=False)
     assert {"std", "length", "together", "rest"} < {size.kind for size in sizes.of}
     assert sizes.index("length", "EZXY") != sizes.index("length", "EZX")
     space = space_of(problem(Observation(model, (setup,)), readings, sizes))

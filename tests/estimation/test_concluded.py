@@ -124,7 +124,7 @@ def test_a_circle_of_another_machine_is_contradicted() -> None:
         taken = []
         for at, (pose, sides) in enumerate(zip(places.poses.tolist(), places.approaches.tolist(), strict=True)):
             visit = tuple(pose), tuple(int(side) for side in sides)
-            shown = (sign if at % 3 else 1.0) * machine.read(setup, *visit, rng)
+            shown = (sign if at % 3 else 1.0) * machine.read_all(setup, *visit, rng)[0]
             taken.append(Reading("bar", *visit, shown, time=10.0 * at))
         found.append(concluded(case, taken))
     right, wrong = found

@@ -146,7 +146,9 @@ def test_u_holds_95_percent_of_the_deviations_left_on_virtual_machines(tmp_path:
     poses, sides = rng.uniform([0, 0], [0.6, 0.4], (200, 2)), rng.choice([-1.0, 1.0], (200, 2))
     for seed in range(30):
         machine, noise = simulator.drawn(seed), np.random.default_rng(1000 + seed)
-        readings = [Reading(setup.name, pose, side, machine.read(setup, pose, side, noise)) for pose, side in places]
+        readings = [
+            Reading(setup.name, pose, side, machine.read_all(setup, pose, side, noise)[0]) for pose, side in places
+        ]
         known = concluded(case, readings)
         left = machine.deviation(poses, sides) - known.estimate().deviation(poses, sides)
         left -= left.mean(axis=0) * np.array(case.yardstick.zeroed, dtype=float)

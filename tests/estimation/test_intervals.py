@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from axiscal.errors.prior import matern52
+from axiscal.errors.prior import matern
 from axiscal.estimation.intervals import Fitted, Sites, sited, sites
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -23,7 +23,7 @@ _DRAWS = 200_000
 
 
 def _root() -> Array:
-    return _CURVE * lower_root(matern52(np.abs(_AT[:, None] - _AT) / 0.2) + 1e-9 * np.eye(len(_AT)))
+    return _CURVE * lower_root(matern(np.abs(_AT[:, None] - _AT) / 0.2) + 1e-9 * np.eye(len(_AT)))
 
 
 def _by_sites(root: Array, found: Sites) -> tuple[Array, Array]:

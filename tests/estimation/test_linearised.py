@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
@@ -19,13 +20,20 @@ from axiscal.estimation.learnt import without_bad
 from axiscal.estimation.located import SETTLED, Absorbed, absorbed, bent, located, moved_by
 from axiscal.estimation.stations import GAUSSIAN, indices
 from axiscal.machine import load_machine
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import seen, shown_values
+from axiscal.measurement.reading_rows import seen, shown_by_each
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from benchmarks.nonlinear.stations import read, tracers
 from tests.generators import laser_axis
 from tests.generators.texts import campaign_text, setup_text
+
+
+def shown_values(observation: Observation, readings: Sequence[Reading], point: Array) -> Array:
+    """Return what readings show by the exact chain, (m,).  point : (k,) errors, then unknowns"""
+    shown: Array = shown_by_each(observation, readings, point[None])[0]
+    return shown
 
 
 def _located(case: Case, readings: list[Reading]) -> Absorbed:

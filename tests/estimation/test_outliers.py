@@ -37,7 +37,7 @@ def _readings(seed: int, count: int = 30) -> list[Reading]:
     setup = description.setups[0]
 
     def taken(position: float, sign: int) -> Reading:
-        value = machine.read(setup, (position,), (sign,), rng)
+        value = machine.read_all(setup, (position,), (sign,), rng)[0]
         return Reading("laser", (position,), (sign,), value)
 
     return [taken((i + 0.5) / count, 1 if i % 2 else -1) for i in range(count)]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.usual import CYCLE, DRIFT, GROWTH, WAY, Learnable, sizes_of
+from axiscal.description.usual import CYCLE, DRIFT, GROWTH, WAY, sizes_of
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.passing import passing_columns, turning
 from axiscal.estimation.timed import Timed, elapsed, timed
@@ -82,7 +82,7 @@ def test_readings_in_another_order_have_turned_elsewhere() -> None:
 def test_rotary_axes_have_none() -> None:
     machine = load_machine("dmu60")
     reversing = {entry.name for entry in machine.errors if entry.kind == "reversal"}
-    found = sizes_of(machine, (), Learnable("roughly", usual=True, inherited=False))
+    found = sizes_of(machine, (), "roughly", usual=True, inherited=False)
     (owners,) = (set(size.owners) for size in found.of if size.kind == "way")
     assert owners < reversing
     assert {machine.axis(name[2]).rotary for name in owners} == {False}

@@ -114,11 +114,11 @@ def test_a_station_and_its_mirror_image_are_refused_with_the_reading_that_decide
     machine, _ = read(case, 0)
     setup, rng = case.description.setups[1], np.random.default_rng(5)
     poses = [(float(rng.uniform(0, 0.5)), float(rng.uniform(0, 0.4)), 0.2) for _ in range(30)]
-    flat = [Reading(setup.name, p, (1, 1, 1), machine.read(setup, p, (1, 1, 1), rng), time=0.0) for p in poses]
+    flat = [Reading(setup.name, p, (1, 1, 1), machine.read_all(setup, p, (1, 1, 1), rng)[0], time=0.0) for p in poses]
     with pytest.raises(AmbiguityError, match=r'the station of "tracer 2" fits .* Read "tracer 2" at X = .*, Z = '):
         concluded(case, flat)
     above = [(*pose[:2], 0.45) for pose in poses[:6]]
-    more = [Reading(setup.name, p, (1, 1, 1), machine.read(setup, p, (1, 1, 1), rng), time=0.0) for p in above]
+    more = [Reading(setup.name, p, (1, 1, 1), machine.read_all(setup, p, (1, 1, 1), rng)[0], time=0.0) for p in above]
     known = concluded(case, [*flat, *more])
     columns = list(known.case.station_columns(1)[0])
     truth = [machine.offsets[setup.name][name] for name in ("station_x", "station_y", "station_z")]

@@ -13,7 +13,7 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.type_b import TYPE_B, TypeB
-from axiscal.description.usual import Learnable, Sizes, sizes_of
+from axiscal.description.usual import Sizes, sizes_of
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.promise.numbers import Numbers
@@ -400,8 +400,8 @@ def test_a_gain_moves_no_mean_and_teaches_no_size() -> None:
     observation, places = observed(dial), np.linspace(0.01, 0.99, 40)
     curve = 20e-6 * np.sin(6 * places)
     noise = 1e-6 * np.random.default_rng(1).standard_normal(40)
-    may = Learnable("roughly", usual=True, inherited=False)
-    made = problem(observation, read_at(places, curve + noise, "s"), sizes_of(dial.machine, dial.setups, may))
+    sizes = sizes_of(dial.machine, dial.setups, "roughly", usual=True, inherited=False)
+    made = problem(observation, read_at(places, curve + noise, "s"), sizes)
     assert made.held.shape == (40, 1)
     found, without = sorted_out(made).posterior(), sorted_out(replace(made, held=np.zeros((40, 0)))).posterior()
     assert found.sizes == without.sizes

@@ -20,7 +20,6 @@ from axiscal.description.usual import (
     REVERSAL,
     ROUGH,
     SURE,
-    Learnable,
     Size,
     Sizes,
     sizes_of,
@@ -89,8 +88,8 @@ def test_what_is_exact_and_not_usual_leaves_no_size() -> None:
 def test_one_error_may_be_known_and_another_not() -> None:
     described = case_of("plate").description
     errors = [replace(each, sure="exactly") if each.name == "EZX" else each for each in described.machine.errors]
-    may = Learnable("roughly", usual=False, inherited=False)
-    sizes = sizes_of(replace(described.machine, errors=tuple(errors)), described.setups, may)
+    plain = replace(described.machine, errors=tuple(errors))
+    sizes = sizes_of(plain, described.setups, "roughly", usual=False, inherited=False)
     assert sizes.index("std", "EZX") == sizes.index("length", "EZX") == -1
     assert sizes.index("std", "EZY") >= 0
 

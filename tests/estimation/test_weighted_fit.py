@@ -16,15 +16,21 @@ from axiscal.estimation.estimation import path
 from axiscal.estimation.intervals import Fitted
 from axiscal.estimation.promise.agreement import NOTHING_READ
 from axiscal.measurement.candidates import spread
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import seen, visited_by
+from axiscal.measurement.reading_rows import places_of, seen, times_of, visited
 from axiscal.numerics import Array
 from tests.generators.campaigns import drawn, mixed
 
 
+def _opened(problem: Case, readings: list[Reading]) -> Observation:
+    """The map with columns for what comes with the readings."""
+    return visited(problem.observation, places_of(problem.observation.setups, readings), times_of(readings))
+
+
 def _conditioned(problem: Case, readings: list[Reading], precisions: Array) -> tuple[Array, Array]:
     """The estimate of the readings, and its variance, by the road the belief takes."""
-    observation = visited_by(problem.observation, readings)
+    observation = _opened(problem, readings)
     rows, _, values, _ = seen(observation, readings)
     signal = rows @ observation.prior_covariance() @ rows.T
     gain = np.linalg.solve(signal + np.diag(1 / precisions), signal).T
@@ -35,7 +41,7 @@ def test_mean_and_variance_are_those_of_conditioning_on_all_readings() -> None:
     problem = mixed()
     readings = drawn(problem)
     fitted = Fitted.expected(problem.observation, readings)
-    variances = seen(visited_by(problem.observation, readings), readings).variances
+    variances = seen(_opened(problem, readings), readings).variances
     assert fitted.noise == pytest.approx(variances, rel=1e-9, abs=0)
     precisions = np.random.default_rng(1).uniform(0.1, 1.0, len(fitted.noise)) / fitted.noise
     found, spread = fitted.estimate(fitted.values, precisions)

@@ -45,7 +45,7 @@ def read(drawn: VirtualMachine, count: int) -> list[Reading]:
     along = np.linspace(0.005, 0.995, count) + 4e-3 * np.sin(3.0 * np.arange(count))
     order = [(float(x), 1) for x in along[::2]] + [(float(x), -1) for x in along[1::2][::-1]]
     return [
-        Reading("laser", (x,), (side,), drawn.read(setup, (x,), (side,), rng), time=60.0 * index)
+        Reading("laser", (x,), (side,), drawn.read_all(setup, (x,), (side,), rng)[0], time=60.0 * index)
         for index, (x, side) in enumerate(order)
     ]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.usual import Learnable, Sizes, sizes_of, usual_machine
+from axiscal.description.usual import Sizes, sizes_of, usual_machine
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.problem import Inherited, Problem, problem
 from axiscal.machine import load_machine
@@ -80,7 +80,7 @@ def readings_of(case: Case, count: int, seed: int, stds: bool = False) -> list[R
 def sizes_for(case: Case, sure: Sure = "roughly", usual: bool = True, inherited: bool = False) -> Sizes:
     """Return the sizes that vary in a case."""
     described = case.description
-    return sizes_of(described.machine, described.setups, Learnable(sure, usual, inherited))
+    return sizes_of(described.machine, described.setups, sure, usual=usual, inherited=inherited)
 
 
 def asked(kind: str, count: int, seed: int = 0, stds: bool = False, inherits: bool = False) -> Problem:

@@ -12,8 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import drawn_back, frames, tip_at
-from axiscal.measurement.instruments.kind import Actual
+from axiscal.machine.kinematics import Deviation, drawn_back, frames, tip_at
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.measurement.touched import Sphere
@@ -98,7 +97,7 @@ class TouchedSpheres:
         beside = there + touch.side * from_unit(self._probe.clear, "mm")
         away, at = tip_at(machine, np.tile(motors, (2, 1)), np.stack([beside, there]))
         come = np.where(np.abs(at - away) > _ASIDE, np.sign(at - away), 0.0)[None]
-        actual = Actual(self._truth.deviation(at[None], come), self._truth.rotation(at[None], come))
+        actual = Deviation(self._truth.deviation(at[None], come), self._truth.rotation(at[None], come))
         off = np.array(self._truth.exactly(setup, pose[None], actual))
         middle = self._stated(setup, frames(machine, pose[None]).tcp)[0] - off + scatter * touch.side
         met = tip_at(machine, motors[None], middle[None])[0]

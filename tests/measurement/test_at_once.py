@@ -16,7 +16,7 @@ from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine import load_machine
-from axiscal.measurement.charts.box import Sight
+from axiscal.measurement.charts.kinds import Sight
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.reading import Place, columns_of

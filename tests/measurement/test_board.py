@@ -67,7 +67,7 @@ def board(balls: dict[str, tuple[int, int, int]] = BALLS) -> str:
 
 
 def described(text: str) -> CampaignDescription:
-    return campaign_from_texts(text, "campaign.toml", MACHINE, "router.toml", target_needed=False)
+    return campaign_from_texts(text, "campaign.toml", MACHINE, "router.toml")
 
 
 class Touched:

@@ -10,9 +10,7 @@ import pytest
 
 from axiscal.errors.model import ErrorModel
 from axiscal.machine import load_machine, machine_from_text
-from axiscal.measurement.charts.bar import Bar, Circle
-from axiscal.measurement.charts.box import Line, Sight
-from axiscal.measurement.charts.held import Balls, Held
+from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line, Sight
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, arrivals, crossings, has_room, turns
 from axiscal.numerics import Array
 from tests.generators.kinematics import in_travel, stem, tip
@@ -252,9 +250,11 @@ def test_what_is_to_be_kept_out_is_kept_out_with_the_width_of_the_tool() -> None
 def test_a_tracker_sees_what_is_in_range_and_in_its_reflector_s_cone() -> None:
     spans = np.array([axis.travel for axis in MILL.axes])
     park = spans.mean(axis=1)
-    box = (Room.empty(MILL), (0, 1, 2), tuple(Coordinate(*axis.travel) for axis in MILL.axes), park)
+    ends = tuple(Coordinate(*axis.travel) for axis in MILL.axes)
     station = np.array([0.3, -1.0, 0.0])
-    chart = Sight(*box, station[None], (0.9, 1.4), np.array([0.0, -1.0, 0.0]), math.radians(20))
+    chart = Sight(
+        Room.empty(MILL), (0, 1, 2), park, station[None], (0.9, 1.4), np.array([0.0, -1.0, 0.0]), math.radians(20), ends
+    )
     rng = np.random.default_rng(6)
     poses = chart.poses(spans[:, 0] + np.ptp(spans, axis=1) * rng.uniform(size=(300, 3)))
     for pose, said in zip(poses, chart.feasible(poses), strict=True):

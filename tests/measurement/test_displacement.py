@@ -11,8 +11,9 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.machine.description import machine_from_text
+from axiscal.machine.kinematics import Deviation
 from axiscal.measurement.instruments.displacement import Displacement
-from axiscal.measurement.instruments.kind import Actual, Nominal
+from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
 
@@ -100,7 +101,7 @@ def test_growth_shows_as_far_as_it_goes_along_the_direction(
         np.array(direction),
     )
     hand = share * np.array([-0.35, 0.0, 0.25])
-    model, still = Displacement(), Actual(np.zeros((3, 3)), np.zeros((3, 3)))
+    model, still = Displacement(), Deviation(np.zeros((3, 3)), np.zeros((3, 3)))
     assert model.unknown_effect(setup, "growth", at, place) == pytest.approx(hand, abs=1e-15)
     assert model.shown(warm, at, place, still, {}) == pytest.approx(STRAIN * hand, abs=1e-18)
     assert model.shown(warm, at, place, still, {"growth": 1e-6}) == pytest.approx((STRAIN + 1e-6) * hand, abs=1e-18)

@@ -23,7 +23,7 @@ from axiscal.machine import load_machine
 from axiscal.measurement.cells import MEMORY, STEP, Course, wandering
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.reading import Place, Reading
-from axiscal.measurement.reading_rows import seen, visited_by
+from axiscal.measurement.reading_rows import places_of, seen, times_of, visited
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.planning.other_readings import planned_with_markers, with_markers, without_markers
@@ -100,7 +100,7 @@ def _readings(
 
     def taken(i: int) -> Reading:
         x, sign = (places[0], -1) if i % 8 == 0 else (places[i], 1 if i % 2 else -1)
-        value = machine.read(setup, (float(x),), (sign,), rng, gap * i)
+        value = machine.read_all(setup, (float(x),), (sign,), rng, gap * i)[0]
         return Reading("laser", (float(x),), (sign,), value, time=gap * i)
 
     return [taken(i) for i in range(40)]
@@ -172,7 +172,7 @@ def test_the_likelihood_of_the_readings_counts_the_drift_as_the_belief_does() ->
     problem = Case(description)
     readings = _readings(Simulator(description.machine, description.setups).drawn(5), description, 5, gap=400.0)
     observation = problem.observation
-    observation = visited_by(observation, readings)
+    observation = visited(observation, places_of(observation.setups, readings), times_of(readings))
     rows, variances, _, _ = seen(observation, readings)
     expected = rows @ observation.prior_covariance() @ rows.T + np.diag(variances)
     posed = posed_of(problem.observation, readings, Sizes(()), usual=False)

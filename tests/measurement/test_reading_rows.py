@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, place_text, reading_text
-from axiscal.measurement.reading_rows import places_of, rows_at, seen, times_of, visited_by
+from axiscal.measurement.reading_rows import places_of, rows_at, seen, times_of, visited
 from tests.generators.campaigns import drawn, mixed
 from tests.planning.test_out_and_back import one_axis
+
+
+def visited_by(observation: Observation, readings: Sequence[Reading]) -> Observation:
+    """Return the map with columns for what comes with readings."""
+    return visited(observation, places_of(observation.setups, readings), times_of(readings))
 
 
 def _readings(count: int = 40) -> list[Reading]:

@@ -12,9 +12,10 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.promise.problem import problem
 from axiscal.machine import load_machine
+from axiscal.machine.kinematics import Deviation
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.kind import TOOL, Actual, Nominal
-from axiscal.measurement.observation import Observation
+from axiscal.measurement.instruments.kind import TOOL, Nominal
+from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from tests.generators.kinematics import stem, tip
@@ -81,9 +82,9 @@ def test_the_columns_are_what_a_small_change_of_each_unknown_does_to_what_is_sho
             np.round(rng.uniform(low, high, (6, len(low)))) if len(low) > 3 else rng.uniform(low, high, (6, len(low)))
         )
         nominal = Nominal(DMU, poses, setup.moves)
-        still = Actual(np.zeros((6, 3)), np.zeros((6, 3)))
-        for direction in np.eye(3):
-            rows = observation.rows(index, poses, np.zeros_like(poses), direction).rows
+        still = Deviation(np.zeros((6, 3)), np.zeros((6, 3)))
+        every = observation.rows_each(index, poses, np.zeros_like(poses))
+        for direction, (rows, _) in zip(directions_of(setup), every, strict=True):
             for name, column in names(observation, index).items():
                 shown = [
                     model_of(setup).shown(setup, direction, nominal, still, {name: sign * 1e-7}) for sign in (1, -1)
@@ -101,12 +102,12 @@ def test_a_ball_that_stands_aside_reads_like_a_machine_that_is_off_the_other_way
         f"{ball}_{axis}": value for ball in ("low", "high", "third") for axis, value in zip("xyz", moved, strict=True)
     }
     shown = [
-        model_of(setup).shown(setup, way, nominal, Actual(np.tile(moved, (3, 1)), np.zeros((3, 3))), own)
+        model_of(setup).shown(setup, way, nominal, Deviation(np.tile(moved, (3, 1)), np.zeros((3, 3))), own)
         for way in np.eye(3)
     ]
     np.testing.assert_allclose(shown, 0.0, atol=1e-15)
     longer = [
-        model_of(setup).shown(setup, way, nominal, Actual(np.zeros((3, 3)), np.zeros((3, 3))), {"tool_z": 1e-5})
+        model_of(setup).shown(setup, way, nominal, Deviation(np.zeros((3, 3)), np.zeros((3, 3))), {"tool_z": 1e-5})
         for way in np.eye(3)
     ]
     np.testing.assert_allclose(np.array(longer).T, [1e-5 * stem(DMU, pose) for pose in poses], atol=1e-12)
@@ -123,8 +124,7 @@ def test_a_sphere_touched_from_both_sides_does_not_show_the_reversal_of_a_linear
     poses = setup.chart.poses(np.array([[0.0, 1.0, 0.3]]))
     approaches = np.zeros_like(poses)
     approaches[0, :2] = 1.0
-    for direction in np.eye(3):
-        seen = observation.rows(0, poses, approaches, direction)
+    for seen in observation.rows_each(0, poses, approaches):
         for function in observation.errors.functions:
             if function.kind == "reversal" and not DMU.axes[function.axis].rotary:
                 assert np.all(seen.rows[:, function.columns] == 0)

@@ -88,7 +88,7 @@ def test_a_reading_is_the_deviation_along_the_direction_with_the_set_ups_own_and
     setup = _setup(machine, noise=2e-6, unknowns=(Unknown("zero", 1e-4), Unknown("slope", 1e-4)))
     virtual, rng = Simulator(machine, (setup,)).drawn(5), np.random.default_rng(6)
     pose, approach = (0.1, 0.2, 0.3), (1, -1, 1)
-    drawn = np.array([virtual.read(setup, pose, approach, rng) for _ in range(400)])
+    drawn = np.array([virtual.read_all(setup, pose, approach, rng)[0] for _ in range(400)])
     own = virtual.offsets["s"]["zero"] + virtual.offsets["s"]["slope"] * (0.1 - 0.3)
     expected = virtual.deviation(np.array([pose]), np.array([approach], dtype=float))[0, 0] + own
     assert abs(drawn.mean() - expected) < 5 * 2e-6 / np.sqrt(400)
@@ -162,7 +162,7 @@ def test_what_a_display_rounds_off_counts_at_once() -> None:
 def test_a_simulated_display_shows_whole_steps() -> None:
     observation = observed('resolution = "5 um"\nunknowns = {}')
     machine, rng = Simulator(observation.machine, observation.setups).drawn(1), np.random.default_rng(0)
-    shown = np.array([machine.read(observation.setups[0], (x,), (1,), rng) for x in np.linspace(0, 1, 20)])
+    shown = np.array([machine.read_all(observation.setups[0], (x,), (1,), rng)[0] for x in np.linspace(0, 1, 20)])
     assert np.ptp(shown) > 5e-6
     assert np.round(shown / 5e-6) * 5e-6 == pytest.approx(shown, abs=1e-15)
 

@@ -60,7 +60,7 @@ def _curve(function: ErrorFunction, unknowns: Array) -> Curve:
 def _seen(model: ErrorModel, setup: Setup, unknowns: Array, pose: tuple[float, ...]) -> float:
     curves = tuple(_curve(f, unknowns) for f in model.functions)
     machine = VirtualMachine(model, curves, {"s": {"zero": float(unknowns[-1])}})
-    return machine.read(setup, pose, (1,) * len(pose), np.random.default_rng(0))
+    return machine.read_all(setup, pose, (1,) * len(pose), np.random.default_rng(0))[0]
 
 
 @pytest.mark.parametrize("base", [0.0, 0.03, 0.11])
@@ -268,7 +268,7 @@ def test_a_survey_gives_the_straightness_back() -> None:
     setup, readings = description.setups[0], list[Reading]()
     for place in np.linspace(0.05, 0.75, 15):
         pose = (float(place), 0.15)
-        readings.append(Reading("survey", pose, (1, 0), machine.read(setup, pose, (1, 0), rng)))
+        readings.append(Reading("survey", pose, (1, 0), machine.read_all(setup, pose, (1, 0), rng)[0]))
     estimation = concluded(Case(description), readings)
     belief, function = estimation.knowledge.belief, estimation.case.errors.names["EZX"]
     places = np.linspace(0.0, 0.8, 81)

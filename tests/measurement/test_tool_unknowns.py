@@ -15,10 +15,10 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.prediction import tcp_prediction
 from axiscal.machine import load_machine
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import SmallMotions, frames, tool_motion
+from axiscal.machine.kinematics import Deviation, SmallMotions, frames, tool_motion
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.kind import Actual, Nominal
+from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
@@ -49,8 +49,8 @@ def test_it_moves_the_readings_as_another_tool_moves_the_point_of_the_chain(inst
     poses = _poses(machine, 20, 1)
     still = SmallMotions(*(np.zeros((len(machine.axes), len(poses), 3)) for _ in range(3)))
     longer, stated = (tool_motion(m, poses, still) for m in (replace(machine, tool=machine.tool + _LONGER), machine))
-    moved = Actual(longer.translation - stated.translation, np.zeros((len(poses), 3)))
-    unmoved = Actual(np.zeros((len(poses), 3)), np.zeros((len(poses), 3)))
+    moved = Deviation(longer.translation - stated.translation, np.zeros((len(poses), 3)))
+    unmoved = Deviation(np.zeros((len(poses), 3)), np.zeros((len(poses), 3)))
     for direction in np.eye(3):
         expected = _shown(setup, machine, direction, poses, moved, {})
         told = _shown(setup, machine, direction, poses, unmoved, {"tool_z": -_LONGER})
@@ -60,7 +60,7 @@ def test_it_moves_the_readings_as_another_tool_moves_the_point_of_the_chain(inst
 
 
 def _shown(
-    setup: Setup, machine: Machine, direction: Array, poses: Array, actual: Actual, own: Mapping[str, float]
+    setup: Setup, machine: Machine, direction: Array, poses: Array, actual: Deviation, own: Mapping[str, float]
 ) -> Array:
     return model_of(setup).shown(setup, direction, Nominal(machine, poses, setup.moves), actual, own)
 

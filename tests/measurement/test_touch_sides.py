@@ -10,9 +10,10 @@ import pytest
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine
+from axiscal.machine.kinematics import Deviation
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.instruments.distance import Nest
-from axiscal.measurement.instruments.kind import Actual, Nominal
+from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import cycle_of, touch_frames
@@ -47,7 +48,7 @@ def test_a_larger_radius_shows_as_three_touches_find_their_centre() -> None:
         along = [way @ tip(DMU, at) - radius for way, at in zip(ways, met, strict=True)]
         found = np.linalg.solve(ways, np.array(along))
         nominal = Nominal(DMU, pose[None], setup.moves)
-        actual = Actual(np.zeros((1, 3)), np.zeros((1, 3)))
+        actual = Deviation(np.zeros((1, 3)), np.zeros((1, 3)))
         for direction, value in zip(np.eye(3), ball - found, strict=True):
             shown = Nest().shown(setup, direction, nominal, actual, {"radius": larger})
             assert shown[0] == pytest.approx(value, abs=1e-12)

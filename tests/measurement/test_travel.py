@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from axiscal.machine.motion import approach_seconds, travel_seconds
-from axiscal.measurement.charts.held import Held
+from axiscal.measurement.charts.kinds import Held
 from axiscal.measurement.charts.room import Room, arrivals, turns
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import held_seconds, off_seconds, way_seconds

@@ -8,7 +8,7 @@ from itertools import pairwise, permutations
 import numpy as np
 import pytest
 
-from axiscal.measurement.charts.held import Held
+from axiscal.measurement.charts.kinds import Held
 from axiscal.measurement.travel import held_seconds, short_way, way_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.short_way import route_seconds

@@ -10,12 +10,9 @@ import pytest
 
 from axiscal.machine import Machine, machine_from_text
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.charts.bar import Bar
-from axiscal.measurement.charts.box import Line
-from axiscal.measurement.charts.held import Held
+from axiscal.measurement.charts.kinds import Bar, Held, Line
 from axiscal.measurement.charts.room import Coordinate, Room, turns
-from axiscal.measurement.charts.swing import Slides, stem_rate
-from axiscal.measurement.charts.ways import SmoothChart, clear
+from axiscal.measurement.charts.ways import Slides, SmoothChart, clear, stem_rate
 from axiscal.numerics import Array
 from tests.generators.kinematics import in_travel, stem, tip
 from tests.measurement.test_charts import DMU, HOME, UP, circle, held

@@ -76,7 +76,7 @@ def plans(case: Case) -> list[tuple[Place, ...]]:
 
 def _read(case: Case, place: Place) -> Reading:
     """Return a reading of nothing: where others are to be taken does not depend on its value."""
-    values = INSTRUMENTS[case.description.setup(place.setup).instrument].values
+    values = INSTRUMENTS[case.description.setup(place.setup).instrument].model.values
     return Reading(place.setup, place.pose, place.approach, 0.0, others=(0.0,) * (values - 1), time=0.0)
 
 

@@ -60,7 +60,7 @@ def begun(name: str) -> tuple[Case, Scorer, Places]:
 
 def _reading(case: Case, lattice: Places, number: int) -> Reading:
     setup = case.description.setups[0]
-    others = (0.0,) * (INSTRUMENTS[setup.instrument].values - 1)
+    others = (0.0,) * (INSTRUMENTS[setup.instrument].model.values - 1)
     pose, approach = lattice.poses[number].tolist(), lattice.approaches[number].astype(int).tolist()
     return Reading(setup.name, tuple(pose), tuple(approach), 0.0, others=others, time=0.0)
 

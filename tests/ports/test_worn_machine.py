@@ -11,8 +11,7 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.type_prior import SisterRecord, TypePrior
 from axiscal.machine import load_machine, machine_from_text
-from axiscal.machine.kinematics import frames, tool_motion
-from axiscal.measurement.instruments.kind import Actual
+from axiscal.machine.kinematics import Deviation, frames, tool_motion
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
@@ -165,7 +164,7 @@ def test_what_is_taken_off_is_what_the_tables_add(instrument: str) -> None:
         found, nominal = tool_motion(machine, sent, own), frames(machine, at)
         turned = found.rotation[0] @ nominal.tool[0].T
         turn = np.array([turned[2, 1], turned[0, 2], turned[1, 0]])
-        actual = Actual(found.translation - nominal.tcp, turn[None])
+        actual = Deviation(found.translation - nominal.tcp, turn[None])
         tips.append(found.translation)
         shown.append(np.array(virtual.exactly(setups[0], at, actual, come)))
     reading = Reading("s", tuple(pose), tuple(approach.astype(int).tolist()), shown[1][0], others=tuple(shown[1][1:]))

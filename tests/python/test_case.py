@@ -68,7 +68,7 @@ def test_the_estimate_holds_the_truth_within_its_band() -> None:
     for x in np.linspace(0.02, 0.58, 15):
         for side in (1, -1):
             pose, approach = (float(x), *setup.park[1:]), (side, 0, 0)
-            readings.append(Reading("laser", pose, approach, truth.read(setup, pose, approach, rng)))
+            readings.append(Reading("laser", pose, approach, truth.read_all(setup, pose, approach, rng)[0]))
     known = ac.estimate(case(), readings)
     poses: list[dict[str, float | int | str]] = [{"X": x, "Y": "100 mm"} for x in (0.1, 0.3, 0.5)]
     mean, std = known.deviation(*poses, approach={"X": 1})

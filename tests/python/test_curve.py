@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import axiscal as ac
-from axiscal.errors.prior import matern52
+from axiscal.errors.prior import matern
 from axiscal.exceptions import ShapeError, UnitError
 from axiscal.numerics import Array
 
@@ -28,7 +28,7 @@ def plain_rms(covariance: Array, places: Array, spline: ac.NaturalSpline, at: Ar
 def test_the_next_place_is_the_best_of_a_dense_grid() -> None:
     curve = ac.Curve([0.0, 0.6], std=10e-6, length=0.15)
     spline = ac.NaturalSpline(np.linspace(0, 0.6, 7))
-    covariance = 1e-10 * matern52(np.abs(spline.knots[:, None] - spline.knots) / 0.15)
+    covariance = 1e-10 * matern(np.abs(spline.knots[:, None] - spline.knots) / 0.15)
     for _ in range(3):
         at, places = np.linspace(0, 0.6, 4001), np.linspace(0, 0.6, 1201)
         each = plain_rms(covariance, places, spline, at)

@@ -75,7 +75,7 @@ def test_values_are_those_that_a_source_would_give() -> None:
     trial.description = replace(trial.description, setups=tuple(quiet))
     by_name = {setup.name: setup for setup in quiet}
     rng = np.random.default_rng(0)
-    expected = [machine.read(by_name[v.setup], v.pose, v.approach, rng) for v in trial.visits]
+    expected = [machine.read_all(by_name[v.setup], v.pose, v.approach, rng)[0] for v in trial.visits]
     np.testing.assert_allclose(trial.values(machine, 4), expected, atol=1e-15)
 
 

@@ -80,7 +80,7 @@ def missed(seed: int) -> float:
     readings = []
     for pose, side, time in zip(places.poses.tolist(), places.approaches.astype(int).tolist(), times, strict=True):
         drifted = 10e-6 * (time - times[0]) / np.ptp(times)
-        value = truth.read(setup, tuple(pose), tuple(side), rng) + drifted
+        value = truth.read_all(setup, tuple(pose), tuple(side), rng)[0] + drifted
         readings.append(Reading("laser", tuple(pose), tuple(side), value, time=float(time)))
     known = concluded(case, readings)
     function, at = case.errors.functions[0], np.linspace(0.0, 1.0, 401)

@@ -18,7 +18,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.known import known_rows
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
 from axiscal.exceptions import RecordError, SourceError
-from axiscal.language.spoken import counted, said
+from axiscal.language.spoken import counted, later, said
 from axiscal.measurement.reading import Reading
 from axiscal.planning.promise import FEW, WantedAccuracy, asked
 from axiscal.record.events import State
@@ -222,25 +222,24 @@ ENDINGS = (
     "not finished",
 )
 """Those that are whole sentences."""
-_SAID_TAKEN = re.compile(r"([0-9]+) readings? taken")
-_SAID_REACHED = re.compile(r"(rms|worst|U) target reached")
-_SAID_UNREACHED = re.compile(r"(.+) cannot be reached with these set-ups")
-_SAID_BEYOND = re.compile(
-    r"(rms|worst|U) target cannot be reached: endless readings would leave ([0-9.e+-]+) um, these leave ([0-9.e+-]+) um"
-)
+_SAID_TAKEN = r"([0-9]+) readings? taken"
+_SAID_ELSE = {
+    r"(?P<name>rms|worst|U) target reached": later("{name} target reached"),
+    r"(?P<rows>.+) cannot be reached with these set-ups": later("{rows} cannot be reached with these set-ups"),
+    r"(?P<name>rms|worst|U) target cannot be reached: endless readings would leave (?P<floor>[0-9.e+-]+) um, "
+    r"these leave (?P<left>[0-9.e+-]+) um": later(
+        "{name} target cannot be reached: endless readings would leave {floor:.3g} um, these leave {left:.3g} um"
+    ),
+}
+"""Those with names and sizes, as they are kept."""
 
 
 def because_text(because: str) -> str:
     """Return the reason in the language that is spoken; one that is not known here stays English."""
-    if (taken := _SAID_TAKEN.fullmatch(because)) is not None:
+    if (taken := re.fullmatch(_SAID_TAKEN, because)) is not None:
         return counted("{count} reading taken", "{count} readings taken", int(taken[1]))
-    if (reached := _SAID_REACHED.fullmatch(because)) is not None:
-        return said("{name} target reached", name=reached[1])
-    if (unreached := _SAID_UNREACHED.fullmatch(because)) is not None:
-        return said("{rows} cannot be reached with these set-ups", rows=unreached[1])
-    if (beyond := _SAID_BEYOND.fullmatch(because)) is not None:
-        words = (
-            "{name} target cannot be reached: endless readings would leave {floor:.3g} um, these leave {left:.3g} um"
-        )
-        return said(words, name=beyond[1], floor=float(beyond[2]), left=float(beyond[3]))
+    for pattern, words in _SAID_ELSE.items():
+        if (found := re.fullmatch(pattern, because)) is not None:
+            parts = found.groupdict().items()
+            return said(words, **{key: float(part) if key in ("floor", "left") else part for key, part in parts})
     return said(because) if because in ENDINGS else because

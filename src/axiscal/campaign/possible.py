@@ -14,8 +14,8 @@ from axiscal.estimation.functionals.known import refuse_unmade
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
-from axiscal.measurement.instrument import INSTRUMENTS, values_of
-from axiscal.measurement.reading import LARGEST, Place, Reading
+from axiscal.measurement.instrument import values_of
+from axiscal.measurement.reading import LARGEST, Place, Reading, reading_unit
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.record.accepted import Accepted
 from axiscal.record.events import Asked, Created, Event, Mounted, Planned, Recorded
@@ -117,7 +117,7 @@ def refuse_unreadable(setup: Setup, values: Sequence[float], std: float | None) 
     _refuse_other_count(setup, len(values))
     if std is not None and not std >= FINEST:
         remedy = "Give one of at least 0.1 nm or 0.1 nrad, or none"
-        shown = format_quantity(std, {"length": "um", "angle": "urad"}[INSTRUMENTS[setup.instrument].reads])
+        shown = format_quantity(std, reading_unit(setup))
         raise ReadingError("{std} is no standard deviation", remedy, std=shown)
 
 

@@ -91,7 +91,7 @@ def record(
             pose = placed_pose(chosen, machine, _position(at, machine))
             place = Place(chosen.name, pose, placed_approach(chosen, machine, _directions(approach or "")))
         mounted = campaign.description.setup(place.setup)
-        dimension = INSTRUMENTS[mounted.instrument].reads
+        dimension = INSTRUMENTS[mounted.instrument].model.reads
         number, *others = (parse_quantity(part, dimension) for part in value_texts(text, mounted))
         noise = None if std is None else parse_quantity(std, dimension)
         before = doubted(campaign)

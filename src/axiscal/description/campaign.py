@@ -17,7 +17,8 @@ from pydantic import Field
 
 from axiscal.description.artefacts import read_artefacts
 from axiscal.description.campaign_schema import CampaignTable, ProgramsTable, ReportTable, SistersTable
-from axiscal.description.setups import Surroundings, at_each_place, read_setups
+from axiscal.description.setups import at_each_place, read_setups
+from axiscal.description.sites import Surroundings
 from axiscal.description.stated_type_b import refers_to_20
 from axiscal.description.target import Target, coordinate, read_target
 from axiscal.description.usual import usual_machine
@@ -30,7 +31,7 @@ from axiscal.measurement.instruments.kind import CARRIED
 from axiscal.measurement.setup import Setup, Vector
 from axiscal.record.events import Mounted
 from axiscal.record.log import STORED
-from axiscal.units import format_quantity, parse_quantity
+from axiscal.units import format_quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +150,6 @@ def campaign_from_texts(
     machine_text: str,
     machine_source: str,
     *,
-    target_needed: bool = False,
     prior_text: str = "",
     usual_doubts: bool = True,
     fine_knots: bool = True,
@@ -162,7 +162,7 @@ def campaign_from_texts(
     """
     document = Document.parse(text, source)
     machine = machine_from_text(machine_text, machine_source, fine_knots=fine_knots)
-    return _described(document, machine, machine_source, target_needed, prior_text, False, usual_doubts)
+    return _described(document, machine, machine_source, False, prior_text, False, usual_doubts)
 
 
 def as_exact(described: CampaignDescription) -> CampaignDescription:
@@ -304,13 +304,9 @@ def stands_with_others(setup: Setup) -> str:
     return ""
 
 
-_SLOWEST = 1e-3 / 60
-"""1 mm/min: programs write whole numbers."""
-
-
 def read_driving(table: ProgramsTable, machine: Machine, document: Document) -> Driving:
     """Return how programs are driven; raises DescriptionError or UnitError at the line that is wrong."""
-    faults, driving = Faults(), Driving(dwell=table.dwell)
+    faults, driving = Faults(), Driving(feed=table.feed, dwell=table.dwell)
     if table.clearance is not None:
         with faults.noted(), document.placed("programs", "clearance"):
             driving = replace(driving, clearance=_clearance(table.clearance, machine))
@@ -318,9 +314,6 @@ def read_driving(table: ProgramsTable, machine: Machine, document: Document) -> 
         with faults.noted(), document.placed("programs", "order"):
             driving = replace(driving, order=tuple(tuple(group.split()) for group in table.order.split(",")))
             move_groups(machine, driving)
-    if table.feed is not None:
-        with faults.noted(), document.placed("programs", "feed"):
-            driving = replace(driving, feed=_feed(table.feed))
     faults.refuse()
     return driving
 
@@ -331,11 +324,3 @@ def _clearance(text: str, machine: Machine) -> tuple[str, float]:
     if not equals:
         raise DescriptionError("{text} is not AXIS=PLACE", 'Write something such as "Z=-5 mm"', text=shown(text))
     return name, coordinate(place, machine.axis(name))
-
-
-def _feed(text: str) -> float:
-    """Return the feed near a place, m/s."""
-    feed = parse_quantity(text, "speed")
-    if feed < _SLOWEST * (1 - 1e-9):
-        raise DescriptionError("{text} is slower than 1 mm/min", 'Give a feed such as "500 mm/min"', text=shown(text))
-    return feed

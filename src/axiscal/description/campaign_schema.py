@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from axiscal.description.vectors import Direction, Span, Spot
-from axiscal.document import Length, QuantityText, Time, shown
+from axiscal.document import Length, QuantityText, shown
 from axiscal.document.validation import QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import LANGUAGES, later
@@ -34,6 +34,8 @@ MOST_READINGS = 100_000
 """Weeks of measuring; whoever says more has slipped."""
 _LONGEST_DOUBT = 0.1
 """m."""
+_SLOWEST = 1e-3 / 60 * (1 - 1e-9)
+"""1 mm/min, and rounding: programs write whole numbers."""
 _LEAST = sys.float_info.min
 """Above zero."""
 
@@ -132,6 +134,13 @@ Placed = Annotated[float, _sized("length", 1.0, later("Give how far it may stand
 Turned = Annotated[float, _sized("angle", 1.0, later("Give a small angle above zero"))]
 Turn = Annotated[float, QuantityOf("angle", -math.tau, math.tau, later("this is more than a turn"), _ONE, "90 deg")]
 Diameter = Annotated[float, _sized("length", 1.0, later("Give that of a ball"))]
+Duration = Annotated[float, _not_negative("time")]
+Feed = Annotated[
+    float,
+    QuantityOf(
+        "speed", _SLOWEST, math.inf, later("{text} is slower than 1 mm/min"), later('Give a feed such as "500 mm/min"')
+    ),
+]
 Warmth = Annotated[float, _not_negative("temperature_difference")]
 Growth = Annotated[float, _not_negative("expansion")]
 """What keys may say, in SI; several have bounds."""
@@ -232,9 +241,9 @@ class SetupTable(Table):
     bound: QuantityText | None = Field(None, examples=['"2 um"'])
     dead_band: QuantityText | None = Field(None, examples=['"2 um"'])
     one_sided: str | None = Field(None, examples=['"+"', '"- 30 um"'])
-    setup_time: Time | None = Field(None, examples=['"30 min"'])
-    settle: Time | None = Field(None, examples=['"1 s"'])
-    reading_time: Time | None = Field(None, examples=['"3 s"'])
+    setup_time: Duration | None = Field(None, examples=['"30 min"'])
+    settle: Duration | None = Field(None, examples=['"1 s"'])
+    reading_time: Duration | None = Field(None, examples=['"3 s"'])
     raster: dict[str, QuantityText] = Field(default={}, examples=['{ X = "10 mm" }'])
     approach: Literal["both", "+", "-"] = Field("+", examples=['"both"'])
     drift: QuantityText | None = Field(None, examples=['"2 um/h"'])
@@ -281,7 +290,7 @@ class ProgramsTable(Table):
 
     clearance: str | None = Field(None, examples=['"Z=-5 mm"'])
     order: str | None = Field(None, examples=['"Z,X Y"'])
-    feed: str | None = Field(None, examples=['"500 mm/min"'])
+    feed: Feed | None = Field(None, examples=['"500 mm/min"'])
     dwell: bool = Field(False, examples=["true"])
 
 

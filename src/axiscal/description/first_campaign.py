@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from itertools import combinations, product
 from typing import NamedTuple
 
@@ -247,19 +248,15 @@ def _dials(machine: Machine) -> Iterator[str]:
             yield _EDGE.format(axis=axis.name, way=way, low=low, high=high)
 
 
-def _levels(machine: Machine) -> Iterator[str]:
-    return _tilts(machine, "level", "xy")
-
-
-def _autocollimators(machine: Machine) -> Iterator[str]:
-    return _tilts(machine, "autocollimator", "xyz")
-
-
 def _tilts(machine: Machine, what: str, ways: str) -> Iterator[str]:
     """Yield set-ups that read angles as one axis moves.  ways : about which `what` reads; a mirror sees no roll"""
     for axis, way in product(_linear(machine), ways):
         if what == "level" or way != _way(axis):
             yield _TILT.format(what=what, axis=axis.name, way=way)
+
+
+_levels = partial(_tilts, what="level", ways="xy")
+_autocollimators = partial(_tilts, what="autocollimator", ways="xyz")
 
 
 def _trackers(machine: Machine) -> Iterator[str]:

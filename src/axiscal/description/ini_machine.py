@@ -74,7 +74,8 @@ class IniMachine:
 def lacking_limits(ini: IniFile) -> dict[str, str]:
     """Return the unit of each linear axis of which an INI file leaves open from where to where it moves."""
     unit, joints = _unit(ini, "LINEAR_UNITS", _LINEAR, "mm"), _joints(ini)
-    return {name: unit for name in joints if name not in "ABC" and not says_limits(ini, name, joints[name][0])}
+    stated = {name: _stated(ini, name, each[0]) for name, each in joints.items() if name not in "ABC"}
+    return {name: unit for name, each in stated.items() if any(_left_open(found, key) for key, found in each.items())}
 
 
 def machine_of(ini: IniFile, given: Mapping[str, tuple[float, float]] | None = None) -> IniMachine:
@@ -194,11 +195,6 @@ def axis_sections(letter: str, joint: int) -> tuple[str, str, str]:
     return f"AXIS_{letter}", f"JOINT_{joint}", f"AXIS_{joint}"
 
 
-def says_limits(ini: IniFile, letter: str, joint: int) -> bool:
-    """Return whether an INI file has both limits of an axis, and neither is the one that means no limit."""
-    return not any(_left_open(found, key) for key, found in _stated(ini, letter, joint).items())
-
-
 def limits(ini: IniFile, letter: str, joint: int, unit: str) -> tuple[float, float]:
     """Return the limits of an axis in its unit; a rotary axis without any has a turn to either side.
 
@@ -261,17 +257,13 @@ def build_of(ini: IniFile, letters: Sequence[str], doubled: Sequence[str], unit:
         return IniBuild(chain, False, name, unit, origins=dict.fromkeys(rotary, (0.0, 0.0, 0.0)))
     if found := _TRT.fullmatch(name):
         return _swivelling(ini, name, found[1].upper(), letters, unit)
-    if name == "maxkins" and set("BC") <= set(letters):
-        pins = _pins(ini, name)
+    if name in ("maxkins", "5axiskins") and set("BC") <= set(letters):
+        pins, table = _pins(ini, name), name == "maxkins"  # whether C turns the workpiece, and not the head
         pivot, known = pins.values.get("pivot-length", 0.0), "pivot-length" in pins.values
-        against = () if pins.values.get("conventional-directions", 0.0) else ("B",)
-        places = {"B": (0.0, 0.0, pivot), "C": (0.0, 0.0, 0.0)}
-        return IniBuild("w-C'-X'-Y'-b-Z-B-t", known and pins.clear, name, unit, against, places)
-    if name == "5axiskins" and set("BC") <= set(letters):
-        pins = _pins(ini, name)
-        pivot, known = pins.values.get("pivot-length", 0.0), "pivot-length" in pins.values
-        places = {"B": (0.0, 0.0, pivot), "C": (0.0, 0.0, pivot)}
-        return IniBuild("w-b-X-Y-Z-C-B-t", known and pins.clear, name, unit, ("B",), places)
+        against = () if table and pins.values.get("conventional-directions", 0.0) else ("B",)
+        places = {"B": (0.0, 0.0, pivot), "C": (0.0, 0.0, 0.0 if table else pivot)}
+        chain = "w-C'-X'-Y'-b-Z-B-t" if table else "w-b-X-Y-Z-C-B-t"
+        return IniBuild(chain, known and pins.clear, name, unit, against, places)
     what = "{name} is no chain of axes that can be read here"
     remedy = "Write machine.toml by hand; trivkins, xyzac-trt-kins, xyzbc-trt-kins, maxkins and 5axiskins are read"
     place = (ini.path, None) if stated is None else (stated.file, stated.line)

@@ -20,7 +20,7 @@ from axiscal.language.spoken import joined, said
 from axiscal.machine import Axis, Machine
 from axiscal.machine.entry import parse_error_name
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.charts.held import Held
+from axiscal.measurement.charts.kinds import Held
 from axiscal.measurement.charts.room import Chart
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.readers.csv_readings import RawReading
@@ -28,7 +28,7 @@ from axiscal.measurement.readers.csv_table import parse_table, read_approach, re
 from axiscal.measurement.readers.touch_log import LISTS, LoggedTouch, TouchLog, plan_code, read_touch_log
 from axiscal.measurement.reading import Reading, reading_unit, value_columns
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.touched import TOUCHES, all_round, read_as
+from axiscal.measurement.touched import TOUCHES, met_from, read_as
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 
@@ -146,7 +146,7 @@ def _reading(
             hit = pose.copy()
             hit[[machine.index(axis) for axis in "XYZ"]] = touch.at
             hits.append(hit)
-        value, *others = read_as(machine, setup, pose, hits, all_round(machine, pose))
+        value, *others = read_as(machine, setup, pose, hits, met_from(machine, pose))
     except InputError as failure:
         what = "reading {number}: {fault}"
         raise ReadingError(what, failure.remedy, file, line, number=number, fault=failure.what) from None
@@ -226,7 +226,7 @@ def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int])
 
 def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     setup, sign = _setup_of(row, campaign)
-    reads = INSTRUMENTS[setup.instrument].reads
+    reads = INSTRUMENTS[setup.instrument].model.reads
     if row.dimension != reads:
         what = 'the {instrument} of the set-up "{setup}" reads a length, not an angle'
         if reads == "angle":
@@ -261,7 +261,7 @@ def _setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, in
         setup
         for setup in campaign.setups
         if moving <= set(setup.moves)
-        and INSTRUMENTS[setup.instrument].reads == row.dimension
+        and INSTRUMENTS[setup.instrument].model.reads == row.dimension
         and abs(setup.direction[component]) > _ALONG
     ]
     if len(fitting) != 1:
@@ -281,7 +281,7 @@ def _levelled(row: RawReading, campaign: CampaignDescription) -> Setup:
     """Return the set-up of a level survey that names none: the one whose level is moved along that axis."""
     (axis,) = row.position
     moving = (campaign.machine.index(axis),)
-    fitting = [s for s in campaign.setups if s.moves == moving and INSTRUMENTS[s.instrument].reads == "angle"]
+    fitting = [s for s in campaign.setups if s.moves == moving and INSTRUMENTS[s.instrument].model.reads == "angle"]
     fitting = [s for s in fitting if len(fitting) == 1 or _same_base(row, s)]
     if len(fitting) != 1:
         what = "several set-ups of this campaign read an angle while only {axis} moves"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 from axiscal.description.campaign_schema import SetupTable
@@ -16,47 +16,26 @@ from axiscal.description.sights import (
     seen,
     stations_of,
 )
-from axiscal.description.sites import RETRACT, STROKE, TOUCHING, Site, SiteReader, evened
+from axiscal.description.sites import RETRACT, STROKE, TOUCHING, Site, SiteReader, Surroundings, evened
 from axiscal.description.stated_type_b import dense, drift_of, material_of, stated_of
 from axiscal.description.target import coordinate, ends_on
 from axiscal.description.vectors import WAYS, At, unit_vector
 from axiscal.document import Document, meant, shown
 from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import said
-from axiscal.machine import Axis, Machine
+from axiscal.machine import Axis
 from axiscal.measurement.artefact import Artefact, reads_as
 from axiscal.measurement.instrument import INSTRUMENTS, PRINTER_PROBE, Instrument, model_of
 from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.instruments.kind import TOOL, Rotation
 from axiscal.measurement.setup import FINEST, Setup, Unknown, Vector
-from axiscal.units import EXAMPLES, format_quantity, parse_quantity, to_unit
+from axiscal.units import EXAMPLES, parse_quantity, to_unit
 
 _SHORTEST_REACH = 4.0
 """A reach is longer than so many overruns."""
 _DIAGONAL = 1 / math.sqrt(3)
 """Geometry: the space diagonal."""
-
-
-@dataclass(frozen=True, slots=True)
-class Surroundings:
-    """What set-ups are described in.
-
-    artefacts : by name; tool : std of how far the tool's point is from where it is stated, along its x, y, z, m
-    asking : readings are to be asked for, so that every set-up must say where it can be read
-    usual_doubts : zeros of which nothing is stated may wander as those of their instrument do
-    printer : the probe is that of a 3D printer
-    at_20 : what is found refers to 20 °C
-    """
-
-    machine: Machine
-    document: Document
-    artefacts: Mapping[str, Artefact]
-    tool: Vector
-    asking: bool
-    usual_doubts: bool
-    printer: bool = False
-    at_20: bool = False
 
 
 def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, ...]:
@@ -67,9 +46,10 @@ def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, 
     faults, setups = Faults(), list[Setup]()
     for number, table in enumerate(tables):
         with faults.noted():
+            at = partial(document.placed, "setups", number)
             if table.choose_from is not None:
-                _refuse_choice(table, table.choose_from, partial(document.placed, "setups", number))
-            setups += [_Reader(each, around, number).setup() for each in at_each_place(table)]
+                _refuse_choice(table, table.choose_from, at)
+            setups += [_Reader(each, around, at).setup() for each in at_each_place(table)]
     with faults.noted():
         _refuse_same_name(setups, document)
     faults.refuse()
@@ -111,19 +91,14 @@ def _refuse_same_name(setups: Sequence[Setup], document: Document) -> None:
         seen.add(setup.name)
 
 
-class _Reader:
+class _Reader(SiteReader):
     """Reads one table; every failure is placed at the key it is about."""
 
-    def __init__(self, table: SetupTable, around: Surroundings, number: int) -> None:
-        self._table, self._around, self._machine = table, around, around.machine
-        self._at: At = partial(around.document.placed, "setups", number)
-
     def setup(self) -> Setup:
-        table = self._table
-        around = self._around
+        table, around = self._table, self._around
         with self._at("instrument"):
             usual = PRINTER_PROBE if around.printer and table.instrument == "probe" else _instrument(table.instrument)
-        site = SiteReader(table, around.machine, around.artefacts, around.tool, self._at).site()
+        site = self.site()
         with self._at("direction"):
             direction = self._direction(usual, site)
         station = table.station if site is None or site.station is None else site.station
@@ -132,8 +107,9 @@ class _Reader:
         with self._at("moves"):
             moves = self._moves() if site is None else site.moves
         with self._at("noise"):
-            noise = usual.noise if table.noise is None else _positive(table.noise, usual.reads)
-        resolution = self._resolution(usual)
+            noise = usual.noise if table.noise is None else _positive(table.noise, usual.model.reads)
+        with self._at("resolution"):
+            resolution = 0.0 if table.resolution is None else _positive(table.resolution, usual.model.reads)
         material = material_of(table, usual, around.machine, direction, moves, self._at)
         base = self._base(usual)
         unknowns = self._unknowns(usual, moves, site)
@@ -145,12 +121,12 @@ class _Reader:
             instrument=usual.name,
             direction=direction,
             moves=moves,
-            park=self._park(moves) if site is None else site.park,
+            park=self._parked(moves) if site is None else site.park,
             noise=math.hypot(noise, resolution / math.sqrt(12.0)),
             unknowns=(*unknowns, *material.unknowns),
-            setup_time=self._time("setup_time", usual.setup_time * self._mountings(site)),
-            settle=self._time("settle", usual.settle),
-            reading_time=self._time("reading_time", usual.reading_time),
+            setup_time=usual.setup_time * self._mountings(site) if table.setup_time is None else table.setup_time,
+            settle=usual.settle if table.settle is None else table.settle,
+            reading_time=usual.reading_time if table.reading_time is None else table.reading_time,
             raster=self._raster(moves, base or 0.0) if site is None else (0.0,) * len(self._machine.axes),
             approach=table.approach,
             station=station,
@@ -203,7 +179,7 @@ class _Reader:
     def _direction(self, usual: Instrument, site: Site | None) -> Vector:
         if site is None or site.direction is None:
             return _direction(self._table.direction, usual)
-        if self._table.direction is not None and usual.reads == "length" and usual.name == "interferometer":
+        if self._table.direction is not None and usual.model.reads == "length" and usual.name == "interferometer":
             raise DescriptionError("the direction of a laser along a line is that of the line", "Take direction out")
         return site.direction if self._table.direction is None else _direction(self._table.direction, usual)
 
@@ -223,10 +199,6 @@ class _Reader:
                     raise DescriptionError("{text} is too short", "Lower end first", text=shown(texts))
                 spans[index] = low, high
         return tuple(spans)
-
-    def _resolution(self, usual: Instrument) -> float:
-        with self._at("resolution"):
-            return 0.0 if self._table.resolution is None else _positive(self._table.resolution, usual.reads)
 
     def _base(self, usual: Instrument) -> float | None:
         base = self._table.base
@@ -250,7 +222,7 @@ class _Reader:
             raise DescriptionError("{text} names an axis twice", "Name each axis once", text=shown(names))
         return tuple(sorted(indices))
 
-    def _park(self, moves: tuple[int, ...]) -> tuple[float, ...]:
+    def _parked(self, moves: tuple[int, ...]) -> tuple[float, ...]:
         places = [sum(axis.travel) / 2 for axis in self._machine.axes]
         for name, text in self._table.park.items():
             with self._at("park", name):
@@ -271,14 +243,6 @@ class _Reader:
                     raise DescriptionError(what, "Take it out here, or add {axis} to moves", axis=name)
                 steps[index] = _step(text, self._machine.axes[index], base / 2)
         return tuple(steps)
-
-    def _time(self, key: str, usual: float) -> float:
-        value: float | None = getattr(self._table, key)
-        if value is not None and value < 0:
-            with self._at(key):
-                remedy = 'Give a time such as "3 s"'
-                raise DescriptionError("{text} is negative", remedy, text=format_quantity(value, "s"))
-        return usual if value is None else value
 
     def _unknowns(self, usual: Instrument, moves: tuple[int, ...], site: Site | None) -> tuple[Unknown, ...]:
         given = self._table.unknowns
@@ -311,14 +275,15 @@ class _Reader:
     def _unknown(self, name: str, text: str, usual: Instrument) -> Unknown:
         with self._at("unknowns", name):
             kinds = usual.model.unknown_reads
-            if name not in kinds and not (name == "slope" and usual.reads == "angle"):  # that one has its own reason
+            refused_later = name == "slope" and usual.model.reads == "angle"  # for its own reason
+            if name not in kinds and not refused_later:
                 known = meant(name, kinds)
                 what = "{name} is not an unknown of a set-up with a {instrument}"
                 raise DescriptionError(what, known, name=shown(name), instrument=usual.name)
             return Unknown(name, _positive(text, kinds.get(name, "angle")))
 
     def _refuse_slope(self, usual: Instrument, moves: tuple[int, ...], by_default: bool) -> None:
-        if usual.reads == "angle":
+        if usual.model.reads == "angle":
             what = "an unknown slope turns the line of a displacement, and the {instrument} reads an angle"
             raise DescriptionError(what, "Take slope out", instrument=usual.name)
         moving = [self._machine.axes[index].name for index in moves if not self._machine.axes[index].rotary]

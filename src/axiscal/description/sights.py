@@ -20,9 +20,7 @@ from axiscal.language.spoken import later, listed, said
 from axiscal.machine import Axis, Machine
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates, chart_places
-from axiscal.measurement.charts.bar import Circle
-from axiscal.measurement.charts.box import FINEST_PLACE, Sight
-from axiscal.measurement.charts.held import Balls, Held
+from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Circle, Held, Sight
 from axiscal.measurement.charts.room import Chart, Coordinate, Room
 from axiscal.measurement.instrument import Instrument
 from axiscal.measurement.instruments.distance import MOST
@@ -129,7 +127,8 @@ def reached_arc(circle: Circle, name: str) -> tuple[float, float]:
     taken = _taken(circle, angles)
     if np.all(taken):
         return 0.0, math.tau
-    start, count = _longest(taken)
+    start, count = _longest(np.concatenate([taken, taken]))  # around the circle
+    start, count = start % len(taken), min(count, len(taken))
     low, high = _whole(angles[start], angles[start] + (count - 1) * _FINE)
     if high - low < _SHORTEST:
         what = 'the bar of "{name}" reaches no arc of its circle within the travels and clear of stems'
@@ -152,7 +151,7 @@ def refuse_gap(circle: Circle, name: str) -> None:
     away = [
         a.name for a, at in zip(circle.room.machine.axes, pose, strict=True) if not a.travel[0] <= at <= a.travel[1]
     ]
-    first, count = _longest_of(taken)
+    first, count = _longest(taken)
     low, high = _whole(angles[first], angles[first + max(count, 1) - 1])
     if high - low < _SHORTEST:
         low, high = reached_arc(circle, name)
@@ -174,12 +173,7 @@ def _taken(circle: Circle, angles: Array) -> NDArray[np.bool_]:
 
 
 def _longest(taken: NDArray[np.bool_]) -> tuple[int, int]:
-    """Return start and length of the longest run around a circle."""
-    start, count = _longest_of(np.concatenate([taken, taken]))
-    return start % len(taken), min(count, len(taken))
-
-
-def _longest_of(taken: NDArray[np.bool_]) -> tuple[int, int]:
+    """Return start and length of the longest run."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], taken.astype(int), [0]])))
     starts, stops = edges[::2], edges[1::2]
     if not len(starts):
@@ -243,12 +237,12 @@ def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
     chart = Sight(
         Room.empty(machine),
         setup.moves,
-        tuple(_seen_along(setup, machine.axes[k], k) for k in setup.moves),
         np.array(setup.park),
         np.array(setup.standing),
         _range(table, at),
         _faces(table, at),
         _CONE if table.sight is None else table.sight,
+        tuple(_seen_along(setup, machine.axes[k], k) for k in setup.moves),
     )
     setup = replace(setup, chart=chart)
     with at(said[0]):

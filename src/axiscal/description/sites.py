@@ -13,16 +13,14 @@ from axiscal.description.campaign_schema import SetupTable
 from axiscal.description.sights import reached_arc, refuse_gap, refuse_stray_keys
 from axiscal.description.target import coordinate
 from axiscal.description.vectors import At, unit_vector
-from axiscal.document import shown
+from axiscal.document import Document, shown
 from axiscal.document.quoting import meant
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import listed, said
 from axiscal.machine import Axis, Machine
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import Artefact
-from axiscal.measurement.charts.bar import Bar, Circle
-from axiscal.measurement.charts.box import Line
-from axiscal.measurement.charts.held import Balls, Held
+from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, turns
 from axiscal.measurement.instruments.distance import RADIUS
 from axiscal.measurement.instruments.kind import TOOL
@@ -47,6 +45,28 @@ _SAME_WAY = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
+class Surroundings:
+    """What set-ups are described in.
+
+    artefacts : by name
+    tool : std of how far the tool's point is from where it is stated, along its x, y, z, m; 0 leaves one out
+    asking : readings are to be asked for, so that every set-up must say where it can be read
+    usual_doubts : zeros of which nothing is stated may wander as those of their instrument do
+    printer : the probe is that of a 3D printer
+    at_20 : what is found refers to 20 °C
+    """
+
+    machine: Machine
+    document: Document
+    artefacts: Mapping[str, Artefact]
+    tool: Vector
+    asking: bool
+    usual_doubts: bool
+    printer: bool = False
+    at_20: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Site:
     """The place where a set-up is read, and the unknowns of that; as in `Setup`."""
 
@@ -68,22 +88,12 @@ def evened(table: SetupTable) -> bool:
 
 
 class SiteReader:
-    """Reads the keys of one table that say where.
+    """Reads the keys of one table that say where."""
 
-    tool : std of how far the tool's point is from where it is stated, along its x, y, z, m; 0 leaves one out
-    """
-
-    def __init__(
-        self,
-        table: SetupTable,
-        machine: Machine,
-        artefacts: Mapping[str, Artefact],
-        tool: Vector,
-        at: At,
-    ) -> None:
-        self._table, self._machine, self._artefacts, self._at = table, machine, artefacts, at
-        turns = any(axis.rotary for axis in machine.axes)
-        parts = zip(TOOL, tool, strict=True)
+    def __init__(self, table: SetupTable, around: Surroundings, at: At) -> None:
+        self._table, self._around, self._machine, self._at = table, around, around.machine, at
+        turns = any(axis.rotary for axis in around.machine.axes)
+        parts = zip(TOOL, around.tool, strict=True)
         self._tool = tuple(Unknown(name, std, "tool") for name, std in parts if turns and std > 0)
 
     def site(self) -> Site | None:
@@ -109,9 +119,7 @@ class SiteReader:
             if np.linalg.norm(points[1] - points[0]) < 2e-3:
                 raise DescriptionError("the ends of the line are one place", "Give two places that are apart")
             park = self._park()
-            overrun = max(axis.overrun for axis in self._machine.axes if not axis.rotary)
-            step = self._step("along", "length")
-            line = Line.between_ends(self._room(None), points, park, step, overrun)
+            line = Line.between_ends(self._room(None), points, park, self._step("along", "length"), self._overrun())
             for end in (0.0, line.coordinates[0].high):
                 if not line.feasible(line.poses(np.array([[end]])))[0]:
                     what = (
@@ -119,14 +127,10 @@ class SiteReader:
                         if end
                         else "the first end of the line is out of travel"
                     )
-                    raise DescriptionError(what, self._lacking(line, end))
+                    lacks = lacking(self._machine, line.poses(np.array([[end]]))[0])
+                    raise DescriptionError(what, "Let it end within the travels: {lacking}", lacking=lacks)
         x, y, z = line.direction.tolist()
         return Site(line, linear_axes(self._machine), tuple(park), "free", direction=(x, y, z))
-
-    def _lacking(self, line: Line, end: float) -> str:
-        """Say which axes lack how much at a place of a line."""
-        pose = line.poses(np.array([[end]]))[0]
-        return said("Let it end within the travels: {lacking}", lacking=lacking(self._machine, pose))
 
     def _bar(self, length: float) -> Site:
         with self._at("stroke"):
@@ -299,17 +303,17 @@ class SiteReader:
     def _artefact(self) -> tuple[Artefact, tuple[int, ...]]:
         name = self._table.artefact or ""
         with self._at("artefact"):
-            if name not in self._artefacts:
-                known = ", ".join(f'"{each}"' for each in self._artefacts) or said("none")
+            if name not in self._around.artefacts:
+                known = ", ".join(f'"{each}"' for each in self._around.artefacts) or said("none")
                 remedy = meant(
-                    name, self._artefacts, said("Known are {known}; add it under [[artefacts]]", known=known)
+                    name, self._around.artefacts, said("Known are {known}; add it under [[artefacts]]", known=known)
                 )
                 raise DescriptionError("there is no artefact {artefact}", remedy, artefact=shown(name))
-            if not self._artefacts[name].balls:
+            if not self._around.artefacts[name].balls:
                 remedy = 'Add balls = {{ one = ["0 mm", …] }}'
                 raise DescriptionError("{name} has no ball to be read", remedy, name=shown(name))
         table = self._table
-        artefact = self._artefacts[name].put(table.at or (0.0, 0.0, 0.0), table.turn or 0.0, table.mounted)
+        artefact = self._around.artefacts[name].put(table.at or (0.0, 0.0, 0.0), table.turn or 0.0, table.mounted)
         names = [ball.name for ball in artefact.balls]
         wanted = self._table.ball if self._table.ball is not None else names
         wanted = [wanted] if isinstance(wanted, str) else wanted

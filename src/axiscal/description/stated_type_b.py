@@ -177,7 +177,7 @@ def stated_drift(text: str, usual: Instrument) -> float:
     """Return the rate that a set-up states, m/s or rad/s; raises DescriptionError or UnitError for none."""
     if text.strip() == "0":
         return 0.0
-    angular = usual.reads == "angle"
+    angular = usual.model.reads == "angle"
     remedy = said('Give one such as "{example}"', example="2 urad/h" if angular else "2 um/h")
     try:
         rate = parse_quantity(text, "rotation_speed" if angular else "speed")
@@ -188,24 +188,17 @@ def stated_drift(text: str, usual: Instrument) -> float:
     return rate
 
 
-def usual_drift(table: SetupTable, usual: Instrument, moves: Sequence[int], unknowns: Sequence[Unknown]) -> float:
-    """Return the rate where none is stated: that of the instrument for one axis under a zero that is not known.
-
-    The zero stands still in the model if several axes move, or if it is known.
-    """
-    open_zero = any(unknown.name.startswith("zero") for unknown in unknowns)
-    return usual.wanders[table.warm] if open_zero and len(moves) == 1 else 0.0
-
-
 def drift_of(
     table: SetupTable, usual: Instrument, moves: Sequence[int], unknowns: Sequence[Unknown], by_default: bool
 ) -> tuple[float, SaidOfDrift]:
     """Return the rate of a set-up's zero, m/s or rad/s, and who says so.
 
+    Where none is stated it is the instrument's, for one axis under a zero that is not known; else it stands still.
     moves, unknowns : of the set-up; by_default : whether zeros wander of which nothing is stated
     """
     if table.drift is not None:
         rate = stated_drift(table.drift, usual)
         return rate, "stated" if rate > 0 else "denied"
-    rate = usual_drift(table, usual, moves, unknowns) if by_default else 0.0
+    wanders = by_default and len(moves) == 1 and any(unknown.name.startswith("zero") for unknown in unknowns)
+    rate = usual.wanders[table.warm] if wanders else 0.0
     return rate, "usual" if rate > 0 else "nothing"

@@ -120,22 +120,8 @@ def _by_light(read: Read, size: float) -> Array:
     return _distant(read, size) if read.setup.instrument == "tracer" else _scaled(read, size)
 
 
-def _aslant(read: Read, size: float) -> Array:
-    """Return the half of 1 − cos of an angle: a beam aslant reads too short by anything up to it, (k, r)."""
-    return size**2 / 2 * read.along
-
-
 def _constant(read: Read, size: float) -> Array:
     return size * read.ones
-
-
-def _in_air(read: Read, size: float) -> Array:
-    """Return what air does to a dead path, (k, r)."""
-    return dict(read.setup.stated).get("air", _OF_AIR) * size * read.ones
-
-
-def _grown(read: Read, size: float) -> Array:
-    return size * read.setup.expansion * read.along
 
 
 def _unlike(read: Read, size: float) -> Array:
@@ -166,16 +152,6 @@ def _bowed(read: Read, size: float) -> Array:
     return bowed
 
 
-def _askew(read: Read, size: float) -> Array:
-    """Return one leg's half of an angle between two, (k, r)."""
-    askew: Array = size / np.sqrt(2.0) * read.nominal.travelled * read.ones
-    return askew
-
-
-def _of_square(setup: Setup) -> bool:
-    return any(unknown.name in SQUARE for unknown in setup.unknowns)
-
-
 def _against_length(setup: Setup) -> bool:
     """Whether a set-up compares positions with a length: a wavelength, or balls that are calibrated."""
     return setup.instrument in WITH_LIGHT or (setup.artefact is not None and setup.artefact.calibrated is not None)
@@ -196,7 +172,8 @@ _REFRACTION = "1 ppm/K of 0.5 K, 0.27 ppm/hPa of 2 hPa (Birch and Downs 1994; th
 _EXPANDS = "steel, 11.7 um/m/K; ISO 1, ISO/TR 230-9"
 
 TEMPERATURE = TypeB(
-    "temperature", _ALL_LENGTHS, "normal", 1.0, "K", f"assumption; {_EXPANDS}", "machine", _grown,
+    "temperature", _ALL_LENGTHS, "normal", 1.0, "K", f"assumption; {_EXPANDS}", "machine",
+    lambda read, size: size * read.setup.expansion * read.along,
     partial(_warm, cause="temperature", measured=False),
 )  # fmt: skip
 MEASURED_TEMPERATURE = replace(
@@ -212,11 +189,11 @@ TYPE_B = (
     TypeB("air", WITH_LIGHT, "normal", _OF_AIR, "um/m", _REFRACTION, "machine", _by_light),
     TypeB(
         "cosine", ("interferometer",), "rectangular", 1e-3, "mrad", "beam set by eye; 1 − cos is half its square",
-        "set-up", _aslant,
+        "set-up", lambda read, size: size**2 / 2 * read.along,
     ),
     TypeB(
-        "dead_path", ("interferometer",), "normal", 0.2, "mm", "assumption; its air is as above", "set-up", _in_air,
-        covered=("zero",),
+        "dead_path", ("interferometer",), "normal", 0.2, "mm", "assumption; its air is as above", "set-up",
+        lambda read, size: dict(read.setup.stated).get("air", _OF_AIR) * size * read.ones, covered=("zero",),
     ),
     TEMPERATURE,
     MEASURED_TEMPERATURE,
@@ -232,7 +209,11 @@ TYPE_B = (
         "length", ("ballbar",), "normal", 1e-6, "um", "assumption: 1 um and 2 um/m", "instrument", _constant,
         covered=("zero",), longer=2e-6,
     ),
-    TypeB("square", ("straightedge",), "normal", 10e-6, "urad", _ASSUMED, "set-up", _askew, _of_square),
+    TypeB(  # each leg has half of the angle between two
+        "square", ("straightedge",), "normal", 10e-6, "urad", _ASSUMED, "set-up",
+        lambda read, size: size / np.sqrt(2.0) * read.nominal.travelled * read.ones,
+        lambda setup: any(unknown.name in SQUARE for unknown in setup.unknowns),
+    ),
     TypeB("bow", ("straightedge",), "normal", 2e-6, "um/m", _ASSUMED, "set-up", _bowed),
     TypeB(
         "gain", ("indicator", "straightedge", "rtest"), "normal", 0.01, "mm/m", "assumption: 1 %, at least 1 um",

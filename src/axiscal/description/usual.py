@@ -238,31 +238,23 @@ def _usual_rest(entry: ErrorEntry | PlaneEntry) -> float:
     return float(np.hypot(white, ROUGH.size * entry.std))
 
 
-class Learnable(NamedTuple):
-    """Which sizes may be learnt.
+def sizes_of(machine: Machine, setups: Sequence[Setup], sure: Sure, *, usual: bool, inherited: bool) -> Sizes:
+    """Return the sizes that vary: one factor for errors that are alike.
 
     sure : how well stated sizes are known where an error does not say; usual : with what usually goes wrong
     inherited : the errors' prior is an earlier campaign's, whose sizes stay
     """
-
-    sure: Sure
-    usual: bool
-    inherited: bool
-
-
-def sizes_of(machine: Machine, setups: Sequence[Setup], may: Learnable) -> Sizes:
-    """Return the sizes that vary: one factor for errors that are alike."""
-    found = [] if may.inherited else [*_of_errors(machine, may)]
-    found += [Size("rest", owners, ROUGH.spread) for owners in _rests(machine, may.usual)]
+    found = [] if inherited else [*_of_errors(machine, sure)]
+    found += [Size("rest", owners, ROUGH.spread) for owners in _rests(machine, usual)]
     names = tuple(setup.name for setup in setups)
-    if may.usual:
+    if usual:
         passing: tuple[tuple[Kind, float], ...] = (
             ("drift", DRIFT.spread), ("cycle", CYCLE.spread), ("growth", GROWTH.spread)
         )  # fmt: skip
         found += [Size(kind, names, spread) for kind, spread in passing]
         turning = tuple(entry.name for entry in machine.errors if needs_a_way(entry.kind, machine.axis(entry.axis)))
         found += [Size("way", turning, WAY.spread)] if turning else []
-    if may.usual or may.sure != "exactly":
+    if usual or sure != "exactly":
         found += [Size("noise", (name,), NOISE.spread) for name in names]
     return Sizes(tuple(found))
 
@@ -272,7 +264,7 @@ def needs_a_way(kind: str, axis: Axis) -> bool:
     return kind == "reversal" and not axis.rotary
 
 
-def _of_errors(machine: Machine, may: Learnable) -> Iterator[Size]:
+def _of_errors(machine: Machine, sure: Sure) -> Iterator[Size]:
     """Yield the factors on sizes and lengths of errors."""
     kinds: tuple[tuple[Kind, float], ...] = (
         ("std", SURE["roughly"]), ("length", LENGTH.factor), ("reversal", REVERSAL.factor)
@@ -280,12 +272,12 @@ def _of_errors(machine: Machine, may: Learnable) -> Iterator[Size]:
     for kind, most in kinds:
         groups = dict[tuple[float, tuple[bool, ...]], list[str]]()
         for entry in machine.errors:
-            key, factor = _alike(entry, kind, machine), min(SURE[entry.sure or may.sure], most)
+            key, factor = _alike(entry, kind, machine), min(SURE[entry.sure or sure], most)
             if key is not None and factor > 1:
                 groups.setdefault((factor, key), []).append(entry.name)
         for (factor, _), names in groups.items():
             yield Size(kind, tuple(names), float(np.log(factor)))
-    if machine.planes and may.sure != "exactly":
+    if machine.planes and sure != "exactly":
         yield Size("together", tuple(entry.name for entry in machine.planes), TOGETHER.spread)
         if stated := tuple(entry.name for entry in machine.planes if not entry.usual and entry.std):
             yield Size("length", stated, LENGTH.spread)
@@ -340,8 +332,3 @@ def _rescaled(entry: ErrorEntry, axis: Axis, sizes: Mapping[tuple[Kind, str], fl
         knots=knots,
         spacing=None,
     )
-
-
-def rescaled_setups(setups: Sequence[Setup], sizes: Mapping[tuple[Kind, str], float]) -> tuple[Setup, ...]:
-    """Return the set-ups with their noise at other sizes."""
-    return tuple(replace(setup, noise=setup.noise * sizes.get(("noise", setup.name), 1.0)) for setup in setups)

@@ -2,15 +2,13 @@
 
 from axiscal.document.file import Document
 from axiscal.document.quoting import dotted, meant, nearest, quantity_text, shown
-from axiscal.document.validation import Angle, Length, QuantityOf, QuantityText, Time, model_fault, read_model
+from axiscal.document.validation import Length, QuantityOf, QuantityText, model_fault, read_model
 
 __all__ = [
-    "Angle",
     "Document",
     "Length",
     "QuantityOf",
     "QuantityText",
-    "Time",
     "dotted",
     "meant",
     "model_fault",

@@ -82,8 +82,6 @@ class ReadAs:
 
 
 Length = Annotated[float, QuantityOf("length")]
-Angle = Annotated[float, QuantityOf("angle")]
-Time = Annotated[float, QuantityOf("time")]
 QuantityText = Annotated[str, QuantityOf(None)]
 """A quantity whose dimension is known only later, kept as text."""
 

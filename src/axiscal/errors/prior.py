@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.machine.axis import Axis
-from axiscal.machine.entry import JOINT, KNOTS_PER_WAVE, ROUGH, SMOOTH, ErrorEntry
+from axiscal.machine.entry import JOINT, KNOTS_PER_WAVE, SMOOTH, ErrorEntry
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline, Spline
 from axiscal.numerics.repeated import Repeated, Segments
@@ -63,39 +63,18 @@ def distances(spline: Spline) -> Array:
     return distance
 
 
-def matern(distance: Array, smoothness: float) -> Array:
-    """Return the Matérn correlation of ν = 2.5 or 1.5 at distances in correlation lengths."""
-    return {SMOOTH: matern52, ROUGH: matern32}[smoothness](distance)
+def matern(distance: Array, smoothness: float = SMOOTH) -> Array:
+    """Return the Matérn correlation of ν = 2.5 or 1.5 at distances r in correlation lengths.
+
+    (1 + s + s²/3) exp(−s) or (1 + s) exp(−s), s = √(2 ν) r
+    """
+    scaled = np.sqrt(2 * smoothness) * distance
+    result: Array = (1 + scaled + (scaled**2 / 3 if smoothness == SMOOTH else 0.0)) * np.exp(-scaled)
+    return result
 
 
 def matern_by_length(distance: Array, smoothness: float) -> Array:
     """Return its derivative by the logarithm of the correlation length, at the same distances."""
-    return {SMOOTH: matern52_by_length, ROUGH: matern32_by_length}[smoothness](distance)
-
-
-def matern32(distance: Array) -> Array:
-    """Return the Matérn-3/2 correlation (1 + √3 r) exp(−√3 r) at distances in correlation lengths."""
-    scaled = np.sqrt(3.0) * distance
-    result: Array = (1 + scaled) * np.exp(-scaled)
-    return result
-
-
-def matern32_by_length(distance: Array) -> Array:
-    """Return the derivative of `matern32` by the logarithm of the correlation length, at the same distances."""
-    scaled = np.sqrt(3.0) * distance
-    result: Array = scaled**2 * np.exp(-scaled)
-    return result
-
-
-def matern52(distance: Array) -> Array:
-    """Return the Matérn-5/2 correlation (1 + √5 r + 5 r²/3) exp(−√5 r) at distances in correlation lengths."""
-    scaled = np.sqrt(5.0) * distance
-    result: Array = (1 + scaled + scaled**2 / 3) * np.exp(-scaled)
-    return result
-
-
-def matern52_by_length(distance: Array) -> Array:
-    """Return the derivative of `matern52` by the logarithm of the correlation length, at the same distances."""
-    scaled = np.sqrt(5.0) * distance
-    result: Array = scaled**2 * (1 + scaled) / 3 * np.exp(-scaled)
+    scaled = np.sqrt(2 * smoothness) * distance
+    result: Array = (scaled**2 * (1 + scaled) / 3 if smoothness == SMOOTH else scaled**2) * np.exp(-scaled)
     return result

@@ -17,7 +17,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,16 +32,6 @@ from axiscal.numerics.rigid import Motion
 
 _POSES = 8000
 """At once: of memory, not of the result."""
-
-
-class ActualLevers(NamedTuple):
-    """Derivatives by the value of each term at a machine with errors.
-
-    straight : (terms, m, 3) of the TCP, m or m/rad; angular : (terms, m, 3) of the tool's turn
-    """
-
-    straight: Array
-    angular: Array
 
 
 def deviation_of(model: ErrorModel, coefficients: Array, poses: Array, approaches: Array) -> Deviation:
@@ -65,9 +54,10 @@ def deviations_of(model: ErrorModel, machines: Array, poses: Array, approaches: 
         yield from (Deviation(*each) for each in zip(straight, turned, strict=True))
 
 
-def levers_at(model: ErrorModel, coefficients: Array, poses: Array) -> ActualLevers:
+def levers_at(model: ErrorModel, coefficients: Array, poses: Array) -> tuple[Array, Array]:
     """Return the levers of each term where the errors have moved the frames to; reversals at their middle.
 
+    Of the TCP, m or m/rad, and of the tool's turn, (terms, m, 3) each.
     coefficients : (size,); poses : (m, q)
     """
     small = model.small_motions(coefficients, poses, np.zeros_like(poses))
@@ -81,7 +71,7 @@ def levers_at(model: ErrorModel, coefficients: Array, poses: Array) -> ActualLev
             straight[i], angular[i] = effects.rotation[at, :, :, along], effects.turn[at, :, :, along]
         else:
             straight[i] = effects.displacement[at, :, :, along]
-    return ActualLevers(straight, angular)
+    return straight, angular
 
 
 class MovedErrors(ErrorModel):
@@ -96,11 +86,11 @@ class MovedErrors(ErrorModel):
 
     def levers(self, poses: Array) -> Array:
         """Return the TCP deviation per unit of each term, (terms, m, 3), m or m/rad.  poses : (m, q)."""
-        return levers_at(self, self.point, poses).straight
+        return levers_at(self, self.point, poses)[0]
 
     def angular_levers(self, poses: Array) -> Array:
         """Return the rotation of the tool relative to the workpiece per unit of each term, (terms, m, 3)."""
-        return levers_at(self, self.point, poses).angular
+        return levers_at(self, self.point, poses)[1]
 
     def motion(self, poses: Array) -> Motion:
         """Return orientation and TCP of the tool.  poses : (m, q)"""

@@ -11,7 +11,7 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import POSES, Target
-from axiscal.description.usual import Kind, Learnable, Sizes, rescaled_machine, rescaled_setups, sizes_of
+from axiscal.description.usual import Kind, Sizes, rescaled_machine, sizes_of
 from axiscal.errors.gauge import Hidden, hidden, unseen_factor
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import MovedErrors, VolumeMoments, of_rests, volume_moments
@@ -84,8 +84,8 @@ class Case:
     def sizes(self) -> Sizes:
         """The sizes that readings may teach."""
         described = self.description
-        may = Learnable(described.sure, described.usual, self.inherited is not None)
-        return sizes_of(described.machine, described.setups, may)
+        how = {"usual": described.usual, "inherited": self.inherited is not None}
+        return sizes_of(described.machine, described.setups, described.sure, **how)
 
     def seconds_of(self, before: Place | Reading | None, place: Place | Reading) -> float:
         """Return the time of a reading after another one; of the first of a set-up with mounting it."""
@@ -113,7 +113,8 @@ class Case:
     def rescaled(self, sizes: Mapping[tuple[Kind, str], float]) -> Case:
         """Return the case with priors and noise at other sizes.  sizes : factors by kind and owner"""
         machine = rescaled_machine(self.description.machine, sizes)
-        setups = rescaled_setups(self.description.setups, sizes)
+        noises = ((setup, setup.noise * sizes.get(("noise", setup.name), 1.0)) for setup in self.description.setups)
+        setups = tuple(replace(setup, noise=noise) for setup, noise in noises)
         return replace(
             self._plain(replace(self.description, machine=machine, setups=setups)), sized_from=self.sized_from or self
         )

@@ -73,7 +73,7 @@ def objection(doubt: Doubt, reading: Reading, setup: Setup, axes: Sequence[Axis]
         return said(away, reading=named, away=float(doubt.surprise))
     value = listed(", ", [said_quantity(each, unit, 6) for each in reading.values])
     size = f"{doubt.surprise:.0f}" if doubt.surprise < _COUNTLESS else said("more than a million")
-    guess = unit_guess(doubt.surprise, INSTRUMENTS[setup.instrument].reads == "angle")
+    guess = unit_guess(doubt.surprise, INSTRUMENTS[setup.instrument].model.reads == "angle")
     text = said(
         "{reading}, {value}, is {size} standard deviations from all that the stated std and the other readings allow",
         reading=named,

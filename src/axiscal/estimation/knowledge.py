@@ -21,7 +21,7 @@ from axiscal.estimation.belief import Belief, Innovations
 from axiscal.measurement.cells import Cell
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import Seen, seen, visited_by
+from axiscal.measurement.reading_rows import Seen, places_of, seen, times_of, visited
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 
@@ -47,7 +47,8 @@ class Knowledge:
 
         among : cells that may have one, None for all; others count as noise
         """
-        wider = visited_by(self.observation, readings, among)
+        places = places_of(self.observation.setups, readings)
+        wider = visited(self.observation, places, times_of(readings), among)
         return Knowledge(wider, self.belief.extended(self.observation.rest_variances(wider)))
 
     @one_thread()

@@ -22,7 +22,7 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, drawn
-from axiscal.measurement.reading_rows import Seen, seen, shown_by_each, shown_values
+from axiscal.measurement.reading_rows import Seen, seen, shown_by_each
 from axiscal.measurement.setup import About
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import least_squares
@@ -57,8 +57,9 @@ class BentReadings:
 
     def left(self, point: Array) -> Array:
         """Return what the readings leave at a point, over their noise, (m,)."""
-        shown = shown_values(self.case.observation, self.readings, point)
-        return (self.values - shown) / np.sqrt(self.variances)
+        shown = shown_by_each(self.case.observation, self.readings, point[None])[0]
+        left: Array = (self.values - shown) / np.sqrt(self.variances)
+        return left
 
     def whitened(self, point: Array) -> Array:
         """Return z of a point, (k,)."""

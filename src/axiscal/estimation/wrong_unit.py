@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.usual import Learnable, sizes_of
+from axiscal.description.usual import sizes_of
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import bent, judged, unit_guess
@@ -50,7 +50,7 @@ def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescriptio
         return
     first = readings[min(doubt.reading for doubt in doubts)]
     size = float(np.median([doubt.surprise for doubt in doubts]))
-    guess = unit_guess(size, INSTRUMENTS[campaign.setup(first.setup).instrument].reads == "angle")
+    guess = unit_guess(size, INSTRUMENTS[campaign.setup(first.setup).instrument].model.reads == "angle")
     what = (
         "{count} of {readings} readings are some {size:.0f} standard deviations from all that the "
         "stated std of the errors allow"
@@ -114,7 +114,7 @@ def other_unit(observation: Observation, readings: Sequence[Reading]) -> OtherUn
         mine = drawn([reading for reading in readings if reading.setup == setup.name], _MOST)
         if len(mine) < _FEWEST_TOLD or any(reading.std is not None for reading in mine):
             continue
-        sizes = sizes_of(observation.machine, observation.setups, Learnable("roughly", usual=True, inherited=False))
+        sizes = sizes_of(observation.machine, observation.setups, "roughly", usual=True, inherited=False)
         posed = problem(observation, mine, sizes)
         multiplied = {factor: _multiplied(posed, factor) for factor in FACTORS}
         best = max(multiplied, key=lambda factor: multiplied[factor])

@@ -23,10 +23,10 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.evaluation.one_axis import Positioning, arranged, evaluate
+from axiscal.evaluation.one_axis import Positioning, evaluate, read_iso230
 from axiscal.exceptions import EvaluationError
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, CsvTable, read_text, table_of
-from axiscal.measurement.readers.renishaw import is_rtl, positioning_rows, read_direction, rtl_positioning
+from axiscal.measurement.readers.renishaw import is_rtl, read_direction
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 
@@ -62,12 +62,10 @@ class CircleFigures:
 def figures_of(path: str | Path) -> Positioning | CircleFigures:
     """Return the figures of the test that a file holds; raises ReadingError, EvaluationError."""
     file = read_text(path)
-    if is_rtl(file):
-        return evaluate(arranged(rtl_positioning(file)))
-    table = table_of(file)
-    if {column.stem for column in table.columns} >= _CIRCLE:
+    table = None if is_rtl(file) else table_of(file)
+    if table is not None and {column.stem for column in table.columns} >= _CIRCLE:
         return circular(circle_of(table))
-    return evaluate(arranged(positioning_rows(table)))
+    return evaluate(read_iso230(path))
 
 
 def circle_of(table: CsvTable) -> CircularTest:

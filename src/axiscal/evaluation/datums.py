@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames, turn_between
+from axiscal.machine.kinematics import Deviation, frames, turn_between
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.kind import TOOL, Actual, Nominal
+from axiscal.measurement.instruments.kind import TOOL, Nominal
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup, Unknown
@@ -142,8 +142,8 @@ def fewest(machine: Machine, setup: Setup, poses: Array, tolerance: float) -> in
 
     poses : (m, q) at which it may be read, m or rad; tolerance : they are judged by, m; with 0 it is enough for any
     """
-    towards = [setup.direction if d is None else d for d in directions_of(setup)]
-    directions = np.tile(np.array(towards, dtype=float), (len(poses), 1))
+    towards = directions_of(setup)
+    directions = np.tile(np.array(towards), (len(poses), 1))
     own = _own_rows(machine, setup, np.repeat(poses, len(towards), axis=0), directions)
     off = _are_datums(setup, own, np.array([unknown.std for unknown in setup.unknowns]), tolerance)
     return int((off & ~_on_board(setup)).sum()) // len(towards) + 1
@@ -198,9 +198,9 @@ def upright(machine: Machine, setups: Sequence[Setup], places: Places, datums: D
             setup, of = setups[index], np.isin(each, mine)
             keys = {unknown.name: (unknown.owner or setup.name, unknown.name) for unknown in setup.unknowns}
             own = {name: found[key] for name, key in keys.items() if key in found}
-            towards = [np.array(setup.direction if d is None else d, dtype=float) for d in directions_of(setup)]
+            towards = directions_of(setup)
             deviations = free[of].reshape(len(mine), -1) @ np.array(towards)
-            actual = Actual(deviations, np.zeros_like(deviations))
+            actual = Deviation(deviations, np.zeros_like(deviations))
             place, model = Nominal(machine, places.poses[mine], setup.moves), model_of(setup)
             parts = []
             for direction in towards:
@@ -222,5 +222,5 @@ def added_to_values(machine: Machine, setup: Setup, poses: Array, approaches: Ar
     before, after = frames(machine, poses), frames(machine, poses + control(poses, approaches))
     moved = after.tcp - before.tcp if model.reads == "length" else turn_between(before.tool, after.tool)
     nominal = Nominal(machine, poses, setup.moves, approaches=approaches)
-    ways = [model.direction_of(setup, np.array(setup.direction) if d is None else d, nominal) for d in each]
+    ways = [model.direction_of(setup, along, nominal) for along in each]
     return np.stack([np.sum(way * moved, axis=1) for way in ways], axis=1)

@@ -14,8 +14,14 @@ import numpy as np
 
 from axiscal.exceptions import EvaluationError, ReadingError
 from axiscal.language.spoken import said
-from axiscal.measurement.readers.files import read_any_positioning
-from axiscal.measurement.readers.renishaw import PositioningRow, PositioningRows
+from axiscal.measurement.readers.csv_table import read_text, table_of
+from axiscal.measurement.readers.renishaw import (
+    PositioningRow,
+    PositioningRows,
+    is_rtl,
+    positioning_rows,
+    rtl_positioning,
+)
 from axiscal.numerics import Array
 from axiscal.units import format_quantity, said_quantity, to_unit
 
@@ -44,6 +50,11 @@ class PositioningTest:
     down: Array | None
     rotary: bool = False
     file: str | None = None
+
+    @property
+    def measured(self) -> dict[str, Array]:
+        """The runs (n, runs) of each direction that was measured, "up" and "down"."""
+        return {name: runs for name, runs in (("up", self.up), ("down", self.down)) if runs is not None}
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,13 +97,14 @@ class _Direction:
     runs: int
 
 
-_NOTHING = _Direction(np.zeros(0), np.zeros(0), 0)
-"""An approach that was not made."""
+_Sides = Mapping[str, _Direction]
+"""The directions that were measured, by name."""
 
 
 def read_iso230(path: str | Path) -> PositioningTest:
-    """Read a test of one axis in which every run visits every target; raises ReadingError."""
-    return arranged(read_any_positioning(path))
+    """Read a test of one axis, a table or a `.rtl` file; raises ReadingError where a run leaves out a target."""
+    file = read_text(path)
+    return arranged(rtl_positioning(file) if is_rtl(file) else positioning_rows(table_of(file)))
 
 
 def arranged(readings: PositioningRows) -> PositioningTest:
@@ -107,17 +119,14 @@ def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
 
     noise : m or rad, standard uncertainty of the instrument that all runs at a target share
     """
-    up, down = (_direction(test, runs) for runs in (test.up, test.down))
-    measured = [side for side in (up, down) if side is not None]
-    if not measured:
+    sides = {name: _direction(test, runs) for name, runs in test.measured.items()}
+    if not sides:
         raise EvaluationError("there are no readings", "measure at least one direction twice", test.file)
-    both = (up, down) if up is not None and down is not None else None
-    sides = {name: (side.mean[None], side.s[None]) for name, side in (("up", up), ("down", down)) if side is not None}
-    found = _figures(sides)
+    found = _figures({name: (side.mean[None], side.s[None]) for name, side in sides.items()})
     figures = {name: float(found[name][0]) for name in FIGURES if name in found}
-    per_target = tuple(_at_target(test, up, down, i) for i in range(len(test.targets)))
-    warnings = tuple(_shortfalls(test, min(side.runs for side in measured), both is not None))
-    return Positioning(figures, per_target, test.rotary, warnings, _uncertainty(up, down, noise), _vdi3441(both))
+    per_target = tuple(_at_target(test, sides, i) for i in range(len(test.targets)))
+    warnings = tuple(_shortfalls(test, min(side.runs for side in sides.values())))
+    return Positioning(figures, per_target, test.rotary, warnings, _uncertainty(sides, noise), _vdi3441(sides))
 
 
 def _figures(sides: Mapping[str, tuple[Array, Array]]) -> dict[str, Array]:
@@ -153,18 +162,15 @@ def _repeatability(up: Array, s_up: Array, down: Array, s_down: Array) -> Array:
     return found
 
 
-_Both = tuple[_Direction, _Direction] | None
-
-
-def _vdi3441(both: _Both) -> dict[str, float]:
+def _vdi3441(sides: _Sides) -> dict[str, float]:
     """The figures of VDI/DGQ 3441 (1977): position uncertainty P, deviation P_a, scatter P_s = 6 s, reversal U.
 
     With x the mean of both directions at a target, U = |x_up - x_down| and s the mean of both standard deviations:
     P = max(x + (U + P_s)/2) - min(x - (U + P_s)/2),  P_a = max x - min x
     """
-    if both is None:
+    if len(sides) < 2:
         return {}
-    up, down = both
+    up, down = sides["up"], sides["down"]
     mean, reversal, scatter = (up.mean + down.mean) / 2, np.abs(up.mean - down.mean), 3 * (up.s + down.s)
     half = (reversal + scatter) / 2
     figures = {"P": float(np.max(mean + half) - np.min(mean - half)), "P_a": float(np.ptp(mean))}
@@ -172,17 +178,15 @@ def _vdi3441(both: _Both) -> dict[str, float]:
     return figures | {"U": float(np.max(reversal)), "U_mean": float(np.mean(reversal))}
 
 
-def _uncertainty(up: _Direction | None, down: _Direction | None, noise: float) -> dict[str, float]:
+def _uncertainty(sides: _Sides, noise: float) -> dict[str, float]:
     """Expanded uncertainty (k = 2) of each figure: how it scatters when the same test is repeated on this machine.
 
     Means scatter by s/√runs, standard deviations as √(χ²/(runs − 1)) of normal readings. The common part of all runs at
     a target is the instrument's (ISO/TR 230-9: device, repeatability of the set-up). Simulated, always the same draws.
     """
     rng = np.random.default_rng(0)
-    count = len((up or down or _NOTHING).mean)
-    offset = noise * rng.standard_normal((_DRAWS, count))
-    sides = {name: _redrawn(side, offset, rng) for name, side in (("up", up), ("down", down)) if side is not None}
-    drawn = _figures(sides)
+    offset = noise * rng.standard_normal((_DRAWS, len(next(iter(sides.values())).mean)))
+    drawn = _figures({name: _redrawn(side, offset, rng) for name, side in sides.items()})
     return {name: COVERAGE_FACTOR * float(np.std(drawn[name])) for name in FIGURES if name in drawn}
 
 
@@ -198,22 +202,20 @@ def _redrawn(side: _Direction, offset: Array, rng: np.random.Generator) -> tuple
     return mean, s
 
 
-def _at_target(test: PositioningTest, up: _Direction | None, down: _Direction | None, i: int) -> _AtTarget:
+def _at_target(test: PositioningTest, sides: _Sides, i: int) -> _AtTarget:
     row: dict[str, float | None] = {"target": float(test.targets[i]), **dict.fromkeys(_OF_TARGET)}
-    for name, side in (("up", up), ("down", down)):
-        if side is not None:
-            mean, s = float(side.mean[i]), float(side.s[i])
-            row |= {f"mean_{name}": mean, f"s_{name}": s, f"R_{name}_i": 4 * s}
-    if up and down:
+    for name, side in sides.items():
+        mean, s = float(side.mean[i]), float(side.s[i])
+        row |= {f"mean_{name}": mean, f"s_{name}": s, f"R_{name}_i": 4 * s}
+    if len(sides) == 2:
+        up, down = sides["up"], sides["down"]
         row |= {"B_i": float(up.mean[i] - down.mean[i]), "mean": float(up.mean[i] + down.mean[i]) / 2}
         row["R_i"] = float(_repeatability(up.mean, up.s, down.mean, down.s)[i])
     return row
 
 
-def _direction(test: PositioningTest, runs: Array | None) -> _Direction | None:
+def _direction(test: PositioningTest, runs: Array) -> _Direction:
     """Mean and standard deviation (n - 1) of each target over the runs (n, runs)."""
-    if runs is None:
-        return None
     if runs.shape[1] < 2:
         remedy = "repeat the run: the standard deviation needs two at least, ISO 230-2 asks for five"
         raise EvaluationError("a direction was run only once", remedy, test.file)
@@ -240,14 +242,14 @@ def _left_out(readings: PositioningRows, target: float, direction: int, run: int
     return ReadingError(what, remedy, readings.file, line, run=run, sign="+" if direction > 0 else "-", shown=shown)
 
 
-def _shortfalls(test: PositioningTest, runs: int, both: bool) -> Iterable[str]:
+def _shortfalls(test: PositioningTest, runs: int) -> Iterable[str]:
     """Say what ISO 230-2 asks for and this test does not have."""
     n, asked = len(test.targets), _targets_asked(test)
     if n < asked:
         yield said("ISO 230-2 asks for {asked} targets on this travel; there are {count}.", asked=asked, count=n)
     if runs < 5 and not _is_long(test):
         yield said("ISO 230-2 asks for five runs in each direction; there are {runs}.", runs=runs)
-    if not both:
+    if len(test.measured) < 2:
         yield said("Only one direction was measured: reversal and the bidirectional figures are not known.")
     yield from _drift(test)
     yield from _outliers(test)
@@ -258,7 +260,7 @@ def _shortfalls(test: PositioningTest, runs: int, both: bool) -> Iterable[str]:
 
 def _drift(test: PositioningTest) -> Iterable[str]:
     """Say by how much the means of the runs move, if they do so steadily: a straight line through them, tested by t."""
-    sides = [runs.mean(axis=0) - runs.mean() for runs in (test.up, test.down) if runs is not None]
+    sides = [runs.mean(axis=0) - runs.mean() for runs in test.measured.values()]
     if sum(map(len, sides)) < _FEWEST_RUNS:
         return
     means, time = np.concatenate(sides), np.concatenate([np.arange(len(side)) - (len(side) - 1) / 2 for side in sides])
@@ -277,8 +279,8 @@ def _outliers(test: PositioningTest) -> Iterable[str]:
 
     A reading less the mean of the others at its target, over what all others scatter, is Student's t.
     """
-    for sign, runs in (("+", test.up), ("-", test.down)):
-        if runs is None or runs.shape[1] < _FEWEST_TO_DOUBT or runs.size - len(runs) <= _TELLING:
+    for name, runs in test.measured.items():
+        if runs.shape[1] < _FEWEST_TO_DOUBT or runs.size - len(runs) <= _TELLING:
             continue
         count, degrees = runs.shape[1], runs.size - len(runs) - 1
         left = runs - runs.mean(axis=1, keepdims=True)
@@ -290,7 +292,7 @@ def _outliers(test: PositioningTest) -> Iterable[str]:
                 "Run {run} in direction {sign} at {place} is {size:.1f} standard deviations from what the other runs "
                 "say: take it again; A and R count it.",
                 run=int(run) + 1,
-                sign=sign,
+                sign="+" if name == "up" else "-",
                 place=said_quantity(float(test.targets[target]), "deg" if test.rotary else "mm"),
                 size=float(surprise[target, run]),
             )

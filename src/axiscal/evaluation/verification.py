@@ -73,10 +73,9 @@ class Values(NamedTuple):
 
 def values_at(setups: Sequence[Setup], places: Places) -> Values:
     """Return the values that readings at these places have."""
-    each = [(i, s, n, d) for i, s in enumerate(places.setups) for n, d in enumerate(directions_of(setups[s]))]
-    towards = [setups[s].direction if d is None else d for _, s, _, d in each]
-    of, number = (np.array([one[k] for one in each], dtype=np.intp) for k in (0, 2))
-    return Values(of, number, np.array(towards, dtype=float).reshape(-1, 3))
+    each = [(i, n, along) for i, s in enumerate(places.setups) for n, along in enumerate(directions_of(setups[s]))]
+    of, number = (np.array([one[k] for one in each], dtype=np.intp) for k in (0, 1))
+    return Values(of, number, np.array([along for *_, along in each]).reshape(-1, 3))
 
 
 @one_thread()
@@ -238,17 +237,18 @@ def judge(
             raise ReadingError(what, _REMEDY, setup=other.name, instrument=other.instrument, known=", ".join(_CHECKING))
     of, _, directions = values_at(setups, places)
     datums = datums_of(estimate.machine, setups, places.setups[of], places.poses[of], directions, tolerance)
-    before, after = (_seen(estimate, setups, places, datums, readings) for readings in (found, left))
+    each_read = (_seen(estimate, setups, places, datums, readings) for readings in (found, left))
+    (before, noise_before), (after, noise) = each_read
     mean, factor = expected(estimate, setups, places, control)
-    free, spread = datums.free, datums.spread + np.diag(after.noise**2)
+    free, spread = datums.free, datums.spread + np.diag(noise**2)
     # a set-up may have been mounted anew between the two
-    apart = free @ (2 * datums.spread + np.diag(before.noise**2 + after.noise**2)) @ free.T
-    change, should = free @ (before.values - after.values), free @ (expected(estimate, setups, places, None)[0] - mean)
+    apart = free @ (2 * datums.spread + np.diag(noise_before**2 + noise**2)) @ free.T
+    change, should = free @ (before - after), free @ (expected(estimate, setups, places, None)[0] - mean)
     weight, likely = float(should @ should), _likelihood(change - should, apart)
     taken = [free @ taken_away(estimate.machine, part, setups, places) for part in parts]
     each = shares(parts, np.stack(taken, axis=1), change, apart) if parts else ()
-    std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(after.values, after.noise, tolerance)
-    decided = proved = verdict(free @ after.values, std, tolerance)
+    std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(after, noise, tolerance)
+    decided = proved = verdict(free @ after, std, tolerance)
     still = _still(left)
     if any(share.checked and not share.works for share in each):
         decided = "fail"
@@ -258,10 +258,10 @@ def judge(
     return Judgement(
         decided,
         tolerance,
-        free @ before.values,
-        free @ after.values,
+        free @ before,
+        free @ after,
         std,
-        _likelihood(free @ (after.values - mean), free @ (factor @ factor.T + spread) @ free.T),
+        _likelihood(free @ (after - mean), free @ (factor @ factor.T + spread) @ free.T),
         likely,
         float(change @ should) / weight if weight > _NOTHING**2 else None,
         tuple(name for name in datums.lines if name not in lying),
@@ -282,21 +282,14 @@ def _still(readings: Sequence[Reading]) -> tuple[str, ...]:
     return tuple(name for name, values in shown.items() if len(values) >= _STILL and len(set(values)) == 1)
 
 
-class _Seen(NamedTuple):
-    """values : (m,) what was read less what is known of the instruments; noise : (m,) standard deviations; m."""
-
-    values: Array
-    noise: Array
-
-
 def _seen(
     estimate: Estimate, setups: Sequence[Setup], places: Places, datums: Datums, readings: Sequence[Reading]
-) -> _Seen:
-    """Return what was read, less what is known of the instruments and not linear in their datums."""
+) -> tuple[Array, Array]:
+    """Return what was read, less what is known of the instruments and not linear in their datums, and its std, m."""
     shown = np.array([value for reading in readings for value in reading.values])
     own = [np.hypot(setup.noise, setup.lag) for setup in setups]
     noise = np.array([r.std or own[s] for r, s in zip(readings, places.setups, strict=True)])
-    return _Seen(upright(estimate.machine, setups, places, datums, shown), noise[values_at(setups, places).of])
+    return upright(estimate.machine, setups, places, datums, shown), noise[values_at(setups, places).of]
 
 
 def _likelihood(values: Array, covariance: Array) -> float:

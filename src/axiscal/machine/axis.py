@@ -96,11 +96,6 @@ def letter_direction(letter: str) -> int:
     return letters.index(letter) % 3
 
 
-def _unit_vector(letter: str, way: float) -> tuple[float, float, float]:
-    x, y, z = (way if place == letter_direction(letter) else 0.0 for place in range(3))
-    return (x, y, z)
-
-
 @dataclass(frozen=True, slots=True)
 class Axis:
     """An axis as the maker built it.
@@ -152,8 +147,9 @@ class Axis:
         rotary = letter in ROTARY_LETTERS
         speed = speed or (ROTARY_SPEED if rotary else LINEAR_SPEED)
         acceleration = acceleration or (ROTARY_ACCELERATION if rotary else LINEAR_ACCELERATION)
-        direction = _unit_vector(letter, -1.0 if counting == "reversed" else 1.0)
-        kind = (name, letter, rotary, direction, workpiece_side)
+        way = -1.0 if counting == "reversed" else 1.0
+        x, y, z = (way if place == letter_direction(letter) else 0.0 for place in range(3))
+        kind = (name, letter, rotary, (x, y, z), workpiece_side)
         return cls(*kind, travel, speed, acceleration, origin, overrun, turns, counting)
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, StrictFloat, StrictStr
@@ -11,15 +12,19 @@ from axiscal.document import QuantityText
 from axiscal.document.validation import QuantityOf
 
 Twice = tuple[str, str]
-_TEXT = QuantityOf(None)
 
 
-def _counts(value: object) -> int | tuple[int, int]:
-    """Return a whole number, or two of them in a list."""
-    if isinstance(value, list):
-        first, second = (_count(each) for each in _two(value))
-        return first, second
-    return _count(value)
+def _once_or_twice(read: Callable[[object], object], form: object) -> PlainValidator:
+    """Return what reads a value, or two of them in a list.  form : for the schema"""
+
+    def made(value: object) -> object:
+        if not isinstance(value, list):
+            return read(value)
+        if len(value) != 2:
+            raise PydanticKnownError("too_long", {"field_type": "List", "max_length": 2, "actual_length": len(value)})
+        return tuple(map(read, value))
+
+    return PlainValidator(made, json_schema_input_type=form)
 
 
 def _count(value: object) -> int:
@@ -28,23 +33,9 @@ def _count(value: object) -> int:
     return value
 
 
-def _texts(value: object) -> str | Twice:
-    """Return the text of a quantity, or two of them in a list."""
-    if isinstance(value, list):
-        first, second = (str(_TEXT.read(each)) for each in _two(value))
-        return first, second
-    return str(_TEXT.read(value))
-
-
-def _two(value: list[object]) -> list[object]:
-    if len(value) != 2:
-        raise PydanticKnownError("too_long", {"field_type": "List", "max_length": 2, "actual_length": len(value)})
-    return value
-
-
-Counts = Annotated[int | tuple[int, int], PlainValidator(_counts, json_schema_input_type=int | tuple[int, int])]
+Counts = Annotated[int | tuple[int, int], _once_or_twice(_count, int | tuple[int, int])]
 """A whole number, or one for each of two axes."""
-QuantityTexts = Annotated[str | Twice, PlainValidator(_texts, json_schema_input_type=str | Twice)]
+QuantityTexts = Annotated[str | Twice, _once_or_twice(QuantityOf(None).read, str | Twice)]
 """A quantity, or one for each of two axes."""
 
 

@@ -102,13 +102,9 @@ def _of_setup(machine: Machine, setup: Setup, count: int) -> tuple[Array, Array]
     low, high = np.array([setup.span(machine.axes[k], k) for k in moves]).reshape(-1, 2).T
     span = high - low
     poses[:, moves] = low + span * unit[:, : len(moves)] if len(moves) > 1 else low + span * even_points(count, 1)
-    return snapped(machine, setup, poses), _approaches(machine, setup, unit[:, len(moves) :] > 0.5)
-
-
-def _approaches(machine: Machine, setup: Setup, positive: NDArray[np.bool_]) -> Array:
-    result = np.zeros((len(positive), len(machine.axes)))
-    result[:, list(setup.moves)] = np.where(positive, setup.sides[0], setup.sides[-1])
-    return result
+    approaches = np.zeros_like(poses)
+    approaches[:, moves] = np.where(unit[:, len(moves) :] > 0.5, setup.sides[0], setup.sides[-1])
+    return snapped(machine, setup, poses), approaches
 
 
 def snapped(machine: Machine, setup: Setup, poses: Array) -> Array:

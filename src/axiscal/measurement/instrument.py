@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from axiscal.measurement.instruments.displacement import Displacement, Stepped
-from axiscal.measurement.instruments.distance import SHIFTS, Distance, Nest, Tracker
-from axiscal.measurement.instruments.kind import CARRIED, TOOL, Model, Reads, Rotation
+from axiscal.measurement.instruments.distance import SHIFTS, TURNS, ZEROS, Distance, Nest, Tracker
+from axiscal.measurement.instruments.kind import CARRIED, TOOL, Model, Rotation
 from axiscal.measurement.setup import Setup, Unknown
 
 
@@ -31,32 +31,14 @@ class Instrument:
     reading_time: float
     wanders: tuple[float, float]
 
-    @property
-    def reads(self) -> Reads:
-        """Lengths, or angles."""
-        return self.model.reads
 
-    @property
-    def values(self) -> int:
-        """Numbers in one reading: one, or one each along x, y and z."""
-        return self.model.values
+def _open(names: Sequence[str], std: float) -> tuple[Unknown, ...]:
+    return tuple(Unknown(name, std) for name in names)
 
 
-def _zeros(std: float) -> tuple[Unknown, ...]:
-    return tuple(Unknown(f"zero_{axis}", std) for axis in "xyz")
-
-
-def _turns(std: float) -> tuple[Unknown, ...]:
-    return tuple(Unknown(f"turn_{axis}", std) for axis in "xyz")
-
-
-def _station(std: float) -> tuple[Unknown, ...]:
-    return tuple(Unknown(name, std) for name in SHIFTS)
-
-
-_CARRIED = tuple(Unknown(name, CARRIED) for name in TOOL)
-
-
+_CARRIED = _open(TOOL, CARRIED)
+_CUP, _TRACED, _THREE = _open(SHIFTS, 1e-4), _open(SHIFTS, 5e-3), _open(ZEROS, 1e-3)
+"""Open: a cup is set to a tenth of a millimetre, a tracer stands within five; zeros are known before to one."""
 _LASER, _GAUGE, _INCLINED = ((5e-6 / 3600, 3e-6 / 3600), (10e-6 / 3600, 3e-6 / 3600), (2e-6 / 3600, 2e-6 / 3600))
 """Drifts by the hour, as a rule and where all is warm: see the sources and assumptions below."""
 _ZERO = Unknown("zero", 1e-3)
@@ -72,13 +54,13 @@ INSTRUMENTS: Mapping[str, Instrument] = MappingProxyType(
             Instrument("straightedge", Displacement(), 1.0e-6, (_ZERO, _SLOPE), 1200.0, 1.0, 5.0, _GAUGE),
             Instrument("level", Rotation(), 2.0e-6, (_ZERO,), 300.0, 5.0, 5.0, _INCLINED),
             Instrument("autocollimator", Rotation(), 0.5e-6, (_ZERO,), 1800.0, 1.0, 3.0, _INCLINED),
-            Instrument("ballbar", Distance(), 0.5e-6, (_ZERO, *_station(1e-4), *_CARRIED), 900.0, 0.5, 1.0, _GAUGE),
-            Instrument("rtest", Nest(), 0.7e-6, (*_zeros(1e-3), *_CARRIED), 900.0, 1.0, 3.0, _GAUGE),
+            Instrument("ballbar", Distance(), 0.5e-6, (_ZERO, *_CUP, *_CARRIED), 900.0, 0.5, 1.0, _GAUGE),
+            Instrument("rtest", Nest(), 0.7e-6, (*_THREE, *_CARRIED), 900.0, 1.0, 3.0, _GAUGE),
             Instrument("sphere", Nest(), 1.5e-6, (), 300.0, 1.0, 15.0, _GAUGE),
             Instrument(
-                "tracker", Tracker(), 10e-6, (*_zeros(1e-3), *_turns(1e-3), *_CARRIED), 3600.0, 2.0, 5.0, _LASER
+                "tracker", Tracker(), 10e-6, (*_THREE, *_open(TURNS, 1e-3), *_CARRIED), 3600.0, 2.0, 5.0, _LASER
             ),
-            Instrument("tracer", Distance(), 0.3e-6, (_ZERO, *_station(5e-3), *_CARRIED), 1800.0, 1.0, 3.0, _LASER),
+            Instrument("tracer", Distance(), 0.3e-6, (_ZERO, *_TRACED, *_CARRIED), 1800.0, 1.0, 3.0, _LASER),
         )
     }
 )
@@ -104,4 +86,4 @@ def model_of(setup: Setup) -> Model:
 
 def values_of(setup: Setup) -> int:
     """Return how many numbers a reading of a set-up has."""
-    return len(setup.stations) or INSTRUMENTS[setup.instrument].values
+    return len(setup.stations) or INSTRUMENTS[setup.instrument].model.values

@@ -23,11 +23,12 @@ from numpy.typing import NDArray
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import MovedErrors, deviations_of
 from axiscal.machine.description import Machine
+from axiscal.machine.kinematics import Deviation
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.cells import Cell, CellColumns, Course, RestEffects, add_rests, rest_effects
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.instruments.distance import location_unknowns
-from axiscal.measurement.instruments.kind import Actual, Nominal
+from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.setup import About, Setup, Unknown
 from axiscal.measurement.travel import Way
 from axiscal.numerics import Array
@@ -172,8 +173,8 @@ class Observation:
         poses, approaches : (m, q); direction : of one number of a reading that has several; None for the set-up's
         times : (m,) of the readings, s; without them, or where one is NaN, the last time that was met
         """
-        levers = self._levers_along(self.setups[setup], poses, direction)
-        rows, variances = self._rows(setup, poses, approaches, (direction,), levers[None], times)
+        along = [np.array(self.setups[setup].direction) if direction is None else direction]
+        rows, variances = self._rows(setup, poses, approaches, along, self._levers(setup, poses, along), times)
         return Rows(rows[0], variances[0])
 
     def rows_each(self, setup: int, poses: Array, approaches: Array, times: Array | None = None) -> list[Rows]:
@@ -186,7 +187,7 @@ class Observation:
         setup: int,
         poses: Array,
         approaches: Array,
-        directions: Sequence[Array | None],
+        directions: Sequence[Array],
         levers: Array,
         times: Array | None = None,
     ) -> tuple[Array, Array]:
@@ -195,14 +196,13 @@ class Observation:
         rows = np.zeros((len(directions), len(poses), self.size))
         rows[:, :, : self.errors.size] = self._error_rows(mounted, levers, poses, approaches)
         model, nominal = model_of(mounted), self._nominal(mounted, poses, approaches)
-        for own, direction in zip(rows, directions, strict=True):
-            at = np.array(mounted.direction) if direction is None else direction
+        for own, at in zip(rows, directions, strict=True):
             for column, unknown in zip(self.unknowns_of(setup), mounted.unknowns, strict=True):
                 own[:, column] = model.unknown_effect(mounted, unknown.name, at, nominal)
             for course, share in self.drifts_shown(setup, at):
                 own[:, list(course.columns)] = share * course.rows(times)
         variances = mounted.noise**2 + self._unknown_sides(mounted, levers, poses, approaches)
-        effects = self._rest_effects(mounted, levers, poses, approaches)
+        effects = self._rest_effects(self.setups[setup], levers, poses, approaches)
         add_rests(effects, self._stated_rests[effects.functions], self.cell_columns.visited(effects), rows, variances)
         return rows, variances
 
@@ -257,9 +257,8 @@ class Observation:
             return self.shown(setup, poses, approaches, point) - self._first_order(setup, poses, approaches, point)
         nominal = Nominal(self.machine, poses, mounted.moves)
         found = dict(zip(location_unknowns(mounted), mounted.found or (), strict=False))
-        still, numbers = Actual(*np.zeros((2, len(poses), 3))), []
-        for along in directions_of(mounted):
-            at = np.array(mounted.direction) if along is None else along
+        still, numbers = Deviation(*np.zeros((2, len(poses), 3))), []
+        for at in directions_of(mounted):
             linear = [value * model.unknown_effect(mounted, name, at, nominal) for name, value in found.items()]
             numbers.append(model.shown(mounted, at, nominal, still, found) - sum(linear))
         return np.stack(numbers, axis=1)
@@ -278,10 +277,9 @@ class Observation:
             yield from (self._first_order(setup, poses, approaches, point) for point in points)
             return
         nominal = Nominal(self.machine, poses, mounted.moves, approaches=approaches)
-        own = np.array(mounted.direction)
-        each = [own if direction is None else direction for direction in directions_of(mounted)]
+        each = directions_of(mounted)
         moved = deviations_of(self.errors, points[:, : self.errors.size], poses, approaches)
-        for point, actual in zip(points, (Actual(*one) for one in moved), strict=True):
+        for point, actual in zip(points, moved, strict=True):
             unknowns = self.own_values(setup, point)
             yield np.stack([model.shown(mounted, along, nominal, actual, unknowns) for along in each], axis=1)
 
@@ -295,8 +293,7 @@ class Observation:
         mounted, model, levers = self.setups[setup], model_of(self.setups[setup]), self.levers(setup, poses)
         nominal, own = self._nominal(mounted, poses, approaches), self.own_values(setup, point)
         numbers = []
-        for direction, along in zip(directions_of(mounted), levers, strict=True):
-            at = np.array(mounted.direction) if direction is None else direction
+        for at, along in zip(directions_of(mounted), levers, strict=True):
             number = self._error_rows(mounted, along, poses, approaches) @ point[: self.errors.size]
             for name, value in own.items():
                 number = number + value * model.unknown_effect(mounted, name, at, nominal)
@@ -322,22 +319,15 @@ class Observation:
 
     def levers(self, setup: int, poses: Array) -> Array:
         """Return what a unit of each error adds to each number of readings, sides apart, (numbers, terms, m)."""
+        return self._levers(setup, poses, directions_of(self.setups[setup]))
+
+    def _levers(self, setup: int, poses: Array, directions: Sequence[Array]) -> Array:
         mounted = self.setups[setup]
         if mounted.base is not None:
             return Way(self.errors, mounted, mounted.base).levers(poses)[None]
-        return self._projected(mounted, poses, directions_of(mounted))
-
-    def _levers_along(self, mounted: Setup, poses: Array, direction: Array | None) -> Array:
-        if mounted.base is not None:
-            return Way(self.errors, mounted, mounted.base).levers(poses)
-        levers: Array = self._projected(mounted, poses, (direction,))[0]
-        return levers
-
-    def _projected(self, mounted: Setup, poses: Array, directions: Sequence[Array | None]) -> Array:
-        """Return what a unit of each error does along directions at the poses, (k, terms, m)."""
-        model, nominal, own = model_of(mounted), self._nominal(mounted, poses), np.array(mounted.direction)
+        model, nominal = model_of(mounted), self._nominal(mounted, poses)
         field = self.errors.levers(poses) if model.reads == "length" else self.errors.angular_levers(poses)
-        each = [model.direction_of(mounted, own if d is None else d, nominal) for d in directions]
+        each = [model.direction_of(mounted, along, nominal) for along in directions]
         return np.array([np.einsum("fmc,mc->fm", field, ways) for ways in each])
 
     def _nominal(self, mounted: Setup, poses: Array, approaches: Array | None = None) -> Nominal:
@@ -359,7 +349,7 @@ class Observation:
         return CellColumns(self.errors, self.with_rest, self.cells)
 
 
-def directions_of(setup: Setup) -> list[Array | None]:
+def directions_of(setup: Setup) -> list[Array]:
     """Return the directions of the numbers of one reading: the set-up's own, x, y and z, or which of stations."""
     count = values_of(setup)
-    return list(np.eye(count)) if count > 1 else [None]
+    return list(np.eye(count)) if count > 1 else [np.array(setup.direction)]

@@ -243,4 +243,4 @@ def columns_of(setups: Iterable[Setup]) -> list[str]:
 
 def reading_unit(setup: Setup) -> str:
     """Return the unit in which its readings are shown: "um" or "urad"."""
-    return "um" if INSTRUMENTS[setup.instrument].reads == "length" else "urad"
+    return "um" if INSTRUMENTS[setup.instrument].model.reads == "length" else "urad"

@@ -162,14 +162,11 @@ def linear_values(observation: Observation, places: Places, readings: Sequence[R
     )
 
 
-def shown_values(observation: Observation, readings: Sequence[Reading], point: Array) -> Array:
-    """Return what readings show by the exact chain without noise, (m,).  point : (k,) errors, then unknowns"""
-    shown: Array = shown_by_each(observation, readings, point[None])[0]
-    return shown
-
-
 def shown_by_each(observation: Observation, readings: Sequence[Reading], points: Array) -> Array:
-    """Return the same for each of many machines and set-ups, (n, m).  points : (n, k) errors, then unknowns"""
+    """Return what readings show by the exact chain without noise, of each of many machines and set-ups, (n, m).
+
+    points : (n, k) errors, then unknowns
+    """
     places = places_of(observation.setups, readings)
     each = numbers_of_setups(observation.setups)[places.setups]
     first, result = np.cumsum(each) - each, np.zeros((len(points), int(each.sum())))
@@ -179,16 +176,6 @@ def shown_by_each(observation: Observation, readings: Sequence[Reading], points:
             for number in range(one.shape[1]):
                 values[first[mine] + number] = one[:, number]
     return result
-
-
-def visited_by(
-    observation: Observation, readings: Sequence[Reading], among: Collection[Cell] | None = None
-) -> Observation:
-    """Return the map with columns for what comes with readings: cells, and how far zeros have wandered.
-
-    among : cells that may have a column, None for all
-    """
-    return visited(observation, places_of(observation.setups, readings), times_of(readings), among)
 
 
 def places_of(setups: Sequence[Setup], readings: Sequence[Reading | Place]) -> Places:

@@ -25,7 +25,7 @@ from axiscal.machine.entry import ErrorEntry, ErrorName, parse_error_name
 from axiscal.machine.kinematics import Deviation, actual_deviation
 from axiscal.measurement.cells import MEMORY
 from axiscal.measurement.instrument import model_of, values_of
-from axiscal.measurement.instruments.kind import Actual, Nominal
+from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.observation import Owned, directions_of
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, Column, CsvTable, Row, read_table
 from axiscal.measurement.reading import Place, Reading
@@ -147,17 +147,6 @@ class VirtualMachine:
     def _deviation(self, poses: Array, approaches: Array) -> Deviation:
         return actual_deviation(self.model.machine, poses, self.model.compose(self.values(poses), approaches))
 
-    def read(
-        self,
-        setup: Setup,
-        pose: tuple[float, ...],
-        approach: tuple[int, ...],
-        rng: np.random.Generator,
-        seconds: float = 0.0,
-    ) -> float:
-        """Return the first number of what the set-up would show."""
-        return self.read_all(setup, pose, approach, rng, seconds)[0]
-
     def read_all(
         self,
         setup: Setup,
@@ -172,7 +161,7 @@ class VirtualMachine:
         """
         at, come = np.array([pose]), np.array([approach], dtype=float)
         stepped = setup.base is not None
-        actual = self._chord(setup, at) if stepped else Actual(self.deviation(at, come), self.rotation(at, come))
+        actual = self._chord(setup, at) if stepped else Deviation(self.deviation(at, come), self.rotation(at, come))
         shown = self.exactly(setup, at, actual, come)
         wander = self.drifts.get(setup.name)
         moved = np.zeros(values_of(setup)) if wander is None else wander(seconds)
@@ -197,18 +186,17 @@ class VirtualMachine:
             found.append(Reading(place.setup, place.pose, place.approach, value, others=tuple(others), time=seconds))
         return tuple(found)
 
-    def exactly(self, setup: Setup, pose: Array, actual: Actual, approach: Array | None = None) -> list[float]:
+    def exactly(self, setup: Setup, pose: Array, actual: Deviation, approach: Array | None = None) -> list[float]:
         """Return what a set-up would show of what the machine does, nothing linearised, without drift and noise.
 
         pose, approach : (1, q) where it reads; actual : what the machine does, there or where it touches beside
         """
         model = model_of(setup)
         place = Nominal(self.model.machine, pose, setup.moves, approaches=approach)
-        each = [np.array(setup.direction) if along is None else along for along in directions_of(setup)]
         own = self.offsets.get(setup.name, {})
-        return [float(model.shown(setup, direction, place, actual, own)[0]) for direction in each]
+        return [float(model.shown(setup, along, place, actual, own)[0]) for along in directions_of(setup)]
 
-    def _chord(self, setup: Setup, poses: Array) -> Actual:
+    def _chord(self, setup: Setup, poses: Array) -> Deviation:
         """Return by how much the way differs between the two feet of a level, per length between them."""
         (axis,) = setup.moves
         low, high = self.model.machine.axes[axis].travel
@@ -218,7 +206,7 @@ class VirtualMachine:
             end[:, axis] = np.clip(poses[:, axis] + sign * half, low, high)
         far, near = (self._way(axis, end) for end in ends)
         slope: Array = (far - near) / (ends[0] - ends[1])[:, axis, None]
-        return Actual(slope, np.zeros_like(slope))
+        return Deviation(slope, np.zeros_like(slope))
 
     def _way(self, axis: int, poses: Array) -> Array:
         """Return how far the shape of one axis' way alone would displace the TCP, (m, 3), m."""
@@ -242,7 +230,8 @@ class Simulator:
     def drawn(self, seed: int) -> VirtualMachine:
         """Return a machine whose errors, rests included, are drawn from the prior."""
         model, rng = ErrorModel(self.machine), np.random.default_rng((seed, 1))
-        return VirtualMachine(model, tuple(_drawn(f, rng) for f in model.terms), *self._mounted(seed))
+        drawn = ((f, unique_root(f.covariance) @ rng.standard_normal(len(f.covariance))) for f in model.terms)
+        return VirtualMachine(model, tuple(_rough(f, control, rng) for f, control in drawn), *self._mounted(seed))
 
     def with_coefficients(self, coefficients: Array, seed: int) -> VirtualMachine:
         """Return a machine whose errors have these control values; rests are drawn.  coefficients : (n,)"""
@@ -251,14 +240,14 @@ class Simulator:
         return VirtualMachine(model, each, *self._mounted(seed))
 
     def from_curves(self, path: Path, seed: int) -> VirtualMachine:
-        """Return a machine whose errors are the curves of a file, linear between the points given.
-
-        Raises ReadingError with file and line.
-        """
+        """Return a machine whose errors are the curves of a file; raises ReadingError with file and line."""
         return self.with_curves(read_truth(path), seed, path)
 
     def with_curves(self, curves: Mapping[str, TruthCurve], seed: int, path: Path | None = None) -> VirtualMachine:
-        """Return a machine with the given curves; errors that have none are zero."""
+        """Return a machine with the given curves, linear between their points; errors that have none are zero.
+
+        path : the file that they are from.  Raises ReadingError for a curve of another machine.
+        """
         names = {axis.name for axis in self.machine.axes}
         for name in curves:
             axis = parse_error_name(name).axis
@@ -311,10 +300,6 @@ def _wandering(rate: float, count: int, rng: np.random.Generator) -> Wander:
 
 def _through(curve: TruthCurve) -> Curve:
     return lambda positions: np.interp(positions, curve.positions, curve.values)
-
-
-def _drawn(function: Term, rng: np.random.Generator) -> Curve:
-    return _rough(function, unique_root(function.covariance) @ rng.standard_normal(len(function.covariance)), rng)
 
 
 def _rough(function: Term, control: Array, rng: np.random.Generator) -> Curve:

@@ -101,7 +101,7 @@ def stated(setup: Setup, machine: Machine, pose: Array) -> Array:
     return place
 
 
-_SIDES = np.array([(0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0), (0, 0, 1)], dtype=np.float64)
+ALL_ROUND = np.array([(0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0), (0, 0, 1)], dtype=np.float64)
 """From where a sphere is met, in its touch frame: the pole, four sides across the stem, the pole again."""
 
 
@@ -109,7 +109,7 @@ def touches(machine: Machine, pose: Array, cycle: Cycle) -> tuple[SideTouch, ...
     """Return the touches of the sphere that the tip is at in a pose (q,); NaN where the linear axes do not reach."""
     centre, frame = frames(machine, pose[None]).tcp[0], touch_frames(machine, pose[None])[0]
     found = []
-    for side in _SIDES:
+    for side in ALL_ROUND:
         stops = centre + _stops(cycle, side) @ frame
         *way, beside, into, backed = tip_at(machine, np.tile(pose, (len(stops), 1)), stops)
         found.append(SideTouch(side @ frame + 0.0, tuple(way), beside, into, backed - beside))
@@ -121,7 +121,7 @@ def gone_to(machine: Machine, cycle: Cycle, poses: Array) -> Array:
 
     poses : (m, q) with the tip at the centres.  The axes follow the tip evenly: p + e leads to t + J⁻¹ e.
     """
-    at, stops = frames(machine, poses).tcp, np.concatenate([_stops(cycle, side) for side in _SIDES])
+    at, stops = frames(machine, poses).tcp, np.concatenate([_stops(cycle, side) for side in ALL_ROUND])
     ways = [tip_at(machine, poses, at + way) - poses for way in np.swapaxes(touch_frames(machine, poses), 0, 1)]
     return poses + np.tensordot(stops, np.array(ways), axes=1)
 
@@ -134,24 +134,14 @@ def _stops(cycle: Cycle, side: Array) -> Array:
     return np.array([*way, off * side, (cycle.radius - cycle.past) * side, (off + cycle.back) * side])
 
 
-def all_round(machine: Machine, pose: Array) -> Array:
-    """Return from where the sphere is met: the pole, four sides across the stem, the pole again, (6, 3)."""
-    return _turned(machine, pose, _SIDES)
-
-
 _COS = math.sqrt(0.75)
 """Mathematics: the cosine of 30 degrees."""
-_CAP = np.array([(0, 0, 1), (0.5, 0, _COS), (0, 0.5, _COS), (-0.5, 0, _COS), (0, -0.5, _COS), (0, 0, 1)])
+FROM_ABOVE = np.array([(0, 0, 1), (0.5, 0, _COS), (0, 0.5, _COS), (-0.5, 0, _COS), (0, -0.5, _COS), (0, 0, 1)])
 """From where a probe that only goes down meets a sphere: the pole, four flanks 30 degrees beside it, the pole again."""
 
 
-def from_above(machine: Machine, pose: Array) -> Array:
-    """Return from where a probe meets a sphere that only goes along its stem, (6, 3)."""
-    return _turned(machine, pose, _CAP)
-
-
-def _turned(machine: Machine, pose: Array, sides: Array) -> Array:
-    """Return sides (m, 3), said along first side, second side and pole, in the workpiece frame."""
+def met_from(machine: Machine, pose: Array, sides: Array = ALL_ROUND) -> Array:
+    """Return sides (m, 3), said along first side, second side and pole, in the workpiece frame.  pose : (q,)"""
     met: Array = sides @ touch_frames(machine, pose[None])[0] + 0.0
     return met
 

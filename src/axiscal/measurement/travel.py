@@ -214,14 +214,11 @@ def path_seconds(machine: Machine, path: Array) -> Array:
     poses, step = np.nan_to_num(path), 1.0 / (len(path) - 1)
     slopes = np.abs(np.gradient(poses, step, axis=0, edge_order=2)).max(axis=0)
     bends = np.abs(np.diff(poses, 2, axis=0)).max(axis=0) / step**2
-    speeds, accelerations = (np.array([getattr(axis, name) for axis in machine.axes]) for name in _LIMITS)
+    speeds, accelerations = np.array([(axis.speed, axis.acceleration) for axis in machine.axes]).T
     fast = np.minimum(speeds / np.maximum(slopes, _STILL), np.sqrt(accelerations / (2 * np.maximum(bends, _STILL))))
     v, a = fast.min(axis=1), (accelerations / (2 * np.maximum(slopes, _STILL))).min(axis=1)
     seconds = np.where(v**2 <= a, 1 / v + v / a, 2 / np.sqrt(a))
     return np.where(slopes.max(axis=1) > _STILL, seconds, 0.0)
-
-
-_LIMITS = ("speed", "acceleration")
 
 
 def reading_seconds(setup: Setup) -> float:

@@ -128,7 +128,7 @@ def _positions(description: CampaignDescription, setup: Setup) -> bool:
     axis, name = description.machine.axes[setup.moves[0]], description.machine.axes[setup.moves[0]].name[0]
     own = "ABC".index(name) if axis.rotary else "XYZ".index(name)
     reads = "angle" if axis.rotary else "length"
-    return INSTRUMENTS[setup.instrument].reads == reads and abs(setup.direction[own]) > _ALONG
+    return INSTRUMENTS[setup.instrument].model.reads == reads and abs(setup.direction[own]) > _ALONG
 
 
 def iso230_block(axis: str, found: Positioning) -> Iso230:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from axiscal.description.placed_readings import placed_readings
 from axiscal.document.ports import ours
 from axiscal.errors.model import ErrorFunction
-from axiscal.errors.prior import matern52
+from axiscal.errors.prior import matern
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.estimate import concluded
@@ -57,7 +57,7 @@ class Curve:
         self.spline: Spline = NaturalSpline(even_knots(start, stop, knots))
         at, size = self.spline.control_positions, si(std, "length")
         apart = np.abs(at[:, None] - at)
-        alike = np.eye(len(at)) if length is None else matern52(apart / si(length, "length"))
+        alike = np.eye(len(at)) if length is None else matern(apart / si(length, "length"))
         self.name, self.belief, self.rest = "curve", Belief(np.zeros(len(at)), size**2 * alike), 0.0
         self.unit, self.position_unit = "um", "mm"
 

@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, fields
-from typing import Any, get_args
+from typing import Any, TypeVar, get_args
 
 from axiscal.document.quoting import shown
 from axiscal.exceptions import RecordError
@@ -29,6 +29,7 @@ from axiscal.record.events import (
 )
 from axiscal.record.signing import Hand
 
+_T = TypeVar("_T")
 ABSURD = 1e9
 """m or rad: no number of a reading is as large; what deviates by less is judged by those who know the machine."""
 
@@ -58,9 +59,9 @@ def encode(event: Event, hand: Hand | None = None) -> tuple[str, str]:
 def decode(kind: str, text: str) -> Event:
     """Return the event, `Newer` for one that this version does not know; raise PayloadError if this is none."""
     try:
-        found = {**_names(json.loads(text))}
+        found = _is(dict, json.loads(text))
         for name in Hand._fields:  # older records could not say it
-            _text(found.pop(name, ""))
+            _is(str, found.pop(name, ""))
         if kind in _READ and found.keys() <= _KEYS[kind]:
             return _READ[kind](found)
         return Newer(kind, text, kind != "noted" if kind in _READ else not _OF_READINGS.isdisjoint(found))
@@ -97,52 +98,19 @@ def _place_fields(place: Place) -> dict[str, object]:
     return {"setup": place.setup, "position": place.pose, "approach": place.approach}
 
 
-def _number(value: object) -> float:
-    if type(value) is float and math.isfinite(value):
-        return value
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ValueError(f"{value!r} is not a finite number")
+def _number(value: object, most: float = math.inf) -> float:
+    """Return a finite number below a size; raises ValueError."""
+    if not isinstance(value, int | float) or isinstance(value, bool) or not abs(value) < most:
+        raise ValueError(f"{value!r} is not a finite number that can be read")
     return float(value)
 
 
-def _read_number(value: object) -> float:
-    number = _number(value)
-    if abs(number) >= ABSURD:
-        raise ValueError(f"{number:g} m or rad cannot be read")
-    return number
-
-
-def _std(value: object) -> float:
-    number = _read_number(value)
-    if number <= 0:
-        raise ValueError(f"{number:g} is no standard deviation")
-    return number
-
-
-def _whole(value: object) -> int:
-    if type(value) is int:
-        return value
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"{value!r} is not a whole number")
-    return value
-
-
-def _text(value: object) -> str:
-    if not isinstance(value, str):
-        raise ValueError(f"{value!r} is not text")
-    value.encode()  # UnicodeEncodeError, a ValueError, for half a character
-    return value
-
-
-def _names(value: object) -> Mapping[Any, Any]:
-    if not isinstance(value, dict):
-        raise ValueError(f"{value!r} does not name what is meant")
-    return value
-
-
-def _flag(value: object) -> bool:
-    if not isinstance(value, bool):
-        raise ValueError(f"{value!r} is neither true nor false")
+def _is(kind: type[_T], value: object) -> _T:
+    """Return a value of JSON that is of a kind; raises ValueError, also for text with half a character."""
+    if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
+        raise ValueError(f"{value!r} is no {kind.__name__}")
+    if isinstance(value, str):
+        value.encode()
     return value
 
 
@@ -152,27 +120,29 @@ _SIDES = frozenset((-1, 0, 1))
 
 def _place(fields: Mapping[str, Any]) -> Place:
     position = tuple(map(_number, fields["position"]))
-    approach = tuple(map(_whole, fields["approach"]))
+    approach = tuple(_is(int, side) for side in fields["approach"])
     if len(position) != len(approach) or not _SIDES.issuperset(approach):
         raise ValueError(f"position {position} and approach {approach} do not belong together")
-    return Place(_text(fields["setup"]), position, approach)
+    return Place(_is(str, fields["setup"]), position, approach)
 
 
 def _created(fields: Mapping[str, Any]) -> Created:
-    versions = {_text(name): _text(value) for name, value in _names(fields["versions"]).items()}
-    machine, campaign = _text(fields["machine_text"]), _text(fields["campaign_text"])
-    sources = _text(fields["machine_source"]), _text(fields["campaign_source"])
-    held = (_flag(fields.get(name, False)) for name in ("usual_doubts", "fine_knots"))  # older records could not say it
-    return Created(machine, campaign, *sources, versions, _text(fields.get("prior_text", "")), *held)
+    versions = {_is(str, name): _is(str, value) for name, value in _is(dict, fields["versions"]).items()}
+    machine, campaign = _is(str, fields["machine_text"]), _is(str, fields["campaign_text"])
+    sources = _is(str, fields["machine_source"]), _is(str, fields["campaign_source"])
+    held = (_is(bool, fields.get(name, False)) for name in ("usual_doubts", "fine_knots"))  # older ones said neither
+    return Created(machine, campaign, *sources, versions, _is(str, fields.get("prior_text", "")), *held)
 
 
 def _recorded(fields: Mapping[str, Any]) -> Recorded:
-    std = None if fields["std"] is None else _std(fields["std"])
-    accepted = _flag(fields.get("accepted", False))  # older records could not say it
-    others = tuple(_read_number(value) for value in fields.get("others", ()))
+    std = None if fields["std"] is None else _number(fields["std"], ABSURD)
+    if std is not None and std <= 0:
+        raise ValueError(f"{std:g} is no standard deviation")
+    accepted = _is(bool, fields.get("accepted", False))  # older records could not say it
+    others = tuple(_number(value, ABSURD) for value in fields.get("others", ()))
     time = None if fields.get("time") is None else _number(fields["time"])
-    number = None if fields.get("reading") is None else _whole(fields["reading"])
-    at, value = _place(fields), _read_number(fields["value"])
+    number = None if fields.get("reading") is None else _is(int, fields["reading"])
+    at, value = _place(fields), _number(fields["value"], ABSURD)
     return Recorded(Reading(at.setup, at.pose, at.approach, value, std, None, accepted, others, time, number))
 
 
@@ -181,33 +151,33 @@ _LARGEST_FACTOR = 1e4
 
 
 def _accepted(fields: Mapping[str, Any]) -> Accepted:
-    mistake, name = _text(fields["mistake"]), _text(fields["name"])
-    setups, factor = tuple(_text(each) for each in fields["setups"]), _number(fields["factor"])
+    mistake, name = _is(str, fields["mistake"]), _is(str, fields["name"])
+    setups, factor = tuple(_is(str, each) for each in fields["setups"]), _number(fields["factor"])
     if mistake not in MISTAKES or len(setups) != 1 + (mistake == "swapped") or len(set(setups)) != len(setups):
         raise ValueError(f"{mistake!r} of {len(setups)} set-ups is no mistake that can be put right")
     if not 1 / _LARGEST_FACTOR < abs(factor) < _LARGEST_FACTOR or (mistake == "shifted" and abs(factor) != 1):
         raise ValueError(f"{factor:g} is no factor of a mistake")
     if bool(name) != (mistake == "jump"):
         raise ValueError("a jump names another set-up, and nothing else does")
-    return Accepted(mistake, setups, _whole(fields["reading"]), factor, name)
+    return Accepted(mistake, setups, _is(int, fields["reading"]), factor, name)
 
 
 _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
     "created": _created,
     "planned": lambda fields: Planned(
         tuple(_place(place) for place in fields["places"]),
-        _text(fields.get("grounds", "")),  # plans of older records do not say what they rest on
+        _is(str, fields.get("grounds", "")),  # plans of older records do not say what they rest on
     ),
-    "asked": lambda fields: Asked(_whole(fields["reading"]), _place(fields)),
+    "asked": lambda fields: Asked(_is(int, fields["reading"]), _place(fields)),
     "recorded": _recorded,
-    "skipped": lambda fields: Skipped(_text(fields["reason"]), _flag(fields.get("rest", False))),
-    "noted": lambda fields: Noted(_text(fields["text"])),
-    "continued": lambda fields: Continued(_text(fields["grounds"])),
-    "mounted": lambda fields: Mounted(*(_text(fields[name]) for name in ("setup", "name", "branch"))),
+    "skipped": lambda fields: Skipped(_is(str, fields["reason"]), _is(bool, fields.get("rest", False))),
+    "noted": lambda fields: Noted(_is(str, fields["text"])),
+    "continued": lambda fields: Continued(_is(str, fields["grounds"])),
+    "mounted": lambda fields: Mounted(*(_is(str, fields[name]) for name in ("setup", "name", "branch"))),
     "accepted": _accepted,
-    "undone": lambda fields: Undone(_whole(fields["event"])),
-    "signed": lambda fields: Signed(_text(fields["key"]), _text(fields["signature"])),
-    "finished": lambda fields: Finished(_text(fields["because"])),
+    "undone": lambda fields: Undone(_is(int, fields["event"])),
+    "signed": lambda fields: Signed(_is(str, fields["key"]), _is(str, fields["signature"])),
+    "finished": lambda fields: Finished(_is(str, fields["because"])),
 }
 _AT = frozenset(("setup", "position", "approach"))
 _KEYS: Mapping[str, frozenset[str]] = {

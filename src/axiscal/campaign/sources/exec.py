@@ -211,7 +211,7 @@ class ExecSource:
         return [self._number(each, unit, line) for each in value]
 
     def _unit(self, unit: object, line: str, request: Request) -> str:
-        reads = INSTRUMENTS[request.setup.instrument].reads
+        reads = INSTRUMENTS[request.setup.instrument].model.reads
         example, instrument = reading_unit(request.setup), request.setup.instrument
         remedy = said(
             'The {instrument} reads a length: give a unit such as "{unit}"', instrument=instrument, unit=example

@@ -172,7 +172,7 @@ def _other_place(row: RawReading, request: Request) -> tuple[str, str] | None:
 
 
 def _refuse_other_dimension(row: RawReading, request: Request, file: str) -> None:
-    reads = INSTRUMENTS[request.setup.instrument].reads
+    reads = INSTRUMENTS[request.setup.instrument].model.reads
     if row.dimension != reads:
         what = "the row has an angle, but the {instrument} reads a length"
         what = "the row has a length, but the {instrument} reads an angle" if reads == "angle" else what

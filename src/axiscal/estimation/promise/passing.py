@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from axiscal.description.type_b import TYPE_B, Read, TypeB
 from axiscal.description.usual import CYCLE, DRIFT, GROWTH, WAY, Kind, Sizes, needs_a_way
-from axiscal.errors.prior import matern32
+from axiscal.errors.prior import matern
+from axiscal.machine.entry import ROUGH
 from axiscal.measurement.cells import Course, wandering
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import Nominal
@@ -132,7 +133,7 @@ def growth_functions(setup: Setup, clock: Array) -> Array:
     clock : (r,) s; both ends of the travel then stand off by half of it
     """
     nodes = np.linspace(0.0, 1.0, _NODES)
-    correlation = matern32(np.abs(nodes[:, None] - nodes[None]) / _MEMORY)
+    correlation = matern(np.abs(nodes[:, None] - nodes[None]) / _MEMORY, ROUGH)
     root = lower_root(correlation + _SINGLE * np.eye(_NODES))
     hats = np.column_stack([np.interp(_share(clock), nodes, each) for each in np.eye(_NODES)])
     return GROWTH.size * setup.noise * hats @ root
@@ -294,9 +295,7 @@ def _by_setup(
     for index, chosen in places.by_setup():
         setup, model = observation.setups[index], model_of(observation.setups[index])
         nominal = Nominal(observation.machine, places.poses[chosen], setup.moves, None, places.approaches[chosen])
-        own = np.array(setup.direction)
-        each = [own if along is None else along for along in directions_of(setup)]
-        ways = np.stack([model.direction_of(setup, along, nominal) for along in each])
+        ways = np.stack([model.direction_of(setup, along, nominal) for along in directions_of(setup)])
         mine = np.arange(len(places))[chosen]
         shown = np.zeros(ways.shape[:2]) if values is None else np.array([values[i] for i in mine], dtype=float).T
         yield mine, Read(setup, nominal, ways, shown)

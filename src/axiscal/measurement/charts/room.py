@@ -73,6 +73,14 @@ class Chart(Protocol):
 
         place : (size,) the other coordinates; levels : per axis in chain order, m or rad
         """
+        low, high, *_ = self.coordinates[number]
+
+        def curve(values: Array) -> Array:
+            places = np.tile(place, (len(values), 1))
+            places[:, number] = values
+            return self.poses(places)
+
+        return crossings(curve, low, high, levels)
 
     def feasible(self, poses: Array) -> NDArray[np.bool_]:
         """Return which poses (m, q) can be taken."""
@@ -136,20 +144,6 @@ _STEPS = 1440
 """A quarter of a degree: two crossings that are nearer touch the level, and the end is the same."""
 _HALVINGS = 60
 """To the last bit of a float64."""
-
-
-def along_one(poses: Curve, number: int, place: Array, ends: tuple[float, float], levels: tuple[Array, ...]) -> Array:
-    """Return the crossings along one coordinate of a chart.
-
-    poses : (p, size) places -> (p, q); place : (size,) the other coordinates; ends : of this one
-    """
-
-    def curve(values: Array) -> Array:
-        places = np.tile(place, (len(values), 1))
-        places[:, number] = values
-        return poses(places)
-
-    return crossings(curve, *ends, levels)
 
 
 def crossings(curve: Curve, low: float, high: float, levels: tuple[Array, ...]) -> Array:

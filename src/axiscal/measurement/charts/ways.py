@@ -5,20 +5,143 @@ Whether every place on a way through a chart can be taken: proven, not looked at
 A function with |f''| ≤ M is, between two places h apart, nowhere below min(f₀, f₁) − M h²/8. There the tool is at most
 half of its fastest way from one of the two. Pieces that these bounds do not prove are halved; a piece that stays
 unproven is not gone.
+
+How fast a straight way through a chart turns, moves and bends at the most: what bounds it between two places on it.
+
+With s from 0 to 1 the rotary axes turn evenly and the tool point goes along p*(s). The linear axes t solve J(ρ) t = r
+with r = p* − p₀(ρ). So |t'| ≤ N (|r'| + |J'| |t|) and |t''| ≤ N (|r''| + 2 |J'| |t'| + |J''| |t|), N = ‖J⁻¹‖. Turned at
+a rate w about a place d away, a point x has |x'| + w d and |x''| + 2 w |x'| + w² d at the most.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise, permutations
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.machine.kinematics import Frames, frames, linear_axes
-from axiscal.measurement.charts.room import Chart, Room, along_one
-from axiscal.measurement.charts.swing import Slides, Swing, stem_rate
+from axiscal.machine.description import Machine
+from axiscal.machine.kinematics import Frames, frames, linear_axes, tool_point
+from axiscal.measurement.charts.room import Chart, Room
 from axiscal.numerics import Array
+
+_SAME_WAY = 1e-12
+"""Rounding of two directions that are one."""
+
+
+class Narrow(NamedTuple):
+    """An angle that stays within a cone.
+
+    cosines : of it, (m,), by stems and tips (m, 3); cone : rad; bend : the largest second derivative of the cosine by s
+    """
+
+    cosines: Callable[[Array, Array], Array]
+    cone: float
+    bend: float
+
+
+class Swing(NamedTuple):
+    """A straight way through a chart.
+
+    turns : (q,) rad, by how much each axis turns; speed, bend : m, the largest |p*'| and |p*''|; angles : what stays
+    within cones
+    """
+
+    turns: Array
+    speed: float
+    bend: float
+    angles: tuple[Narrow, ...]
+
+
+class Slides:
+    """The largest second derivative of the linear axes by s, over pieces of a way."""
+
+    def __init__(self, machine: Machine, swing: Swing) -> None:
+        self._machine, self._swing, self._axes = machine, swing, list(linear_axes(machine))
+        rotary = [k for k, axis in enumerate(machine.axes) if axis.rotary]
+        before = [k for k in rotary if k < max(self._axes)]
+        alike = all(k < min(self._axes) for k in before)  # all linear axes turn together
+        self._rate = float(swing.turns[before].sum()) * (1.0 if alike else np.sqrt(len(self._axes)))
+        self._loosened = 0.0 if alike else self._rate
+        self._spin = _Spin.by_turns(machine, swing.turns)
+
+    def bends(self, at: Frames, widths: Array) -> Array:
+        """Return them of pieces that begin at frames, (m,) m; without end where the linear axes may fall together."""
+        ways = np.stack([at.rotations[k] @ np.array(self._machine.axes[k].direction) for k in self._axes], axis=2)
+        least = np.linalg.svd(ways, compute_uv=False)[:, -1] - self._loosened * widths
+        spin, swing = self._spin, self._swing
+        far = np.linalg.norm(at.tcp - spin.middle, axis=1) + swing.speed * widths + spin.lever
+        with np.errstate(divide="ignore"):
+            inverse = np.where(least > 0, 1.0 / np.maximum(least, 0.0), np.inf)
+        slides = inverse * far
+        fast = inverse * (swing.speed + spin.speed + self._rate * slides)
+        bends: Array = inverse * (swing.bend + spin.bend + 2 * self._rate * fast + self._rate**2 * slides)
+        return bends
+
+
+class _Spin(NamedTuple):
+    """Bounds of p₀(ρ), the tool point with all linear axes at zero.
+
+    middle : (3,) m, of what it turns about last; lever : m, how far from there at most; speed, bend : m
+    """
+
+    middle: Array
+    lever: float
+    speed: float
+    bend: float
+
+    @classmethod
+    def by_turns(cls, machine: Machine, turns: Array) -> _Spin:
+        """Return it of a way on which axes turn by so much, (q,) rad: from the tool to the workpiece."""
+        about, lever, speed, bend = tool_point(machine), 0.0, 0.0, 0.0
+        for axis, rate in reversed(list(zip(machine.axes, turns.tolist(), strict=True))):
+            if axis.rotary:
+                origin = np.array(axis.origin)
+                lever, about = lever + float(np.linalg.norm(about - origin)), origin
+                speed, bend = speed + rate * lever, bend + 2 * rate * speed + rate**2 * lever
+        return cls(about, lever, speed, bend)
+
+
+def stem_rate(machine: Machine, turns: Array, against: Array | None = None) -> float:
+    """Return how fast the tool turns at the most, rad by s.
+
+    against : (3,) a direction of the workpiece, about which a turn next to the workpiece does not change the angle
+    """
+    rotary = [k for k, axis in enumerate(machine.axes) if axis.rotary]
+    while rotary and _parallel(machine, rotary[-1], np.array([0.0, 0.0, 1.0])):
+        rotary.pop()
+    while against is not None and rotary and _parallel(machine, rotary[0], against):
+        rotary.pop(0)
+    return float(turns[rotary].sum())
+
+
+def _parallel(machine: Machine, axis: int, direction: Array) -> bool:
+    return abs(abs(float(np.array(machine.axes[axis].direction) @ direction)) - 1.0) <= _SAME_WAY
+
+
+def stem_to(machine: Machine, turns: Array, free: Array, cone: float) -> Narrow:
+    """Return the angle between the tool and a direction that stands still.  free : (3,); cone : rad"""
+    return Narrow(lambda stems, _: stems @ free, cone, stem_rate(machine, turns, free) ** 2)
+
+
+def bar_angles(
+    machine: Machine, turns: Array, centre: Array, free: Array, cone: float, rate: float
+) -> tuple[Narrow, ...]:
+    """Return the angles of a bar with the tool and with where its centre is free.  rate : rad by s, of the bar"""
+
+    def bars(tips: Array) -> Array:
+        away = tips - centre
+        return np.asarray(away / np.linalg.norm(away, axis=1)[:, None], dtype=np.float64)
+
+    with_tool = Narrow(
+        lambda stems, tips: np.asarray(np.sum(stems * bars(tips), axis=1), dtype=np.float64),
+        cone,
+        (stem_rate(machine, turns) + rate) ** 2,
+    )
+    return with_tool, Narrow(lambda _, tips: bars(tips) @ free, cone, rate**2)
+
 
 _LIMIT = 1e-9
 """m or rad: a nanometre, by which a way may leave a travel or enter a box."""
@@ -39,11 +162,6 @@ class SmoothChart(Chart, Protocol):
 
     def swing(self, start: Array, stop: Array) -> Swing:
         """Return what bounds a straight way from place to place."""
-
-    def breaks(self, number: int, place: Array, levels: tuple[Array, ...]) -> Array:
-        """Return where an axis is at one of its levels along one coordinate."""
-        low, high, *_ = self.coordinates[number]
-        return along_one(self.poses, number, place, (low, high), levels)
 
     def between(self, start: Array, stop: Array) -> Array | None:
         """Return a way that holds the tool point on the chart, (k, size), ends included; None where there is none."""

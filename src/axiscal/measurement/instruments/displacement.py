@@ -23,8 +23,8 @@ from axiscal.errors.model import ErrorModel
 from axiscal.errors.plane import PlaneError
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames
-from axiscal.measurement.instruments.kind import Actual, Model, Nominal, Reads, Rotation
+from axiscal.machine.kinematics import Deviation
+from axiscal.measurement.instruments.kind import Model, Nominal, Reads, Rotation
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import Way, across
 from axiscal.numerics import Array
@@ -40,7 +40,7 @@ class Stepped(Rotation):
     """One slope, as an angle about the set-up's direction."""
 
     def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]
     ) -> Array:
         """Return the angle of the chord, (m,); actual.displacement : of one foot against the other, per length."""
         slope = np.sum(across(nominal.machine, setup, nominal.poses) * actual.displacement, axis=1)
@@ -124,46 +124,30 @@ class Displacement(Model):
         return nominal.travelled if unknown == "slope" else _travelled_along(direction, nominal)
 
     def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]
     ) -> Array:
         """Return dᵀδp + zero + tan(slope) s + growth dᵀe s, (m,)."""
         tilted = np.tan(unknowns.get("slope", 0.0)) * nominal.travelled
         turned = _turned(direction, nominal) @ np.array([unknowns.get(name, 0.0) for name in SQUARE])
-        grown = _grown(unknowns.get("growth", 0.0) + setup.growth, direction, nominal)
+        grown = (unknowns.get("growth", 0.0) + setup.growth) * _travelled_along(direction, nominal)
         late = unknowns["lag"] * _came(direction, nominal) if "lag" in unknowns else 0.0
         shown: Array = actual.displacement @ direction + unknowns.get("zero", 0.0) + tilted + turned + grown + late
         return shown
 
 
-def _grown(strain: float, direction: Array, nominal: Nominal) -> Array:
-    """Return by what a strain of the material lengthens the readings, (m,), m."""
-    return strain * _travelled_along(direction, nominal) if strain else np.zeros(nominal.count)
-
-
 def _travelled_along(direction: Array, nominal: Nominal) -> Array:
     """Return the travel from the middle, as far as it goes along the direction, (m,), m; negative against it."""
-    return nominal.travelled * (_ways(nominal) @ direction)
+    return nominal.travelled * (nominal.ways @ direction)
 
 
 def _turned(direction: Array, nominal: Nominal) -> Array:
     """Return what unit turns about x, y, z of what is read do along the direction, (m, 3), m."""
-    return nominal.travelled[:, None] * np.cross(_ways(nominal), direction)
+    return nominal.travelled[:, None] * np.cross(nominal.ways, direction)
 
 
 def _came(direction: Array, nominal: Nominal) -> Array:
     """Return the side from which the linear axis that moves came, along the direction: 1, −1, 0 if unknown, (m,)."""
-    axis = next((k for k in nominal.moves if not nominal.machine.axes[k].rotary), None)
-    if axis is None or nominal.approaches is None:
+    if nominal.slide is None or nominal.approaches is None:
         return np.zeros(nominal.count)
-    along = _ways(nominal) @ direction
-    return nominal.approaches[:, axis] * np.where(np.abs(along) >= _LEAST_ALONG, np.sign(along), 0.0)
-
-
-def _ways(nominal: Nominal) -> Array:
-    """Return the way that the linear axis which moves goes in the workpiece frame, (m, 3); zero where none moves."""
-    axes = nominal.machine.axes
-    axis = next((k for k in nominal.moves if not axes[k].rotary), None)
-    if axis is None:
-        return np.zeros((nominal.count, 3))
-    ways: Array = frames(nominal.machine, nominal.poses).rotations[axis] @ np.array(axes[axis].direction)
-    return ways
+    along = nominal.ways @ direction
+    return nominal.approaches[:, nominal.slide] * np.where(np.abs(along) >= _LEAST_ALONG, np.sign(along), 0.0)

@@ -33,14 +33,13 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.machine.description import Machine
+from axiscal.machine.kinematics import Deviation
 from axiscal.measurement.instruments.kind import (
     TOOL,
     TOOL_READS,
-    Actual,
     Model,
     Nominal,
     Reads,
-    along,
     ball_effect,
     ball_moved,
     displaced,
@@ -52,7 +51,7 @@ from axiscal.measurement.touched import touch_frames
 from axiscal.numerics import Array, rigid
 
 RADIUS = "radius"
-_ZEROS = ("zero_x", "zero_y", "zero_z")
+ZEROS = ("zero_x", "zero_y", "zero_z")
 
 
 class Nest(Model):
@@ -61,24 +60,24 @@ class Nest(Model):
     reads: Reads = "length"
     values = 3
     directed = False
-    unknown_reads: Mapping[str, Reads] = MappingProxyType({**dict.fromkeys((*_ZEROS, RADIUS), "length"), **TOOL_READS})
+    unknown_reads: Mapping[str, Reads] = MappingProxyType({**dict.fromkeys((*ZEROS, RADIUS), "length"), **TOOL_READS})
 
     def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return the part of an unknown along d, (m,)."""
         if unknown in TOOL:
             return tool_part(unknown, self.direction_of(setup, direction, nominal), nominal)
-        if unknown in _ZEROS:
-            return np.full(nominal.count, direction[_ZEROS.index(unknown)])
+        if unknown in ZEROS:
+            return np.full(nominal.count, direction[ZEROS.index(unknown)])
         if unknown == RADIUS:
             larger: Array = -touch_frames(nominal.machine, nominal.poses).sum(axis=1) @ direction
             return larger
         return ball_effect(setup, unknown, nominal) @ direction
 
     def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]
     ) -> Array:
         """Return dᵀ(δp + R tool + zero − where the ball is − r Σ n_i), (m,)."""
-        zero = np.array([unknowns.get(name, 0.0) for name in _ZEROS])
+        zero = np.array([unknowns.get(name, 0.0) for name in ZEROS])
         shown: Array = (displaced(nominal, actual, unknowns) + zero + ball_moved(setup, unknowns, nominal)) @ direction
         if unknowns.get(RADIUS):
             shown = shown + unknowns[RADIUS] * self.unknown_effect(setup, RADIUS, direction, nominal)
@@ -123,7 +122,7 @@ class Distance(Model):
         return part
 
     def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]
     ) -> Array:
         """Return |p + δp + R tool − station − shift| − |p − station| + zero, (m,)."""
         station = _Station.meant(setup, direction)
@@ -198,12 +197,12 @@ class Tracker(Nest):
     """Three lengths along x, y, z of the workpiece frame."""
 
     unknown_reads: Mapping[str, Reads] = MappingProxyType(
-        {**dict.fromkeys(_ZEROS, "length"), **dict.fromkeys(TURNS, "angle"), **TOOL_READS}
+        {**dict.fromkeys(ZEROS, "length"), **dict.fromkeys(TURNS, "angle"), **TOOL_READS}
     )
 
     def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return d as it lies in the workpiece frame, R(θ₀)ᵀ d, for every reading, (m, 3)."""
-        return along(direction @ _rotation(_found(setup)), nominal.count)
+        return np.broadcast_to(direction @ _rotation(_found(setup)), (nominal.count, 3))
 
     def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return the part of a zero or of the tool along d, or of the turn of the frame about the station, (m,)."""
@@ -213,11 +212,11 @@ class Tracker(Nest):
         return line @ _derivative(_found(setup), TURNS.index(unknown)).T @ direction
 
     def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]
     ) -> Array:
         """Return dᵀ( R(turn)(p + δp + R tool − station) − (p − station) + zero ), (m,)."""
         turn = rigid.rotation(np.array([[unknowns.get(name, 0.0) for name in TURNS]]))[0]
-        zero = np.array([unknowns.get(name, 0.0) for name in _ZEROS])
+        zero = np.array([unknowns.get(name, 0.0) for name in ZEROS])
         line = nominal.tcp - _station(setup)
         shown: Array = ((line + displaced(nominal, actual, unknowns)) @ turn.T - line + zero) @ direction
         return shown

@@ -18,7 +18,7 @@ import numpy as np
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames
+from axiscal.machine.kinematics import Deviation, frames
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array, rigid
 
@@ -63,18 +63,23 @@ class Nominal:
     @cached_property
     def travelled(self) -> Array:
         """How far the linear axis that moves is from the middle of its travel, (m,), m; zero where none moves."""
-        axis = next((k for k in self.moves if not self.machine.axes[k].rotary), None)
-        if axis is None:
+        if self.slide is None:
             return np.zeros(self.count)
-        return self.poses[:, axis] - sum(self.machine.axes[axis].travel) / 2
+        return self.poses[:, self.slide] - sum(self.machine.axes[self.slide].travel) / 2
 
+    @cached_property
+    def ways(self) -> Array:
+        """The way that this axis goes in the workpiece frame, (m, 3); zero where none moves."""
+        if self.slide is None:
+            return np.zeros((self.count, 3))
+        axis = self.machine.axes[self.slide]
+        ways: Array = frames(self.machine, self.poses).rotations[self.slide] @ np.array(axis.direction)
+        return ways
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Actual:
-    """What a machine really does at those places: displacement of the TCP (m, 3) m, rotation of the tool (m, 3) rad."""
-
-    displacement: Array
-    rotation: Array
+    @property
+    def slide(self) -> int | None:
+        """The index of the linear axis that moves; None where none does."""
+        return next((k for k in self.moves if not self.machine.axes[k].rotary), None)
 
 
 class Model(Protocol):
@@ -96,14 +101,14 @@ class Model(Protocol):
         direction : (3,) the set-up's, or that of one number of a reading that has three; (k,) of k stations, 1 for the
             one that is meant
         """
-        return along(direction, nominal.count)
+        return np.broadcast_to(direction, (nominal.count, 3))
 
     def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return what a unit of one of the set-up's unknowns adds to a reading, (m,): as a rule 1, for its zero."""
         return np.ones(nominal.count)
 
     def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]
     ) -> Array:
         """Return what it would show, nothing linearised, noise left out, (m,)."""
 
@@ -112,18 +117,13 @@ class Model(Protocol):
         return
 
 
-def along(direction: Array, count: int) -> Array:
-    """Return the same direction for every reading, (m, 3)."""
-    return np.broadcast_to(direction, (count, 3))
-
-
 def tool_part(unknown: str, towards: Array, nominal: Nominal) -> Array:
     """Return what a unit of one of `TOOL` adds to a reading, (m,): δp += R_t e.  towards : (m, 3)"""
     part: Array = np.sum(towards * nominal.tool[:, :, TOOL.index(unknown)], axis=1)
     return part
 
 
-def displaced(nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]) -> Array:
+def displaced(nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]) -> Array:
     """Return where the actual tool's point is from the nominal TCP, nothing linearised, (m, 3), m."""
     tool = np.array([unknowns.get(name, 0.0) for name in TOOL])
     held = rigid.rotation(actual.rotation) @ (nominal.tool @ tool)[:, :, None]
@@ -161,7 +161,7 @@ class Rotation(Model):
     unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "angle"})
 
     def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]
     ) -> Array:
         """Return dᵀε + zero, (m,)."""
         return actual.rotation @ direction + unknowns.get("zero", 0.0)

@@ -32,7 +32,6 @@ from axiscal.machine.entry import AXIS_NAME
 from axiscal.measurement.readers import bed_map, renishaw
 from axiscal.measurement.readers.csv_readings import RawReading, heading, of_positioning, read_times, readings_of
 from axiscal.measurement.readers.csv_table import Column, CsvTable, Row, TextFile, read_text, table_of
-from axiscal.measurement.readers.renishaw import PositioningRows, positioning_rows
 from axiscal.measurement.reading import columns_of
 from axiscal.measurement.setup import Setup
 from axiscal.units import from_unit, parse_quantity
@@ -72,12 +71,6 @@ def read_any(path: str | Path, axes: Sequence[Axis] = (), setups: Sequence[Setup
     reader = next((each for each in brought if each.knows(file)), None)
     header = ",".join(heading(axes, columns_of(setups)))
     return readings_of(table_of(file, header)) if reader is None else tuple(reader.read(file))
-
-
-def read_any_positioning(path: str | Path) -> PositioningRows:
-    """Read an ISO 230-2 test, a table or a `.rtl` file; raises ReadingError."""
-    file: TextFile = read_text(path)
-    return renishaw.rtl_positioning(file) if renishaw.is_rtl(file) else positioning_rows(table_of(file))
 
 
 def _node(node: bed_map.Node) -> RawReading:

@@ -142,9 +142,7 @@ class Pool:
 
     def _drifts(self, observation: Observation, setup: int) -> Iterator[tuple[int, Course, float]]:
         """Yield the drifts that each number of a set-up's readings shows, with their shares."""
-        mounted = observation.setups[setup]
-        for number, direction in enumerate(directions_of(mounted)):
-            along = np.array(mounted.direction) if direction is None else direction
+        for number, along in enumerate(directions_of(observation.setups[setup])):
             for course, share in observation.drifts_shown(setup, along):
                 yield number, course, share
 

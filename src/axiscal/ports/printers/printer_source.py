@@ -29,7 +29,7 @@ from axiscal.exceptions import SourceError, TableError, TravelError
 from axiscal.language.spoken import later, said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import tip_at
-from axiscal.measurement.touched import cycle_of, from_above, read_as, stated
+from axiscal.measurement.touched import FROM_ABOVE, cycle_of, met_from, read_as, stated
 from axiscal.ports.printers.klipper import holds_heights, plain_profile
 from axiscal.ports.printers.printer import Duet, Moonraker, Printer, found_at
 from axiscal.units import from_unit, to_unit
@@ -257,7 +257,7 @@ class PrinterSource:
     def _ball(self, request: Request) -> Answer:
         """Probe the pole, four flanks and the pole again, each from above the highest ball."""
         machine, setup, pose = self._machine, request.setup, np.array(request.pose)
-        cycle, met = cycle_of(machine, setup), from_above(machine, pose)
+        cycle, met = cycle_of(machine, setup), met_from(machine, pose, FROM_ABOVE)
         assert setup.artefact is not None
         over = np.array([*stated(setup, machine, pose)[:2], setup.artefact.points[:, 2].max() + cycle.radius])
         z = machine.index("Z")

@@ -98,7 +98,7 @@ def value_texts(text: str, setup: Setup) -> list[str]:
 
 
 def _value(text: str, setup: Setup) -> float:
-    dimension = INSTRUMENTS[setup.instrument].reads
+    dimension = INSTRUMENTS[setup.instrument].model.reads
     number = _PLAIN.match(text)
     if number is None:
         return parse_quantity(text, dimension)
@@ -192,7 +192,7 @@ class Question(AnswerDocument):
             again=again,
             sign=sense(setup).sign,
             ways=list(sense(setup).ways),
-            turns=INSTRUMENTS[setup.instrument].reads == "angle",
+            turns=INSTRUMENTS[setup.instrument].model.reads == "angle",
             unit=unit,
             expected=[ExpectedNumber(mean=mean, half=half) for mean, half in zip(means, halves, strict=True)],
             names=list(value_names(setup)),
@@ -276,17 +276,17 @@ class Sense(NamedTuple):
 
 def sense(setup: Setup) -> Sense:
     """Return what a set-up reads."""
-    instrument, direction = INSTRUMENTS[setup.instrument], direction_text(setup)
+    model, direction = INSTRUMENTS[setup.instrument].model, direction_text(setup)
     towards = "+ where the tool stands too far towards {way}, seen from the workpiece"
-    if instrument.values > 1:
+    if model.values > 1:
         every = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
         return Sense(said("x, y and z"), said(towards, way="+x, +y, +z"), every)
-    if not instrument.model.directed:
+    if not model.directed:
         several, one = "the distances from its {count} stations, in their order", "the distance from its station"
         reads = said(several, count=len(setup.stations)) if setup.stations else said(one)
         return Sense(reads, said("+ where the distance is longer than it should be"), ())
     way = direction if direction[0] in "-(" else f"+{direction}"
-    if instrument.reads == "angle":
+    if model.reads == "angle":
         turned = "+ where the tool is turned too far about {way} by the right hand, seen from the workpiece"
         return Sense(said("about {way}", way=direction), said(turned, way=way), (setup.direction,))
     return Sense(said("along {way}", way=direction), said(towards, way=way), (setup.direction,))

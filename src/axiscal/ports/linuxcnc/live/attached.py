@@ -20,7 +20,7 @@ from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import drawn_back
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.touched import all_round, cycle_of, read_as
+from axiscal.measurement.touched import cycle_of, met_from, read_as
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.live.connection import Connection
 from axiscal.ports.linuxcnc.live.in_force import InForce
@@ -109,7 +109,7 @@ class LiveSource:
         self._in_force.refuse(self._line.status())  # what somebody switched meanwhile has spoilt the touches
         self._standing = request.setup.name, way.target.position
         pose = np.array(request.pose)
-        value, *others = read_as(self._machine, request.setup, pose, hits, all_round(self._machine, pose))
+        value, *others = read_as(self._machine, request.setup, pose, hits, met_from(self._machine, pose))
         return Answer(value, others=tuple(others), live=True)
 
     def _put_down(self, off: Sequence[Step], placed: str) -> None:
