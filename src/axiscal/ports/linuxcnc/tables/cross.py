@@ -114,7 +114,7 @@ def _curve(table: CompensationTable, unit: str) -> list[str]:
     """Return the lines that fill a lincurve: minus the deviation, both directions alike."""
     name = f"cross-{_name(table)}"
     added = -np.asarray(to_unit((table.forward + table.reverse) / 2, "deg" if table.rotary else unit))
-    rows = enumerate(zip(to_unit(table.positions, unit), added + 0.0, strict=True))
+    rows = enumerate(zip(to_unit(table.positions, unit), np.round(added, 7) + 0.0, strict=True))
     lines = [f"addf {name} servo-thread"]
     for i, (x, y) in rows:
         lines += [f"setp {name}.x-val-{i:02d} {x:.6f}", f"setp {name}.y-val-{i:02d} {y:.7f}"]

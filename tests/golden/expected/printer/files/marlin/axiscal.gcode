@@ -1,3 +1,4 @@
+; mesh from X 20.0 to 280.0 and Y 20.0 to 280.0
 M421 I0 J0 Z0.0000
 M421 I1 J0 Z0.0444
 M421 I2 J0 Z0.0069
