@@ -42,18 +42,12 @@ class MotionEffects(NamedTuple):
     turn: Array
 
 
-class _Joint(NamedTuple):
-    """Of one axis: how displacements act, how rotations turn (both (m, 3, 3)) and about where, and what a tilt does."""
-
-    displaced: Array
-    turned: Array
-    about: Array
-    tilted: Array
-
-
 def motion_effects(machine: Machine, poses: Array, small: SmallMotions) -> MotionEffects:
-    """Return the derivatives at poses (m, q) of a machine with small motions."""
-    motion, joints = rigid.identity(len(poses)), list[_Joint]()
+    """Return the derivatives at poses (m, q) of a machine with small motions.
+
+    Axis by axis: how displacements act, how rotations turn (both (m, 3, 3)) and about where, and what a tilt does.
+    """
+    motion, joints = rigid.identity(len(poses)), list[tuple[Array, Array, Array, Array]]()
     for k, (axis, coordinate) in enumerate(zip(machine.axes, poses.T, strict=True)):
         tilt, turn = rigid.rotation(small.tilt[k]), rigid.rotation(small.rotation[k])
         motion = to_frame(axis, motion, coordinate, tilt)
@@ -73,12 +67,13 @@ def motion_effects(machine: Machine, poses: Array, small: SmallMotions) -> Motio
             carrier = motion.rotation if axis.workpiece_side else base.rotation
             straight = np.einsum("mij,mj->mi", tilt, np.outer(coordinate, axis.direction))
             tilted = carrier @ _crossed(rigid.left_jacobian(small.tilt[k]), straight)
-        joints.append(_Joint(displaced, turned, about, tilted))
+        joints.append((displaced, turned, about, tilted))
         motion = from_frame(axis, motion, coordinate, tilt)
     motion = motion.shifted(tool_point(machine))
-    rotation = np.stack([_crossed(each.turned, motion.translation - each.about) for each in joints])
-    displacement, turn, tilt = (np.stack(parts) for parts in zip(*[(j[0], j[1], j[3]) for j in joints], strict=True))
-    return MotionEffects(displacement, rotation, tilt, turn)
+    displacements, turns, centres, tilts = (np.stack(parts) for parts in zip(*joints, strict=True))
+    arms = motion.translation - centres
+    rotations = np.stack([_crossed(turn, arm) for turn, arm in zip(turns, arms, strict=True)])
+    return MotionEffects(displacements, rotations, tilts, turns)
 
 
 def _crossed(turns: Array, arm: Array) -> Array:

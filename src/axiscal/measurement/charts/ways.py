@@ -65,43 +65,34 @@ class Slides:
         alike = all(k < min(self._axes) for k in before)  # all linear axes turn together
         self._rate = float(swing.turns[before].sum()) * (1.0 if alike else np.sqrt(len(self._axes)))
         self._loosened = 0.0 if alike else self._rate
-        self._spin = _Spin.by_turns(machine, swing.turns)
+        self._middle, self._lever, self._speed, self._bend = _spin(machine, swing.turns)
 
     def bends(self, at: Frames, widths: Array) -> Array:
         """Return them of pieces that begin at frames, (m,) m; without end where the linear axes may fall together."""
         ways = np.stack([at.rotations[k] @ np.array(self._machine.axes[k].direction) for k in self._axes], axis=2)
         least = np.linalg.svd(ways, compute_uv=False)[:, -1] - self._loosened * widths
-        spin, swing = self._spin, self._swing
-        far = np.linalg.norm(at.tcp - spin.middle, axis=1) + swing.speed * widths + spin.lever
+        swing = self._swing
+        far = np.linalg.norm(at.tcp - self._middle, axis=1) + swing.speed * widths + self._lever
         with np.errstate(divide="ignore"):
             inverse = np.where(least > 0, 1.0 / np.maximum(least, 0.0), np.inf)
         slides = inverse * far
-        fast = inverse * (swing.speed + spin.speed + self._rate * slides)
-        bends: Array = inverse * (swing.bend + spin.bend + 2 * self._rate * fast + self._rate**2 * slides)
+        fast = inverse * (swing.speed + self._speed + self._rate * slides)
+        bends: Array = inverse * (swing.bend + self._bend + 2 * self._rate * fast + self._rate**2 * slides)
         return bends
 
 
-class _Spin(NamedTuple):
-    """Bounds of p₀(ρ), the tool point with all linear axes at zero.
+def _spin(machine: Machine, turns: Array) -> tuple[Array, float, float, float]:
+    """Return bounds of p₀(ρ), the tool point with all linear axes at zero, where axes turn by so much, (q,) rad.
 
-    middle : (3,) m, of what it turns about last; lever : m, how far from there at most; speed, bend : m
+    What it turns about last, (3,) m, how far from there at most, its speed and its bend, m; from tool to workpiece.
     """
-
-    middle: Array
-    lever: float
-    speed: float
-    bend: float
-
-    @classmethod
-    def by_turns(cls, machine: Machine, turns: Array) -> _Spin:
-        """Return it of a way on which axes turn by so much, (q,) rad: from the tool to the workpiece."""
-        about, lever, speed, bend = tool_point(machine), 0.0, 0.0, 0.0
-        for axis, rate in reversed(list(zip(machine.axes, turns.tolist(), strict=True))):
-            if axis.rotary:
-                origin = np.array(axis.origin)
-                lever, about = lever + float(np.linalg.norm(about - origin)), origin
-                speed, bend = speed + rate * lever, bend + 2 * rate * speed + rate**2 * lever
-        return cls(about, lever, speed, bend)
+    about, lever, speed, bend = tool_point(machine), 0.0, 0.0, 0.0
+    for axis, rate in reversed(list(zip(machine.axes, turns.tolist(), strict=True))):
+        if axis.rotary:
+            origin = np.array(axis.origin)
+            lever, about = lever + float(np.linalg.norm(about - origin)), origin
+            speed, bend = speed + rate * lever, bend + 2 * rate * speed + rate**2 * lever
+    return about, lever, speed, bend
 
 
 def stem_rate(machine: Machine, turns: Array, against: Array | None = None) -> float:
