@@ -29,10 +29,10 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(62_919, 50_000),
-    "files of src": Budget(331, 331),
+    "lines of src": Budget(62_921, 50_000),
+    "files of src": Budget(330, 330),
     "mechanisms that remember": Budget(3, 1),
-    "classes that change": Budget(29, 15),
+    "classes that change": Budget(24, 15),
     "public names of more than five functions": Budget(10, 10),
 }
 WALKS = {

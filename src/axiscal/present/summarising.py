@@ -43,6 +43,7 @@ from axiscal.measurement.reading import (
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
+from axiscal.numerics.ties import ALIKE, ranked
 from axiscal.present.curves import constants, curves
 from axiscal.present.drawn_by_standards import ball_bar_circles, positioning_curves
 from axiscal.present.findings import findings, observability
@@ -356,7 +357,8 @@ def budget_rows(known: Estimation) -> list[BudgetRow]:
     for share in shares:  # of type A (GUM 4.2), or of type B with its distribution
         evaluated = ("A", "") if share.cause is None else ("B", _DISTRIBUTIONS[share.cause.row.distribution])
         rows.append(BudgetRow(_words(share), to_unit(share.rms, "um"), share.rms**2 / whole, *evaluated))
-    return sorted((row for row in rows if row.share >= _WORTH), key=lambda row: -row.share)
+    counted = [row for row in rows if row.share >= _WORTH]
+    return [counted[k] for k in ranked(np.array([row.share for row in counted]), ALIKE)]
 
 
 def _words(share: BudgetShare) -> str:
