@@ -25,7 +25,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.gains.covariance import Covariance
 from axiscal.present.curves import constants, curves
 from axiscal.present.volume_error import planes
 from axiscal.units import from_unit
@@ -127,7 +127,7 @@ def planned(problem: Case, readings: int) -> list[Reading]:
     """Return readings one after another, each the best of the program's candidates; their values are not looked at."""
     known, taken = problem.knowledge, list[Reading]()
     for _ in range(readings):
-        scorer = Scorer.from_belief(known.observation, known.belief, problem.yardstick.root)
+        scorer = Covariance.from_factor(known.observation, known.belief.factor, problem.yardstick.root).scorer()
         best = int(scorer.gains(problem.lattice).argmax())
         setup, pose = problem.description.setups[problem.lattice.setups[best]], problem.lattice.poses[best]
         approach = tuple(int(sign) for sign in problem.lattice.approaches[best])

@@ -19,6 +19,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
+from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.step.best_step import best_of
 
@@ -52,7 +53,7 @@ def random_case(generator: np.random.Generator) -> Case:
 
 def shortfall(case: Case, points: int) -> float:
     """Return by how much the best of an exhaustive lattice beats the chosen reading, as a share of its gain."""
-    scorer = Scorer.from_belief(case.observation, case.belief, case.root)
+    scorer = Covariance.from_factor(case.observation, case.belief.factor, case.root).scorer()
     machine = case.observation.machine
     step = best_of(scorer, spread(machine, case.observation.setups, 1500))
     return max(float(gains.max()) for gains in _exhaustive(case, scorer, points)) / step.gain - 1

@@ -29,15 +29,15 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(62_921, 50_000),
-    "files of src": Budget(330, 330),
+    "lines of src": Budget(62_879, 50_000),
+    "files of src": Budget(333, 333),
     "mechanisms that remember": Budget(3, 1),
-    "classes that change": Budget(24, 15),
+    "classes that change": Budget(27, 15),
     "public names of more than five functions": Budget(10, 10),
 }
 WALKS = {
-    "next m.axiscal": {"files": Budget(44, 44), "functions": Budget(281, 250), "frames": Budget(20, 16)},
-    "record asked.axiscal 1um": {"files": Budget(83, 60), "functions": Budget(646, 250), "frames": Budget(27, 16)},
+    "next m.axiscal": {"files": Budget(44, 44), "functions": Budget(293, 250), "frames": Budget(20, 16)},
+    "record asked.axiscal 1um": {"files": Budget(83, 60), "functions": Budget(664, 250), "frames": Budget(27, 16)},
     "plan campaign.toml --readings 12": {"files": Budget(94, 94)},
 }
 """Of the campaign `mill`, of four set-ups, which is planned: the functions of axiscal that a command enters."""

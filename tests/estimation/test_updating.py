@@ -49,7 +49,7 @@ def _after_one(before: Absorbed, reading: Reading, counts: bool) -> Absorbed:
     if reading.setup not in case.both and not case.came_as_allowed(reading):
         case = replace(case, both=case.both | {reading.setup})
     errors = slice(opened.observation.errors.size)
-    mine = Block((surprise,), opened.belief.factor[errors], np.zeros((len(numbers.values), errors.stop)), numbers)
+    mine = Block((surprise,), opened.belief.factor[errors], np.zeros((len(numbers.values), errors.stop)))
     return Absorbed(case, before.left_out, Knowledge(opened.observation, belief), (*before.blocks, mine))
 
 

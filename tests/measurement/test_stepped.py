@@ -31,7 +31,7 @@ from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.line import node_count, nodes
-from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from axiscal.planning.step.best_step import best_step
@@ -175,7 +175,9 @@ def test_no_place_of_a_dense_lattice_gains_more(base: float) -> None:
     low, high = base / 2, 1 - base / 2
     assert low <= step.pose[0] <= high
     dense = np.linspace(low, high, 40001)[:, None]
-    gains = Scorer.from_belief(observation, belief, asked.root).gains_at(0, dense, np.ones_like(dense))
+    gains = (
+        Covariance.from_factor(observation, belief.factor, asked.root).scorer().gains_at(0, dense, np.ones_like(dense))
+    )
     assert gains.max() <= step.gain * (1 + 1e-9)
     assert step.gain <= gains.max() * (1 + 1e-5)
 

@@ -14,7 +14,7 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
-from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.step.best_step import best_step
 from axiscal.planning.step.starts_stacked import Pairs, adds_up
 from tests.certify.machines import random_case, shortfall
@@ -54,7 +54,7 @@ def test_three_stacked_splines_end_where_exact_greedy_ends() -> None:
 def test_nowhere_along_an_axis_is_there_a_better_reading(seed: int) -> None:
     asked = read(levered(), np.random.default_rng(seed), 6)
     step = best_step(Knowledge(asked.observation, asked.belief), asked.root, asked.lattice)
-    scorer = Scorer.from_belief(asked.observation, asked.belief, asked.root)
+    scorer = Covariance.from_factor(asked.observation, asked.belief.factor, asked.root).scorer()
     for axis in asked.observation.machine.axes:
         line = np.tile(step.pose, (4001, 1))
         line[:, asked.observation.machine.index(axis.name)] = np.linspace(*axis.travel, 4001)
@@ -99,7 +99,7 @@ def test_pairs_hold_the_form_everywhere() -> None:
 
 def test_gains_are_the_fall_of_the_criterion() -> None:
     asked = read(levered(), np.random.default_rng(3), 3)
-    scorer = Scorer.from_belief(asked.observation, asked.belief, asked.root)
+    scorer = Covariance.from_factor(asked.observation, asked.belief.factor, asked.root).scorer()
     pose, approach = random_poses(asked, np.random.default_rng(4), 1)
     seen = asked.observation.rows(1, pose, approach)
     after: Belief = asked.belief.update(seen.rows, 0.0, seen.variances)
@@ -119,5 +119,8 @@ def test_no_position_of_twenty_thousand_gains_more(count: int) -> None:
     errors = observation.errors
     root = Root.of_gram(volume_moments(errors, whole_travel(errors)).gram)
     step = best_step(known, root, spread(errors.machine, observation.setups, 400))
-    scorer, at = Scorer.from_belief(known.observation, known.belief, root), np.linspace(0, 1, 20_001)[:, None]
+    scorer, at = (
+        Covariance.from_factor(known.observation, known.belief.factor, root).scorer(),
+        np.linspace(0, 1, 20_001)[:, None],
+    )
     assert step.gain >= float(np.max(scorer.gains_at(0, at, np.ones_like(at)))) * (1 - 1e-9)

@@ -17,6 +17,7 @@ from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
+from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.step.best_step import best_step, certified_gain
 from tests.certify.one_joint import SLACK, GainPolynomials, Problem, certified_best_gain
@@ -79,7 +80,7 @@ def _known(machine: Machine, count: int, moves: tuple[int, int] = (0, 1)) -> tup
     readings = [Reading("probe", tuple(pose), (1,) * places.shape[1], 0.0) for pose in places]
     known = Knowledge.before(observation).read(readings)
     root = Root.of_gram(volume_moments(known.observation.errors, whole_travel(known.observation.errors)).gram)
-    return known, Scorer.from_belief(known.observation, known.belief, root)
+    return known, Covariance.from_factor(known.observation, known.belief.factor, root).scorer()
 
 
 @pytest.mark.parametrize("count", [0, 3, 9])

@@ -20,7 +20,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
-from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.next_readings import next_places
 from axiscal.planning.other_readings import plane_start
 from axiscal.planning.step.best_step import best_step
@@ -58,7 +58,12 @@ def test_no_place_of_many_gains_more() -> None:
     root = Root.of_gram(volume_moments(observation.errors, whole_travel(observation.errors)).gram)
     step = best_step(known, root, spread(machine, observation.setups, 1500))
     tried = poses_of(machine, 40_000, 11)
-    best = Scorer.from_belief(observation, known.belief, root).gains_at(0, tried, np.ones_like(tried)).max()
+    best = (
+        Covariance.from_factor(observation, known.belief.factor, root)
+        .scorer()
+        .gains_at(0, tried, np.ones_like(tried))
+        .max()
+    )
     assert best <= step.gain * (1 + 1e-9)
 
 

@@ -8,7 +8,7 @@ import pytest
 from axiscal.measurement.reading import Places
 from axiscal.planning.gains import candidate_rows, covariance
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import Covariance, RunningAccuracy, after_each
+from axiscal.planning.gains.covariance import Covariance, ReadNumbers, RunningAccuracy, after_each
 from axiscal.planning.gains.gain import joint_gains
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Task
@@ -90,8 +90,8 @@ def test_a_factor_stays_narrow_however_often_readings_leave() -> None:
     row, variance = rows[0], float(variances[0])
     value = state.value
     for _ in range(80):
-        state = state.changed(row[None], np.array([variance]))[0]
-        state = state.changed(row[None], np.array([variance]), leaving=True)[0]
+        state = state.changed_by(ReadNumbers(row[None], np.array([variance])))[0]
+        state = state.changed_by(ReadNumbers(row[None], np.array([variance]), leaving=True))[0]
     assert state.factor.shape[1] <= state.factor.shape[0] + 48
     assert state.value == pytest.approx(value, rel=1e-8)
 

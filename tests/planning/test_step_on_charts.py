@@ -15,6 +15,7 @@ from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
 from axiscal.numerics.ties import TIE
+from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.next_readings import root_of
 from axiscal.planning.step.best_step import best_of
@@ -55,7 +56,11 @@ def begun(name: str) -> tuple[Case, Scorer, Places]:
     lattice = spread(case.description.machine, case.description.setups, 120)
     knowledge = case.knowledge
     known = knowledge.read([_reading(case, lattice, number) for number in (3, 40)])
-    return case, Scorer.from_belief(known.observation, known.belief, root_of(case, known.belief)), lattice
+    return (
+        case,
+        Covariance.from_factor(known.observation, known.belief.factor, root_of(case, known.belief)).scorer(),
+        lattice,
+    )
 
 
 def _reading(case: Case, lattice: Places, number: int) -> Reading:
@@ -132,7 +137,7 @@ def test_a_raster_keeps_to_its_steps() -> None:
     text = AT_BALL.format(instrument="probe", keys="@").replace("@", keys)
     case = Case(campaign_from_texts(text, "c.toml", load_machine("dmu60").text, "dmu60"))
     lattice = spread(case.description.machine, case.description.setups, 60)
-    scorer = Scorer.from_belief(case.observation, case.prior, case.yardstick.root)
+    scorer = Covariance.from_factor(case.observation, case.prior.factor, case.yardstick.root).scorer()
     climb = Climb.begun(scorer, 0, lattice.poses[:2], lattice.approaches[:2])
     climb.finish()
     swivels = np.degrees(climb.readings[0][:, 1])

@@ -17,7 +17,8 @@ from axiscal.numerics import Array
 from axiscal.planning.bound.lower_bound import lower_bound
 from axiscal.planning.gains import candidate_rows
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.gain import Scorer, joint_gains
+from axiscal.planning.gains.covariance import Covariance
+from axiscal.planning.gains.gain import joint_gains
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.exchange import exchange
 from axiscal.planning.plan.plan import make_plan
@@ -132,7 +133,7 @@ def test_no_pose_gains_more_than_the_chosen_one(seed: int) -> None:
         state = state.entered(Places.of_setup(setup, *random_poses(asked, rng, 1)))[0]
     belief = type(asked.belief)(np.zeros(len(state.factor)), state.factor @ state.factor.T)
     step = best_step(Knowledge(state.observation, belief), asked.root, asked.lattice)
-    scorer = Scorer.from_belief(state.observation, belief, asked.root)
+    scorer = Covariance.from_factor(state.observation, belief.factor, asked.root).scorer()
     for setup in (0, 1):
         poses, approaches = random_poses(asked, rng, 20000)
         assert scorer.gains_at(setup, poses, approaches).max() <= step.gain * (1 + 1e-3)

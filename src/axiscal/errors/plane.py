@@ -160,17 +160,14 @@ class PlaneError:
         scale = first.values[self.pairs[:, 0]] * second.values[self.pairs[:, 1]]
         return np.minimum(rest**2 / scale, np.diagonal(self.covariance))
 
-    def prior(self, std: float, stretch: tuple[float, float]) -> Array:
-        """Return the covariance of the unknowns with another std, and other lengths by a factor each, (c, c)."""
-        each = zip(self.sides, self.entry.sides, stretch, strict=True)
-        first, second = (side.whitened(_correlation(side, entry, factor)) for side, entry, factor in each)
-        return std**2 * chosen(first, self.pairs[:, 0]) * chosen(second, self.pairs[:, 1])
+    def prior(self, std: float, stretch: tuple[float, float], by: int | None = None) -> Array:
+        """Return the covariance of the unknowns with another std, and other lengths by a factor each, (c, c).
 
-    def prior_by_length(self, std: float, stretch: tuple[float, float], index: int) -> Array:
-        """Return the derivative of `prior` by the logarithm of the factor along one of both axes, (c, c)."""
+        by : along which axis it is the derivative by the logarithm of that factor; None for none
+        """
         parts = []
         for number, (side, entry, factor) in enumerate(zip(self.sides, self.entry.sides, stretch, strict=True)):
-            found = (_by_length if number == index else _correlation)(side, entry, factor)
+            found = (_by_length if number == by else _correlation)(side, entry, factor)
             parts.append(chosen(side.whitened(found), self.pairs[:, number]))
         return std**2 * parts[0] * parts[1]
 

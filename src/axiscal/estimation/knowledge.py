@@ -21,7 +21,7 @@ from axiscal.estimation.belief import Belief, Innovations
 from axiscal.measurement.cells import Cell
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import Seen, places_of, seen, times_of, visited
+from axiscal.measurement.reading_rows import places_of, seen, times_of, visited
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 
@@ -61,13 +61,12 @@ class Block(NamedTuple):
     """Readings that were taken together.
 
     innovations : of each; factor : F (errors, r) of what was known of the errors before them
-    losses : (m, errors) what each of their numbers took off the covariance, d dᵀ; numbers : all of them
+    losses : (m, errors) what each of their numbers took off the covariance, d dᵀ
     """
 
     innovations: tuple[Innovations, ...]
     factor: Array
     losses: Array
-    numbers: Seen
 
     def accuracies(self, yardstick: Yardstick) -> list[Accuracy]:
         """Return how well the machine was known after each reading."""
@@ -93,7 +92,7 @@ def block(
     innovations = tuple(Innovations(*pair) for pair in zip(*surprises, strict=True))
     errors = before.observation.errors.size
     own = before.belief.factor[:errors].copy(), done.losses[:, :errors].copy()  # the rest of them is large
-    return Block(innovations, *own, numbers), Knowledge(before.observation, done.belief)
+    return Block(innovations, *own), Knowledge(before.observation, done.belief)
 
 
 def taken(

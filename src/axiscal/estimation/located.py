@@ -16,7 +16,7 @@ from axiscal.exceptions import AmbiguityError
 from axiscal.language.spoken import said
 from axiscal.measurement.cells import Cell
 from axiscal.measurement.reading import Reading, drawn, place_text
-from axiscal.measurement.reading_rows import Seen, linear_values, places_of
+from axiscal.measurement.reading_rows import Seen, linear_values, places_of, seen
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 
@@ -37,18 +37,6 @@ class Absorbed:
     def innovations(self) -> tuple[Innovations, ...]:
         """Those of each reading."""
         return tuple(each for part in self.blocks for each in part.innovations)
-
-    @property
-    def taken_in(self) -> Seen:
-        """All numbers of the readings, as they were taken in."""
-        each, size = [part.numbers for part in self.blocks], self.knowledge.belief.size
-        starts = np.cumsum([0, *(len(part.innovations) for part in self.blocks)])
-        return Seen(
-            np.concatenate([np.pad(own.rows, ((0, 0), (0, size - own.rows.shape[1]))) for own in each]),
-            np.concatenate([own.variances for own in each]),
-            np.concatenate([own.values for own in each]),
-            np.concatenate([own.reading + start for own, start in zip(each, starts, strict=False)]),
-        )
 
     def precisions(self, numbers: Seen) -> Array:
         """Return one over the variance of each number of the readings, 0 of those that are left out, (m,)."""
@@ -157,7 +145,7 @@ def moved_by(known: Absorbed, readings: Sequence[Reading], better: Case) -> floa
     if not readings:
         return 0.0
     observation, belief = known.knowledge.observation, known.knowledge.belief
-    numbers, there = known.taken_in, replace(observation, about=better.about)
+    numbers, there = seen(observation, readings), replace(observation, about=better.about)
     change = numbers.values - linear_values(there, places_of(observation.setups, readings), readings)
     trust = known.precisions(numbers)
     if float(np.sqrt(np.sum(trust * change**2) / belief.size)) < SETTLED:

@@ -106,7 +106,7 @@ class PlaneUnknowns:
 
     def bends(self, theta: Array, roots: Array) -> Array:
         """Return M = L⁻¹ (∂ prior/∂log l) L⁻ᵀ, (1, c, c)."""
-        first, second = (self.plane.prior_by_length(self.plane.entry.std, self._stretch(theta), k) for k in (0, 1))
+        first, second = (self.plane.prior(self.plane.entry.std, self._stretch(theta), k) for k in (0, 1))
         half = np.linalg.solve(roots[0], first + second)
         return np.linalg.solve(roots[0], half.T)[None]
 
@@ -213,7 +213,7 @@ def problem(
     answered = observation.errors.size + len(observation.unknowns)
     own, own_size, curves, roots = builder.errors(found.rows, start + len(cells))
     columns = [opened.cells[cell] for cell in cells]
-    rests = _by_blocks(found.rows[:, columns], first_cell_roots)
+    rests = by_blocks(found.rows[:, columns], first_cell_roots)
     rest_size = sizes.indices("rest", [observation.errors.terms[term].name for term, _ in cells])
     rows = np.hstack([*blocks, rests, own])
     rows /= noise[:, None]
@@ -259,7 +259,7 @@ def _by_term(cells: Iterable[tuple[int, int]]) -> dict[int, list[tuple[int, int]
     return result
 
 
-def _by_blocks(rows: Array, roots: Sequence[Array]) -> Array:
+def by_blocks(rows: Array, roots: Sequence[Array]) -> Array:
     """Return rows times a block-diagonal matrix, (m, n)."""
     result, start = np.empty_like(rows), 0
     for root in roots:

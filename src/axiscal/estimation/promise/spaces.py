@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.problem import Problem
+from axiscal.estimation.promise.problem import Problem, by_blocks
 from axiscal.numerics import Array
 
 
@@ -74,9 +74,5 @@ def turned(problem: Problem, rows: Array, theta: Array, roots: Sequence[Array], 
 
 def raw_cells(problem: Problem, whitened: Array) -> Array:
     """Return rests of cells, (c,) m or rad, from unknowns whose prior is that of one rest over its size."""
-    result, start = whitened.copy(), 0
-    for root in problem.cell_roots:
-        part = slice(start, start + len(root))
-        result[part] = root @ whitened[part]
-        start += len(root)
-    return result
+    rests: Array = by_blocks(whitened[None], [root.T for root in problem.cell_roots])[0]
+    return rests

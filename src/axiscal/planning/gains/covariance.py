@@ -143,12 +143,8 @@ class Covariance:
         """Return the state after readings, and what all their numbers changed."""
         state = self.opened(places)
         rows, variances, _ = state.rows(places)
-        return state.changed(rows, variances)
-
-    def changed(self, rows: Array, variances: Array, leaving: bool = False) -> tuple[Covariance, LowRank]:
-        """Return the state after readings have entered or left, and what they changed; as of `ReadNumbers`."""
-        state, (change,) = self.changed_by(ReadNumbers(rows, variances, leaving))
-        return state, change
+        after, (change,) = state.changed_by(ReadNumbers(rows, variances))
+        return after, change
 
     def changed_by(self, *parts: ReadNumbers) -> tuple[Covariance, tuple[LowRank, ...]]:
         """Return the state after one part after another has entered or left, and what each of them changed.

@@ -11,8 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.estimation.accuracy.criterion import Root
-from axiscal.estimation.belief import Belief
 from axiscal.measurement.observation import JointRows, Observation
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
@@ -32,13 +30,6 @@ class Scorer:
     factor: Array
     weighted: Array
     both: Array
-
-    @classmethod
-    def from_belief(cls, observation: Observation, belief: Belief, root: Root) -> Scorer:
-        """Return the scorer of a belief."""
-        factor = belief.factor
-        weighted = root.times(factor)
-        return cls(observation, factor, weighted, np.hstack([factor, factor @ weighted.T]))
 
     def widened(self, columns: Array, reach: Array) -> Scorer:
         """Return the gains where the covariance is larger by D Dᵀ.  columns : D (n, k); reach : V D (w, k)"""

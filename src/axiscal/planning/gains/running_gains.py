@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import take_off
-from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance, LowRank, ReadNumbers
 from axiscal.planning.gains.gain import Scorer, joint_gains
@@ -42,14 +41,6 @@ class Leavings(NamedTuple):
     grown: Array
     omega: Array
     least: Array
-
-
-class Replacement(NamedTuple):
-    """The best candidate for a slot, what it gains, and what the reading gains that holds the slot."""
-
-    candidate: int
-    gain: float
-    own: float
 
 
 Allowed = Callable[["Scores", int], NDArray[np.bool_]]
@@ -213,13 +204,6 @@ class Scores:
         scaled, half = _scaled(-left.grown[slot], left.omega[slot], cross, reach)
         gains = _gains(*_after(self.above[:, :, every], self.below[:, :, every], scaled, half, cross))
         return gains, float(np.sum(left.grown[slot] * left.omega[slot]))
-
-    def replacement(self, slot: int, allowed: NDArray[np.bool_]) -> Replacement:
-        """Return the best of the candidates that are allowed (M,) for the slot of a reading."""
-        gains, own = self.without(slot)
-        gains = np.where(allowed, gains, -np.inf)
-        best = first_best(gains, ALIKE)
-        return Replacement(best, float(gains[best]), own)
 
     def losses(self) -> Array:
         """Return by how much J would rise were each reading of the plan not taken, (N,)."""

@@ -22,6 +22,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.bernstein import largest_ratio, patches
 from axiscal.numerics.threads import one_thread
 from axiscal.numerics.ties import TIE, first_best
+from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.gains.gain import Scorer, joint_gains
 from axiscal.planning.step.climb import Climb
 from axiscal.planning.step.ground import Region, regions, sides
@@ -75,7 +76,7 @@ def best_step(knowledge: Knowledge, root: Root, lattice: Places) -> Step:
 
     root : V of the criterion, as `criterion` makes it; lattice : candidates to start from, at least one per set-up
     """
-    scorer = Scorer.from_belief(knowledge.observation, knowledge.belief, root)
+    scorer = Covariance.from_factor(knowledge.observation, knowledge.belief.factor, root).scorer()
     found = best_of(scorer, lattice)
     for setup in np.unique(lattice.setups).tolist():
         if knowledge.observation.errors.planes and _alone(scorer.observation, setup, 2):
