@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
-from axiscal.measurement.reading_rows import rows_at, visited
+from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
 from axiscal.planning.gains import candidate_rows
@@ -152,17 +152,29 @@ def test_columns_are_those_of_tables_from_which_everything_is_taken_off_at_once(
             np.testing.assert_allclose(reach, plain.reach[slot], atol=1e-11)
 
 
+def test_a_candidate_opens_the_cells_that_a_reading_there_opens() -> None:
+    task = mixed(60)
+    pool, observation = Pool(task.observation, task.lattice), task.observation
+    for index in range(0, len(pool), 5):
+        opened = pool.opened(observation, index)
+        assert dict(opened.cells) == dict(visited(observation, pool.lattice.single(index)).cells)
+        observation = opened
+    assert len(observation.cells) > 0
+    assert pool.opened(observation, 0) is observation
+
+
 @pytest.mark.parametrize("memory", [1e9, 0.0])
 def test_products_with_visited_cells_are_those_of_whole_rows(memory: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a lattice that takes too much memory they are made of pieces, and of whole rows otherwise."""
     monkeypatch.setattr(candidate_rows, "_MEMORY", memory)
     task, rng = mixed(60), np.random.default_rng(5)
     pool, observation = Pool(task.observation, task.lattice), task.observation
-    observation = visited(observation, pool.lattice.within(slice(None, None, 7)))
+    for index in range(0, len(pool), 7):
+        observation = pool.opened(observation, index)
     for count in (1, 3, 9):
         vectors = rng.normal(size=(observation.size, count))
         products = pool.products(observation, vectors)
         for index in range(len(pool)):
-            rows = rows_at(observation, pool.lattice.single(index)).rows
+            rows = pool.rows(observation, index)
             np.testing.assert_allclose(products[:, : len(rows), index], (rows @ vectors).T, atol=1e-12)
             assert not products[:, len(rows) :, index].any()

@@ -101,7 +101,7 @@ def test_readings_that_hold_next_to_nothing_are_not_exchanged_for_one_another() 
     asked = splines(3, 7, 0.01, 500)
     scores = Falling(Pool(asked.observation, asked.lattice), asked.state)
     scores.falls = []
-    scores.enter(space_filling(asked, [(0, 40)]))
+    scores.enter_all(space_filling(asked, [(0, 40)]))
     exchange(scores, lambda scores, _: np.ones(len(scores.pool), dtype=bool))
     assert len(scores.falls) > 20
     assert min(scores.falls) > 0

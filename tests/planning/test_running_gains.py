@@ -106,14 +106,14 @@ def test_readings_that_enter_together_are_those_that_enter_one_by_one(asked: Tas
     together.leave(0)
     places = asked.lattice.within(np.arange(0, 50, 5))
     gains = sum(one.enter(places.single(index)) for index in range(len(places)))
-    assert together.enter(places) == pytest.approx(gains, rel=1e-9)
+    assert together.enter_all(places) == pytest.approx(gains, rel=1e-9)
     np.testing.assert_allclose(together.gains, one.gains, rtol=1e-7)
     np.testing.assert_allclose(together.losses(), one.losses(), rtol=1e-6)
     (expected, own), (found, same) = one.without(3), together.without(3)
     np.testing.assert_allclose(found, expected, rtol=1e-6)
     assert same == pytest.approx(own, rel=1e-6)
     assert together.state.factor.shape == one.state.factor.shape
-    assert together.enter(places.within(slice(0, 0))) == 0.0
+    assert together.enter_all(places.within(slice(0, 0))) == 0.0
 
 
 @pytest.mark.parametrize("asked", [splines(1, 5, 0.1, 200), mixed(120)], ids=["one value", "three values"])
@@ -125,7 +125,7 @@ def test_columns_that_follow_exchanges_are_those_made_anew(asked: Task) -> None:
         kept.without(turn % 10)
         kept.exchange(turn % 10, (7 * turn) % 120)
     anew = Scores(kept.pool, asked.state)
-    anew.enter(kept.places)
+    anew.enter_all(kept.places)
     for slot in range(len(anew.places)):
         (gains, own), (expected, same) = kept.without(slot), anew.without(slot)
         np.testing.assert_allclose(gains, expected, rtol=1e-5, atol=1e-9 * expected.max())
@@ -135,7 +135,7 @@ def test_columns_that_follow_exchanges_are_those_made_anew(asked: Task) -> None:
 @pytest.mark.parametrize("asked", [splines(2, 5, 0.1, 200), levered(200), mixed(200)], ids=["sums", "levers", "mixed"])
 def test_gains_without_a_reading_are_those_of_what_is_known_without_it(asked: Task) -> None:
     scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
-    scores.enter(asked.lattice.within(slice(0, None, 11)))
+    scores.enter_all(asked.lattice.within(slice(0, None, 11)))
     for slot in range(0, len(scores.places), 4):
         if scores.held_alone(slot):
             continue

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.errors.model import ErrorModel, SameKnots
-from axiscal.measurement.cells import Course, RestEffects
+from axiscal.measurement.cells import Course, RestEffects, add_rests
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Places
-from axiscal.measurement.reading_rows import numbers_of_setups
+from axiscal.measurement.reading_rows import cells_shown, numbers_of_setups, with_cells
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import bernstein, coefficients_between
 from axiscal.numerics.from_scipy import sparse_product
@@ -40,10 +40,11 @@ _MEMORY = 1e9
 class _Block:
     """Candidates of one set-up.
 
-    candidates : slice of the pool's; values : numbers of each
+    candidates : slice of the pool's; values : numbers of each; rests : what those of cells do to these numbers
     rows : (numbers, c) over the unknowns that one of them feels; felt : (c,) which
     cut : what makes the products of rows over pieces, None where they are whole
     cells : (e,) those that the numbers feel, in the list of all; of_cells : what makes the products of their rests
+    shown : by candidate, the cells that a reading there opens
     """
 
     setup: int
@@ -52,8 +53,10 @@ class _Block:
     rows: Array
     felt: NDArray[np.intp]
     cut: Callable[[Array], Array] | None
+    rests: RestEffects
     cells: NDArray[np.intp]
     of_cells: Callable[[Array], Array]
+    shown: RestEffects
 
 
 class Pool:
@@ -140,6 +143,33 @@ class Pool:
             factor = np.asarray(np.linalg.qr(factor.T, mode="r")).T
         return Covariance.from_factor(self._bare, factor, state.root).scorer()
 
+    def rows(self, observation: Observation, index: int) -> Array:
+        """Return the rows of a candidate whose cells have columns as far as their rests show in it, (k, n)."""
+        block = self._block_of(index)
+        inside = block.values * (index - block.candidates.start) + np.arange(block.values)
+        result = np.zeros((block.values, observation.size))
+        if block.cut is None:
+            result[:, block.felt] = block.rows[inside]
+        else:
+            result[:, : self.size] = self._rows(block.setup, slice(index, index + 1))
+        functions, reach, cells = block.rests
+        of = RestEffects(functions, reach[:, inside], cells[:, inside])
+        add_rests(of, np.zeros(len(functions)), observation.cell_columns.visited(of), result, np.zeros(len(inside)))
+        for number, course, share in self._drifts(observation, block.setup):
+            result[number, list(course.columns)] += share * course.rows()[0]
+        return result
+
+    def opened(self, observation: Observation, index: int) -> Observation:
+        """Return the map with columns for the cells that a reading at a candidate opens."""
+        block = self._block_of(index)
+        inside = index - block.candidates.start
+        cells = block.shown.cells[:, inside][block.shown.reach[:, inside] > 0]
+        functions = block.shown.functions[block.shown.reach[:, inside] > 0]
+        return with_cells(observation, zip(functions.tolist(), cells.tolist(), strict=True))
+
+    def _block_of(self, index: int) -> _Block:
+        return next(b for b in self._blocks if b.candidates.start <= index < b.candidates.stop)
+
     def _drifts(self, observation: Observation, setup: int) -> Iterator[tuple[int, Course, float]]:
         """Yield the drifts that each number of a set-up's readings shows, with their shares."""
         for number, along in enumerate(directions_of(observation.setups[setup])):
@@ -156,8 +186,10 @@ class Pool:
         functions, reach, cells = self._bare.rest_effects(setup, poses, approaches)
         inside = reach.transpose(1, 2, 0).reshape(len(functions), len(rows))
         rests = RestEffects(functions, inside, np.repeat(cells, len(reach), axis=1))
-        whole = np.ascontiguousarray(rows[:, felt])
-        return _Block(setup, candidates, len(reach), whole, felt, cut, *self._of_cells(rests))
+        return _Block(
+            setup, candidates, len(reach), np.ascontiguousarray(rows[:, felt]), felt, cut, rests,
+            *self._of_cells(rests), cells_shown(self._bare, setup, poses),
+        )  # fmt: skip
 
     def _of_cells(self, rests: RestEffects) -> tuple[NDArray[np.intp], Callable[[Array], Array]]:
         """Return the cells that numbers feel, in the list of all, and what makes the products of their rests."""

@@ -125,7 +125,10 @@ class Covariance:
 
     def opened(self, places: Places) -> Covariance:
         """Return the state with columns for the cells that the places lie in."""
-        after = visited(self.observation, places)
+        return self.opened_to(visited(self.observation, places))
+
+    def opened_to(self, after: Observation) -> Covariance:
+        """Return the state with the columns that a map has beyond this one's."""
         if after is self.observation:
             return self
         extra = np.sqrt(self.observation.rest_variances(after))

@@ -96,32 +96,49 @@ class Scores:
         return _gains(self.above[:, :, : len(self.pool)], self.below[:, :, : len(self.pool)])
 
     def enter(self, what: int | Places) -> float:
-        """Take a candidate, or readings at any places together, into the plan, and return by how much J falls."""
-        places = self._opened(what)
-        if not len(places):
-            return 0.0
-        slots = len(self.places) + np.arange(len(places))
-        self.places = Places.joined([self.places, places])
-        return self._taken(slots, places)
+        """Take a candidate, or a reading at another single place, into the plan, and return by how much J falls."""
+        place, rows, variance = self._read(what)
+        self.places = Places.joined([self.places, place])
+        return self._taken(
+            np.array([len(self.places) - 1]), rows, np.zeros(len(rows), dtype=np.intp), np.array([variance])
+        )
 
     def exchange(self, slot: int, what: int | Places) -> float:
         """Put a candidate, or a reading at another single place, where another stands; return by how much J falls."""
-        place = self._opened(what)
+        place, rows, variance = self._read(what)
         self._make_room()
         leaving = self._leaving(slot)
         self.places = self.places.exchanged(slot, place)
-        return self._taken(np.array([slot]), place, leaving)
+        return self._taken(np.array([slot]), rows, np.zeros(len(rows), dtype=np.intp), np.array([variance]), leaving)
 
-    def _opened(self, what: int | Places) -> Places:
-        """Return the places of readings, with columns for the cells that they open."""
-        places = what if isinstance(what, Places) else self.pool.lattice.single(what)
+    def _read(self, what: int | Places) -> tuple[Places, Array, float]:
+        """Return a reading's place, rows (k, n) and variance, with columns for the cells that it opens."""
+        if isinstance(what, Places):
+            self.state = self.state.opened(what)
+            rows, variances, _ = self.state.rows(what)
+            return what, rows, float(variances[0])
+        self.state = self.state.opened_to(self.pool.opened(self.state.observation, what))
+        rows = self.pool.rows(self.state.observation, what)
+        return self.pool.lattice.single(what), rows, float(self.pool.noise[what])
+
+    def enter_all(self, places: Places) -> float:
+        """Take readings into the plan together, after those that it has, and return by how much J falls."""
+        if not len(places):
+            return 0.0
         self.state = self.state.opened(places)
-        return places
-
-    def _taken(self, slots: NDArray[np.intp], places: Places, *leaving: ReadNumbers) -> float:
-        """Take readings in.  slots : (m,); leaving : the one that stood there"""
         rows, variances, owner = self.state.rows(places)
-        noise = variances[np.searchsorted(owner, np.arange(len(places)))]
+        slots = len(self.places) + np.arange(len(places))
+        self.places = Places.joined([self.places, places])
+        return self._taken(slots, rows, owner, variances[np.searchsorted(owner, np.arange(len(places)))])
+
+    def _taken(
+        self, slots: NDArray[np.intp], rows: Array, owner: NDArray[np.intp], noise: Array, *leaving: ReadNumbers
+    ) -> float:
+        """Take readings in.
+
+        slots : (m,); rows : (k, n) of all numbers; owner : (k,) of which reading; noise : (m,)
+        leaving : the one that stood there
+        """
         inside = np.arange(len(rows)) - np.searchsorted(owner, owner)
         self._make_room()
         self.rows[slots], self.noise[slots] = 0.0, noise

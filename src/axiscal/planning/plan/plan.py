@@ -112,7 +112,7 @@ def _mountable(limits: Limits, times: Clock, left: Places) -> Places:
 
 def _begun(scores: Scores, limits: Limits, times: Clock, setups: Setups, left: Places) -> Trial:
     """Return the plan that is left, of no more readings than there may be.  scores : before the first, taken over"""
-    scores.enter(left)
+    scores.enter_all(left)
     while limits.readings is not None and len(scores.places) > limits.readings:
         drop(scores, times)
     return Trial(scores, setups, 0.0, met=False)
@@ -247,7 +247,7 @@ def _together(task: Task, limits: Limits, times: Clock, setups: Setups, work: fl
     random = best_of_random(task, counts, work)
     for begun in [*plain_designs(task, counts), *([] if random is None else [random])]:
         scores = base.fork()
-        scores.enter(begun)
+        scores.enter_all(begun)
         trials.append(replace(greedy, scores=scores))
     allowed, done = affordable(times, setups, limits.slack), 0.0
     for sweeps in (1, SWEEPS):
