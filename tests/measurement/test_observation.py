@@ -73,18 +73,18 @@ def _virtual(model: ErrorModel, setups: tuple[Setup, ...], unknowns: Array) -> V
 @pytest.mark.parametrize("instrument", sorted(INSTRUMENTS))
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2, 3))])
 def test_rows_are_the_differences_of_what_a_virtual_machine_reads(instrument: str, seed: int) -> None:
-    """Every unknown, errors and the set-ups' own, by central differences; two set-ups, so that columns can be mixed."""
+    """All unknowns at once, each in a direction drawn for it, by central differences; two set-ups may mix columns."""
     model, rng = ErrorModel(random_machine(seed, count=2 + seed % 2)), np.random.default_rng(seed)
     one = replace(mounted(model.machine, instrument, _direction(seed)), noise=0.0)
     setups = (replace(one, name="other", direction=(1.0, 0.0, 0.0)), one)
-    observation, step = Observation(model, setups), 1e-5
+    observation, step = Observation(model, setups), 1e-6
     poses, approaches = random_poses(model.machine, 1, rng)
     pose, approach = tuple(map(float, poses[0])), tuple(map(int, approaches[0]))
     rows = seen(observation, [Reading("s", pose, approach, 0.0)]).rows
-    for i in range(observation.size):
-        ends = [_virtual(model, setups, sign * step * np.eye(observation.size)[i]) for sign in (1, -1)]
+    for towards in rng.uniform(-1, 1, (6, observation.size)):
+        ends = [_virtual(model, setups, sign * step * towards) for sign in (1, -1)]
         up, down = (np.array(machine.read_all(one, pose, approach, rng)) for machine in ends)
-        assert np.abs((up - down) / (2 * step) - rows[:, i]).max() < 1e-8
+        assert np.abs((up - down) / (2 * step) - rows @ towards).max() < 1e-8
 
 
 def test_columns_are_errors_then_set_ups_then_cells() -> None:
@@ -133,7 +133,7 @@ def _rest_kernel(model: ErrorModel, levers: Array, poses: Array, approaches: Arr
     return total
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("instrument", ["probe", "level"])
 def test_readings_share_rests_as_in_a_dense_twin(seed: int, instrument: str) -> None:
     """Poses repeated and close together; the twin has no columns for rests, only their joint covariance."""
@@ -212,7 +212,7 @@ def test_a_rest_that_a_set_up_does_not_feel_gets_no_column() -> None:
     assert sum(function.rest > 0 for function in model.functions) == 9
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("instrument", ["probe", "level"])
 def test_the_forms_are_followed_between_the_breaks(seed: int, instrument: str) -> None:
     """`breaks` and `smoothness` let Chebyshev series of that many nodes follow the gain's forms to 1e-12."""
