@@ -89,13 +89,13 @@ def test_every_candidate_of_many_machines_is_touched(chain: int) -> None:
     assert touched(range(FEW + chain, MANY, len(CHAINS))) >= 12
 
 
-@pytest.mark.parametrize("control", ["linuxcnc", "heidenhain"])
-def test_programs_with_a_log_touch_every_candidate(control: str) -> None:
+def test_programs_with_a_log_touch_every_candidate() -> None:
     for campaign in filter(None, map(known, range(len(CHAINS)))):
-        (setup,), requests = campaign.setups, wanted(campaign, 12)
+        (setup,), requests = campaign.setups, wanted(campaign, 6)
         places = [Place(setup.name, request.pose, request.approach) for request in requests]
-        (program,) = programs(campaign.machine, campaign.setups, places, dialect(control), log=True)
-        assert len(program.readings) == len(places)
+        for control in ("linuxcnc", "heidenhain"):
+            (program,) = programs(campaign.machine, campaign.setups, places, dialect(control), log=True)
+            assert len(program.readings) == len(places)
 
 
 def test_a_machine_that_shows_inches_is_read_alike() -> None:
@@ -118,14 +118,15 @@ def test_what_cannot_be_touched_is_skipped_before_anything_moves() -> None:
     campaign = narrowed(described(1))
     control = made(campaign)
     source = attached(campaign, control)
+    skipped = list[bool]()
     for request in wanted(described(1), 12):
         before = len(control.lines)
         answer = source.read(request)
+        skipped.append(isinstance(answer, Skip))
         if isinstance(answer, Skip):
             assert "X" in answer.reason
             assert len(control.lines) == before
     assert not control.stopped
-    skipped = [isinstance(source.read(request), Skip) for request in wanted(described(1), 12)]
     assert any(skipped)
     assert not all(skipped)
 

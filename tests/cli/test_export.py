@@ -161,8 +161,9 @@ def test_a_campaign_whose_tables_need_a_file_of_the_control_ends_with_their_expo
 ) -> None:
     (tmp_path / "machine.toml").write_text(MACHINE)
     (tmp_path / "campaign.toml").write_text(f"controls = {first}\n{CAMPAIGN}")
+    (tmp_path / "readings.csv").write_text("setup,X_mm,Y_mm,Z_mm,value_um\nx,10,20,30,1\ny,200,90,60,2\n")
     out = tmp_path / "out"
-    assert run(["run", str(tmp_path / "campaign.toml"), "--source", "sim:3", "--out", str(out)]) == 0
+    assert run(["estimate", str(tmp_path / "campaign.toml"), str(tmp_path / "readings.csv"), "--out", str(out)]) == 0
     said, record = " ".join(capsys.readouterr().out.split()), f"{out}/campaign.axiscal"
     assert f"axiscal export {record} --to {exported} axiscal verify {record} --to {verified}" in said
 

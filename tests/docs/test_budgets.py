@@ -76,7 +76,7 @@ def _of_self(node: ast.AST) -> bool:
     """Whether this is an attribute of the object, or an entry of one."""
     while isinstance(node, ast.Subscript):
         node = node.value
-    return isinstance(node, ast.Attribute) and ast.unparse(node.value) == "self"
+    return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self"
 
 
 def _changes(node: ast.AST) -> bool:

@@ -130,7 +130,7 @@ def test_a_plan_says_that_a_tool_of_known_length_would_reach_its_target() -> Non
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("axes", ["X", "XYZ"])
+@pytest.mark.parametrize("axes", ["X", "XY"])
 def test_a_campaign_takes_the_readings_and_minutes_that_its_plan_says(axes: str, tmp_path: Path) -> None:
     """No set-up is mounted again. Sizes that readings show smaller than usual may save a few of them."""
     wants = [f"backlash {axis} 1 um" for axis in axes]
@@ -154,8 +154,7 @@ def test_places_out_and_back_take_a_zero_that_comes_and_goes_for_a_curve(again: 
     assert found is None or (found.setup, found.readings) == ("along X", 4)
 
 
-@pytest.mark.parametrize(("share", "goes_on"), [(1.01, False), (0.98, True), (0.7, False)])
-def test_a_plan_just_short_of_its_target_goes_on(share: float, goes_on: bool) -> None:
+def test_a_plan_just_short_of_its_target_goes_on() -> None:
     text = (
         'machine = "one-axis"\n[target]\nreadings = 20\n[[setups]]\nname = "laser"\ninstrument = "interferometer"\n'
         'direction = "x"\n'
@@ -163,6 +162,7 @@ def test_a_plan_just_short_of_its_target_goes_on(share: float, goes_on: bool) ->
     case = case_of(campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis"))
     short, long = (placed(case, proposed(case, Limits(count), FEW).plan) for count in (6, 14))
     left = expanded(case.yardstick, foreseen(case, (), short).belief).space
-    task, limits = posed(case, case.knowledge), Limits(20, expanded=share * left)
-    found = until_reached(case, task, limits, Limits(6), short, lambda heeded, places: long)
-    assert found == (long if goes_on else short)
+    task = posed(case, case.knowledge)
+    for share, wanted in ((1.01, short), (0.98, long), (0.7, short)):
+        limits = Limits(20, expanded=share * left)
+        assert until_reached(case, task, limits, Limits(6), short, lambda heeded, places: long) == wanted

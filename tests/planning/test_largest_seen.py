@@ -11,7 +11,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError
 from axiscal.machine import load_machine
-from axiscal.measurement.candidates import MOST_TRIED, chart_candidates, spread
+from axiscal.measurement.candidates import chart_candidates, spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
@@ -70,7 +70,7 @@ def test_no_reading_is_above_the_bound_and_one_is_near_it(name: str) -> None:
     observation, (setup,) = found.observation, found.description.setups
     assert setup.chart is not None
     reach = along(observation, 3)
-    poses, approaches = chart_candidates(observation.machine, setup, setup.chart, MOST_TRIED)
+    poses, approaches = chart_candidates(observation.machine, setup, setup.chart, 4000)
     best = float(lengths(observation, poses, approaches, reach).max())
     each = [largest_seen(observation, 0, region, reach, 0.3 * best, gap) for region in regions(observation, 0)]
     places, upper = Places.joined([one.places for one in each]), max(one.upper for one in each)

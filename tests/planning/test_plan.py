@@ -241,6 +241,7 @@ def test_there_is_no_random_start_where_rows_do_not_add_up_or_work_is_too_little
     assert best_of_random(splines(3, 5, 0.1, 100), [(0, 12)], 1e5) is None
 
 
+@pytest.mark.long
 def test_of_places_where_a_tracer_may_stand_those_are_taken_that_leave_least() -> None:
     """Each opens four unknowns: of too few, distances do not tell the errors apart; too many take all readings."""
     places = [[x, y, z] for x in (-500, 900) for y in (-500, 800) for z in (-400, 500)]

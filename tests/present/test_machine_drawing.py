@@ -273,24 +273,28 @@ def _over(a: tuple[float, float, float, float], b: tuple[float, float, float, fl
     return min(a[2], b[2]) - max(a[0], b[0]) > 0 and min(a[3], b[3]) - max(a[1], b[1]) > 0
 
 
-@pytest.mark.parametrize("width", [1400.0, 768.0, 390.0])
-def test_heads_of_arrows_lie_apart_and_no_word_over_them(
-    campaigns: list[tuple[str, CampaignDescription]], width: float
-) -> None:
-    for name, campaign in campaigns:
-        root = ElementTree.fromstring(plan_picture(campaign.machine.name, campaign, _places(campaign), (width,)))
+Drawn = tuple[float, list[tuple[str, ElementTree.Element]]]
+
+
+@pytest.fixture(scope="module", params=[1400.0, 768.0, 390.0])
+def drawn(request: pytest.FixtureRequest, campaigns: list[tuple[str, CampaignDescription]]) -> Drawn:
+    """A width, and the plan of every campaign drawn on it."""
+    width: float = request.param
+    made = ((name, plan_picture(of.machine.name, of, _places(of), (width,))) for name, of in campaigns)
+    return width, [(name, ElementTree.fromstring(picture)) for name, picture in made]
+
+
+def test_heads_of_arrows_lie_apart_and_no_word_over_them(drawn: Drawn) -> None:
+    for name, root in drawn[1]:
         heads = _heads(root)
         assert heads
         assert [name for one, other in itertools.combinations(heads, 2) if _over(one, other)] == []
         assert [(name, words) for words, box in _boxes(root) for head in heads if _over(box, head)] == []
 
 
-@pytest.mark.parametrize("width", [1400.0, 768.0, 390.0])
-def test_words_are_inside_of_the_picture_and_none_lies_over_another(
-    campaigns: list[tuple[str, CampaignDescription]], width: float
-) -> None:
-    for name, campaign in campaigns:
-        root = ElementTree.fromstring(plan_picture(campaign.machine.name, campaign, _places(campaign), (width,)))
+def test_words_are_inside_of_the_picture_and_none_lies_over_another(drawn: Drawn) -> None:
+    width, pictures = drawn
+    for name, root in pictures:
         (drawing,) = root.findall(f"{SVG}svg")
         _, _, wide, high = map(float, drawing.get("viewBox", "").split())
         covered = _boxes(drawing)
