@@ -72,6 +72,7 @@ def test_moments_and_odds_are_those_of_the_equations(kind: str, count: int) -> N
     assert found.effective == pytest.approx(over.effective)
 
 
+@pytest.mark.long
 def test_it_covers_what_it_promises() -> None:
     """Sizes from their prior, machine and readings from the model: 95 % of z lie within 1.96 and their variance is one.
 

@@ -453,6 +453,7 @@ def test_a_machine_that_is_warmer_still_is_inside_where_somebody_says_how_warm()
     assert _inside([20 * PPM] * 15, 'temperature_std = "1.7 K"') > 0.93
 
 
+@pytest.mark.long
 def test_u_covers_strains_drawn_as_the_table_says_as_often_as_it_promises() -> None:
     """Temperature, laser, air, expansion at 1 K, and a rectangle of half a mrad squared."""
     std = float(np.linalg.norm([11.7, 1.0, np.hypot(0.5, 0.54), 1.0, 0.5 / np.sqrt(3.0)])) * PPM

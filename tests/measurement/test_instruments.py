@@ -156,7 +156,7 @@ def test_a_temperature_corrects_only_lengths_along_the_axis_that_moves() -> None
         _description('instrument = "level"\ndirection = "x"\ntemperature = "23 degC"\nexpansion = "11.7 um/m/K"')
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 4))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))])
 @pytest.mark.parametrize("kind", ["tracer", "ballbar", "tracker", "rtest", "level"])
 def test_a_machine_three_times_worse_than_its_prior_gives_no_implausible_reading(kind: str, seed: int) -> None:
     extra = {"level": 'direction = "y"', "rtest": ""}.get(kind, STATION)

@@ -61,6 +61,7 @@ def test_tables_that_do_nothing_leave_what_is_found() -> None:
     np.testing.assert_allclose(bent.left, bent.found, atol=1e-15)
 
 
+@pytest.mark.long
 def test_the_machines_that_are_drawn_scatter_as_the_posterior_says(monkeypatch: pytest.MonkeyPatch) -> None:
     case = mixed()
     known = concluded(case, drawn(case))

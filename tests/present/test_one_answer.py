@@ -45,7 +45,7 @@ RECORDS: dict[str, tuple[str, list[Reading]]] = {
     "more than a millimetre": ('U = "1 um"', []),
 }
 """Target, and readings."""
-QUICK = ("reached", "not reached", "withheld")
+QUICK = ("reached", "withheld")
 
 
 VERDICTS = {

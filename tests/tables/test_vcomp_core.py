@@ -73,8 +73,7 @@ def text_of(estimate: Estimate, unit: str = "mm") -> str:
     return LinuxcncVolumetric().make(estimate, ExportOptions(unit=unit)).files["axiscal.vcomp"]
 
 
-@pytest.mark.parametrize("unit", ["mm", "in"])
-@pytest.mark.parametrize("seed", CHAINS)
+@pytest.mark.parametrize(("seed", "unit"), [*((seed, "mm") for seed in CHAINS), *((seed, "in") for seed in CHAINS[:2])])
 def test_one_round_takes_the_map_of_the_errors_away(core: Core, seed: int, unit: str) -> None:
     """H(t) A plus what the joints do to first order is nothing: 1e-6 um over 1,000 poses of every chain."""
     estimate, _ = drawn(seed)
