@@ -17,7 +17,7 @@ help:
 	@echo "make demo-linuxcnc  calibrate six machines that a real LinuxCNC moves, load the tables, show the error before, after and expected"
 	@echo "make howto-linuxcnc  run every command of docs/linuxcnc.md beside a headless LinuxCNC that stands in for somebody's mill"
 	@echo "make test       set everything up, run linters, type checker and the tests that take little time; five minutes once installed (make check is the same)"
-	@echo "make test-long  the other tests, and those of drawn cases with four times as many of them; a quarter of an hour"
+	@echo "make test-long  the other tests, and those of drawn cases with twice as many of them; a quarter of an hour"
 	@echo "make quick      linters and the tests that take no time, in half a minute; for between two edits"
 	@echo "make golden     26 campaigns in two languages give what they gave, numbers to 1e-4, in a minute (ONLY='mill prior'; RENEW=1: keep what comes now)"
 	@echo "make bench      measure the figures that the README states"

@@ -25,9 +25,9 @@ GOLDEN = Path(__file__).resolve().parents[1] / "golden"
 
 @pytest.mark.long
 @pytest.mark.parametrize(("case", "limit"), list(zip(CASES, LIMITS, strict=True)))
-def test_twenty_thousand_updates_keep_their_digits(case: tuple[float, float], limit: float) -> None:
+def test_five_thousand_updates_keep_their_digits(case: tuple[float, float], limit: float) -> None:
     """A million: `python -m tests.certify.belief`."""
-    verdict = judged(*case, updates=20_000)
+    verdict = judged(*case, updates=5000)
     assert verdict.error < min(limit, 1e-9)
     assert verdict.mean < 1e-3
     assert verdict.bad == 0
@@ -293,7 +293,7 @@ def test_a_reference_regression_keeps_the_digits_asked_for(name: str) -> None:
     assert deviations >= least_squares.DIGITS[name]
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_a_random_model_agrees_with_ball_arithmetic(seed: int) -> None:
     """500 of them: `make certify PART=models`."""
     pytest.importorskip("flint")

@@ -55,10 +55,9 @@ def test_the_estimate_is_that_of_four_set_ups_with_the_same_distances() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", range(2))
-def test_four_stations_anywhere_within_300_mm_are_found(seed: int) -> None:
+def test_four_stations_anywhere_within_300_mm_are_found() -> None:
     case = at_once("300 mm", "100 mm")
-    machine, readings = read_at_once(case, seed, 25)
+    machine, readings = read_at_once(case, 0, 25)
     belief = concluded(case, readings).knowledge.belief
     names = [unknown.name for unknown in case.description.setups[0].unknowns]
     truth = np.array([machine.offsets["beams"][name] for name in names])
@@ -93,7 +92,7 @@ def test_a_station_of_several_that_fits_in_two_places_is_named_with_both() -> No
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_stations_anywhere_within_300_mm_are_found_from_the_prior_as_from_closed_form(seed: int) -> None:
     case = tracers("300 mm", "100 mm")
     machine, readings = read(case, seed)

@@ -174,7 +174,7 @@ def with_zeros(std: float, candidates: int, instrument: str = "indicator") -> Ta
 @pytest.mark.parametrize("instrument", ["indicator", "rtest"])
 @pytest.mark.parametrize("readings", [1, 2, 3])
 def test_no_plan_of_all_that_there_are_is_below(std: float, instrument: str, readings: int) -> None:
-    asked = with_zeros(std, 16, instrument)
+    asked = with_zeros(std, 10, instrument)
     pool, state = Pool(asked.observation, asked.lattice), asked.state
     bound = lower_bound(pool, state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), float(readings)).value
     plans = itertools.combinations_with_replacement(range(len(pool)), readings)
