@@ -176,7 +176,7 @@ def test_what_is_reached_holds_the_tool_and_the_drawing_shows_the_machine(machin
 def test_a_solid_that_is_nearer_comes_later() -> None:
     """Against rays: where two solids cover the same place of the picture, the one that the ray meets first is above."""
     rng = np.random.default_rng(3)
-    for _ in range(12):
+    for _ in range(4):
         solids = []
         for k in range(6):
             low = np.array([2.0 * (k % 3), 2.0 * (k // 3), 0.0]) + rng.random(3)
