@@ -55,7 +55,7 @@ def _said(file: Path) -> Iterator[Message]:
     tree = _tree(file)
     everywhere = _held(tree.body)
     for scope in (tree, *_scopes(file)):
-        held = everywhere if scope is tree else everywhere | _held(ast.walk(scope))
+        held = everywhere if scope is tree else everywhere | _held(_nodes(scope))
         for call in _calls(scope):
             if isinstance(call.func, ast.Name) and call.func.id in _SAYING:
                 texts = [list(_texts(each, held)) for each in call.args]
@@ -190,13 +190,19 @@ def _tree(file: Path) -> ast.Module:
 @cache
 def _scopes(file: Path) -> list[ast.FunctionDef]:
     """Return the functions of a file."""
-    return [node for node in ast.walk(_tree(file)) if isinstance(node, ast.FunctionDef)]
+    return [node for node in _nodes(_tree(file)) if isinstance(node, ast.FunctionDef)]
+
+
+@cache
+def _nodes(scope: ast.FunctionDef | ast.Module) -> list[ast.AST]:
+    """Return everything in a function, or in a file."""
+    return list(ast.walk(scope))
 
 
 @cache
 def _calls(scope: ast.FunctionDef | ast.Module) -> list[ast.Call]:
     """Return the calls in a function, or in a file."""
-    return [node for node in ast.walk(scope) if isinstance(node, ast.Call)]
+    return [node for node in _nodes(scope) if isinstance(node, ast.Call)]
 
 
 def _assigned(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, ast.expr]]:
@@ -217,7 +223,7 @@ def _assigned(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, ast.expr]]:
 def _values(scope: ast.FunctionDef | ast.Module) -> dict[str, list[ast.expr]]:
     """Return what names are given in a function, or at the level of a file."""
     found: dict[str, list[ast.expr]] = {}
-    for name, value in _assigned(scope.body if isinstance(scope, ast.Module) else ast.walk(scope)):
+    for name, value in _assigned(scope.body if isinstance(scope, ast.Module) else _nodes(scope)):
         found.setdefault(name, []).append(value)
     return found
 
