@@ -7,14 +7,14 @@ which it sharpens. The last reading here is 20 um off: the belief is not asked t
 import numpy as np
 
 import axiscal as ac
-from axiscal.errors.prior import matern52
+from axiscal.errors.prior import matern
 
 
 def main() -> dict[str, object]:
     """Return the band between readings, and what a bad reading looks like."""
     spline = ac.NaturalSpline(np.linspace(0, 0.6, 13))
     distance = np.abs(spline.knots[:, None] - spline.knots) / 0.15  # in correlation lengths
-    prior = ac.Belief(np.zeros(13), 8e-6**2 * matern52(distance))
+    prior = ac.Belief(np.zeros(13), 8e-6**2 * matern(distance))
     where, read = np.array([0.05, 0.2, 0.35, 0.55]), 1e-6 * np.array([3.0, 9.0, 4.0, -6.0])
     rows, noise = spline.rows(where), 0.5e-6
     belief, spread = prior.update(rows, read, noise**2), rows @ prior.covariance @ rows.T + noise**2 * np.eye(4)

@@ -104,8 +104,8 @@ def condition(
     before : (m,) how many of the readings that count come before each
     With C = F Fᵀ, W = rows F and W Wᵀ + N = L Lᵀ over those that count, row i of X = L⁻¹ W is what reading i takes
     away: C_k = F (1 − Σ_{i≤k} x_i x_iᵀ) Fᵀ, and X Wᵀ is Lᵀ above its diagonal. In the end F R⁻¹ replaces F, with RᵀR =
-    1 + Wᵀ N⁻¹ W. Both triangles come from QR of roots, so wide priors keep their digits (Bierman 1977, ch. IV). The
-    same numbers as B&H eq. 21-23 and 31-33.
+    1 + Wᵀ N⁻¹ W. Both triangles come from QR of roots, so wide priors keep their digits (Bierman 1977, ch. IV). Of R
+    the sharpest readings come first, so that their order does not matter. The same numbers as B&H eq. 21-23 and 31-33.
     """
     counts, seen = np.isfinite(noise), rows @ root
     own, std, left = seen[counts], np.sqrt(noise[counts]), (values - rows @ mean)[counts]
@@ -119,7 +119,8 @@ def condition(
     losses = np.zeros_like(rows)
     losses[counts] = solved[:, :-1] @ root.T
     size = root.shape[1]
-    triangle = triangle_over(np.append(np.ones(size), 0.0), np.column_stack([own, left]) / std[:, None])[:size]
+    told = (np.column_stack([own, left]) / std[:, None])[np.argsort(std, kind="stable")]
+    triangle = triangle_over(np.append(np.ones(size), 0.0), told)[:size]
     after = solution(triangle[:, :size].T, root.T).T
     return Conditioned(after, mean + after @ triangle[:, size], expected, variance, losses)
 
