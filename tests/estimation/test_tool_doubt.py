@@ -10,6 +10,7 @@ import pytest
 from axiscal.errors.gauge import MANY_READINGS, Hidden, unseen_factor
 from axiscal.estimation.accuracy.unseen import tool_doubt
 from axiscal.estimation.case import Case
+from axiscal.language.spoken import speaking
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from benchmarks.trust.benches import case_of
@@ -109,3 +110,7 @@ def test_what_is_not_known_of_it_is_said_and_where_to_state_it(
     assert found.text.startswith(said)
     assert remedy in found.text
     assert found.text.endswith(".")
+    with speaking("de"):
+        (found,) = tool_doubt(observation, seen, factor, rows)
+    assert found.text.startswith("Ein Werkzeug ander")
+    assert "Das Werkzeug messen und angeben, wie genau es bekannt ist" in found.text

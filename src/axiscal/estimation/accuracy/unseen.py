@@ -14,12 +14,12 @@ import numpy as np
 
 from axiscal.errors.gauge import Hidden, unseen_factor
 from axiscal.estimation.accuracy.yardstick import Yardstick
-from axiscal.language.spoken import said
+from axiscal.language.spoken import later, said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array, even_points, rigid
-from axiscal.units import format_quantity, said_quantity
+from axiscal.units import said_quantity
 
 _POSES = 500
 """The share of a strain or turn is then known to a few percent."""
@@ -101,29 +101,26 @@ def tool_doubt(observation: Observation, yardstick: Yardstick, factor: Array, ro
     left = replace(yardstick, unseen=unseen_factor(known, rows)[: yardstick.errors.size]).unseen_rms
     hides = float(np.sqrt(max(whole**2 - left**2, 0.0)))
     if hides**2 > _OF_TOOL * whole**2:
-        sizes = f"{format_quantity(hides, 'um', 2)} of the {format_quantity(whole, 'um', 2)} that cannot be seen"
-        yield Hidden((), f"{_subject(observation)}; that makes {sizes}. {_remedy(observation)}.", hides)
+        text = "{tool}; that makes {size} of the {whole} that cannot be seen. {remedy}"
+        words = {"tool": _subject(observation), "remedy": _remedy(observation)}
+        yield Hidden((), said(text, **words, **_part(hides, whole)), hides)
 
 
 def _subject(observation: Observation) -> str:
-    stds = {name: format_quantity(max(found), "um", 3) for name, found in _stds(observation).items() if found}
-    length, aside = stds.get("length"), stds.get("aside")
-    said = [f"of another length (known to {length})"] * bool(length)
-    said += [f"that sits aside (known to {aside})"] * bool(aside)
-    return f"A tool {' or '.join(said)} looks like rotary axes that lie elsewhere"
-
-
-def _stds(observation: Observation) -> dict[str, list[float]]:
-    """Return how well it is known how long tools are, and how far aside they sit, m."""
+    """Say how well it is known how long tools are, and how far aside they sit."""
     *across, along = TOOL
-    tools = {"length": (along,), "aside": tuple(across)}
-    return {key: [u.std for u in observation.unknowns if u.name in names] for key, names in tools.items()}
+    kinds = ([along], later("of another length (known to {std})")), (across, later("that sits aside (known to {std})"))
+    stds = [([u.std for u in observation.unknowns if u.name in names], text) for names, text in kinds]
+    tools = [said(text, std=said_quantity(max(found), "um", 3)) for found, text in stds if found]
+    return said("A tool {kinds} looks like rotary axes that lie elsewhere", kinds=f" {said('or')} ".join(tools))
 
 
 def _remedy(observation: Observation) -> str:
     owned = any(unknown.name in TOOL and unknown.owner == "tool" for unknown in observation.unknowns)
-    if owned:
-        where = 'tool_length = "5 um" and tool_eccentricity; write "0 um" if the zeros were set with this tool'
-    else:
-        where = 'tool_x, tool_y, tool_z under unknowns, such as tool_z = "5 um"'
-    return f"Measure the tool and state how well it is known, {where}"
+    return said(
+        'Measure the tool and state how well it is known, tool_length = "5 um" and tool_eccentricity; write "0 um" if '
+        "the zeros were set with this tool."
+        if owned
+        else "Measure the tool and state how well it is known, tool_x, tool_y, tool_z under unknowns, such as "
+        'tool_z = "5 um".'
+    )
