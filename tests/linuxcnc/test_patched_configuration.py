@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.exceptions import ControlError, InputError
-from axiscal.ports.linuxcnc.configuring import export_into, software_only
+from axiscal.ports.linuxcnc.configuring import configured, export_into, software_only
 from axiscal.ports.linuxcnc.patching import Configuration
 from axiscal.tables.exporter import ExportOptions
 from tests.linuxcnc.lab import Joint, Settings, available, can_load
@@ -93,6 +93,17 @@ def test_what_the_ini_file_itself_loads_may_be_hardware(line: str) -> None:
     files = {"mill.ini": plain, "mill.hal": HAL}
     assert software_only(Configuration("mill.ini", dict(files)))
     assert not software_only(Configuration("mill.ini", {**files, "mill.ini": f"{plain}{line}\n"}))
+
+
+@pytest.mark.parametrize(("section", "line"), [("JOINT_1", "BACKLASH = 0.02"), ("HAL", "HALFILE = more.hal")])
+def test_what_an_included_file_says_of_hal_and_of_tables_is_refused(tmp_path: Path, section: str, line: str) -> None:
+    """It would go on as it stands: a table would be added to the component's, a HAL file would run before it."""
+    ini = owned(tmp_path)
+    (tmp_path / "more.hal").write_text("")
+    (tmp_path / "own.inc").write_text(f"[{section}]\n{line}\n")
+    ini.write_text(ini.read_text() + "\n#INCLUDE own.inc\n")
+    with pytest.raises(InputError, match=r"own.inc, line 2: .* stands in a file that mill.ini includes"):
+        configured(ini).patched()
 
 
 class TestPutIn:

@@ -150,11 +150,15 @@ def _ini(found: Configuration, ini: IniFile) -> None:
     """Load the component first and join it last; tables and backlash are taken out by a sign before them."""
     lines = found.files[found.ini].split("\n")
     for (section, key), values in ini.values.items():
-        if section.startswith(("JOINT_", "AXIS_")) and key in _TABLE_KEYS:
-            for at in (each.line - 1 for each in values if each.file == ini.path):
-                lines[at] = f"# taken out by axiscal: {lines[at].strip()}"
+        table = section.startswith(("JOINT_", "AXIS_")) and key in _TABLE_KEYS
+        for each in values if table or section == "HAL" else ():
+            if each.file != ini.path:
+                what, remedy = "{key} stands in a file that {ini} includes", "move the line into {ini}"
+                raise each.fail(what, remedy, key=key, ini=found.ini)
+            if table:
+                lines[each.line - 1] = f"# taken out by axiscal: {lines[each.line - 1].strip()}"
                 found.tables += 1
-    named = [each.line for each in ini.all("HAL", "HALFILE") if each.file == ini.path]
+    named = [each.line for each in ini.all("HAL", "HALFILE")]
     if not named:
         raise TableError("[HAL] names no HALFILE", _BY_HAND, found.ini)
     lines.insert(named[-1], f"HALFILE = {JOIN_FILE}")
