@@ -103,12 +103,12 @@ def test_a_pivot_that_lies_elsewhere_is_said(tmp_path: Path) -> None:
     assert all("(0 mm, 0 mm, -50 mm), machine.toml about (0 mm, 0 mm, -60 mm)" in each for each in warnings)
 
 
-def test_where_the_ini_file_itself_names_no_hal_file_it_is_done_by_hand(tmp_path: Path) -> None:
+def test_hal_files_that_an_included_file_names_are_refused(tmp_path: Path) -> None:
     path = ini(tmp_path)
     head, _, rest = path.read_text().partition("[HAL]\n")
     hal, rest = rest[: rest.index("[AXIS_X]")], rest[rest.index("[AXIS_X]") :]
     (tmp_path / "hal.inc").write_text(f"[HAL]\n{hal}")
     configured(path).patched()
     path.write_text(f"{head}#INCLUDE hal.inc\n{rest}")
-    with pytest.raises(InputError, match=r"\[HAL\] names no HALFILE"):
+    with pytest.raises(InputError, match=r"hal.inc, line 2: HALFILE stands in a file that mill.ini includes"):
         configured(path).patched()

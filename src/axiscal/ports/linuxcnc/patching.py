@@ -159,8 +159,6 @@ def _ini(found: Configuration, ini: IniFile) -> None:
                 lines[each.line - 1] = f"# taken out by axiscal: {lines[each.line - 1].strip()}"
                 found.tables += 1
     named = [each.line for each in ini.all("HAL", "HALFILE")]
-    if not named:
-        raise TableError("[HAL] names no HALFILE", _BY_HAND, found.ini)
     lines.insert(named[-1], f"HALFILE = {JOIN_FILE}")
     lines.insert(named[0] - 1, f"HALFILE = {LOAD_FILE}")
     found.files[found.ini] = "\n".join(lines)
