@@ -309,8 +309,8 @@ def _spread_if_as_good(task: Task, limits: Limits, places: Places) -> Places:
     """Return a reading in each of equal parts, where set-ups move one axis each and J is not much larger.
 
     Real errors are rougher than any model of them. Of two plans about as good by J the evener one misses less, and
-    places drawn within their parts hide few periods. Two stand at each end where there are enough: a slip alone there
-    would pass for a detail. With fewer, the first and the last stand at the ends.
+    places drawn within their parts hide few periods. Two stand at each end if J allows it: a slip alone there would
+    pass for a detail. Else the first and the last stand at the ends.
     """
     setups, axes = task.observation.setups, task.observation.machine.axes
     if not np.all(np.any(_reach(task, places), axis=1)) or any(len(setups[s].moves) > 1 for s in places.setups):
