@@ -6,8 +6,8 @@ import math
 import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from importlib.metadata import version
 
-from axiscal import __version__
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.known import refuse_unmade
@@ -37,7 +37,7 @@ def versions() -> dict[str, str]:
     """Return the versions of axiscal and of what it computes with, by name."""
     import numpy
 
-    return {"axiscal": __version__, "numpy": numpy.__version__, "python": platform.python_version()}
+    return {"axiscal": version("axiscal"), "numpy": numpy.__version__, "python": platform.python_version()}
 
 
 def described(record: EventLog) -> CampaignDescription:
