@@ -76,6 +76,17 @@ class TestStarted:
         assert "1 line of COMP_FILE and BACKLASH taken out" in exported[2]
         assert "- Put axiscal.vcomp and axiscal-volumetric.hal beside" not in exported[2]
 
+    def test_what_it_includes_is_started_with_it(self, tmp_path: Path) -> None:
+        ini = owned(tmp_path)
+        first, *sections = ini.read_text().split("\n[")
+        (drives,) = (each for each in sections if each.startswith("JOINT_2"))
+        (tmp_path / "parts").mkdir()
+        (tmp_path / "parts" / "z.inc").write_text(f"[{drives}\n")
+        kept = ["", *(each for each in sections if each is not drives)]
+        ini.write_text(first + "\n[".join(kept) + "\n#INCLUDE parts/z.inc\n")
+        made = export_into(ini, known("three-axis")[0], ExportOptions())
+        assert "Started here without motors: the patched files themselves" in made.readme
+
     def test_a_configuration_that_would_not_run_is_not_offered(self, tmp_path: Path) -> None:
         with pytest.raises(ControlError):
             export_into(

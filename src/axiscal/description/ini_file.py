@@ -16,9 +16,8 @@ _KEY = re.compile(r"([^=\s]+)\s*=\s*(.*)")
 _HEEDED = re.compile(r"|EMC|EMCMOT|TRAJ|KINS|HAL|(?:AXIS|JOINT)_\w+")
 """Sections that say something of the machine: LinuxCNC itself passes over lines of the others that mean nothing."""
 _REMARK = re.compile(r"\s[#;].*")
-_INCLUDE = re.compile(r"#INCLUDE\s+(\S.*)", re.IGNORECASE)
-_DEEPEST = 5
-"""Files that include files; deeper is a circle."""
+_INCLUDE = re.compile(r"^[ \t]*#INCLUDE[ \t]+(\S.*?)[ \t]*$", re.MULTILINE)
+"""In capitals, and in the file itself: what an included file includes LinuxCNC takes for a remark."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +81,7 @@ def read_ini(path: Path) -> IniFile:
         raise DescriptionError("This is no INI file of a LinuxCNC", remedy, path)
     read = IniFile(path)
     section = ""
-    for file, number, line in _lines(path, 0):
+    for file, number, line in _lines(path):
         if found := _SECTION.fullmatch(line):
             section = found[1].upper()
         elif (key := _KEY.match(line)) is not None and section:
@@ -98,13 +97,18 @@ def read_ini(path: Path) -> IniFile:
     return read
 
 
-def _lines(path: Path, depth: int) -> Iterator[tuple[Path, int, str]]:
+def expanded(path: Path, text: str) -> str:
+    """Return the text of the INI file at a path with what it includes in its place, as LinuxCNC starts it."""
+    return _INCLUDE.sub(lambda found: "\n".join(["", *read_text(path.parent / found[1]).lines]), text)
+
+
+def _lines(path: Path, including: bool = True) -> Iterator[tuple[Path, int, str]]:
     """Yield file, number and text of every line that says something; lines that end in a backslash go on."""
     begun, first = "", 0
     for number, raw in enumerate(read_text(path).lines, start=1):
         line = raw.strip()
-        if not begun and (included := _INCLUDE.fullmatch(line)):
-            yield from _included(path, number, included[1].strip(), depth)
+        if including and not begun and (included := _INCLUDE.fullmatch(line)):
+            yield from _lines(_included(path, number, included[1]), including=False)
         elif line.endswith("\\") and not line.startswith(("#", ";")):
             begun, first = begun + line[:-1], first or number
         elif begun or (line and not line.startswith(("#", ";"))):
@@ -112,11 +116,8 @@ def _lines(path: Path, depth: int) -> Iterator[tuple[Path, int, str]]:
             begun, first = "", 0
 
 
-def _included(path: Path, number: int, name: str, depth: int) -> Iterator[tuple[Path, int, str]]:
-    other = path.parent / name
-    if depth >= _DEEPEST:
-        raise DescriptionError("These files include each other", "Take an #INCLUDE out", path, number)
-    if not other.is_file():
+def _included(path: Path, number: int, name: str) -> Path:
+    if not (path.parent / name).is_file():
         what = "The file {name!r} that is included here is not there"
         raise DescriptionError(what, "Put it beside the INI file, or take the line out", path, number, name=name)
-    yield from _lines(other, depth + 1)
+    return path.parent / name

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.description.ini_file import IniFile, read_ini
+from axiscal.description.ini_file import IniFile, expanded, read_ini
 from axiscal.description.ini_machine import IniAxis, IniMachine, machine_of
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ControlError, TableError
@@ -124,7 +124,7 @@ def _settings(found: Configured, changed: Configuration, offered: Export, own: b
     whole = replace(Settings.loading(offered.files), kinematics=build.kinematics, unit=build.unit)
     if not own:
         return whole
-    ini = _SCREEN.sub("", changed.files[changed.ini])
+    ini = _SCREEN.sub("", expanded(found.ini.path, changed.files[changed.ini]))
     ini = re.sub(r"^\s*\[\s*DISPLAY\s*\].*$", "[DISPLAY]\nDISPLAY = ./driver.py", ini, count=1, flags=re.M)
     if "./driver.py" not in ini:
         ini += "\n[DISPLAY]\nDISPLAY = ./driver.py\n"
