@@ -205,5 +205,5 @@ def reproduce(out: Folder = None, json: Json = False) -> None:
         page = out / "reproduce.html"
         write_whole(page, paper_page.render(experiment).encode())
         write_whole(out / "reproduce.json", f"{json_text.dumps(numbers, indent=2, allow_nan=False)}\n".encode())
-        tell(f"The figures are in {page}.")
+        tell(said("The figures are in {page}.", page=page))
     say_either(json, stack.SCHEMA, numbers, [paper_page.table(experiment)])

@@ -10,6 +10,7 @@ import typer
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_either
 from axiscal.errors.gauge import machine_check, undescribed
+from axiscal.language.spoken import said
 from axiscal.machine import builtin_names, load_machine
 from axiscal.machine.questions import questions, which_way
 
@@ -72,12 +73,13 @@ def check(
         "observability": [*hidden, *([absent] if absent else [])],
         "questions": list(open_ones),
     }
-    carries = {True: "carries the workpiece", False: "carries the tool"}
+    carries = {True: said("carries the workpiece"), False: said("carries the tool")}
+    all_seen = "Readings of the tool point can see every error."
     lines = [
-        f"{machine.name}: {machine.chain}, errors described: {len(machine.error_names)}.",
+        f"{machine.name}: {machine.chain}, " + said("errors described: {count}.", count=len(machine.error_names)),
         *(f"  {axis.name:3} {axis.travel_text}, {carries[axis.workpiece_side]}" for axis in machine.axes),
-        *(f"Mind: {question}" for question in open_ones),
-        "What no reading of the tool point can see:" if hidden else "Readings of the tool point can see every error.",
+        *(said("Mind: {sentence}", sentence=question) for question in open_ones),
+        said("What no reading of the tool point can see:" if hidden else all_seen),
         *(f"- {sentence}" for sentence in hidden),
         *([absent] if absent else []),
     ]

@@ -315,7 +315,7 @@ def serve(
     """
     from axiscal.web.serving import serve_record  # a server, which no prompt needs
 
-    tell("Looking at what is known and planned; a plan that is not made yet takes up to a minute")
+    tell(said("Looking at what is known and planned; a plan that is not made yet takes up to a minute"))
     with speaking(chosen(language)):
         left = serve_record(
             record,

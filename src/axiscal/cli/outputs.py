@@ -11,7 +11,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.printing import say, say_document
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
-from axiscal.language.spoken import resaid, said
+from axiscal.language.spoken import put, resaid, said
 from axiscal.present.delivery import deliver
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_screen
@@ -59,17 +59,17 @@ def write_outputs(
 
 def tell_details(summary: Summary, out: Path) -> None:
     """Print the statement of uncertainty, where the files are, what each control's leave, and all warnings."""
-    tables = "" if summary.answer.withheld else f", {out / 'tables'}"
     for line in statement(resaid(summary)).lines:
         say(line)
-    say(f"Files: {out / 'report.html'}, {out / 'report.pdf'}, {out / 'result.json'}{tables}")
+    names = ["report.html", "report.pdf", "result.json", *([] if summary.answer.withheld else ["tables"])]
+    say(said("Files: {files}", files=", ".join(str(out / name) for name in names)))
     for offer in summary.tables:
-        none = "" if offer.axes else "No table for "
-        say(f"{none}{offer.controller}: {offer.left_out}")
+        where = offer.controller if offer.axes else said("No table for {control}", control=offer.controller)
+        say(put("{where}: {why}", where=where, why=offer.left_out))
     if summary.tables and not summary.answer.withheld:
         say(said(U_OF_TABLES))
     for warning in summary.warnings:
-        say(f"Mind: {warning.text}")
+        say(said("Mind: {sentence}", sentence=warning.text))
 
 
 def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str) -> Summary:

@@ -142,7 +142,8 @@ def plan(
         say_document(answer.model_dump(mode="json", by_alias=True))
         return
     if details:
-        say("\n".join([*plan_list(answer), *(f"Mind: {part.text}" for part in seen_as_one(case.yardstick))]))
+        minded = [said("Mind: {sentence}", sentence=part.text) for part in seen_as_one(case.yardstick)]
+        say("\n".join([*plan_list(answer), *minded]))
     say(plan_screen(answer, str(campaign), written))
 
 

@@ -262,7 +262,7 @@ def placed_log(log: Path, programs: Path, description: CampaignDescription) -> t
     """Return the readings of a log; raises ReadingError.  programs : the folder of the programs that wrote it"""
     found = logged_readings(log, programs, description)
     for sentence in found.said:
-        tell(f"Mind: {sentence}")
+        tell(said("Mind: {sentence}", sentence=sentence))
     if not found.readings:
         raise ReadingError("no reading of this log is whole", "Run the programs again", log)
     placed = placed_readings(found.readings, description, log)

@@ -14,7 +14,7 @@ from axiscal.description.campaign import read_campaign
 from axiscal.document.durable import write_whole
 from axiscal.estimation.type_prior import TypePrior, type_prior
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import counted, said
+from axiscal.language.spoken import counted, later, listed, said
 from axiscal.machine import load_machine
 from axiscal.planning.plan.plan import Plan
 from axiscal.ports.fleet.rehearsal import Imagined, error_lines, rehearsed, summary_sentences
@@ -109,13 +109,15 @@ def saving_words(stated: Plan, taught: Plan) -> str:
     """Return in a sentence what a type saves a campaign, by the plans as stated and by its type."""
     minutes = [to_unit(plan.seconds, "min") for plan in (stated, taught)]
     rms = [to_unit(plan.accuracy.rms, "um") for plan in (stated, taught)]
-    counts = (
-        f"{len(stated.readings)} readings in {minutes[0]:.1f} min become {len(taught.readings)} in {minutes[1]:.1f}"
+    counts = {"before": len(stated.readings), "after": len(taught.readings)}
+    what = (
+        "{before} readings in {minutes:.1f} min become {after} in {then:.1f}: RMS {rms:.3g} um as stated, {known:.3g} "
+        "um by its type."
     )
-    said = f"{counts}: RMS {rms[0]:.3g} um as stated, {rms[1]:.3g} um by its type."
-    if len(stated.readings) > len(taught.readings) or stated.seconds > taught.seconds:
-        return said
-    return f"Nothing is saved. {said}" if rms[1] >= rms[0] else f"No reading is saved, but it is known better. {said}"
+    both = said(what, **counts, minutes=minutes[0], then=minutes[1], rms=rms[0], known=rms[1])
+    saved = counts["before"] > counts["after"] or stated.seconds > taught.seconds
+    better = said("Nothing is saved." if rms[1] >= rms[0] else "No reading is saved, but it is known better.")
+    return both if saved else listed(" ", [better, both])
 
 
 def _files(given: Sequence[Path]) -> list[Path]:
@@ -127,13 +129,15 @@ def _files(given: Sequence[Path]) -> list[Path]:
 
 
 def _show(prior: TypePrior, saved: Sequence[str], written: Path | None, as_json: bool) -> None:
-    heads = f"{'error':14} {'std stated':>12} {'by its type':>12} {'times stated':>13} {'in common':>12}"
+    names = later("error"), later("std stated"), later("by its type"), later("times stated"), later("in common")
+    heads = "{:14} {:>12} {:>12} {:>13} {:>12}".format(*map(said, names))
     rows = list[str]()
     for line in error_lines(prior):
         unit, share = "urad" if line.angular else "um", f"{line.share:.0%} ± {line.share_std:.0%}"
         std = [format_quantity(each, unit, 3) for each in (line.stated, line.known)]
         rows.append(f"{line.name:14} {std[0]:>12} {std[1]:>12} {line.factor:>13.2f} {share:>12}")
-    lines = (*saved, *summary_sentences(prior), heads, *rows, *([f"Written: {written}"] if written else []))
+    end = [said("Written: {file}", file=written)] if written else []
+    lines = (*saved, *summary_sentences(prior), heads, *rows, *end)
     say_either(as_json, "axiscal-type-learnt/1", _document(prior, saved, written), lines)
 
 

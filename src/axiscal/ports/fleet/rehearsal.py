@@ -20,6 +20,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.timed import ends_along
 from axiscal.estimation.type_prior import TypePrior
 from axiscal.exceptions import RecordError
+from axiscal.language.spoken import counted, joined, listed, put, said
 from axiscal.language.stages import staged
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
@@ -71,13 +72,12 @@ def summary_sentences(prior: TypePrior) -> list[str]:
 
 
 def _sources(prior: TypePrior) -> Iterator[str]:
-    counted = len(prior.counted)
-    readings = sum(record.readings for record in prior.counted)
-    said = f"Learnt from {counted} machine{'s' * (counted != 1)}, {readings} readings"
-    left = [record for record in prior.records if record.left_out]
-    yield said + (f"; {len(left)} record{'s' * (len(left) != 1)} left out." if left else ".")
-    for record in left:
-        yield f"Left out: {record.file}: {record.left_out}."
+    readings, left = sum(record.readings for record in prior.counted), len(prior.records) - len(prior.counted)
+    one, many = "Learnt from {count} machine, {readings} readings", "Learnt from {count} machines, {readings} readings"
+    out = [counted("{count} record left out", "{count} records left out", left)] if left else []
+    yield put("{learnt}.", learnt=listed("; ", [counted(one, many, len(prior.counted), readings=readings), *out]))
+    for record in (each for each in prior.records if each.left_out):
+        yield said("Left out: {file}: {why}.", file=record.file, why=record.left_out)
 
 
 def _size(prior: TypePrior) -> float:
@@ -87,32 +87,29 @@ def _size(prior: TypePrior) -> float:
 
 def _sizes(prior: TypePrior) -> Iterator[str]:
     size = _size(prior)
-    if 1 / _RIGHT <= size <= _RIGHT:
-        yield f"The stated sizes are about right: the machines show {size:.2g} times as much."
-    elif size < 1:
-        yield f"The stated sizes are too large: the machines show {size:.2g} times as much."
-    else:
-        yield (
-            f"The stated sizes are too small: the machines show {size:.2g} times as much. What was measured with them "
+    what = "The stated sizes are about right: the machines show {size:.2g} times as much."
+    if size < 1 / _RIGHT:
+        what = "The stated sizes are too large: the machines show {size:.2g} times as much."
+    elif size > _RIGHT:
+        what = (
+            "The stated sizes are too small: the machines show {size:.2g} times as much. What was measured with them "
             "promised too much; more readings are needed, and rightly."
         )
+    yield said(what, size=size)
 
 
 def _common(prior: TypePrior) -> Iterator[str]:
     shares = {name: each.share for name, each in prior.learned.items()}
     most = sorted((name for name, share in shares.items() if share >= _SHARED), key=lambda name: -shares[name])
-    if most:
-        named = ", ".join(f"{name} {shares[name]:.0%}" for name in most[:_NAMED])
-        more = f" and {len(most) - _NAMED} more" if len(most) > _NAMED else ""
-        yield f"All have in common, as a share of the variance: {named}{more}."
-    else:
-        yield "No error is mostly common to all."
+    named = joined([put("{name} {share:.0%}", name=name, share=shares[name]) for name in most], _NAMED)
+    what = "All have in common, as a share of the variance: {named}." if most else "No error is mostly common to all."
+    yield said(what, named=named)
 
 
 def _directions(prior: TypePrior) -> Iterator[str]:
     """Say in which errors sisters differ together, by the correlations of their own parts."""
     for number, named in enumerate(directions_named(prior), start=1):
-        yield f"Sisters differ together ({number}): {', '.join(named)}."
+        yield said("Sisters differ together ({number}): {named}.", number=number, named=", ".join(named))
 
 
 def directions_named(prior: TypePrior) -> list[list[str]]:
@@ -135,14 +132,15 @@ def directions_named(prior: TypePrior) -> list[list[str]]:
 
 
 def _doubts(prior: TypePrior) -> Iterator[str]:
-    counted, right = len(prior.counted), 1 / _RIGHT <= _size(prior) <= _RIGHT
-    if counted < FEW and right:
-        yield f"Fewer than {FEW} machines of a type whose stated sizes are right save nothing."
+    right = 1 / _RIGHT <= _size(prior) <= _RIGHT
+    if len(prior.counted) < FEW and right:
+        yield said("Fewer than {few} machines of a type whose stated sizes are right save nothing.", few=FEW)
     elif right and np.mean([each.share for each in prior.learned.values()]) < _OWN:
-        yield "They share next to nothing, and the stated sizes are right: this saves next to nothing."
-    yield (
-        f"That a machine is no sister is believed with {prior.doubt:.0%} before it is measured; "
-        "the readings decide, and the band holds for strangers too."
+        yield said("They share next to nothing, and the stated sizes are right: this saves next to nothing.")
+    yield said(
+        "That a machine is no sister is believed with {doubt:.0%} before it is measured; the readings decide, and the "
+        "band holds for strangers too.",
+        doubt=prior.doubt,
     )
 
 

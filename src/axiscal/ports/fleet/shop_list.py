@@ -189,14 +189,11 @@ def brought(folder: Path, source: Path) -> Brought:
             what = "It and its copy {other} have each gone on by themselves from event {first}"
             remedy = "Nothing was changed; go on with one of them, and keep the other under its name beside it"
             raise RecordError(what, remedy, record.path, other=there[0].file, first=first)
-        file = _free(folder / source.name, campaign)
+        file = folder / source.name
+        if file.exists():  # of another campaign
+            file = file.with_stem(f"{file.stem}-{campaign[:8]}")
         Record.made(file, [text.row for text in texts]).close()
         return Brought(file, "new", len(texts))
-
-
-def _free(file: Path, campaign: str) -> Path:
-    """Return a name in the folder for a new record: its own, or one with its campaign where another has that."""
-    return file.with_stem(f"{file.stem}-{campaign[:8]}") if file.exists() else file
 
 
 Answers = Mapping[str, Mapping[str, Any]]
