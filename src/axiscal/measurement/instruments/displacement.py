@@ -14,6 +14,7 @@ To first order y is the slope of a chord; as L goes to zero, the derivative of t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 
@@ -114,40 +115,28 @@ class Displacement(Model):
     unknown_reads: Mapping[str, Reads] = MappingProxyType(_READS)
 
     def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
-        """Return 1 for the zero, the travel for the slope, the travel along the direction for the growth, (m,)."""
+        """Return 1 for the zero, the travel for the slope, the travel along the direction for the growth, (m,).
+
+        Of a square the turn about x, y or z; of the lag the side from which the linear axis that moves came, along the
+        direction.
+        """
         if unknown == "zero":
             return np.ones(nominal.count)
+        along = nominal.ways @ direction
         if unknown in SQUARE:
-            return _turned(direction, nominal)[:, SQUARE.index(unknown)]
-        if unknown == "lag":
-            return _came(direction, nominal)
-        return nominal.travelled if unknown == "slope" else _travelled_along(direction, nominal)
+            return nominal.travelled * np.cross(nominal.ways, direction)[:, SQUARE.index(unknown)]
+        if unknown != "lag":
+            return nominal.travelled if unknown == "slope" else nominal.travelled * along
+        if nominal.slide is None or nominal.approaches is None:
+            return np.zeros(nominal.count)
+        return nominal.approaches[:, nominal.slide] * np.where(np.abs(along) >= _LEAST_ALONG, np.sign(along), 0.0)
 
     def shown(
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]
     ) -> Array:
-        """Return dᵀδp + zero + tan(slope) s + growth dᵀe s, (m,)."""
-        tilted = np.tan(unknowns.get("slope", 0.0)) * nominal.travelled
-        turned = _turned(direction, nominal) @ np.array([unknowns.get(name, 0.0) for name in SQUARE])
-        grown = (unknowns.get("growth", 0.0) + setup.growth) * _travelled_along(direction, nominal)
-        late = unknowns["lag"] * _came(direction, nominal) if "lag" in unknowns else 0.0
-        shown: Array = actual.displacement @ direction + unknowns.get("zero", 0.0) + tilted + turned + grown + late
+        """Return dᵀδp + the effects of the unknowns, (m,): of a slope by its tangent, of growth with its known part."""
+        sizes = {**unknowns, "growth": unknowns.get("growth", 0.0) + setup.growth}
+        sizes |= {"slope": math.tan(unknowns["slope"])} if "slope" in unknowns else {}
+        effects = (size * self.unknown_effect(setup, name, direction, nominal) for name, size in sizes.items())
+        shown: Array = sum(effects, actual.displacement @ direction)
         return shown
-
-
-def _travelled_along(direction: Array, nominal: Nominal) -> Array:
-    """Return the travel from the middle, as far as it goes along the direction, (m,), m; negative against it."""
-    return nominal.travelled * (nominal.ways @ direction)
-
-
-def _turned(direction: Array, nominal: Nominal) -> Array:
-    """Return what unit turns about x, y, z of what is read do along the direction, (m, 3), m."""
-    return nominal.travelled[:, None] * np.cross(nominal.ways, direction)
-
-
-def _came(direction: Array, nominal: Nominal) -> Array:
-    """Return the side from which the linear axis that moves came, along the direction: 1, −1, 0 if unknown, (m,)."""
-    if nominal.slide is None or nominal.approaches is None:
-        return np.zeros(nominal.count)
-    along = nominal.ways @ direction
-    return nominal.approaches[:, nominal.slide] * np.where(np.abs(along) >= _LEAST_ALONG, np.sign(along), 0.0)

@@ -40,11 +40,9 @@ from axiscal.measurement.instruments.kind import (
     Model,
     Nominal,
     Reads,
-    ball_effect,
-    ball_moved,
     displaced,
+    moves,
     need_station,
-    tool_part,
 )
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.touched import touch_frames
@@ -64,21 +62,19 @@ class Nest(Model):
 
     def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return the part of an unknown along d, (m,)."""
-        if unknown in TOOL:
-            return tool_part(unknown, self.direction_of(setup, direction, nominal), nominal)
         if unknown in ZEROS:
             return np.full(nominal.count, direction[ZEROS.index(unknown)])
-        if unknown == RADIUS:
-            larger: Array = -touch_frames(nominal.machine, nominal.poses).sum(axis=1) @ direction
-            return larger
-        return ball_effect(setup, unknown, nominal) @ direction
+        larger = unknown == RADIUS
+        moved = -touch_frames(nominal.machine, nominal.poses).sum(axis=1) if larger else moves(setup, unknown, nominal)
+        part: Array = np.sum(self.direction_of(setup, direction, nominal) * moved, axis=1)
+        return part
 
     def shown(
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]
     ) -> Array:
         """Return dᵀ(δp + R tool + zero − where the ball is − r Σ n_i), (m,)."""
         zero = np.array([unknowns.get(name, 0.0) for name in ZEROS])
-        shown: Array = (displaced(nominal, actual, unknowns) + zero + ball_moved(setup, unknowns, nominal)) @ direction
+        shown: Array = (displaced(setup, nominal, actual, unknowns) + zero) @ direction
         if unknowns.get(RADIUS):
             shown = shown + unknowns[RADIUS] * self.unknown_effect(setup, RADIUS, direction, nominal)
         return shown
@@ -115,10 +111,8 @@ class Distance(Model):
         name = _Station.meant(setup, direction).own(unknown)
         if name == "zero":
             return np.ones(nominal.count)
-        unit = self.direction_of(setup, direction, nominal)
-        if name in TOOL:
-            return tool_part(name, unit, nominal)
-        part: Array = np.sum(_moved(setup, name, nominal) * unit, axis=1)
+        moved = -np.eye(3)[SHIFTS.index(name)] if name in SHIFTS else moves(setup, name, nominal)
+        part: Array = np.sum(self.direction_of(setup, direction, nominal) * moved, axis=1)
         return part
 
     def shown(
@@ -128,7 +122,7 @@ class Distance(Model):
         station = _Station.meant(setup, direction)
         own = {station.own(name): value for name, value in unknowns.items()}
         shift = np.array([own.get(name, 0.0) for name in SHIFTS])
-        moved = displaced(nominal, actual, unknowns) + ball_moved(setup, unknowns, nominal)
+        moved = displaced(setup, nominal, actual, unknowns)
         seen = np.linalg.norm(nominal.tcp + moved - station.stated - shift, axis=1)
         shown: Array = seen - np.linalg.norm(nominal.tcp - station.stated, axis=1) + own.get("zero", 0.0)
         return shown
@@ -177,15 +171,6 @@ def of_each(unknowns: Sequence[Unknown], count: int) -> tuple[Unknown, ...]:
     return (*each, *(unknown for unknown in unknowns if unknown.name not in _OWN))
 
 
-def _moved(setup: Setup, unknown: str, nominal: Nominal) -> Array:
-    """Return what a unit of an unknown does to the line from the station to the tool, (m, 3)."""
-    if unknown in TOOL:
-        return nominal.tool[:, :, TOOL.index(unknown)]
-    if unknown in SHIFTS:
-        return np.broadcast_to(-np.eye(3)[SHIFTS.index(unknown)], (nominal.count, 3))
-    return ball_effect(setup, unknown, nominal)
-
-
 def _numbered(name: str, number: int) -> str:
     return f"{name}_{number + 1}"
 
@@ -218,7 +203,7 @@ class Tracker(Nest):
         turn = rigid.rotation(np.array([[unknowns.get(name, 0.0) for name in TURNS]]))[0]
         zero = np.array([unknowns.get(name, 0.0) for name in ZEROS])
         line = nominal.tcp - _station(setup)
-        shown: Array = ((line + displaced(nominal, actual, unknowns)) @ turn.T - line + zero) @ direction
+        shown: Array = ((line + displaced(setup, nominal, actual, unknowns)) @ turn.T - line + zero) @ direction
         return shown
 
     def check_setup(self, setup: Setup, machine: Machine) -> None:

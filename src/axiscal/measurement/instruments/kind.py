@@ -117,32 +117,23 @@ class Model(Protocol):
         return
 
 
-def tool_part(unknown: str, towards: Array, nominal: Nominal) -> Array:
-    """Return what a unit of one of `TOOL` adds to a reading, (m,): δp += R_t e.  towards : (m, 3)"""
-    part: Array = np.sum(towards * nominal.tool[:, :, TOOL.index(unknown)], axis=1)
-    return part
-
-
-def displaced(nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]) -> Array:
-    """Return where the actual tool's point is from the nominal TCP, nothing linearised, (m, 3), m."""
-    tool = np.array([unknowns.get(name, 0.0) for name in TOOL])
-    held = rigid.rotation(actual.rotation) @ (nominal.tool @ tool)[:, :, None]
-    displaced: Array = actual.displacement + held[:, :, 0]
-    return displaced
-
-
-def ball_effect(setup: Setup, unknown: str, nominal: Nominal) -> Array:
-    """Return how a unit of what an artefact leaves open moves the tip against its ball, (m, 3)."""
+def moves(setup: Setup, unknown: str, nominal: Nominal) -> Array:
+    """Return how a unit of `TOOL`, or of what an artefact leaves open, moves the tip against its ball, (m, 3)."""
+    if unknown in TOOL:
+        return nominal.tool[:, :, TOOL.index(unknown)]
     if setup.artefact is None:
         return np.zeros((nominal.count, 3))
     return -setup.artefact.moves(unknown, setup.artefact.nearest(nominal.tcp, setup.balls))
 
 
-def ball_moved(setup: Setup, own: Mapping[str, float], nominal: Nominal) -> Array:
-    """Return how the tip stands against its ball with everything that the artefact leaves open, (m, 3) m."""
+def displaced(setup: Setup, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]) -> Array:
+    """Return where the actual tool's point is from the nominal TCP, and from its ball, nothing linearised, (m, 3) m."""
+    tool = np.array([unknowns.get(name, 0.0) for name in TOOL])
+    held = rigid.rotation(actual.rotation) @ (nominal.tool @ tool)[:, :, None]
+    tip: Array = actual.displacement + held[:, :, 0]
     if setup.artefact is None:
-        return np.zeros((nominal.count, 3))
-    return -setup.artefact.displacements(own, setup.artefact.nearest(nominal.tcp, setup.balls))
+        return tip
+    return tip - setup.artefact.displacements(unknowns, setup.artefact.nearest(nominal.tcp, setup.balls))
 
 
 def need_station(setup: Setup, what: str) -> None:
