@@ -79,7 +79,7 @@ def test_people_type_its_names(package: Path, tmp_path: Path, capsys: pytest.Cap
 
 
 def test_a_sign_that_is_wrong_is_seen(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    text = (package / "acme_control.py").read_text().replace("at, -up, -down", "at, up, down")
+    text = (package / "acme_control.py").read_text().replace("axis.name, at, up, down", "axis.name, at, -up, -down")
     (package / "acme_control.py").write_text(text)
     with pytest.raises(TableError, match="more or less than they should"):
         round_trip(exporter("acme"), drawn_and_known(load_machine("three-axis-mill")))

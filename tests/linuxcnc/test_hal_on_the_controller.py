@@ -29,7 +29,7 @@ def bend(axis: str, over: str, size: float) -> CompensationTable:
     """An axis that is off by a parabola over another: nothing at zero, `size` m at 200 mm."""
     at = np.linspace(-0.2, 0.2, 15)
     values = size * (at / 0.2) ** 2
-    return CompensationTable(axis, False, at, values, values, np.full(15, 1e-7), over)
+    return CompensationTable(axis, at, values, values, np.full(15, 1e-7), over)
 
 
 def watched(signals: list[str]) -> str:
@@ -88,7 +88,7 @@ def test_the_speed_that_is_allowed_is_far_below_a_jump() -> None:
 def test_before_all_joints_are_homed_nothing_is_added_and_then_it_is_ramped() -> None:
     """The curve is 50 um where the machine is switched on, and the DISPLAY program homes at once."""
     at = np.linspace(-0.2, 0.2, 3)
-    table = CompensationTable("X", False, at, np.full(3, 5e-5), np.full(3, 5e-5), np.full(3, 1e-7), "Y")
+    table = CompensationTable("X", at, np.full(3, 5e-5), np.full(3, 5e-5), np.full(3, 1e-7), "Y")
     wiring = cross.Wiring({"X": (0,), "Y": (1,), "Z": (2,)}, SPEEDS)
     text = cross.write([table], wiring) + watched(["axiscal-x-correction"])
     with Session([Joint(axis) for axis in "XYZ"], Settings(text)) as session:

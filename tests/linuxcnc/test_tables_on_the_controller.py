@@ -31,7 +31,7 @@ def deviations(axis: str) -> CompensationTable:
     positions = (np.linspace(-200, 200, 32) + np.r_[0, rng.uniform(-4, 4, 30), 0]) * SCALES[axis]
     wave = 2e-5 * np.sin(positions / (80 * SCALES[axis])) + rng.normal(0, 1e-6, 32)
     reverse = wave - 8e-6 - 3e-6 * np.cos(positions / (60 * SCALES[axis]))
-    return CompensationTable(axis, axis == "C", positions, wave, wave if axis == "Y" else reverse, np.full(32, 1e-6))
+    return CompensationTable(axis, positions, wave, wave if axis == "Y" else reverse, np.full(32, 1e-6))
 
 
 def visits(points: Array) -> list[str]:
@@ -129,7 +129,7 @@ def test_spoilt_files_are_read_as_our_model_reads_them() -> None:
 def test_the_dead_band_is_where_the_warning_says(step: float, stuck: bool) -> None:
     """With 50 m/s² and 1 ms a reversal step above 12.5 um and up to 25 um is never carried out."""
     positions, level = np.array([-0.1, 0.1]), np.zeros(2)
-    table = CompensationTable("X", False, positions, level, level - step * 1e-3, level)
+    table = CompensationTable("X", positions, level, level - step * 1e-3, level)
     said = notes(table, "mm", (0,), acceleration=50.0)
     ended = run([Joint("X", acceleration=50000.0, table=write(table, "mm"))], ["G0 X5", "G0 X2"])
     assert any(note.startswith("WARNING") for note in said) is stuck

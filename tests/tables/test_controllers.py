@@ -299,7 +299,7 @@ def test_sinumerik_text_by_hand() -> None:
     text = "%_N_AX_EEC_INI\nCHANDATA(1)\n$AA_ENC_COMP[0,0,AX1]=0.0\n$AA_ENC_COMP[0,1,AX1]=0.0042\n"
     text += "$AA_ENC_COMP_STEP[0,AX1]=50.0\n$AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=50.0\nM17\n"
     found = sinumerik.read(text, {"X": "AX1"}, known("small")[0].machine)[0]
-    assert found.at(np.array([0.025, 0.05, 9.0]), np.ones(3)) == pytest.approx([-2.1e-6, -4.2e-6, -4.2e-6])
+    assert found.deviation(np.array([0.025, 0.05, 9.0]), 1) == pytest.approx([2.1e-6, 4.2e-6, 4.2e-6])
     with pytest.raises(TableError, match="would not understand 'G0 X9'"):
         sinumerik.read(text + "G0 X9\n", {"X": "AX1"}, known("small")[0].machine)
 
@@ -321,7 +321,7 @@ def test_fanuc_sums_are_within_half_an_entry(seed: int, magnification: int) -> N
     rng = np.random.default_rng(seed)
     plan = PitchParameters(5, 0, 30, magnification, 0.01)
     curve = np.cumsum(rng.uniform(-2e-6, 2e-6, 32))
-    table = CompensationTable("X", False, plan.positions, curve, curve, np.zeros(32))
+    table = CompensationTable("X", plan.positions, curve, curve, np.zeros(32))
     sums = np.cumsum(np.r_[0, increments(table, plan)]) * plan.step
     wanted = np.interp(0.0, plan.positions, curve) - curve
     assert np.max(np.abs((sums - sums[6]) - (wanted - wanted[6]))) <= 1.0 * plan.step + 1e-15
@@ -333,7 +333,7 @@ def test_fanuc_sums_are_within_half_an_entry(seed: int, magnification: int) -> N
 def test_fanuc_refuses_increments_that_do_not_fit() -> None:
     curve = np.array([0, 0, 20e-6, 20e-6])
     plan = PitchParameters(1, 1, 3, 1, 0.01)
-    table = CompensationTable("X", False, plan.positions, curve, curve, np.zeros(4))
+    table = CompensationTable("X", plan.positions, curve, curve, np.zeros(4))
     with pytest.raises(TableError, match=r"increment of 20, an entry holds 7. Magnification 3623 = 3 would fit"):
         increments(table, plan)
     increments(table, replace(plan, magnification=3))

@@ -169,7 +169,7 @@ def test_a_line_is_read_as_the_c_library_reads_it(line: str) -> None:
 
 
 def table(**changes: Any) -> CompensationTable:
-    good: dict[str, Any] = {"axis": "X", "rotary": False, "positions": [-0.1, 0.0, 0.3]} | {
+    good: dict[str, Any] = {"axis": "X", "positions": [-0.1, 0.0, 0.3]} | {
         "forward": [1e-6, 3e-6, -1e-6], "reverse": [0.0, 1e-6, -3e-6], "std": [1e-7] * 3
     }  # fmt: skip
     return CompensationTable(**(good | changes))
@@ -179,7 +179,7 @@ def test_the_text_is_rows_of_actual_positions() -> None:
     assert write(table(), "mm") == (
         "-100.000000 -99.999000 -100.000000\n0.000000 0.003000 0.001000\n300.000000 299.999000 299.997000\n"
     )
-    degrees = table(axis="C", rotary=True, positions=np.radians([0, 90, 180]), forward=np.radians([0, 1e-3, 0]))
+    degrees = table(axis="C", positions=np.radians([0, 90, 180]), forward=np.radians([0, 1e-3, 0]))
     assert write(degrees, "deg").splitlines()[1].startswith("90.000000 90.001000 ")
     assert write(table(), "in").startswith("-3.937008 -3.936969 ")
 
@@ -191,7 +191,7 @@ def tables(draw: st.DrawFn) -> CompensationTable:
     positions = draw(st.floats(-2, 2)) + np.cumsum([0.0, *gaps])
     values = st.lists(st.floats(-2e-5, 2e-5), min_size=len(positions), max_size=len(positions))
     forward, reverse = np.array(draw(values)), np.array(draw(values))
-    return CompensationTable("C" if rotary else "X", rotary, positions, forward, reverse, forward)
+    return CompensationTable("C" if rotary else "X", positions, forward, reverse, forward)
 
 
 @given(tables(), st.integers(0, 1000))
@@ -245,7 +245,7 @@ def test_notes_say_what_to_write_and_what_to_mind() -> None:
     assert "ignored" in said("BACKLASH")
     assert "-100 to 300 mm" in said("Outside")
     assert "move it once" in said("homing")
-    assert "turn" in said("Outside", changes={"axis": "C", "rotary": True})
+    assert "turn" in said("Outside", changes={"axis": "C"})
 
 
 def test_dead_bands_seen_on_the_controller() -> None:

@@ -14,9 +14,10 @@ from axiscal.exceptions import ReadingError, TableError
 from axiscal.numerics import Array
 from axiscal.ports.printers import contents, klipper, marlin, reprapfirmware
 from axiscal.tables.exporter import Exporter, ExportOptions
-from axiscal.tables.loaded import Loaded, Lookup, OldFile, both_ways
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.sampling import axis_tables, backlash
 from axiscal.tables.surface import Mesh, Skew, skew_control, skew_of
+from axiscal.tables.table import CompensationTable
 from tests.tables.test_controllers import known
 from tests.tables.test_sampling import known as drawn_machine
 from tests.tables.test_sampling import machine as linear_machine
@@ -49,11 +50,11 @@ def test_a_mesh_and_a_skew_in_two_files_both_count_in_either_order() -> None:
         loaded(klipper.Klipper(), [flat, "[printer]\n"])
 
 
-def lost(play: dict[str, float]) -> tuple[Lookup, ...]:
+def lost(play: dict[str, float]) -> tuple[CompensationTable, ...]:
     """Return the tables that make up for lost motion, half to each side."""
     ends = np.array([0.0, 0.1])
     halves = ((axis, np.full(2, value / 2)) for axis, value in play.items())
-    return tuple(one for axis, half in halves for one in both_ways(axis, axis, ends, half, -half))
+    return tuple(CompensationTable(axis, ends, -half, half) for axis, half in halves)
 
 
 def klipper_mesh(text: str) -> tuple[dict[str, float], Array]:
@@ -185,9 +186,10 @@ def test_what_is_missing_in_an_old_file_of_marlin_is_said() -> None:
         loaded(marlin.Marlin(), ["M421 I0 J0 Z0\nM421 I1 J0 Z0\nM421 I0 J1 Z0\nM421 I1 J1\n"])
     found = loaded(marlin.Marlin(), ["M852 I0.01 J0 K0\n", "M425 X0.01 F1\n", "M425 Y0.02 F1\n"])
     assert found.skew == Skew(0.01, 0.0, 0.0)
-    assert {(one.axis, one.direction): float(one.added[0]) for one in found.lookups} == pytest.approx(
-        {("X", 1): 5e-6, ("X", -1): -5e-6, ("Y", 1): 1e-5, ("Y", -1): -1e-5}
-    )
+    assert {one.axis: (-one.forward[0], -one.reverse[0]) for one in found.tables} == {
+        "X": pytest.approx((5e-6, -5e-6)),
+        "Y": pytest.approx((1e-5, -1e-5)),
+    }
 
 
 def test_a_height_map_has_its_ends_spacings_counts_and_statistics() -> None:

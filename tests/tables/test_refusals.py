@@ -61,7 +61,7 @@ def test_an_old_file_that_is_not_whole(controller: str, name: str, text: str, wh
 @pytest.mark.parametrize("named", ["joint0.comp", "JOINT_0.comp", "x.comp"])
 def test_a_table_of_linuxcnc_is_of_the_joint_that_its_name_says(named: str) -> None:
     found = loaded("linuxcnc", THREE, ExportOptions(old_files=(OldFile(named, "0 0 0\n100 100.01 100.01\n"),)))
-    assert {table.axis for table in found.lookups} == {"X"}
+    assert {table.axis for table in found.tables} == {"X"}
 
 
 CEC = (
@@ -74,7 +74,7 @@ CURVE = "setp y-x.x-val-0 {}\nsetp y-x.x-val-1 100\nsetp y-x.y-val-0 0\n{}"
 
 def test_a_table_that_another_one_multiplies_is_refused() -> None:
     old = OldFile("NC_CEC.INI", CEC.format(0))
-    assert [(one.axis, one.over) for one in loaded("sinumerik", THREE, ExportOptions(old_files=(old,))).lookups] == [
+    assert [(one.axis, one.over) for one in loaded("sinumerik", THREE, ExportOptions(old_files=(old,))).tables] == [
         ("Y", "X")
     ]
     with pytest.raises(TableError, match="a CEC table of Y is multiplied by another one"):
@@ -149,12 +149,12 @@ def test_a_table_is_of_the_axis_that_is_said_on_the_command_line(tmp_path: Path)
     (tmp_path / "a.comp").write_text("0 0 0\n100 100.01 100.01\n")
     (old,) = read_old(["Y=a.comp"], tmp_path)
     assert old.axis == "Y"
-    assert {each.axis for each in loaded("linuxcnc", THREE, ExportOptions(old_files=(old,))).lookups} == {"Y"}
+    assert {each.axis for each in loaded("linuxcnc", THREE, ExportOptions(old_files=(old,))).tables} == {"Y"}
 
 
 def test_a_table_is_of_the_axis_that_is_said() -> None:
     old = OldFile("a.comp", "0 0 0\n100 100.01 100.01\n", axis="Y")
-    assert {table.axis for table in loaded("linuxcnc", THREE, ExportOptions(old_files=(old,))).lookups} == {"Y"}
+    assert {table.axis for table in loaded("linuxcnc", THREE, ExportOptions(old_files=(old,))).tables} == {"Y"}
 
 
 def test_a_height_without_its_place() -> None:
@@ -233,7 +233,7 @@ def test_what_a_lincurve_cannot_hold() -> None:
 
 def table(axis: str, over: str, at: list[float]) -> CompensationTable:
     zeros = np.zeros(len(at))
-    return CompensationTable(axis, False, np.array(at), zeros, zeros, zeros, over)
+    return CompensationTable(axis, np.array(at), zeros, zeros, zeros, over)
 
 
 def read_of(machine: Machine) -> Estimate:

@@ -19,7 +19,7 @@ from axiscal.tables.controllers import isg, plain_csv, sinumerik
 from axiscal.tables.controllers.fanuc import read_records, replace_values
 from axiscal.tables.controllers.isg import read_list, write_list
 from axiscal.tables.exporter import Exporter, ExportOptions
-from axiscal.tables.loaded import Loaded, OldFile, both_ways
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.surface import Mesh, Skew
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.volumetric import SampledError
@@ -43,7 +43,7 @@ def tables(draw: st.DrawFn, rotary: bool | None = None) -> CompensationTable:
     first, step = draw(st.integers(-40_000, 0)), draw(st.integers(100, 3000))
     at = from_unit((first + step * np.arange(count, dtype=float)) / 100, "deg" if turning else "mm")
     sides = draw(values(count)), draw(values(count))
-    return CompensationTable("C" if turning else "X", turning, at, *sides, np.abs(draw(values(count))))
+    return CompensationTable("C" if turning else "X", at, *sides, np.abs(draw(values(count))))
 
 
 @st.composite
@@ -72,7 +72,7 @@ def test_linuxcnc_table(table: CompensationTable, inch: bool) -> None:
     text = writer.write(table, unit)
     kept = writer.parse(text)
     at, forward, reverse = (from_unit(column, unit) for column in (kept.nominal, -kept.forward, -kept.reverse))
-    assert writer.write(CompensationTable(table.axis, table.rotary, at, forward, reverse, table.std), unit) == text
+    assert writer.write(CompensationTable(table.axis, at, forward, reverse, table.std), unit) == text
 
 
 @given(st.sampled_from("AB"), st.lists(st.floats(-1, 1), min_size=4, max_size=4), st.booleans())
@@ -87,18 +87,16 @@ def test_sinumerik(table: CompensationTable) -> None:
     names = {"X": "X1", "C": "C1"}
     files = sinumerik.write([table], sinumerik.blocks_of([table], []), names)
     found = [each for text in files.values() for each in sinumerik.read(text, names, MACHINE)]
-    middle = -found[0].added
-    half = -found[1].added if len(found) > 1 else np.zeros_like(middle)
-    same = CompensationTable(table.axis, table.rotary, found[0].positions, middle + half, middle - half, table.std)
+    middle = found[0].forward
+    half = found[1].forward if len(found) > 1 else np.zeros_like(middle)
+    same = CompensationTable(table.axis, found[0].positions, middle + half, middle - half, table.std)
     assert sinumerik.write([same], sinumerik.blocks_of([same], []), names) == files
 
 
 @given(tables())
 def test_isg_leadscrew(table: CompensationTable) -> None:
     text = write_list(table, 3, cyclic=False)
-    forward, reverse = read_list(text, MACHINE)
-    same = CompensationTable(table.axis, table.rotary, forward.positions, -forward.added, -reverse.added, table.std)
-    assert write_list(same, 3, cyclic=False) == text
+    assert write_list(read_list(text, MACHINE), 3, cyclic=False) == text
 
 
 @given(st.integers(2, 9), st.data())
@@ -128,7 +126,7 @@ def test_klipper_skew(xy: float, xz: float, yz: float) -> None:
 @given(meshes(), SMALL, st.floats(0, 1e-3))
 def test_marlin(mesh: Mesh, tangent: float, play: float) -> None:
     half = np.full(2, play / 2)
-    text = marlin.text_of(Loaded(both_ways("X", "X", np.array(X.travel), half, -half), (mesh,), Skew(xy=tangent)))
+    text = marlin.text_of(Loaded((CompensationTable("X", np.array(X.travel), -half, half),), (mesh,), Skew(xy=tangent)))
     assert marlin.text_of(marlin.read(text, mesh, MACHINE)) == text
 
 
@@ -150,7 +148,7 @@ def test_fanuc(stored: dict[tuple[int, int], int]) -> None:
 
 
 def table(**changes: Any) -> CompensationTable:
-    good: dict[str, Any] = {"axis": "X", "rotary": False, "positions": [0.0, 0.1, 0.3]} | {
+    good: dict[str, Any] = {"axis": "X", "positions": [0.0, 0.1, 0.3]} | {
         "forward": [1e-6, 3e-6, -1e-6], "reverse": [0.0, 1e-6, -3e-6], "std": [1e-7] * 3
     }  # fmt: skip
     return CompensationTable(**(good | changes))
@@ -207,7 +205,7 @@ def test_csv_text() -> None:
         "X,100.0000000,3.0000,1.0000,0.1000",
         "X,300.0000000,-1.0000,-3.0000,0.1000",
     ]
-    assert plain_csv.text_of(table(axis="C", rotary=True)).startswith("axis,position_deg,forward_arcsec")
+    assert plain_csv.text_of(table(axis="C")).startswith("axis,position_deg,forward_arcsec")
 
 
 @given(
@@ -218,7 +216,7 @@ def test_csv_text() -> None:
 def test_csv_comes_back_as_written(positions: list[float], rotary: bool, data: st.DataObject) -> None:
     values = st.lists(st.floats(-1e-3, 1e-3), min_size=len(positions), max_size=len(positions))
     drawn = np.array(data.draw(values))
-    written = CompensationTable("C" if rotary else "X", rotary, np.array(positions), drawn, drawn, drawn)
+    written = CompensationTable("C" if rotary else "X", np.array(positions), drawn, drawn, drawn)
     back = plain_csv.parse(plain_csv.text_of(written))
     assert (back.axis, back.rotary) == (written.axis, rotary)
     assert back.positions == pytest.approx(written.positions, abs=1e-9)

@@ -331,7 +331,7 @@ def test_a_skew_is_the_mean_of_both_directions(monkeypatch: pytest.MonkeyPatch) 
     up, down = 3e-4 * at, 1e-4 * at + 5e-6
 
     def tables(_: Estimate) -> tuple[CompensationTable, ...]:
-        return (CompensationTable("X", False, at, up, down, 0 * at, "Y"),)
+        return (CompensationTable("X", at, up, down, 0 * at, "Y"),)
 
     monkeypatch.setattr(surface, "cross_tables", tables)
     found = surface.skew_of(read_of(THREE))

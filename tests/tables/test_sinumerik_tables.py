@@ -112,7 +112,7 @@ def test_the_sum_that_md32720_must_allow_is_that_of_the_tables() -> None:
 def test_more_points_than_md18342_can_allow_are_refused() -> None:
     at = np.linspace(0.0, 2.0, 2001)
     flat = np.zeros(2001)
-    table = CompensationTable("X", False, at, flat + 1e-6, flat, flat)
+    table = CompensationTable("X", at, flat + 1e-6, flat, flat)
     with pytest.raises(TableError, match="has 2001 points, MD18342 allows 2000"):
         sinumerik.blocks_of([table], [])
 

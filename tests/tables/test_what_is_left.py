@@ -27,7 +27,7 @@ from axiscal.tables import registry
 from axiscal.tables.conditional import mean_along
 from axiscal.tables.controllers.fanuc import PitchParameters, _turn_notes
 from axiscal.tables.exporter import ExportOptions
-from axiscal.tables.loaded import Loaded, Lookup
+from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import foreword, shifts
 from axiscal.tables.surface import CommandedMachine, Mesh, effect_of_control, planes_left
 from axiscal.tables.table import CompensationTable
@@ -134,16 +134,16 @@ def test_rows_are_the_mean_over_a_whole_turn_that_does_not_begin_at_nought(over:
             assert rows[moved, number] == pytest.approx(expected, abs=1e-3 * np.abs(expected).max())
 
 
-def old_table(count: int, low: float = 0.0, high: float = 0.4, size: float = 3e-6) -> Lookup:
+def old_table(count: int, low: float = 0.0, high: float = 0.4, size: float = 3e-6) -> CompensationTable:
     """Return an old table of Y over itself: what it adds is a parabola."""
     at = np.linspace(low, high, count)
-    return Lookup("Y", "Y", at, size * at**2)
+    return CompensationTable("Y", at, -size * at**2, -size * at**2)
 
 
 def new_table(count: int) -> CompensationTable:
     """Return a new one that takes a line away."""
     at = np.linspace(0.0, 0.4, count)
-    return CompensationTable("Y", False, at, 5e-6 * at, 5e-6 * at, np.full(count, 1e-6), "Y")
+    return CompensationTable("Y", at, 5e-6 * at, 5e-6 * at, np.full(count, 1e-6), "Y")
 
 
 @pytest.mark.parametrize(
@@ -185,18 +185,18 @@ def test_a_table_of_before_alone_is_on_its_own_points_and_one_point_is_the_whole
     assert (found.axis, found.over, found.rotary) == ("Y", "Y", False)
     assert set(old_table(7).positions) <= set(found.positions)
     assert not found.std.any()
-    sides = [Lookup("Y", "X", np.array([0.1]), np.array([added]), way) for added, way in ((2e-6, 1), (4e-6, -1))]
-    (found,) = Loaded(tuple(sides)).under_tables([], machine(CHAINS[0]), 100)
+    sides = CompensationTable("Y", np.array([0.1]), np.array([-2e-6]), np.array([-4e-6]), over="X")
+    (found,) = Loaded((sides,)).under_tables([], machine(CHAINS[0]), 100)
     assert found.positions == pytest.approx([-0.1, 0.5])
     assert found.forward == pytest.approx([-2e-6, -2e-6])
     assert found.reverse == pytest.approx([-4e-6, -4e-6])
 
 
 def test_old_tables_are_told_apart_by_whether_they_are_over_another_axis() -> None:
-    own, cross = old_table(3), Lookup("Y", "X", np.array([0.0, 0.4]), np.zeros(2))
+    own, cross = old_table(3), CompensationTable("Y", np.array([0.0, 0.4]), np.zeros(2), np.zeros(2), over="X")
     both = Loaded((own, cross))
-    assert both.within().lookups == (own,)
-    assert both.across().lookups == (cross,)
+    assert both.within().tables == (own,)
+    assert both.across().tables == (cross,)
 
 
 def test_old_heights_are_added_at_the_points_of_the_new_mesh() -> None:

@@ -111,74 +111,34 @@ _APART = 1e-9
 """m or rad: positions nearer than this are one, by their decimals."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Lookup:
-    """A table as a control has understood it.
-
-    axis : that is moved; over : whose position is looked up
-    positions : (n,) increasing, added : (n,) what is added to the command of `axis`, m or rad
-    direction : 0 for both, else only after moving upwards (+1) or downwards (-1)
-    """
-
-    axis: str
-    over: str
-    positions: Array
-    added: Array
-    direction: int = 0
-
-    def at(self, position: Array, approach: Array) -> Array:
-        """Return what is added at positions (m,) of `over` that were approached from a side, (m,).
-
-        Where no side is known (0) tables of both directions add half each: their mean.
-        """
-        value = np.interp(position, self.positions, self.added)
-        share: Array = 0.5 * (1.0 + self.direction * np.sign(approach))
-        return value * share if self.direction else value
-
-
-def both_ways(axis: str, over: str, positions: Array, forward: Array, reverse: Array) -> tuple[Lookup, Lookup]:
-    """Return the tables of an axis for both directions.  forward, reverse : (n,) what is added, m or rad"""
-    return Lookup(axis, over, positions, forward, 1), Lookup(axis, over, positions, reverse, -1)
-
-
-def lookups_of(tables: Iterable[CompensationTable]) -> tuple[Lookup, ...]:
-    """Return what takes the deviations of tables away exactly as they say."""
-    return tuple(one for t in tables for one in both_ways(t.axis, t.over, t.positions, -t.forward, -t.reverse))
-
-
-def lookup_control(machine: Machine, lookups: Sequence[Lookup]) -> Control:
-    """Return the control that adds all of them."""
+def table_control(machine: Machine, tables: Iterable[CompensationTable]) -> Control:
+    """Return the control that takes the deviations of tables away exactly as they say."""
+    known = [(machine.index(table.axis), machine.index(table.over), table) for table in tables]
 
     def control(poses: Array, approaches: Array) -> Array:
         added = np.zeros_like(poses)
-        for each in lookups:
-            over = machine.index(each.over)
-            added[:, machine.index(each.axis)] += each.at(poses[:, over], approaches[:, over])
+        for axis, over, table in known:
+            added[:, axis] -= table.deviation(poses[:, over], approaches[:, over])
         return added
 
     return control
 
 
-def table_control(machine: Machine, tables: Iterable[CompensationTable]) -> Control:
-    """Return the control that takes the deviations of tables away exactly as they say."""
-    return lookup_control(machine, lookups_of(tables))
-
-
-def lost_motion(machine: Machine, play: Mapping[str, float]) -> tuple[Lookup, ...]:
+def lost_motion(machine: Machine, play: Mapping[str, float]) -> tuple[CompensationTable, ...]:
     """Return the tables that make up for what axes lose as they turn round, m or rad, half of it to each side."""
     travels = [(axis, np.array(machine.axis(axis).travel), np.full(2, lost / 2)) for axis, lost in play.items()]
-    return tuple(one for axis, ends, half in travels for one in both_ways(axis, axis, ends, half, -half))
+    return tuple(CompensationTable(axis, ends, -half, half) for axis, ends, half in travels)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Loaded:
     """An old compensation as its control understood it.
 
-    lookups : tables; meshes : height maps; skew : tangents by plane, as set; errors : by name, to a control that knows
-    the chain; others : what does more than that
+    tables : what it takes away; meshes : height maps; skew : tangents by plane, as set
+    errors : by name, to a control that knows the chain; others : what does more than that
     """
 
-    lookups: tuple[Lookup, ...] = ()
+    tables: tuple[CompensationTable, ...] = ()
     meshes: tuple[Mesh, ...] = ()
     skew: Skew = field(default_factory=Skew)
     errors: Mapping[str, SampledError] = field(default_factory=dict)
@@ -186,18 +146,18 @@ class Loaded:
 
     def control(self, machine: Machine) -> Control:
         """Return what it adds to commands."""
-        parts = [lookup_control(machine, self.lookups), *self.others]
+        parts = [table_control(machine, self.tables), *self.others]
         parts += [mesh_control(machine, mesh) for mesh in self.meshes]
         parts += [tip_control(ErrorModel(machine), self.errors)] if self.errors else []
         return sum_of(*parts, *([skew_control(machine, self.skew)] if self.skew.seen else []))
 
     def within(self) -> Loaded:
         """Return the tables of axes over themselves alone."""
-        return Loaded(tuple(one for one in self.lookups if one.axis == one.over))
+        return Loaded(tuple(one for one in self.tables if one.axis == one.over))
 
     def across(self) -> Loaded:
         """Return the tables of axes over others alone."""
-        return Loaded(tuple(one for one in self.lookups if one.axis != one.over))
+        return Loaded(tuple(one for one in self.tables if one.axis != one.over))
 
     def under_tables(
         self, tables: Sequence[CompensationTable], machine: Machine, most: int, *, even: bool = False
@@ -206,7 +166,7 @@ class Loaded:
 
         most : points that fit; even : the points of a table stay evenly spaced
         """
-        kinds = list(dict.fromkeys([(t.axis, t.over) for t in tables] + [(one.axis, one.over) for one in self.lookups]))
+        kinds = list(dict.fromkeys([(t.axis, t.over) for t in tables] + [(one.axis, one.over) for one in self.tables]))
         new = {(table.axis, table.over): table for table in tables}
         return tuple(self._summed(kind, new.get(kind), machine, most, even) for kind in kinds)
 
@@ -224,26 +184,26 @@ class Loaded:
     def _summed(
         self, kind: tuple[str, str], table: CompensationTable | None, machine: Machine, most: int, even: bool
     ) -> CompensationTable:
-        mine = [one for one in self.lookups if (one.axis, one.over) == kind]
+        mine = [one for one in self.tables if (one.axis, one.over) == kind]
         base = _nothing(kind, mine, machine) if table is None else table
         if not mine:
             return base
         at = _positions(base, mine, most, even=even or machine.axis(base.axis).cyclic)
-        up, down = (np.sum([one.at(at, np.full(len(at), side)) for one in mine], axis=0) for side in (1.0, -1.0))
+        up, down = (np.sum([one.deviation(at, side) for one in mine], axis=0) for side in (1, -1))
         new = base.resampled(at)
-        return replace(new, forward=new.forward - up, reverse=new.reverse - down)
+        return replace(new, forward=new.forward + up, reverse=new.reverse + down)
 
 
-def _nothing(kind: tuple[str, str], old: Sequence[Lookup], machine: Machine) -> CompensationTable:
+def _nothing(kind: tuple[str, str], old: Sequence[CompensationTable], machine: Machine) -> CompensationTable:
     """Return a table that says nothing, on the points of the finest old one."""
     axis, over = kind
     at = max((one.positions for one in old), key=len)
     at = at if len(at) > 1 else np.array(machine.axis(over).travel)
     zero = np.zeros(len(at))
-    return CompensationTable(axis, machine.axis(axis).rotary, at, zero, zero, zero, over)
+    return CompensationTable(axis, at, zero, zero, over=over)
 
 
-def _positions(table: CompensationTable, old: Sequence[Lookup], most: int, *, even: bool) -> Array:
+def _positions(table: CompensationTable, old: Sequence[CompensationTable], most: int, *, even: bool) -> Array:
     """Return the points of the sum: those of all tables, of the finest where all are too many or have to stay even."""
     points = [one.positions for one in old if len(one.positions) > 1]
     union = distinct(np.concatenate([table.positions, *points]))

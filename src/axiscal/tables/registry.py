@@ -104,8 +104,8 @@ def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
         what = "a number that {controller} needs is missing, or is none ({reason})"
         remedy = "give the files as the control saved them"
         raise TableError(what, remedy, named, controller=controller, reason=fault) from fault
-    for table in found.lookups:
-        if not np.all(np.abs(table.added) < _ABSURD):
+    for table in found.tables:
+        if not np.all(np.abs([table.forward, table.reverse]) < _ABSURD):
             what = "the table of {axis} over {over} moves it by a metre, or a radian, or more"
             remedy = "give the files as the control saved them, and the unit of the machine"
             raise TableError(what, remedy, named, axis=table.axis, over=table.over)

@@ -220,7 +220,6 @@ def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array)
     rest = float(sum(estimate.model.functions[index].rest for index in _followed(estimate, axis, over)))
     return CompensationTable(
         own.name,
-        own.rotary,
         hats.points,
         values[0],
         values[-1],

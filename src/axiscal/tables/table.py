@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.exceptions import TableError
+from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.machine.entry import AXIS_NAME
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import gauss
@@ -126,10 +127,10 @@ def _extremes(cubics: Array) -> Array:
 class CompensationTable:
     """The deviation of one axis, actual minus nominal along its own positive direction, tool relative to workpiece.
 
-    axis : its name, as in the chain; rotary : whether it turns
+    axis : its name, as in the chain
     positions : (n,) m or rad, strictly increasing, of the axis itself or of `over`
     forward, reverse : (n,) m or rad, the deviation when the position was approached upwards or downwards
-    std : (n,) m or rad, the standard deviation that the deviation is known to
+    std : (n,) m or rad, the standard deviation that the deviation is known to; zero where nobody says
     over : the linear axis over whose position the deviation goes; the axis itself unless said otherwise
     prior_only : (n,) where the readings said nothing: the deviation there is what was believed beforehand
     shape_std : RMS of the standard deviation of the deviation less its mean over the table, m or rad
@@ -138,11 +139,10 @@ class CompensationTable:
     """
 
     axis: str
-    rotary: bool
     positions: Array
     forward: Array
     reverse: Array
-    std: Array
+    std: Array = field(default_factory=lambda: np.zeros(0))
     over: str = ""
     prior_only: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     departure: float = 0.0
@@ -154,6 +154,8 @@ class CompensationTable:
             if not re.fullmatch(AXIS_NAME, axis):
                 remedy = "axes are named like X, Y2 or C"
                 raise TableError("{name!r} is not the name of an axis", remedy, name=axis[:20])
+        if not np.size(self.std):
+            object.__setattr__(self, "std", np.zeros(np.shape(self.positions)))
         for name in ("positions", "forward", "reverse", "std"):
             values = np.array(getattr(self, name), dtype=np.float64)
             values.setflags(write=False)
@@ -175,9 +177,19 @@ class CompensationTable:
             what = "{name} of {axis} is not finite at {where:g} m or rad"
             raise TableError(what, "leave that position out", name=name, axis=self.axis, where=where)
 
-    def deviation(self, position: Array, direction: int) -> Array:
-        """Return the deviation at positions (m,) approached in direction +1 or -1: linear between, constant outside."""
-        return np.interp(position, self.positions, self.forward if direction > 0 else self.reverse)
+    def deviation(self, position: Array, direction: Array | int) -> Array:
+        """Return the deviation at positions (m,): linear between, constant outside.
+
+        direction : +1 or -1, from which they were approached, or (m,) of each; the mean of both where that is 0
+        """
+        share = 0.5 * (1.0 + np.sign(direction))
+        forward, reverse = (np.interp(position, self.positions, side) for side in (self.forward, self.reverse))
+        return share * forward + (1.0 - share) * reverse
+
+    @property
+    def rotary(self) -> bool:
+        """Whether the axis turns."""
+        return self.axis[0] in ROTARY_LETTERS
 
     @property
     def unit(self) -> str:

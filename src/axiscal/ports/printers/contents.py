@@ -39,4 +39,4 @@ def in_words(content: Loaded) -> str:
 
 def play_of(content: Loaded) -> dict[str, float]:
     """Return the lost motion that tables make up for, half of it to each side, m."""
-    return summed((one.axis, one.direction * float(one.added[0])) for one in content.lookups)
+    return summed((one.axis, float(one.reverse[0] - one.forward[0])) for one in content.tables)

@@ -131,7 +131,7 @@ class Klipper(MapFormat):
 
     def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
         """Return the map and the skew that were seen."""
-        return replace(content_of(estimate, options, options.mesh), lookups=())
+        return replace(content_of(estimate, options, options.mesh), tables=())
 
     def write(self, content: Loaded, machine: Machine, options: ExportOptions) -> Written:
         """Return a file for each of them."""

@@ -54,7 +54,7 @@ class Marlin(MapFormat):
         for file in files:
             commands = "\n".join(_COMMAND.findall(file.text))
             found = read(commands, _built(file.text, machine), machine)
-            if not found.meshes and not found.skew.seen and not found.lookups:
+            if not found.meshes and not found.skew.seen and not found.tables:
                 what = "there is no M421, M425 or M852 in this file"
                 raise TableError(what, "send M503, and save what Marlin answers", file.name)
             meshes, skew = (*meshes, *found.meshes), found.skew if found.skew.seen else skew

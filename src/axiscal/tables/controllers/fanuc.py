@@ -17,7 +17,7 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.exporter import FLIP, ExportOptions, TableFormat, Written
-from axiscal.tables.loaded import Loaded, Lookup, OldFile
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.offer import Draft
 from axiscal.tables.sampling import backlash, own_table
 from axiscal.tables.table import CompensationTable
@@ -275,12 +275,13 @@ class Fanuc(TableFormat):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the control makes of punched files; raises TableError."""
-        numbers, lookups = options.numbered(machine), list[Lookup]()
+        numbers, tables = options.numbered(machine), list[CompensationTable]()
         for file in files:
             records = read_records(file.text, file.name)
             plans = read_plans(records, file.name, machine, numbers)
-            lookups += [Lookup(n, n, p.positions, options.sign * _sums(records, p)) for n, p in plans.items()]
-        return Loaded(tuple(lookups))
+            taken = ((name, plan.positions, -options.sign * _sums(records, plan)) for name, plan in plans.items())
+            tables += [CompensationTable(name, at, values, values) for name, at, values in taken]
+        return Loaded(tuple(tables))
 
 
 def _template(options: ExportOptions, machine: Machine) -> dict[str, PitchParameters]:

@@ -17,7 +17,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.exporter import FLIP, ExportOptions, TableFormat, Written
-from axiscal.tables.loaded import Loaded, Lookup, OldFile
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
 
@@ -121,7 +121,7 @@ def read_layout(text: str, file: str) -> Layout:
     return Layout(lines[0], lines[1], heads, edges, lines[-1], decimals)
 
 
-def _read(file: OldFile, machine: Machine, sign: float) -> list[Lookup]:
+def _read(file: OldFile, machine: Machine, sign: float) -> list[CompensationTable]:
     """Return what the control makes of one file: the axis that its name begins with is looked up, or the one named."""
     read_layout(file.text, file.name)
     first, header, *rows, _ = (line for line in file.text.splitlines() if line.strip())
@@ -129,14 +129,12 @@ def _read(file: OldFile, machine: Machine, sign: float) -> list[Lookup]:
     table = np.array([[float(word) for word in row.split()] for row in rows])
     columns = dict(zip(header.split(), table.T, strict=True))
     at = from_unit(columns["AXISPOS"], over.unit)
-    lookups = []
-    for axis in machine.axes:
-        if axis.name not in columns:
-            continue
-        lookups.append(Lookup(axis.name, over.name, at, -sign * from_unit(columns[axis.name], axis.unit)))
-        if axis.name == over.name:
-            lookups.append(Lookup(axis.name, over.name, at, -sign * from_unit(columns["BACKLASH"], axis.unit), -1))
-    return lookups
+    tables = []
+    for axis in (axis for axis in machine.axes if axis.name in columns):
+        step = columns["BACKLASH"] * (axis.name == over.name)
+        forward, reverse = (sign * from_unit(columns[axis.name] + more, axis.unit) for more in (0.0, step))
+        tables.append(CompensationTable(axis.name, at, forward, reverse, over=over.name))
+    return tables
 
 
 def _sampled(table: CompensationTable, at: Array) -> CompensationTable:

@@ -27,7 +27,7 @@ from axiscal.machine.description import Machine
 from axiscal.machine.entry import parse_error_name
 from axiscal.numerics import Array
 from axiscal.tables.exporter import FLIP, Exporter, ExportOptions, Written, summed
-from axiscal.tables.loaded import Loaded, Lookup, OldFile, both_ways, table_control
+from axiscal.tables.loaded import Loaded, OldFile, table_control
 from axiscal.tables.offer import Draft
 from axiscal.tables.sampling import axis_tables, points
 from axiscal.tables.surface import sum_of
@@ -60,7 +60,7 @@ def write_list(table: CompensationTable, number: int, cyclic: bool) -> str:
     return "\n".join(lines) + "\n"
 
 
-def read_list(text: str, machine: Machine) -> list[Lookup]:
+def read_list(text: str, machine: Machine) -> CompensationTable:
     """Return what the kernel makes of a list; raises TableError for a line that it would not know."""
     keys, sides = dict[str, str](), {"pos": dict[int, int](), "neg": dict[int, int]()}
     for line in text.splitlines():
@@ -81,8 +81,8 @@ def read_list(text: str, machine: Machine) -> list[Lookup]:
     axis = machine.axis(keys["log_achs_name"])
     scale = list_unit(axis.unit)
     at: Array = scale * (int(keys["kw_startpos"]) + int(keys["interval"]) * np.arange(count, dtype=float))
-    pos, neg = (-scale * np.array([values[i] for i in range(count)]) for values in sides.values())
-    return [*both_ways(axis.name, axis.name, at, pos, neg)]
+    pos, neg = (scale * np.array([values[i] for i in range(count)]) for values in sides.values())
+    return CompensationTable(axis.name, at, pos, neg)
 
 
 NAMES = re.compile(r"E[XYZABC][XYZABC]|[XYZABC]0[XYZABC]|P[XYZ][ABC]|P0[XYZ]")
@@ -227,19 +227,19 @@ class Isg(Exporter):
 
         The list file says where the others are and nothing else. Where the tool and rotary axes lie is no compensation.
         """
-        errors, lookups = dict[str, SampledError](), list[Lookup]()
+        errors, lists = dict[str, SampledError](), list[CompensationTable]()
         for file in files:
             try:
                 if "kw.ssfk." in file.text:
-                    lookups += read_list(file.text, machine)
+                    lists.append(read_list(file.text, machine))
                 elif "file_format[0]" not in file.text:
                     errors |= {n: e for n, e in read_csv(file.text, machine).items() if not n.startswith("P")}
             except (TableError, ValueError, LookupError) as fault:
                 what = fault.what if isinstance(fault, TableError) else "this is no table of the ISG kernel"
                 raise TableError(what, _REMEDY, file.name) from None
-        if not errors and not lookups:
+        if not errors and not lists:
             raise TableError("no error and no leadscrew table is in these files", _REMEDY, files[0].name)
-        return Loaded(tuple(lookups), errors=errors)
+        return Loaded(tuple(lists), errors=errors)
 
     def _errors(self, estimate: Estimate, options: ExportOptions) -> dict[str, SampledError]:
         """Return what the files are to hold, that of the old ones added; raises TableError."""

@@ -14,7 +14,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, parse_table
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
-from axiscal.tables.loaded import Loaded, OldFile, lookups_of
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
 
@@ -44,7 +44,7 @@ class PlainCsv(TableFormat):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what somebody does who takes the deviations of these tables away; raises ReadingError, TableError."""
-        return Loaded(lookups_of(parse(file.text, file.name) for file in files))
+        return Loaded(tuple(parse(file.text, file.name) for file in files))
 
 
 def text_of(table: CompensationTable) -> str:
@@ -72,8 +72,7 @@ def parse(text: str, file: str = "table.csv") -> CompensationTable:
     if not over and len({column.dimension for column in found}) > 1:
         raise TableError("the columns mix lengths and angles", "a table of one axis holds one kind", file, source.line)
     at, forward, reverse, std = (np.array([row.quantity(column) for row in source.rows]) for column in found)
-    rotary = found[1].dimension == "angle"
-    return CompensationTable(names.pop(), rotary, at, forward, reverse, std, over.pop() if over else "")
+    return CompensationTable(names.pop(), at, forward, reverse, std, over.pop() if over else "")
 
 
 def _notes(table: CompensationTable) -> tuple[str, ...]:

@@ -20,7 +20,7 @@ from axiscal.language.spoken import later
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.exporter import FLIP, ExportOptions, TableFormat, Written
-from axiscal.tables.loaded import Loaded, Lookup, OldFile
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
 
@@ -33,7 +33,7 @@ _MOST_POINTS = 100_000
 
 def read(
     text: str, names: Mapping[str, str], machine: Machine, flip: bool = False, encoder: int | None = None
-) -> list[Lookup]:
+) -> list[CompensationTable]:
     """Return what a SINUMERIK makes of a file, by its manuals: one assignment after the other.
 
     flip : CEC values are added as they are, instead of taken away as encoder compensation is
@@ -56,13 +56,13 @@ def read(
         place = (kind, first) if kind == "CEC" else (kind, first, (third or second or ""))
         index = key or f"#{second}"
         tables.setdefault(place, {})[index] = value
-    lookups = (_understood(place, values, axes, machine, flip) for place, values in tables.items())
-    return [lookup for lookup in lookups if lookup is not None]
+    found_ones = (_understood(place, values, axes, machine, flip) for place, values in tables.items())
+    return [table for table in found_ones if table is not None]
 
 
 def _understood(
     place: tuple[str, ...], values: Mapping[str, str], axes: Mapping[str, str], machine: Machine, flip: bool
-) -> Lookup | None:
+) -> CompensationTable | None:
     """Return a table, None for one that is not in use: without a step, or for axes that the machine has not."""
     enc = place[0] == "ENC_COMP"
     ends = (place[2], place[2]) if enc else (values.get("INPUT_AXIS", ""), values.get("OUTPUT_AXIS", ""))
@@ -83,9 +83,10 @@ def _understood(
         raise TableError("the table of {moved} has {count:g} points between its ends", remedy, moved=moved, count=count)
     units = [machine.axis(name).unit for name in (over, moved)]
     positions: Array = from_unit(np.array([low + step * i for i in range(len(entries))]), units[0])
-    sign = 1.0 if flip and not enc else -1.0
-    added: Array = sign * from_unit(np.array(entries), units[1])
-    return Lookup(moved, over, positions, added, 0 if enc else int(values.get("DIRECTION", "0")))
+    taken: Array = (-1.0 if flip and not enc else 1.0) * from_unit(np.array(entries), units[1])
+    direction = 0 if enc else int(values.get("DIRECTION", "0"))
+    forward, reverse = (taken * (direction in (0, side)) for side in (1, -1))
+    return CompensationTable(moved, positions, forward, reverse, over=over)
 
 
 def _number(text: str) -> float:
@@ -218,14 +219,14 @@ class Sinumerik(TableFormat):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what tables did of the chosen measuring system; raises TableError."""
-        names, lookups = _names(machine, options), []
+        names, tables = _names(machine, options), list[CompensationTable]()
         for file in files:
             try:
-                lookups += read(file.text, names, machine, options.flip, options.encoder - 1)
+                tables += read(file.text, names, machine, options.flip, options.encoder - 1)
             except TableError as fault:
                 remedy = "give AX_EEC.INI and NC_CEC.INI as the control saved them"
                 raise TableError(fault.what, remedy, file.name) from None
-        return Loaded(tuple(lookups))
+        return Loaded(tuple(tables))
 
 
 def _names(machine: Machine, options: ExportOptions) -> dict[str, str]:

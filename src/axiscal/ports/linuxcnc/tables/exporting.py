@@ -22,7 +22,7 @@ from axiscal.machine.description import Machine
 from axiscal.ports.linuxcnc.tables import cross, pivots
 from axiscal.ports.linuxcnc.tables.writer import ROWS, LinuxcncTable, notes, parse, resolution, write
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
-from axiscal.tables.loaded import Loaded, Lookup, OldFile, both_ways, lost_motion
+from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.offer import Draft
 from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.surface import sum_of
@@ -98,14 +98,14 @@ class Linuxcnc(TableFormat):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what files did, by what they say alone; raises TableError."""
-        joints, lookups = options.joints(machine), list[Lookup]()
+        joints, tables = options.joints(machine), list[CompensationTable]()
         for file in files:
             if file.name.lower().endswith(".hal"):
-                lookups += _curves(file, machine, options.unit)
+                tables += _curves(file, machine, options.unit)
             else:
                 one = _backlash if file.backlash else _table
-                lookups += one(file, _axis(file, machine, joints), machine, options.unit)
-        return Loaded(tuple(lookups))
+                tables += one(file, _axis(file, machine, joints), machine, options.unit)
+        return Loaded(tuple(tables))
 
 
 def _pivots(estimate: Estimate) -> pivots.Pivots:
@@ -205,13 +205,13 @@ def _axis(file: OldFile, machine: Machine, joints: Mapping[str, Sequence[int]]) 
     raise TableError("nothing says which axis this table is for", remedy, file.name, path=file.name)
 
 
-def _table(file: OldFile, axis: str, machine: Machine, machine_unit: str) -> list[Lookup]:
+def _table(file: OldFile, axis: str, machine: Machine, machine_unit: str) -> list[CompensationTable]:
     kept = _parsed(file, _type(file))
     if not len(kept.nominal):
         raise TableError("LinuxCNC reads no row of this file", "name a COMP_FILE", file.name)
     unit = "deg" if machine.axis(axis).rotary else machine_unit
     at, forward, reverse = (from_unit(values, unit) for values in (kept.nominal, kept.forward, kept.reverse))
-    return [*both_ways(axis, axis, at, forward, reverse)]
+    return [CompensationTable(axis, at, -forward, -reverse)]
 
 
 def _parsed(file: OldFile, file_type: int) -> LinuxcncTable:
@@ -233,13 +233,13 @@ def _type(file: OldFile) -> int:
     return 0 if slope > 0.5 else 1
 
 
-def _backlash(file: OldFile, axis: str, machine: Machine, unit: str) -> list[Lookup]:
+def _backlash(file: OldFile, axis: str, machine: Machine, unit: str) -> list[CompensationTable]:
     """Return half the backlash to each side, as motion adds it (control.c)."""
     lost = float(from_unit(file.backlash or 0.0, "deg" if machine.axis(axis).rotary else unit))
     return [*lost_motion(machine, {axis: lost})]
 
 
-def _curves(file: OldFile, machine: Machine, unit: str) -> list[Lookup]:
+def _curves(file: OldFile, machine: Machine, unit: str) -> list[CompensationTable]:
     """Return the curves of axes over other axes."""
     found: dict[tuple[str, str], dict[str, dict[int, float]]] = {}
     for moved, over, side, place, value in _CURVE.findall(file.text):
@@ -247,12 +247,13 @@ def _curves(file: OldFile, machine: Machine, unit: str) -> list[Lookup]:
             remedy = "give the HAL file as it is"
             raise TableError("{text!r} is no number of a curve", remedy, file.name, text=value[:40])
         found.setdefault((moved.upper(), over.upper()), {"x": {}, "y": {}})[side][int(place)] = number
-    lookups = []
+    tables = []
     for (moved, over), sides in found.items():
         x, y = (np.array([sides[side][i] for i in sorted(sides[side])]) for side in "xy")
         if len(x) != len(y) or np.any(np.diff(x) <= 0):
             remedy = "give the HAL file as it is"
             raise TableError("the curve of {moved} over {over} is not whole", remedy, file.name, moved=moved, over=over)
         units = ["deg" if machine.axis(name).rotary else unit for name in (over, moved)]
-        lookups.append(Lookup(moved, over, from_unit(x, units[0]), from_unit(y, units[1])))
-    return lookups
+        taken = -from_unit(y, units[1])
+        tables.append(CompensationTable(moved, from_unit(x, units[0]), taken, taken, over=over))
+    return tables
