@@ -56,7 +56,7 @@ def test_readings_are_in_si_units(tmp_path: Path) -> None:
 def test_readings_of_an_iso_230_2_test(tmp_path: Path) -> None:
     text = "# one slide\ndirection,target_mm,deviation_um,run\n-,-20,4.5,3\n+,0,1,1\n"
     first, second = read_readings(written(tmp_path, text))
-    assert first == RawReading("", {"": -0.02}, {"": -1}, 4.5 / 1e6, None, "length", 3)
+    assert first == RawReading("", {"": -0.02}, {"": -1}, 4.5 / 1e6, None, "length", 3, run=3)
     assert (second.position, second.approach) == ({"": 0.0}, {"": 1})
 
 

@@ -207,16 +207,7 @@ class Check:
         if left < 1 or len(first) == len(candidates):
             return _in_order(first)
         least = left if count is not None else 0 if len(first) else _FEW
-        return _in_order(Places.joined([first, self._at_least(candidates, least, left, first, tolerance)]))
-
-    def _at_least(self, candidates: Places, least: int, count: int, known: Places, tolerance: float) -> Places:
-        """Return `count` places besides the known ones, or as many as there are; raises ReadingError below least."""
-        while count > least:
-            try:
-                return self._others(candidates, count, known, tolerance)
-            except ReadingError:
-                count -= 1
-        return self._others(candidates, count, known, tolerance) if count else known.within(slice(0))
+        return _in_order(Places.joined([first, self._others(candidates, left, first, tolerance, least)]))
 
     def _whole(self, first: Places, candidates: Places, count: int, tolerance: float) -> Places:
         """Return `count` places at most, the first ones and what their set-ups lack to be told from the machine.
@@ -243,9 +234,11 @@ class Check:
             first = first.without(len(first) - 1)
         return first
 
-    def _others(self, candidates: Places, count: int, known: Places, tolerance: float) -> Places:
+    def _others(
+        self, candidates: Places, count: int, known: Places, tolerance: float, least: int | None = None
+    ) -> Places:
         setups, control = self.description.setups, self.tables.control
-        return plan_check(self.estimate, setups, candidates, self.avoided, control, count, known, tolerance)
+        return plan_check(self.estimate, setups, candidates, self.avoided, control, count, known, tolerance, least)
 
     @property
     def parts(self) -> tuple[Part, ...]:

@@ -23,10 +23,11 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.evaluation.one_axis import Positioning, evaluate, read_iso230
+from axiscal.evaluation.one_axis import Positioning, evaluate, positioning_test
 from axiscal.exceptions import EvaluationError
+from axiscal.measurement.readers.csv_readings import read_direction
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, CsvTable, read_text, table_of
-from axiscal.measurement.readers.renishaw import is_rtl, read_direction
+from axiscal.measurement.readers.renishaw import is_rtl
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 
@@ -65,7 +66,7 @@ def figures_of(path: str | Path) -> Positioning | CircleFigures:
     table = None if is_rtl(file) else table_of(file)
     if table is not None and {column.stem for column in table.columns} >= _CIRCLE:
         return circular(circle_of(table))
-    return evaluate(read_iso230(path))
+    return evaluate(positioning_test(file))
 
 
 def circle_of(table: CsvTable) -> CircularTest:

@@ -6,22 +6,17 @@ not measured is None.  No figure holds a coverage factor of ours: the standard's
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from axiscal.exceptions import EvaluationError, ReadingError
+from axiscal.exceptions import EvaluationError
 from axiscal.language.spoken import said
-from axiscal.measurement.readers.csv_table import read_text, table_of
-from axiscal.measurement.readers.renishaw import (
-    PositioningRow,
-    PositioningRows,
-    is_rtl,
-    positioning_rows,
-    rtl_positioning,
-)
+from axiscal.measurement.readers.csv_readings import RawReading, iso_readings
+from axiscal.measurement.readers.csv_table import TextFile, read_text, table_of
+from axiscal.measurement.readers.renishaw import is_rtl, rtl_readings
 from axiscal.numerics import Array
 from axiscal.units import format_quantity, said_quantity, to_unit
 
@@ -103,15 +98,15 @@ _Sides = Mapping[str, _Direction]
 
 def read_iso230(path: str | Path) -> PositioningTest:
     """Read a test of one axis, a table or a `.rtl` file; raises ReadingError where a run leaves out a target."""
-    file = read_text(path)
-    return arranged(rtl_positioning(file) if is_rtl(file) else positioning_rows(table_of(file)))
+    return positioning_test(read_text(path))
 
 
-def arranged(readings: PositioningRows) -> PositioningTest:
-    """Return the test that readings are; raises ReadingError where a run leaves out a target."""
-    targets = sorted({row.target for row in readings.rows})
-    up, down = (_passes(readings, targets, direction) for direction in (1, -1))
-    return PositioningTest(np.array(targets), up, down, readings.rotary, readings.file)
+def positioning_test(file: TextFile) -> PositioningTest:
+    """Return the test of a file; raises ReadingError as `read_iso230`."""
+    readings = rtl_readings(file) if is_rtl(file) else iso_readings(table_of(file))
+    targets = sorted({reading.position[""] for reading in readings})
+    up, down = (_passes(file, readings, targets, direction) for direction in (1, -1))
+    return PositioningTest(np.array(targets), up, down, readings[0].dimension == "angle", file.name)
 
 
 def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
@@ -222,24 +217,20 @@ def _direction(test: PositioningTest, runs: Array) -> _Direction:
     return _Direction(np.mean(runs, axis=1), np.std(runs, axis=1, ddof=1), runs.shape[1])
 
 
-def _passes(readings: PositioningRows, targets: list[float], direction: int) -> Array | None:
+def _passes(file: TextFile, readings: Sequence[RawReading], targets: list[float], direction: int) -> Array | None:
     """Arrange one direction as (targets, runs), None if not measured; raises ReadingError for a missing target."""
-    runs: dict[int, dict[float, PositioningRow]] = {}
-    for row in readings.rows:
-        if row.direction == direction:
-            runs.setdefault(row.run, {})[row.target] = row
-    for number, rows in runs.items():
-        for target in targets:
-            if target not in rows:
-                raise _left_out(readings, target, direction, number, next(iter(rows.values())).line)
-    return np.array([[rows[t].deviation for rows in runs.values()] for t in targets]) if runs else None
-
-
-def _left_out(readings: PositioningRows, target: float, direction: int, run: int, line: int) -> ReadingError:
-    shown = format_quantity(target, "deg" if readings.rotary else "mm")
-    what = "run {run} in direction {sign}, which starts here, has no reading at {shown}"
-    remedy = "every run must visit every target: add the reading or take out the run"
-    return ReadingError(what, remedy, readings.file, line, run=run, sign="+" if direction > 0 else "-", shown=shown)
+    runs: dict[int, dict[float, RawReading]] = {}
+    for reading in readings:
+        if reading.approach[""] == direction:
+            runs.setdefault(reading.run, {})[reading.position[""]] = reading
+    for run, rows in runs.items():
+        if (missing := next((target for target in targets if target not in rows), None)) is not None:
+            first, sign = next(iter(rows.values())), "+" if direction > 0 else "-"
+            shown = format_quantity(missing, "deg" if first.dimension == "angle" else "mm")
+            what = "run {run} in direction {sign}, which starts here, has no reading at {shown}"
+            remedy = "every run must visit every target: add the reading or take out the run"
+            raise file.fail(what, remedy, first.line, run=run, sign=sign, shown=shown)
+    return np.array([[rows[t].value for rows in runs.values()] for t in targets]) if runs else None
 
 
 def _shortfalls(test: PositioningTest, runs: int) -> Iterable[str]:

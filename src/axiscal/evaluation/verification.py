@@ -108,14 +108,17 @@ def plan_check(
     count: int,
     known: Places | None = None,
     tolerance: float = 0.0,
+    least: int | None = None,
 ) -> Places:
     """Return `count` of the candidates that were not read before: half of them the worst, half the best.
 
     They share the few set-ups that promise most, four places or more each, and none too few to tell the machine from
-    it. Raises ReadingError when there are not as many.
+    it. Where there are not as many it is as many as there are; raises ReadingError below the least.
 
     known : places that the check has already; tolerance : it is judged by, m; 0 where it is not known yet
+    least : how few will do, None for no fewer
     """
+    least = count if least is None else least
     if known is None:
         known = Places.none(len(estimate.machine.axes))
     lacking = places_lacking(estimate, setups, candidates, known, tolerance)
@@ -137,18 +140,20 @@ def plan_check(
     promising = [setup for setup in promising if len(taken(setup, lacking[setup])) == lacking[setup]]
 
     def shared(count: int) -> list[int]:
-        shares = _shared(promising, count, lacking, len(known))
+        shares = _shared(promising, count, lacking)
         return [i for setup, share in shares for i in taken(setup, share)]
 
-    if len(indices) and not promising:
-        raise ReadingError("too few places are new to tell the machine from a set-up", _fewer(0))
-    chosen = shared(count)
-    if len(chosen) < count:  # of a smaller number other halves are the worst and the best: not every one is found
-        least = min((lacking[setup] for setup in promising), default=0)
-        found = [fewer for fewer in range(least, len(chosen) + 1) if len(shared(fewer)) == fewer]
-        new = len(known) + max(found, default=0)
-        raise ReadingError("only {new} places of {count} are new", _fewer(new), new=new, count=len(known) + count)
-    order = sorted(chosen, key=lambda i: (candidates.setups[i], *candidates.poses[i]))
+    # of a smaller number other halves are the worst and the best: not every one is found
+    size = next(number for number in range(count, -1, -1) if len(shared(number)) == number)
+    if size < least:
+        if len(indices) and not promising:
+            raise ReadingError("too few places are new to tell the machine from a set-up", _fewer(0))
+        new, asked = len(known) + size, len(known) + least
+        if (alone := len(known) + min((lacking[setup] for setup in promising), default=0)) > asked:
+            what = "{count} places cannot tell the machine from a set-up"
+            raise ReadingError(what, "Ask for {least} or more", count=asked, least=alone)
+        raise ReadingError("only {new} places of {count} are new", _fewer(new), new=new, count=asked)
+    order = sorted(shared(size), key=lambda i: (candidates.setups[i], *candidates.poses[i]))
     return candidates.within(np.array(order, dtype=np.intp))
 
 
@@ -163,16 +168,9 @@ def places_lacking(
     }
 
 
-def _shared(promising: Sequence[int], count: int, lacking: Mapping[int, int], known: int) -> list[tuple[int, int]]:
-    """Return set-ups with how many places each is read at: as many set-ups as can have what they lack.
-
-    known : places that the check has already, which are among those that were asked for
-    """
+def _shared(promising: Sequence[int], count: int, lacking: Mapping[int, int]) -> list[tuple[int, int]]:
+    """Return set-ups with how many places each is read at: as many set-ups as can have what they lack."""
     able = [setup for setup in promising if lacking[setup] <= count]
-    if promising and not able:
-        least = min(lacking[setup] for setup in promising)
-        what = "{count} places cannot tell the machine from a set-up"
-        raise ReadingError(what, "Ask for {least} or more", count=known + count, least=known + least)
     for several in range(min(len(able), count // _PER_SETUP), 1, -1):
         shares = [part.size for part in np.array_split(np.arange(count), several)]
         if all(lacking[setup] <= share for setup, share in zip(able, shares, strict=False)):

@@ -4,6 +4,8 @@
 that read at once.
 Positions may be left out (a parked axis); `value_urad` or `value_arcsec` for angles.  No machine is known here: who
 does know it checks the names of set-ups and axes, and whether a position lies within the travel.
+
+Rows of an ISO 230-2 test: `target_mm,direction,run,deviation_um`, or `target_deg` and `deviation_arcsec`.
 """
 
 from __future__ import annotations
@@ -33,7 +35,6 @@ from axiscal.measurement.readers.csv_table import (
     read_table,
     unshielded,
 )
-from axiscal.measurement.readers.renishaw import STEMS, PositioningRows, positioning_rows
 from axiscal.measurement.reading import Places, Reading, approach_text, columns_of
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.units import parse_quantity, to_unit
@@ -60,6 +61,9 @@ _LAYOUT = {
 }
 
 
+_OF_TEST = {"target": LENGTHS + ANGLES, "direction": TEXT, "run": TEXT, "deviation": LENGTHS + ANGLES}
+
+
 @dataclass(frozen=True, slots=True)
 class RawReading:
     """One reading as written, in SI units.
@@ -74,6 +78,7 @@ class RawReading:
     others : the values along y and z of an instrument that reads three directions, whose first is `value`, or those of
         the second station and on
     by_station : the values are one from each station
+    run : of an ISO 230-2 test
     number : under which a program has it, None if not said
     error : where a file names no set-up but the error that was read, such as "EXX"; "z" a height, "slope" a level's
     time : s after the first reading of the file; None where it does not say
@@ -93,6 +98,7 @@ class RawReading:
     base: float | None = None
     number: int | None = None
     by_station: bool = False
+    run: int = 0
 
 
 def read_readings(path: str | Path, bare: bool = False) -> tuple[RawReading, ...]:
@@ -105,8 +111,8 @@ def readings_of(table: CsvTable, bare: bool = False) -> tuple[RawReading, ...]:
 
     bare : lines need no set-up
     """
-    if {column.stem for column in table.columns} & STEMS:
-        return of_positioning(positioning_rows(table))
+    if {column.stem for column in table.columns} & _OF_TEST.keys():
+        return iso_readings(table)
     table.allow(_LAYOUT | axis_layout(table))
     setup = next(iter(table.all_of("setup")), None) if bare else table.one_of("setup", "setup")
     if not any(table.all_of(first) for first in ("value", _THREE[0], _STATIONS[0])):
@@ -144,13 +150,50 @@ def _numbers(table: CsvTable) -> list[int | None]:
     return list(lines)
 
 
-def of_positioning(test: PositioningRows) -> tuple[RawReading, ...]:
-    """Return the readings of an ISO 230-2 test, whose axis is not named."""
-    dimension: Literal["length", "angle"] = "angle" if test.rotary else "length"
-    return tuple(
-        RawReading("", {"": row.target}, {"": row.direction}, row.deviation, None, dimension, row.line)
-        for row in test.rows
-    )
+def iso_readings(table: CsvTable) -> tuple[RawReading, ...]:
+    """Return the readings of an ISO 230-2 test, whose axis is not named; raises ReadingError, also for one twice."""
+    target, direction, run, deviation = table.needed(_OF_TEST, "target_mm", "direction", "run", "deviation_um")
+    if target.dimension != deviation.dimension:
+        what = "'{target}' and '{deviation}' mix a length and an angle"
+        remedy = "use target_mm with deviation_um, or target_deg with deviation_arcsec"
+        raise table.fail(what, remedy, target=target.name, deviation=deviation.name)
+    seen: dict[tuple[float, int, int], int] = {}
+    rows = []
+    for row in table.rows:
+        key = (row.quantity(target), read_direction(row, direction), read_run(row, run))
+        if key in seen:
+            remedy = "give each reading its own run number"
+            what = "target {target}, direction {direction}, run {run} was read in line {earlier} already"
+            at = {"target": row.text(target), "direction": row.text(direction), "run": key[2]}
+            raise row.fail(what, remedy, **at, earlier=seen[key])
+        seen[key] = row.line
+        rows.append(of_test(*key, row.quantity(deviation), target.dimension, row.line))
+    return tuple(rows)
+
+
+def of_test(
+    target: float, direction: int, run: int, deviation: float, dimension: Literal["length", "angle"], line: int
+) -> RawReading:
+    """Return a reading of an ISO 230-2 test.  target, deviation : m or rad"""
+    return RawReading("", {"": target}, {"": direction}, deviation, None, dimension, line, run=run)
+
+
+def read_direction(row: Row, column: Column) -> int:
+    """Return +1 or -1; raises ReadingError."""
+    signs = {"+": 1, "-": -1}
+    text = row.text(column)
+    if text not in signs:
+        remedy = "write + for the approach in the positive direction, - for the negative one"
+        raise row.fail("direction {text!r} is not known", remedy, text=text)
+    return signs[text]
+
+
+def read_run(row: Row, column: Column) -> int:
+    """Return the number of a run; raises ReadingError."""
+    text = row.text(column)
+    if not re.fullmatch(r"[0-9]{1,9}", text):
+        raise row.fail("run {text!r} is not a whole number", "number the runs 1, 2, 3, ...", text=text)
+    return int(text)
 
 
 def _reading(table: CsvTable, row: Row, setup: str, bare: bool) -> RawReading:

@@ -30,7 +30,7 @@ from axiscal.exceptions import UnitError
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import AXIS_NAME
 from axiscal.measurement.readers import bed_map, renishaw
-from axiscal.measurement.readers.csv_readings import RawReading, heading, of_positioning, read_times, readings_of
+from axiscal.measurement.readers.csv_readings import RawReading, heading, read_times, readings_of
 from axiscal.measurement.readers.csv_table import Column, CsvTable, Row, TextFile, read_text, table_of
 from axiscal.measurement.reading import columns_of
 from axiscal.measurement.setup import Setup
@@ -61,7 +61,7 @@ def read_any(path: str | Path, axes: Sequence[Axis] = (), setups: Sequence[Setup
     """Return the readings of a file of any kind, in its order; raises ReadingError, with the header for these axes."""
     file = read_text(path)
     if renishaw.is_rtl(file):
-        return of_positioning(renishaw.rtl_positioning(file))
+        return renishaw.rtl_readings(file)
     if file.lines[0].strip().lower() == SURVEY_MARK:
         return survey_readings(file)
     if bed_map.is_height_map(file) or bed_map.is_mesh(file):
