@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -120,12 +119,12 @@ def test_commands_of_marlin_are_millimetres_with_columns_along_x() -> None:
     nodes = {(int(i), int(j)): float(z) for i, j, z in re.findall(r"M421 I(\d+) J(\d+) Z(\S+)", text)}
     assert len(nodes) == 12
     assert all(1e-3 * nodes[i, j] == pytest.approx(MESH.added[j, i], abs=5e-8) for i, j in nodes)
-    found = marlin.read(text, replace(MESH, added=np.zeros((3, 4))), MACHINE)
+    found = marlin.read(text, MACHINE)
     (mesh,) = found.meshes
     assert mesh.added == pytest.approx(MESH.added, abs=5e-8)
     assert found.skew == Skew(0.012, None, -0.03)
     assert contents.play_of(found) == pytest.approx({"X": 12.3e-6, "Z": 4e-6})
-    half = marlin.read("M425 X0.02 F0.5 S3", None, MACHINE)
+    half = marlin.read("M425 X0.02 F0.5 S3", MACHINE)
     assert contents.play_of(half) == pytest.approx({"X": 1e-5})
     assert text.endswith("M500\n")
 

@@ -22,7 +22,6 @@ from axiscal.tables.controllers.isg import write_list
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile, read_old
 from axiscal.tables.registry import export, loaded
-from axiscal.tables.surface import Mesh
 from axiscal.tables.table import CompensationTable
 from tests.generators.texts import machine_text
 
@@ -158,9 +157,8 @@ def test_a_table_is_of_the_axis_that_is_said() -> None:
 
 
 def test_a_height_without_its_place() -> None:
-    mesh = Mesh(np.array([0.0, 0.1]), np.array([0.0, 0.1]), np.zeros((2, 2)))
     with pytest.raises(TableError, match=r"'M421 I0 Z0\.05' says no height of a point"):
-        marlin.read("M421 I0 J0 Z0.01\nM421 I0 Z0.05", mesh, THREE)
+        marlin.read("M421 I0 J0 Z0.01\nM421 I0 Z0.05", THREE)
 
 
 def test_a_folder_without_files(tmp_path: Path) -> None:

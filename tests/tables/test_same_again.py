@@ -127,7 +127,7 @@ def test_klipper_skew(xy: float, xz: float, yz: float) -> None:
 def test_marlin(mesh: Mesh, tangent: float, play: float) -> None:
     half = np.full(2, play / 2)
     text = marlin.text_of(Loaded((CompensationTable("X", np.array(X.travel), -half, half),), (mesh,), Skew(xy=tangent)))
-    assert marlin.text_of(marlin.read(text, mesh, MACHINE)) == text
+    assert marlin.text_of(marlin.read(text, MACHINE)) == text
 
 
 @given(meshes())

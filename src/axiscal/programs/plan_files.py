@@ -13,8 +13,7 @@ from axiscal.measurement.readers.touch_log import LISTS, plan_code
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs.dialect import dialect
-from axiscal.programs.listing import form
-from axiscal.programs.program import Program, programs
+from axiscal.programs.program import Program, form, programs
 
 
 def write_programs(

@@ -1,4 +1,4 @@
-"""From planned readings to programs: one for each set-up, in the order of the plan."""
+"""From planned readings to programs: one for each set-up, in the order of the plan, with the list of its readings."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import drawn_back
 from axiscal.measurement.charts.room import Chart, Room
+from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.measurement.readers.touch_log import plan_code
-from axiscal.measurement.reading import Place
+from axiscal.measurement.reading import Place, approach_text, columns_of
 from axiscal.measurement.setup import Setup
 from axiscal.programs.dialect import Dialect, filled, head
 from axiscal.programs.gliding import GENTLE, SlideDriver, TipDriver, refuse_kept_out
 from axiscal.programs.in_touch import InTouch, SphereCycle
-from axiscal.programs.listing import Listed, listing
 from axiscal.programs.scale import AxisScale, ReadingTarget, target
 from axiscal.programs.steps import (
     Arrival,
@@ -41,6 +41,50 @@ from axiscal.units import to_unit
 
 LONGEST = 60
 """Characters of a remark that every control shows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """A reading as the program has it: coordinates as written there, mm or deg.
+
+    number : in the plan; seconds : from the start at the first reading until the axes stand, stops not counted
+    """
+
+    number: int
+    seconds: float
+    setup: Setup
+    axes: tuple[Axis, ...]
+    coordinates: tuple[str, ...]
+    approach: tuple[int, ...]
+
+    @property
+    def sides(self) -> str:
+        """The approach as readings files write it: "X+ Y-"."""
+        return approach_text(self.axes, self.approach)
+
+
+def listing(readings: Sequence[Listed]) -> str:
+    """Return the list that goes with a program: number, time, set-up, every coordinate, approach."""
+    header = ["reading", "time_s", "setup", *_axis_columns(readings[0].axes), "approach"]
+    rows = [[str(r.number), f"{r.seconds:.1f}", r.setup.name, *r.coordinates, r.sides] for r in readings]
+    return csv_text([header, *rows])
+
+
+def form(readings: Sequence[Listed]) -> str:
+    """Return readings.csv, the last columns to be filled in for `axiscal data estimate`; parked axes stay empty."""
+    values = columns_of([reading.setup for reading in readings])
+    header = ["reading", "setup", *_axis_columns(readings[0].axes), "approach", *values]
+    rows = [header]
+    for each in readings:
+        moving = {each.axes[k].name for k in each.setup.moves}
+        at = [text if axis.name in moving else "" for axis, text in zip(each.axes, each.coordinates, strict=True)]
+        sides = " ".join(side for side in each.sides.split() if side[:-1] in moving)
+        rows.append([str(each.number), each.setup.name, *at, sides, *[""] * len(values)])
+    return csv_text(rows)
+
+
+def _axis_columns(axes: Sequence[Axis]) -> list[str]:
+    return [f"{axis.name}_{axis.unit}" for axis in axes]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,10 +15,12 @@ from axiscal.errors.model import ErrorFunction, ErrorModel
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis, letter_direction
+from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.tables.loaded import OldFile
+from axiscal.tables.exporter import Exporter, ExportOptions
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.surface import Mesh
-from axiscal.tables.vcomp_applying import KNOTS, MOTIONS, VcompAxis, VcompFile, at_zero, fnv1a
+from axiscal.tables.vcomp_applying import KNOTS, MOTIONS, VcompAxis, VcompFile, at_zero, component_control, fnv1a
 from axiscal.units import from_unit, to_unit
 
 _FORM = "axiscal-vcomp 1"
@@ -45,13 +48,19 @@ def read(text: str, name: str = "axiscal.vcomp", with_bed: bool = False) -> Vcom
         raise TableError("this is no file of the form {form}", _AGAIN, name, form=_FORM) from None
 
 
-def read_among(files: Sequence[OldFile], with_bed: bool = False) -> tuple[VcompFile, ...]:
-    """Return what those of the files hold that are called .vcomp; raises TableError where none is."""
-    own = [file for file in files if file.name.lower().endswith(".vcomp")]
-    if not own:
-        names = ", ".join(dict.fromkeys(file.name for file in files))
-        raise TableError("{names} is no file of the whole correction", "give axiscal.vcomp", names=names)
-    return tuple(read(file.text, file.name, with_bed) for file in own)
+class VolumetricFormat(Exporter):
+    """A control that knows the chain and reads one such file.  with_bed : it has the height of a bed as well"""
+
+    with_bed: ClassVar[bool] = False
+    tried = True
+
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+        """Return what the control makes of files that are called .vcomp; raises TableError where none is."""
+        own = [read(file.text, file.name, self.with_bed) for file in files if file.name.lower().endswith(".vcomp")]
+        if not own:
+            names = ", ".join(dict.fromkeys(file.name for file in files))
+            raise TableError("{names} is no file of the whole correction", "give axiscal.vcomp", names=names)
+        return Loaded(others=tuple(component_control(each, machine) for each in own))
 
 
 class _Lines:

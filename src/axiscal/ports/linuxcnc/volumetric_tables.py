@@ -8,7 +8,6 @@ estimate asks for.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from importlib import resources
 from typing import ClassVar
@@ -17,13 +16,11 @@ import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import later
-from axiscal.machine.description import Machine
 from axiscal.ports.linuxcnc.patching import FILE, HAL_FILE, STATEMENT, hal_text
 from axiscal.tables import vcomp_file
-from axiscal.tables.exporter import Exporter, ExportOptions, Written
-from axiscal.tables.loaded import Loaded, OldFile
+from axiscal.tables.exporter import ExportOptions, Written
 from axiscal.tables.offer import Draft, spread_poses
-from axiscal.tables.vcomp_applying import VcompFile, component_control, whole_control
+from axiscal.tables.vcomp_applying import VcompFile, whole_control
 from axiscal.units import format_quantity
 
 SOURCES = ("axiscal_vcomp.comp", "axiscal_vcomp_core.h")
@@ -37,7 +34,7 @@ _AWAY = 1e-9
 """m or rad: what twelve digits may leave."""
 
 
-class LinuxcncVolumetric(Exporter):
+class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
     """One file of every error for the realtime component, with the component itself."""
 
     holds = (
@@ -48,7 +45,6 @@ class LinuxcncVolumetric(Exporter):
         "the orientation of the tool beyond what rotary axes turn too far about themselves, what no spline follows, "
         "and errors that one tool length cannot show."
     )
-    tried = True
     takes = frozenset({"--unit", "--number", "--coordinates", "--ini"})
     instead: ClassVar = {
         "--pivots": later("leave it out: this file holds location errors; the kinematics keep machine.toml's origins"),
@@ -75,11 +71,6 @@ class LinuxcncVolumetric(Exporter):
         files |= {name: source.joinpath(name).read_text(encoding="ascii") for name in SOURCES}
         notes, steps = _notes(estimate, file), {axis.name: _AWAY for axis in machine.axes}
         return replace(self.draft(Written(files, steps, notes), wanted, machine, options), first=_first(file))
-
-    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what the component makes of its files; raises TableError."""
-        read = vcomp_file.read_among(files)
-        return Loaded(others=tuple(component_control(each, machine) for each in read))
 
 
 def reversal_times(estimate: Estimate) -> list[float]:

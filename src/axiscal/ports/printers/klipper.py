@@ -22,11 +22,11 @@ from axiscal.measurement.readers.csv_table import TextFile
 from axiscal.numerics import Array
 from axiscal.ports.printers.contents import TRIED, content_of, in_words
 from axiscal.tables import vcomp_file
-from axiscal.tables.exporter import Exporter, ExportOptions, MapFormat, Written
+from axiscal.tables.exporter import ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.offer import Draft, spread_poses
 from axiscal.tables.surface import Mesh, Skew, mesh_control, mesh_of, mesh_of_nodes, plane_axes, sum_of
-from axiscal.tables.vcomp_applying import component_control, whole_control
+from axiscal.tables.vcomp_applying import whole_control
 from axiscal.units import from_unit, to_unit
 
 _FILE, _EXTRA, _SOURCE = "axiscal.vcomp", "axiscal.py", "klipper_extra.py"
@@ -42,7 +42,7 @@ _POINTS = 33
 """Of the bed along each side: its file is read once, and no probe has to go there."""
 
 
-class KlipperVolumetric(Exporter):
+class KlipperVolumetric(vcomp_file.VolumetricFormat):
     """One file of every error, with the extra that takes them away."""
 
     holds = (
@@ -50,7 +50,7 @@ class KlipperVolumetric(Exporter):
         "the extra axiscal.py when Klipper starts."
     )
     left_out = "reversal, the orientation of the tool, and errors of two axes together but for the bed."
-    tried = True
+    with_bed = True
     takes = frozenset({"--mesh"})
     instead: ClassVar = {
         "--on-top-of": later(
@@ -76,11 +76,6 @@ class KlipperVolumetric(Exporter):
         files = {_FILE: text, _EXTRA: resources.files(__package__).joinpath(_SOURCE).read_text(encoding="utf-8")}
         steps = {axis.name: _STEP for axis in machine.axes}
         return self.draft(Written(files, steps, _notes(file.limit)), wanted, machine, options)
-
-    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what the extra makes of its files; raises TableError."""
-        read = vcomp_file.read_among(files, with_bed=True)
-        return Loaded(others=tuple(component_control(each, machine) for each in read))
 
 
 def _bed(estimate: Estimate, count: int) -> Mesh:

@@ -18,10 +18,9 @@ from axiscal.tables.surface import Mesh, Skew, plane_axes
 from axiscal.units import from_unit, to_unit
 
 _FILE = "axiscal.gcode"
-_COMMAND = re.compile(r"M(?:421|425|852) .*")
-_NODE = re.compile(r"M421 I(\d+) J(\d+)")
+_COMMAND = re.compile(r"(M421|M425|M852) ([^;\n]*)")
 _BUILT = re.compile(r"; mesh from X (\S+) to (\S+) and Y (\S+) to (\S+)")
-_WORD = re.compile(r"([A-Z])(-?[\d.]+)")
+_WORD = re.compile(r"(?<!\S)([A-Z])(-?[\d.]+)(?!\S)")
 _SKEW = {"XY": "I", "XZ": "J", "YZ": "K"}
 _STEP = float(from_unit(1e-4, "mm"))
 """The last decimal that is written, m."""
@@ -45,38 +44,16 @@ class Marlin(MapFormat):
         return Written(files, steps, _notes(mesh, skew, play), in_words(content))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what commands made active: a report of M503 or the file of an earlier export; raises TableError.
-
-        Where a mesh has its points is built into the firmware: an export says it, and else they are taken to span the
-        travels of X and Y.
-        """
+        """Return what commands made active: a report of M503 or the file of an earlier export; raises TableError."""
         meshes, skew, play = tuple[Mesh, ...](), Skew(), dict[str, float]()
         for file in files:
-            commands = "\n".join(_COMMAND.findall(file.text))
-            found = read(commands, _built(file.text, machine), machine)
+            found = read(file.text, machine)
             if not found.meshes and not found.skew.seen and not found.tables:
                 what = "there is no M421, M425 or M852 in this file"
                 raise TableError(what, "send M503, and save what Marlin answers", file.name)
             meshes, skew = (*meshes, *found.meshes), found.skew if found.skew.seen else skew
             play |= play_of(found)
         return Loaded(lost_motion(machine, play), meshes, skew)
-
-
-def _built(text: str, machine: Machine) -> Mesh | None:
-    """Return the points that commands fill, over what is said or the travels; raises TableError for one with holes."""
-    nodes = {(int(i), int(j)) for i, j in _NODE.findall(text)}
-    if not nodes:
-        return None
-    wide, high = (max(node[side] for node in nodes) + 1 for side in (0, 1))
-    if len(nodes) < wide * high or min(wide, high) < 2:
-        what = "the mesh of {wide} x {high} points has {count} values"
-        remedy = "give the whole answer to M503, or send M420 S1 first"
-        raise TableError(what, remedy, wide=wide, high=high, count=len(nodes))
-    ends = np.array([machine.axes[axis].travel for axis in plane_axes(machine)[:2]])
-    if said := _BUILT.search(text):
-        ends = from_unit(np.array(said.groups(), dtype=float), "mm").reshape(2, 2)
-    across, along = (np.linspace(low, high, count) for (low, high), count in zip(ends, (wide, high), strict=True))
-    return Mesh(across, along, np.zeros((high, wide)))
 
 
 def _points(options: ExportOptions) -> int | None:
@@ -120,25 +97,40 @@ def text_of(content: Loaded) -> str:
     return "\n".join([*lines, "M500"]) + "\n"
 
 
-def read(text: str, built: Mesh | None, machine: Machine) -> Loaded:
-    """Return what Marlin makes of the commands; built : has the points that the firmware was built with."""
-    heights = None if built is None else np.zeros(built.added.shape)
-    skew, play = Skew(), dict[str, float]()
-    for line in text.splitlines():
-        command, *words = line.split()
-        values = {m[1]: float(m[2]) for word in words if (m := _WORD.fullmatch(word))}
-        if command == "M852":
+def read(text: str, machine: Machine) -> Loaded:
+    """Return what Marlin makes of the commands in a text; raises TableError."""
+    skew, play, heights = Skew(), dict[str, float](), dict[tuple[int, int], float]()
+    for command in _COMMAND.finditer(text):
+        values = {letter: float(number) for letter, number in _WORD.findall(command[2])}
+        if command[1] == "M852":
             skew = Skew(*(values.get(letter) for letter in _SKEW.values()))
-        elif command == "M425":
+        elif command[1] == "M425":
             share = values.pop("F", 1.0)
             play = {axis: share * float(from_unit(v, "mm")) for axis, v in values.items() if axis != "S"}
-        elif command == "M421" and heights is not None:
-            if not values.keys() >= set("IJZ"):
-                remedy = "write it as in M421 I0 J0 Z0.05"
-                raise TableError("{text!r} says no height of a point", remedy, text=line[:40])
-            heights[int(values["J"]), int(values["I"])] = values["Z"]
-    meshes = () if built is None or heights is None else (Mesh(built.x, built.y, from_unit(heights, "mm")),)
-    return Loaded(lost_motion(machine, play), meshes, skew)
+        elif values.keys() >= set("IJZ"):
+            heights[int(values["I"]), int(values["J"])] = values["Z"]
+        else:
+            remedy = "write it as in M421 I0 J0 Z0.05"
+            raise TableError("{text!r} says no height of a point", remedy, text=command[0][:40])
+    return Loaded(lost_motion(machine, play), (_mesh(heights, text, machine),) if heights else (), skew)
+
+
+def _mesh(heights: Mapping[tuple[int, int], float], text: str, machine: Machine) -> Mesh:
+    """Return heights at their places; raises TableError where some are missing.
+
+    Where these are is built into the firmware: an export says it, and else they span the travels of X and Y.
+    """
+    wide, high = (max(node[side] for node in heights) + 1 for side in (0, 1))
+    if len(heights) < wide * high or min(wide, high) < 2:
+        what = "the mesh of {wide} x {high} points has {count} values"
+        remedy = "give the whole answer to M503, or send M420 S1 first"
+        raise TableError(what, remedy, wide=wide, high=high, count=len(heights))
+    if said := _BUILT.search(text):
+        ends = from_unit(np.array(said.groups(), dtype=float), "mm").reshape(2, 2)
+    else:
+        ends = np.array([machine.axes[axis].travel for axis in plane_axes(machine)[:2]])
+    x, y = (np.linspace(low, top, count) for (low, top), count in zip(ends, (wide, high), strict=True))
+    return Mesh(x, y, from_unit(np.array([[heights[i, j] for i in range(wide)] for j in range(high)]), "mm"))
 
 
 def _mm(places: Array) -> str:

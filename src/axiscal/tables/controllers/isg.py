@@ -16,13 +16,14 @@ takes it away. Points are evenly spaced from kw_startpos on.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import parse_error_name
 from axiscal.numerics import Array
@@ -89,34 +90,29 @@ NAMES = re.compile(r"E[XYZABC][XYZABC]|[XYZABC]0[XYZABC]|P[XYZ][ABC]|P0[XYZ]")
 
 
 def write_csv(found: Mapping[str, SampledError], machine: Machine) -> str:
-    """Return the ISG_CSV text."""
-    constants = {name: curve for name, curve in found.items() if len(curve.positions) == 1}
-    blocks = []
-    if constants:
-        values = [_shown(name, curve.values)[0] for name, curve in constants.items()]
-        blocks.append(_row(constants) + _row(f"{value:.9e}" for value in values))
+    """Return the ISG_CSV text: constants, errors over each axis, and each that depends on two axes at all pairs."""
+    constants = {name: curve.values for name, curve in found.items() if len(curve.positions) == 1}
+    blocks = [_block([], constants)] if constants else []
+    alone = {name: curve for name, curve in found.items() if not (name in constants or curve.over)}
     for axis in machine.axes:
-        own = {
-            n: c for n, c in found.items() if not (n in constants or c.over) and parse_error_name(n).axis == axis.name
-        }
+        own = {name: curve for name, curve in alone.items() if parse_error_name(name).axis == axis.name}
         if own:
-            at = to_unit(next(iter(own.values())).positions, axis.unit)
-            columns = [_shown(name, curve.values) for name, curve in own.items()]
-            rows = zip(at, *columns, strict=True)
-            lines = (_row([f"{p:.6f}", *(f"{value:.9e}" for value in values)]) for p, *values in rows)
-            blocks.append(_row([axis.name, *own]) + "".join(lines))
-    blocks += [_over_both(name, curve, machine) for name, curve in found.items() if curve.over]
+            at = next(iter(own.values())).positions
+            blocks.append(_block([(axis, at)], {name: curve.values for name, curve in own.items()}))
+    for name, curve in ((name, curve) for name, curve in found.items() if curve.over):
+        across, at = np.meshgrid(curve.across, curve.positions, indexing="ij")
+        over = (machine.axis(curve.over), across), (machine.axis(parse_error_name(name).axis), at)
+        blocks.append(_block(over, {name: curve.values}))
     return "// mm, deg and rad\n" + "#\n".join(blocks)
 
 
-def _over_both(name: str, curve: SampledError, machine: Machine) -> str:
-    """Return the block of an error that depends on two axes: all positions of its axis at each of the other one."""
-    own, other = machine.axis(parse_error_name(name).axis), machine.axis(curve.over)
-    lines = [_row([other.name, own.name, name])]
-    for across, values in zip(to_unit(curve.across, other.unit), curve.values, strict=True):
-        rows = zip(to_unit(curve.positions, own.unit), _shown(name, values), strict=True)
-        lines += [_row([f"{across:.6f}", f"{at:.6f}", f"{value:.9e}"]) for at, value in rows]
-    return "".join(lines)
+def _block(at: Sequence[tuple[Axis, Array]], errors: Mapping[str, Array]) -> str:
+    """Return the header and the lines of errors, at positions of no axis, one, or two."""
+    shown = [[f"{place:.6f}" for place in to_unit(places.ravel(), axis.unit)] for axis, places in at]
+    for name, values in errors.items():
+        shown.append([f"{value + 0.0:.9e}" for value in to_unit(values.ravel(), _unit(name))])
+    header = [*(axis.name for axis, _ in at), *errors]
+    return "".join(" ".join(words) + "\n" for words in [header, *zip(*shown, strict=True)])
 
 
 def read_csv(text: str, machine: Machine) -> dict[str, SampledError]:
@@ -146,7 +142,7 @@ def _take_block(rows: list[list[str]], machine: Machine, found: dict[str, Sample
             remedy = "this is a defect of axiscal"
             raise TableError("the kernel would refuse the column {name!r}", remedy, name=name[:20])
         values = np.asarray(table[:, column])
-        found[name] = _sampled(name, at, values if _angular(name) else from_unit(values, "mm"))
+        found[name] = _sampled(name, at, from_unit(values, _unit(name)))
 
 
 def _sampled(name: str, at: Mapping[str, Array], values: Array) -> SampledError:
@@ -178,16 +174,9 @@ def list_file(machine: Machine, options: ExportOptions, name: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _row(words: Iterable[str]) -> str:
-    return " ".join(words) + "\n"
-
-
-def _shown(name: str, values: Array) -> Array:
-    return 0.0 + (values if _angular(name) else to_unit(values, "mm"))
-
-
-def _angular(name: str) -> bool:
-    return not name.startswith("P") and parse_error_name(name).angular
+def _unit(name: str) -> str:
+    """Return the unit of an error, mm or rad; of places of the chain mm."""
+    return "rad" if not name.startswith("P") and parse_error_name(name).angular else "mm"
 
 
 _HOLDS = "every error motion as a table over its axis, and every location error: the control knows the chain{}."
