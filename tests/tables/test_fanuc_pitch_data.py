@@ -7,9 +7,6 @@ import re
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import whole_travel
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
@@ -18,6 +15,7 @@ from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
 from axiscal.tables.offer import Export, tried_out
 from axiscal.tables.registry import export, exporter, loaded
+from axiscal.tables.round_trip import drawn_and_known
 from tests.generators.texts import machine_text
 
 MACHINE = """name = "M"
@@ -50,9 +48,7 @@ BOTH = {"N3605": "A1P00000001A2P00000000", "N3626": "A1P100A2P0"}
 
 
 def known() -> Estimate:
-    model = ErrorModel(machine_from_text(MACHINE))
-    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(8).standard_normal(model.size)
-    return Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+    return drawn_and_known(machine_from_text(MACHINE), 8)
 
 
 def deviation(estimate: Estimate, axis: str, at: Array, side: int) -> Array:
@@ -163,9 +159,7 @@ def turning(**parameters: str) -> Export:
 
 
 def rotary() -> Estimate:
-    model = ErrorModel(machine_from_text(TURNING))
-    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(8).standard_normal(model.size)
-    return Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+    return drawn_and_known(machine_from_text(TURNING), 8)
 
 
 def entries(text: str, first: int, last: int) -> list[int]:

@@ -7,8 +7,6 @@ import re
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import whole_travel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
@@ -16,6 +14,7 @@ from axiscal.machine.description import machine_from_text
 from axiscal.tables.controllers.isg import read_list
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
+from axiscal.tables.round_trip import drawn_and_known
 from tests.generators.texts import machine_text
 
 MACHINE = machine_text(
@@ -34,9 +33,7 @@ MACHINE = machine_text(
 
 
 def known() -> Estimate:
-    model = ErrorModel(machine_from_text(MACHINE))
-    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(2).standard_normal(model.size)
-    return Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+    return drawn_and_known(machine_from_text(MACHINE), 2)
 
 
 def error(text: str, at: float, side: str) -> float:

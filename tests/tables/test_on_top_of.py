@@ -23,7 +23,7 @@ from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile, read_old
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import CONTROLLERS, export, exporter, loaded
-from axiscal.tables.round_trip import round_trip
+from axiscal.tables.round_trip import drawn_and_known, round_trip
 from tests.generators.texts import machine_text
 
 MACHINE = machine_text(
@@ -50,9 +50,7 @@ PROBES = np.linspace(3.0, 297.0, 40)
 
 
 def known() -> Estimate:
-    model = ErrorModel(machine_from_text(MACHINE))
-    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(6).standard_normal(model.size)
-    return Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+    return drawn_and_known(machine_from_text(MACHINE), 6)
 
 
 def exported(controller: str, *files: OldFile, **options: object) -> Export:

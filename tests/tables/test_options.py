@@ -123,11 +123,9 @@ def test_isg_names_the_axes_that_count_against_the_kernel(against: str) -> None:
 
 
 @pytest.mark.parametrize("option", WORDS)
-@pytest.mark.parametrize("controller", CONTROLLERS)
 def test_the_command_line_refuses_it_before_it_looks_for_the_record(
-    controller: str, option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    if option in exporter(controller).takes:
-        return
+    controller = next(name for name in CONTROLLERS if option not in exporter(name).takes)
     assert run(["export", str(tmp_path / "none.axiscal"), "--to", controller, option, *WORDS[option]]) == 1
     assert f"{controller} does not take {option}. " in " ".join(capsys.readouterr().err.split())

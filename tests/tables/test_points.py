@@ -62,11 +62,11 @@ def test_points_on_multiples_cover_the_travel_with_as_few_steps_as_fit(
 def test_a_spacing_that_divides_the_travel_is_taken_as_far_as_its_points_fit(
     length: int, spacing: int, most: int
 ) -> None:
-    errors = model(0, 400 + length)
+    errors = model(-100, 300 + length)
     travel = 400 + length
     if travel % spacing == 0 and travel // spacing + 1 <= most:
         at = points(errors, 0, spacing * 1e-3, most)
-        assert at == pytest.approx(np.arange(travel // spacing + 1) * spacing * 1e-3)
+        assert at == pytest.approx(np.arange(travel // spacing + 1) * spacing * 1e-3 - 0.1)
         assert points(errors, 0, {"X": spacing * 1e-3}, most) == pytest.approx(at)
     elif travel % spacing == 0:
         with pytest.raises(TableError, match=f"makes {travel // spacing + 1} points of X, this control holds {most}"):

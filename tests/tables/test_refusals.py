@@ -10,18 +10,16 @@ import numpy as np
 import pytest
 
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import whole_travel
 from axiscal.estimation.belief import Belief
-from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import DescriptionError, TableError
-from axiscal.machine.description import Machine, machine_from_text
+from axiscal.machine.description import machine_from_text
 from axiscal.ports.linuxcnc.tables import cross
-from axiscal.ports.printers import marlin
 from axiscal.tables.controllers import plain_csv, sinumerik
 from axiscal.tables.controllers.isg import write_list
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile, read_old
 from axiscal.tables.registry import export, loaded
+from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.table import CompensationTable
 from tests.generators.texts import machine_text
 
@@ -98,33 +96,34 @@ def test_what_a_reader_trips_over_is_a_sentence(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_the_file_of_another_machine_is_refused() -> None:
-    files = export(read_of(THREE), "linuxcnc-volumetric", ExportOptions()).files
+    files = export(drawn_and_known(THREE), "linuxcnc-volumetric", ExportOptions()).files
     old = OldFile("axiscal.vcomp", files["axiscal.vcomp"])
     with pytest.raises(TableError, match="the file has axes X Y Z"):
         loaded("linuxcnc-volumetric", LATHE, ExportOptions(old_files=(old,)))
     with pytest.raises(TableError, match="A whole correction goes on top of none"):
-        export(read_of(THREE), "linuxcnc-volumetric", ExportOptions(old_files=(old,)))
+        export(drawn_and_known(THREE), "linuxcnc-volumetric", ExportOptions(old_files=(old,)))
 
 
 def test_an_axis_with_a_number_is_none_of_linuxcncs() -> None:
     axes = {"X2": (0, 300), "Y": (0, 200), "Z": (0, 100)}
     machine = machine_from_text(machine_text("w-b-X2-Y-Z-t", axes, {"EYY": ("10 um", 7, 150)}, name="M"))
     with pytest.raises(TableError, match="LinuxCNC has no axis X2"):
-        export(read_of(machine), "linuxcnc-volumetric", ExportOptions())
+        export(drawn_and_known(machine), "linuxcnc-volumetric", ExportOptions())
 
 
 def test_an_axis_that_the_isg_kernel_does_not_know_is_refused() -> None:
     axes = {"X": (0, 300), "Y": (0, 200), "Z": (0, 100), "U": (0, 50)}
     machine = machine_from_text(machine_text("w-b-X-Y-Z-U-t", axes, {"EXU": ("10 um", 7, 150)}, name="M"))
     with pytest.raises(TableError, match="EXU is not an error that the ISG kernel knows"):
-        export(read_of(machine), "isg", ExportOptions())
+        export(drawn_and_known(machine), "isg", ExportOptions())
 
 
 def test_nothing_to_hold_is_said() -> None:
     axes = {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}
     machine = machine_from_text(machine_text("w-b-X-Y-Z-t", axes, {"EZXY": ("10 um", 7, 150)}, name="M"))
     nothing = replace(
-        read_of(machine), belief=Belief(np.zeros(ErrorModel(machine).size), 1e-20 * np.eye(ErrorModel(machine).size))
+        drawn_and_known(machine),
+        belief=Belief(np.zeros(ErrorModel(machine).size), 1e-20 * np.eye(ErrorModel(machine).size)),
     )
     with pytest.raises(TableError, match="there is no deviation that these files could hold"):
         export(nothing, "isg", ExportOptions())
@@ -132,8 +131,8 @@ def test_nothing_to_hold_is_said() -> None:
 
 def test_a_spacing_is_of_an_axis_of_the_machine() -> None:
     with pytest.raises(DescriptionError, match='there is no axis "Q"'):
-        export(read_of(THREE), "csv", ExportOptions(spacing={"Q": 0.01}))
-    made = export(read_of(THREE), "csv", ExportOptions(spacing={"X": 0.1}))
+        export(drawn_and_known(THREE), "csv", ExportOptions(spacing={"Q": 0.01}))
+    made = export(drawn_and_known(THREE), "csv", ExportOptions(spacing={"X": 0.1}))
     assert made.tables[0].positions == pytest.approx([0, 0.1, 0.2, 0.3])
 
 
@@ -149,16 +148,6 @@ def test_a_table_is_of_the_axis_that_is_said_on_the_command_line(tmp_path: Path)
     (old,) = read_old(["Y=a.comp"], tmp_path)
     assert old.axis == "Y"
     assert {each.axis for each in loaded("linuxcnc", THREE, ExportOptions(old_files=(old,))).tables} == {"Y"}
-
-
-def test_a_table_is_of_the_axis_that_is_said() -> None:
-    old = OldFile("a.comp", "0 0 0\n100 100.01 100.01\n", axis="Y")
-    assert {table.axis for table in loaded("linuxcnc", THREE, ExportOptions(old_files=(old,))).tables} == {"Y"}
-
-
-def test_a_height_without_its_place() -> None:
-    with pytest.raises(TableError, match=r"'M421 I0 Z0\.05' says no height of a point"):
-        marlin.read("M421 I0 J0 Z0.01\nM421 I0 Z0.05", THREE)
 
 
 def test_a_folder_without_files(tmp_path: Path) -> None:
@@ -198,7 +187,7 @@ def test_an_axis_has_one_number_in_controls_without_joints() -> None:
 @pytest.mark.parametrize("controller", ["isg", "linuxcnc-volumetric"])
 def test_the_error_in_space_needs_three_linear_axes(controller: str) -> None:
     with pytest.raises(TableError, match="the machine has 2 linear axes"):
-        export(read_of(LATHE), controller, ExportOptions())
+        export(drawn_and_known(LATHE), controller, ExportOptions())
 
 
 @pytest.mark.parametrize(
@@ -210,7 +199,7 @@ def test_the_error_in_space_needs_three_linear_axes(controller: str) -> None:
 )
 def test_the_whole_correction_refuses_what_it_does_itself(options: ExportOptions, what: str) -> None:
     with pytest.raises(TableError, match=what):
-        export(read_of(THREE), "linuxcnc-volumetric", options)
+        export(drawn_and_known(THREE), "linuxcnc-volumetric", options)
 
 
 def test_uneven_points_where_the_control_knows_one_distance() -> None:
@@ -232,9 +221,3 @@ def test_what_a_lincurve_cannot_hold() -> None:
 def table(axis: str, over: str, at: list[float]) -> CompensationTable:
     zeros = np.zeros(len(at))
     return CompensationTable(axis, np.array(at), zeros, zeros, zeros, over)
-
-
-def read_of(machine: Machine) -> Estimate:
-    model = ErrorModel(machine)
-    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(6).standard_normal(model.size)
-    return Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))

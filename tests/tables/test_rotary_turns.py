@@ -5,15 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import whole_travel
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.description import machine_from_text
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
+from axiscal.tables.round_trip import drawn_and_known
 
 MACHINE = """name = "M"
 chain = "w-C'-X'-b-Y-t"
@@ -33,9 +31,7 @@ ECC_reversal = {{ std = "30 urad" }}
 
 def known(limits: str = "", knots: int = 17, low: int = -180, high: int = 180) -> Estimate:
     text = MACHINE.format(low=low, high=high, knots=knots, limits=f"limits = {limits}" if limits else "")
-    model = ErrorModel(machine_from_text(text))
-    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(4).standard_normal(model.size)
-    return Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+    return drawn_and_known(machine_from_text(text), 4)
 
 
 def exported(estimate: Estimate) -> Export:

@@ -59,12 +59,6 @@ def loaded(control: Exporter, text: str) -> Loaded:
     return control.load([OldFile("file", text)], MACHINE, ExportOptions())
 
 
-@given(tables())
-def test_csv(table: CompensationTable) -> None:
-    text = plain_csv.text_of(table)
-    assert plain_csv.text_of(plain_csv.parse(text)) == text
-
-
 @given(tables(), st.booleans())
 def test_linuxcnc_table(table: CompensationTable, inch: bool) -> None:
     """The control keeps its trims in 32 bits: a trim of a millimetre is 6e-11 mm off, far below a digit of the file."""
@@ -115,12 +109,6 @@ def test_klipper_mesh(mesh: Mesh) -> None:
     text = klipper.write_mesh(mesh, "axiscal")
     (found,) = loaded(klipper.Klipper(), text).meshes
     assert klipper.write_mesh(found, "axiscal") == text
-
-
-@given(SMALL, SMALL, SMALL)
-def test_klipper_skew(xy: float, xz: float, yz: float) -> None:
-    text = klipper.write_skew(Skew(xy, xz, yz), "axiscal")
-    assert klipper.write_skew(klipper.read_skew(text), "axiscal") == text
 
 
 @given(meshes(), SMALL, st.floats(0, 1e-3))

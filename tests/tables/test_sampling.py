@@ -16,7 +16,6 @@ from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import whole_travel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine, load_machine, machine_from_text
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
@@ -25,13 +24,14 @@ from axiscal.numerics.cubic import NaturalSpline
 from axiscal.tables import surface
 from axiscal.tables.conditional import mean_along
 from axiscal.tables.loaded import table_control
-from axiscal.tables.sampling import axis_tables, closest, cross_tables, own_table, points
+from axiscal.tables.round_trip import drawn_and_known
+from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.surface import Effect, effect_of_control
 from axiscal.tables.table import CompensationTable, Hats
 from axiscal.tables.volumetric import curves, tip_control
 from tests.generators.splines import power_maps
 from tests.generators.texts import Std, machine_text
-from tests.tables.test_refusals import THREE, read_of
+from tests.tables.test_refusals import THREE
 
 STRAIGHT: dict[str, Std] = {
     "EXX EYX EYY": "10 um",
@@ -101,24 +101,6 @@ def test_tables_are_the_best_that_tables_can_be(name: str) -> None:
     for share in (0.7, 1.3, -1.0):
         scaled = tuple(replace(t, forward=share * t.forward, reverse=share * t.reverse) for t in tables)
         assert reached(estimate, truth, scaled).after > best.after
-
-
-def test_rows_are_the_mean_over_the_other_axes() -> None:
-    model = ErrorModel(load_machine("three-axis-mill"))
-    estimate, _ = known(model, 8)
-    at = np.array([0.1, 0.47])
-    moved = [model.machine.index("Y"), model.machine.index("X")]
-    over = model.machine.index("X")
-    rows = mean_along(model, estimate.box, moved, over, np.array([0.0, *at, 0.6]), 1)[:, 1:3] @ estimate.mean
-    for n, position in enumerate(at):
-        drawn = poses(estimate, 40_000)
-        drawn[:, over] = position
-        approaches = np.zeros_like(drawn)
-        approaches[:, over] = 1
-        sampled = estimate.deviation(drawn, approaches)
-        error = sampled.std(axis=0) / np.sqrt(len(drawn))
-        assert rows[0, n] == pytest.approx(sampled[:, 1].mean(), abs=5 * error[1])
-        assert rows[1, n] == pytest.approx(sampled[:, 0].mean(), abs=5 * error[0])
 
 
 @pytest.mark.parametrize(("moved", "over"), [(["X", "Z"], "X"), (["Y", "X"], "Z"), (["Z"], "Y")])
@@ -240,14 +222,6 @@ def test_the_line_is_best_over_the_volume_only() -> None:
     assert left[0] < 0.9 * left[1]
 
 
-def test_a_full_turn_closes() -> None:
-    estimate, _ = known(ErrorModel(load_machine("dmu60")), 2)
-    axis = estimate.machine.index("C")
-    table = own_table(estimate, axis, np.linspace(0, 2 * np.pi, 37))
-    assert table.forward[0] == table.forward[-1]
-    assert table.reverse[0] == table.reverse[-1]
-
-
 def test_where_nothing_was_read_the_table_says_so() -> None:
     model = ErrorModel(machine(CHAINS[0]))
     prior = Belief(np.zeros(model.size), model.prior_covariance())
@@ -274,12 +248,6 @@ def test_a_table_without_rotors_is_zero_where_the_axis_is() -> None:
         assert zero == pytest.approx(0, abs=1e-15)
 
 
-def test_a_spacing_that_does_not_divide_the_travel_is_refused() -> None:
-    estimate, _ = known(ErrorModel(machine(CHAINS[0])), 4)
-    with pytest.raises(TableError, match=r"70 mm does not divide the 600 mm of X. 66\.6667 mm would"):
-        axis_tables(estimate, spacing=0.07)
-
-
 @pytest.mark.parametrize("seed", range(6))
 def test_points_that_may_stand_anywhere_bring_the_line_nearer_to_the_curve(seed: int) -> None:
     """Straightness of X alone: the line through the table against scipy's spline at 5000 places, 16 points in both."""
@@ -303,27 +271,8 @@ def test_a_turn_closes_on_points_that_stand_anywhere() -> None:
     even, uneven = (own_table(estimate, index, np.linspace(0, 2 * np.pi, 25), each) for each in (False, True))
     assert len(uneven.positions) <= 25
     assert uneven.departure < even.departure
-    assert uneven.forward[0] == uneven.forward[-1]
-
-
-def test_no_even_table_is_left_for_a_worse_one() -> None:
-    """A straight line: nothing is gained, and the even points stay."""
-    at = np.linspace(0.0, 1.0, 101)
-    even = np.linspace(0.0, 1.0, 5)
-    assert closest(np.stack([at, 2 * at]), at, np.array([0.3]), even) is even
-
-
-def test_points_of_an_axis_that_turns_for_ever_divide_the_turn_evenly_in_what_is_written() -> None:
-    """The last point is the first one a turn later; the step is a multiple of the grid, so that nothing is rounded."""
-    model = ErrorModel(load_machine("dmu60"))
-    (turning,) = (index for index, axis in enumerate(model.machine.axes) if axis.cyclic)
-    grid = np.radians(1e-4)
-    at = points(model, turning, None, 100, grid)
-    assert (at[0], at[-1]) == pytest.approx(model.machine.axes[turning].travel)
-    assert 20 < len(at) <= 100
-    assert np.ptp(np.diff(at)) < 1e-12
-    steps = np.diff(at) / grid
-    assert steps == pytest.approx(np.round(steps), abs=1e-6)
+    for table in (even, uneven):
+        assert (table.forward[0], table.reverse[0]) == (table.forward[-1], table.reverse[-1])
 
 
 def test_a_skew_is_the_mean_of_both_directions(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -334,7 +283,7 @@ def test_a_skew_is_the_mean_of_both_directions(monkeypatch: pytest.MonkeyPatch) 
         return (CompensationTable("X", at, up, down, 0 * at, "Y"),)
 
     monkeypatch.setattr(surface, "cross_tables", tables)
-    found = surface.skew_of(read_of(THREE))
+    found = surface.skew_of(drawn_and_known(THREE))
     assert found.seen == {"XY": pytest.approx(2e-4)}
 
 

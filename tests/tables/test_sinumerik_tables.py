@@ -8,9 +8,6 @@ from collections import defaultdict
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import whole_travel
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
@@ -18,6 +15,7 @@ from axiscal.tables.controllers import sinumerik
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
+from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.table import CompensationTable
 from tests.generators.texts import machine_text
 
@@ -30,9 +28,7 @@ MACHINE = machine_text(
 
 
 def known() -> Estimate:
-    model = ErrorModel(machine_from_text(MACHINE))
-    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(4).standard_normal(model.size)
-    return Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+    return drawn_and_known(machine_from_text(MACHINE), 4)
 
 
 def exported(**options: object) -> Export:
@@ -115,8 +111,3 @@ def test_more_points_than_md18342_can_allow_are_refused() -> None:
     table = CompensationTable("X", at, flat + 1e-6, flat, flat)
     with pytest.raises(TableError, match="has 2001 points, MD18342 allows 2000"):
         sinumerik.blocks_of([table], [])
-
-
-def test_a_measuring_system_that_there_is_not() -> None:
-    with pytest.raises(TableError, match="systems 1 and 2"):
-        exported(encoder=3)

@@ -153,11 +153,6 @@ def test_options_that_cannot_be_are_refused(options: ExportOptions, message: str
         export(known("dmu60")[0], "linuxcnc-volumetric", options)
 
 
-def test_hashes_that_could_do_harm_are_refused() -> None:
-    with pytest.raises(TableError, match="is not the hash of a record"):
-        ExportOptions(origin="abc\nenable 1")
-
-
 def test_a_gantry_has_two_joints() -> None:
     made = export(known("small")[0], "linuxcnc-volumetric", ExportOptions(numbers={"Y": (1, 2)}))
     assert [axis.joints for axis in read(made.files["axiscal.vcomp"]).axes] == [(0,), (1, 2), (3,)]
