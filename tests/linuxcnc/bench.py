@@ -6,9 +6,13 @@ import os
 import subprocess
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
-from axiscal.ports.linuxcnc.live import connection
+import pytest
+
+from axiscal.measurement import touched
+from axiscal.ports.linuxcnc.live import attached, connection
 from tests.generators import touched_table as table
 from tests.linuxcnc.lab import Joint, Settings
 from tests.linuxcnc.watched import WatchedSession
@@ -103,6 +107,16 @@ def running(text: str | None = None, machine: Sequence[Joint] | None = None) -> 
     settings = Settings(text or hal(), sources={"axiscal_balls.comp": BALLS})
     with WatchedSession(machine or joints(), settings, timeout=240) as session:
         yield Bench(session)
+
+
+def quickened(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
+    """Let the program beside LinuxCNC move as fast as can be but for the slow touch.  folder : where it is kept"""
+    *parts, last = connection._PARTS
+    agent = last.read_text(encoding="utf-8").replace("LARGEST = 3000.0", "LARGEST = 99999.0")
+    (folder / "agent.py").write_text(agent, encoding="utf-8")
+    monkeypatch.setattr(connection, "_PARTS", (*parts, folder / "agent.py"))
+    monkeypatch.setattr(attached, "_FASTEST", 90_000)
+    monkeypatch.setattr(touched, "Cycle", partial(touched.Cycle, fast=0.04))
 
 
 def _children(pid: int) -> list[int]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,20 +10,15 @@ import pytest
 from axiscal.campaign.sources.source import Answer, Request
 from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
-from axiscal.measurement import touched
 from axiscal.measurement.candidates import spread
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.live import InForce, LiveSource, attached, connection
+from axiscal.ports.linuxcnc.live import InForce, LiveSource
 from axiscal.ports.linuxcnc.live.connection import Connection
-from tests.linuxcnc.bench import Bench, running
-from tests.linuxcnc.lab import Joint, Settings, available, can_load, files
+from tests.linuxcnc.bench import Bench, quickened, running
+from tests.linuxcnc.lab import Joint, Settings, files
+from tests.linuxcnc.needed import WITH_SPHERES
 
-pytestmark = [
-    pytest.mark.linuxcnc,
-    pytest.mark.long,
-    pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
-    pytest.mark.skipif(not can_load("axiscal_balls"), reason="needs Debian's linuxcnc-uspace-dev and gcc"),
-]
+pytestmark = WITH_SPHERES
 
 GANTRY = [Joint(axis, low, high, 2000.0, 5e4) for axis, low, high in (
     ("X", 0.0, 600.0), ("Y", 0.0, 400.0), ("Y", 0.0, 400.0), ("Z", -200.0, 0.0)
@@ -67,12 +61,7 @@ def test_a_board_is_asked_for_before_each_placement_and_found_where_it_stands(
     boards = [1e3 * setup.artefact.points for setup in campaign.setups if setup.artefact is not None]
     asked, heights = list[str](), list[float]()
     with running(HAL, GANTRY) as bench:
-        *parts, last = connection._PARTS
-        agent = last.read_text(encoding="utf-8").replace("LARGEST = 3000.0", "LARGEST = 99999.0")
-        (tmp_path / "agent.py").write_text(agent, encoding="utf-8")
-        monkeypatch.setattr(connection, "_PARTS", (*parts, tmp_path / "agent.py"))
-        monkeypatch.setattr(attached, "_FASTEST", 90_000)
-        monkeypatch.setattr(touched, "Cycle", partial(touched.Cycle, fast=0.04))
+        quickened(monkeypatch, tmp_path)
         monkeypatch.setattr(Connection, "watched", lambda *_: "")
         expected = placed(bench, boards[0], np.array([0.4, -0.3, 0.2]))
 

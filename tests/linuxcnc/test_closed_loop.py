@@ -30,15 +30,12 @@ from axiscal.tables.surface import left_by
 from axiscal.tables.table import CompensationTable
 from tests.linuxcnc.built import Build, BuiltMachine
 from tests.linuxcnc.demo import EXAMPLES, FOLDER, MACHINES, Loop, close_loop, description
-from tests.linuxcnc.lab import Joint, Session, Settings, available, can_load
+from tests.linuxcnc.lab import Joint, Session, Settings, can_load
+from tests.linuxcnc.needed import LONG
 from tests.linuxcnc.probing import Probe, Touch, ball, cycle, placed, touched
 from tests.linuxcnc.virtual import LinuxcncMachine
 
-pytestmark = [
-    pytest.mark.linuxcnc,
-    pytest.mark.long,
-    pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
-]
+pytestmark = LONG
 
 
 MILLS = ("three-axis", "gantry", "inch")

@@ -16,13 +16,10 @@ import pytest
 from axiscal.cli.app import run
 from axiscal.numerics import Array
 from tests.linuxcnc import tilting_table
-from tests.linuxcnc.lab import Joint, Session, Settings, available
+from tests.linuxcnc.lab import Joint, Session, Settings
+from tests.linuxcnc.needed import LONG
 
-pytestmark = [
-    pytest.mark.linuxcnc,
-    pytest.mark.long,
-    pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
-]
+pytestmark = LONG
 
 LIMITS = {"X": (-150, 150), "Y": (-150, 150), "Z": (0, 200), "A": (-60, 60), "B": (-60, 60), "C": (0, 360)}
 ERRORS = """

@@ -13,14 +13,11 @@ from axiscal.ports.linuxcnc.tables import cross
 from axiscal.tables.table import CompensationTable
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
-from tests.linuxcnc.lab import Joint, Session, Settings, available
+from tests.linuxcnc.lab import Joint, Session, Settings
+from tests.linuxcnc.needed import LONG
 from tests.linuxcnc.watched import WatchedSession
 
-pytestmark = [
-    pytest.mark.linuxcnc,
-    pytest.mark.long,
-    pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
-]
+pytestmark = LONG
 
 SPEEDS = {"X": 0.2, "Y": 0.2, "Z": 0.2}
 

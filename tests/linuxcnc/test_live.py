@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import partial, partialmethod
+from functools import partialmethod
 from pathlib import Path
 
 import numpy as np
@@ -20,20 +20,14 @@ from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.exceptions import SourceError
 from axiscal.machine.description import Machine
-from axiscal.measurement import touched
 from axiscal.measurement.reading import Place
 from axiscal.ports.linuxcnc.live import InForce, LiveSource, attached, connection
 from axiscal.ports.linuxcnc.live.connection import Connection
 from tests.generators import touched_table as table
-from tests.linuxcnc.bench import Bench, running
-from tests.linuxcnc.lab import available, can_load
+from tests.linuxcnc.bench import Bench, quickened, running
+from tests.linuxcnc.needed import WITH_SPHERES
 
-pytestmark = [
-    pytest.mark.linuxcnc,
-    pytest.mark.long,
-    pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
-    pytest.mark.skipif(not can_load("axiscal_balls"), reason="needs Debian's linuxcnc-uspace-dev and gcc"),
-]
+pytestmark = WITH_SPHERES
 
 FAST = table.MACHINE.replace('200 mm"]', '200 mm"]\nspeed = "90 m/min"\nacceleration = "50 m/s^2"')
 
@@ -48,13 +42,8 @@ def shared() -> Iterator[Bench]:
 def bench(shared: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Bench:
     """Return the machine ready, with everything as fast as can be but for the slow touch."""
     shared.ready()
-    *parts, last = connection._PARTS
-    agent = last.read_text(encoding="utf-8").replace("LARGEST = 3000.0", "LARGEST = 99999.0")
-    (tmp_path / "agent.py").write_text(agent, encoding="utf-8")
-    monkeypatch.setattr(connection, "_PARTS", (*parts, tmp_path / "agent.py"))
-    monkeypatch.setattr(attached, "_FASTEST", 90_000)
+    quickened(monkeypatch, tmp_path)
     monkeypatch.setattr(attached, "_SLOWER", 1)
-    monkeypatch.setattr(touched, "Cycle", partial(touched.Cycle, fast=0.04))
     monkeypatch.setattr(Connection, "watched", partialmethod(by_hand, shared, Connection.watched))
     return shared
 

@@ -12,15 +12,11 @@ from axiscal.description.placed_readings import logged_readings
 from axiscal.programs import write_programs
 from tests.generators import touched_table as table
 from tests.linuxcnc import bench
-from tests.linuxcnc.lab import Settings, available, can_load
+from tests.linuxcnc.lab import Settings
+from tests.linuxcnc.needed import WITH_SPHERES
 from tests.linuxcnc.watched import WatchedSession
 
-pytestmark = [
-    pytest.mark.linuxcnc,
-    pytest.mark.long,
-    pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
-    pytest.mark.skipif(not can_load("axiscal_balls"), reason="needs Debian's linuxcnc-uspace-dev and gcc"),
-]
+pytestmark = WITH_SPHERES
 
 
 @pytest.mark.parametrize(("unit", "scale", "count"), [("mm", 1.0, 3), ("in", 25.4, 1)])

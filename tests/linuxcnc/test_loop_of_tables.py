@@ -7,14 +7,10 @@ from pathlib import Path
 import pytest
 
 from tests.linuxcnc.demo import MACHINES, close_loop
-from tests.linuxcnc.lab import available
+from tests.linuxcnc.needed import LONG
 from tests.linuxcnc.test_closed_loop import MILLS, the_loop_holds
 
-pytestmark = [
-    pytest.mark.linuxcnc,
-    pytest.mark.long,
-    pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
-]
+pytestmark = LONG
 
 
 @pytest.mark.parametrize("name", [name for name in MACHINES if name not in MILLS])

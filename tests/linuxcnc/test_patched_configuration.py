@@ -11,16 +11,12 @@ from axiscal.exceptions import ControlError, InputError
 from axiscal.ports.linuxcnc.configuring import configured, export_into, software_only
 from axiscal.ports.linuxcnc.patching import Configuration
 from axiscal.tables.exporter import ExportOptions
-from tests.linuxcnc.lab import Joint, Settings, available, can_load
+from tests.linuxcnc.lab import Joint, Settings
 from tests.linuxcnc.lab import files as lab_files
+from tests.linuxcnc.needed import WITH_COMPONENT
 from tests.linuxcnc.test_closed_loop import known
 
 pytestmark = pytest.mark.long
-NEEDS = [
-    pytest.mark.linuxcnc,
-    pytest.mark.skipif(not available(), reason="needs Debian's linuxcnc-uspace"),
-    pytest.mark.skipif(not can_load("axiscal_vcomp"), reason="needs Debian's linuxcnc-uspace-dev and gcc"),
-]
 HAL = """\
 loadrt [KINS]KINEMATICS
 loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS
@@ -69,7 +65,7 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, str]
 
 
 class TestStarted:
-    pytestmark = NEEDS
+    pytestmark = WITH_COMPONENT
 
     def test_the_patched_files_were_started_themselves(self, exported: tuple[Path, Path, str]) -> None:
         assert "Started here without motors: the patched files themselves" in exported[2]
@@ -118,7 +114,7 @@ def test_what_an_included_file_says_of_hal_and_of_tables_is_refused(tmp_path: Pa
 
 
 class TestPutIn:
-    pytestmark = NEEDS
+    pytestmark = WITH_COMPONENT
 
     def test_signals_and_hardware_stay_as_they_are_named(self, exported: tuple[Path, Path, str]) -> None:
         text = (exported[1] / "mill.hal").read_text()

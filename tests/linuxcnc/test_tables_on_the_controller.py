@@ -11,14 +11,12 @@ from axiscal.exceptions import ControlError
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables.writer import notes, parse, write
 from axiscal.tables.table import CompensationTable
-from tests.linuxcnc.lab import Ending, Joint, available
+from tests.linuxcnc.lab import Ending, Joint
+from tests.linuxcnc.needed import LINUXCNC
 from tests.linuxcnc.watched import Run, run
 from tests.tables.linuxcnc_model import correction
 
-pytestmark = [
-    pytest.mark.linuxcnc,
-    pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
-]
+pytestmark = LINUXCNC
 
 CLOSE = 1e-5  # mm or deg
 SCALES = {"X": 1e-3, "Y": 1e-3, "C": np.pi / 180}
@@ -72,21 +70,6 @@ def test_motor_commands_are_as_predicted_in_both_directions(joint: int, axis: st
         predicted = command + correction(parsed, np.array([command]), direction)[0]
         assert step.settled
         assert step.motor[joint] == pytest.approx(predicted, abs=CLOSE)
-
-
-@pytest.mark.parametrize(("joint", "axis"), list(enumerate(SCALES)))
-def test_the_error_of_the_machine_is_gone(joint: int, axis: str) -> None:
-    """The tool is where the motor is sent, plus the deviation there: within what a slope of the deviation allows."""
-    table = deviations(axis)
-    steepest = max(np.max(np.abs(np.diff(v) / np.diff(table.positions))) for v in (table.forward, table.reverse))
-    allowed = CLOSE + steepest * np.max(np.abs(table.reverse)) / SCALES[axis]
-    before, after = [], []
-    for direction, step in reached(visited()):
-        motor = np.array([step.motor[joint]])
-        deviation = table.deviation(motor * SCALES[axis], direction)[0] / SCALES[axis]
-        before.append(abs(deviation))
-        after.append(abs(motor[0] + deviation - step.command[joint]))
-    assert max(after) < allowed < 0.1 * max(before)
 
 
 def test_before_the_first_motion_there_is_no_correction() -> None:

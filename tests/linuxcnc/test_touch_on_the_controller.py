@@ -17,14 +17,11 @@ from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.programs import Program, dialect, programs
 from tests.generators.texts import artefact_text, campaign_text, setup_text
 from tests.linuxcnc import tilting_table
-from tests.linuxcnc.lab import Joint, Session, Settings, available
+from tests.linuxcnc.lab import Joint, Session, Settings
+from tests.linuxcnc.needed import LONG
 from tests.linuxcnc.test_direction import machine
 
-pytestmark = [
-    pytest.mark.linuxcnc,
-    pytest.mark.long,
-    pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
-]
+pytestmark = LONG
 
 BALL = (60.0, -20.0, -60.0)
 CAMPAIGN = campaign_text(

@@ -5,15 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.linuxcnc.lab import Joint, available
+from tests.linuxcnc.lab import Joint
+from tests.linuxcnc.needed import LONG
 from tests.linuxcnc.watched import run
 from tests.tables.test_rotary_turns import deviation, exported, known
 
-pytestmark = [
-    pytest.mark.linuxcnc,
-    pytest.mark.long,
-    pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
-]
+pytestmark = LONG
 
 ANGLES = (-850.0, -487.0, -127.0, 33.0, 233.0, 475.0, 835.0)
 

@@ -20,16 +20,12 @@ from axiscal.tables.vcomp_file import read
 from tests.figures import held
 from tests.linuxcnc.built import BuiltMachine
 from tests.linuxcnc.demo import EXAMPLES
-from tests.linuxcnc.lab import Joint, Session, Settings, available, can_load
+from tests.linuxcnc.lab import Joint, Session, Settings
+from tests.linuxcnc.needed import WITH_COMPONENT
 from tests.linuxcnc.test_closed_loop import known, rms, spread
 from tests.linuxcnc.watched import WatchedSession
 
-pytestmark = [
-    pytest.mark.linuxcnc,
-    pytest.mark.long,
-    pytest.mark.skipif(not available(), reason="needs Debian's linuxcnc-uspace"),
-    pytest.mark.skipif(not can_load("axiscal_vcomp"), reason="needs Debian's linuxcnc-uspace-dev and gcc"),
-]
+pytestmark = [*WITH_COMPONENT, pytest.mark.long]
 JOINTS = "XYZAC"
 SPEED, ACCELERATION = 500.0, 2500.0
 PLACES = 12

@@ -13,13 +13,10 @@ from axiscal.cli.app import run
 from axiscal.numerics import Array
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
-from tests.linuxcnc.lab import Joint, Session, Settings, available
+from tests.linuxcnc.lab import Joint, Session, Settings
+from tests.linuxcnc.needed import LONG
 
-pytestmark = [
-    pytest.mark.linuxcnc,
-    pytest.mark.long,
-    pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
-]
+pytestmark = LONG
 
 MACHINE = machine_text(
     "w-X'-Y'-b-Z-t",
