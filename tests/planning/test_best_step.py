@@ -10,7 +10,6 @@ import pytest
 
 from axiscal.errors.volume import volume_moments, whole_travel
 from axiscal.estimation.accuracy.criterion import Root
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
@@ -18,7 +17,7 @@ from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.step.best_step import best_step
 from axiscal.planning.step.starts_stacked import Pairs, adds_up
 from tests.certify.machines import random_case, shortfall
-from tests.generators.designs import levered, random_poses, read, splines
+from tests.generators.designs import levered, read, splines
 from tests.generators.one_axis import MACHINE, observed
 
 POSITIONS = (5.8730, 2.3144, 8.7285, 4.1742, 1.3682, 0.0, 10.0, 7.0444, 3.1836, 5.0)
@@ -95,16 +94,6 @@ def test_pairs_hold_the_form_everywhere() -> None:
         assert everywhere[where] == pytest.approx(vector @ vector + 1.5)
     index = np.array([[1, 2, 0], [3, 4, 2]])
     np.testing.assert_allclose(pairs.axis_forms(1, index), [everywhere[1, :, 0], everywhere[3, :, 2]])
-
-
-def test_gains_are_the_fall_of_the_criterion() -> None:
-    asked = read(levered(), np.random.default_rng(3), 3)
-    scorer = Covariance.from_factor(asked.observation, asked.belief.factor, asked.root).scorer()
-    pose, approach = random_poses(asked, np.random.default_rng(4), 1)
-    seen = asked.observation.rows(1, pose, approach)
-    after: Belief = asked.belief.update(seen.rows, 0.0, seen.variances)
-    fall = asked.root.criterion(asked.belief.factor) - asked.root.criterion(after.factor)
-    assert float(scorer.gains_at(1, pose, approach)[0]) == pytest.approx(fall, rel=1e-8)
 
 
 _PITCH = 'EXX_pitch = { std = "4 um", period = "90 mm", harmonics = 2 }\n'

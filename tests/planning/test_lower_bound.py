@@ -24,14 +24,6 @@ from tests.generators.designs import levered, splines
 ONE_SPLINE = Path(__file__).parents[1] / "golden" / "campaigns" / "one_spline" / "campaign.toml"
 
 
-def test_seven_readings_on_seven_knots() -> None:
-    asked = splines(1, 7, 0.1)
-    pool = Pool(asked.observation, asked.lattice)
-    bound = lower_bound(pool, asked.state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), 7.0)
-    assert bound.value == pytest.approx(0.0788, abs=2e-4)
-    assert not bound.everywhere
-
-
 @pytest.mark.parametrize(("knots", "noise", "readings"), [(4, 0.5, 2), (5, 1.0, 3), (5, 0.05, 3)])
 def test_no_subset_of_a_small_lattice_beats_it(knots: int, noise: float, readings: int) -> None:
     asked = splines(1, knots, noise, 14)

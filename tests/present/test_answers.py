@@ -56,25 +56,14 @@ def test_angles_are_in_microradians() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["1.2 -0.4 0.8", "1,2 -0,4 0,8", "1.2; -0.4; 0.8", "1.2, -0.4, 0.8", "1.2um -0.4um 0.8 um"]
-)
-def test_three_values_stand_in_one_line(text: str) -> None:
-    typed = answer(text, NEST)
-    assert not isinstance(typed, Word)
-    np.testing.assert_allclose(typed, [1.2e-6, -0.4e-6, 0.8e-6], rtol=1e-12)
-
-
-@pytest.mark.parametrize(
     "text",
     [
-        "0.0012 -0.0004 0.0008 mm",
-        "1.2um,-0.4um,0.8um",
-        "0.0012 -4e-4 8e-4 mm",
+        *("1.2 -0.4 0.8", "1,2 -0,4 0,8", "1.2; -0.4; 0.8", "1.2, -0.4, 0.8", "1.2um -0.4um 0.8 um"),
+        *("0.0012 -0.0004 0.0008 mm", "1.2um,-0.4um,0.8um", "0.0012 -4e-4 8e-4 mm", "1.2; -0.4; 0.8 um"),
         "0.0012 mm, -0.0004 mm, 0.0008 mm",
-        "1.2; -0.4; 0.8 um",
     ],
 )
-def test_a_unit_after_the_last_of_three_is_of_all(text: str) -> None:
+def test_three_values_stand_in_one_line_and_a_unit_after_the_last_is_of_all(text: str) -> None:
     typed = answer(text, NEST)
     assert not isinstance(typed, Word)
     np.testing.assert_allclose(typed, [1.2e-6, -0.4e-6, 0.8e-6], rtol=1e-12)

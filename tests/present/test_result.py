@@ -140,11 +140,6 @@ def test_what_is_not_a_number_never_leaves(field: str, value: str) -> None:
         result_json(replace(SUMMARY, **{field: float(value)}))  # type: ignore[arg-type]
 
 
-def test_lengths_that_differ_are_refused_by_name() -> None:
-    with pytest.raises(SummaryError, match="std of EXX has 1 values for 2 positions"):
-        result_json(replace(SUMMARY, curves=[replace(CURVE, std=[1.0])]))
-
-
 @given(st.floats(allow_nan=False, allow_infinity=False, min_value=-1e300, max_value=1e300))
 def test_rounding_moves_no_number_by_more_than_half_its_sixth_digit(value: float) -> None:
     written = result_json(replace(SUMMARY, rms_um=value))["rms_um"]
