@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from pathlib import Path
 
 import pytest
@@ -62,12 +61,6 @@ def test_a_copy_does_not_take_the_place_of_anything_else(
     assert run(["copy", str(record), str(tmp_path / "campaign.toml")]) == 1
     assert "is here already" in " ".join(capsys.readouterr().err.split())
     assert (tmp_path / "campaign.toml").read_text() == CAMPAIGN
-
-
-def test_the_file_alone_is_a_copy(record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "by-hand").mkdir()
-    shutil.copyfile(record, tmp_path / "by-hand" / "mill.axiscal")
-    assert status(tmp_path / "by-hand" / "mill.axiscal", capsys) == 1
 
 
 def test_report_tables_and_result_name_the_state_of_the_record(

@@ -78,14 +78,6 @@ def test_a_bad_reading_is_marked_in_the_pictures_of_the_curves() -> None:
     assert {point.reading for curve in drawn for point in curve.points if not point.rejected} >= {7, 9}
 
 
-def test_a_bad_reading_is_named_in_the_warnings() -> None:
-    readings = _readings(1)
-    readings[7] = replace(readings[7], value=readings[7].value - 80e-6)
-    (finding,) = [f for f in findings(_estimated(readings)) if f.code == "outlier"]
-    assert "Reading 8" in finding.text
-    assert "no figure and no table uses it" in finding.text
-
-
 def test_values_a_thousand_times_too_small_are_not_as_stated() -> None:
     """Whoever reads a file of them is told of another unit before (`estimation.wrong_unit`)."""
     small = [replace(r, value=r.value / 1000) for r in _readings(1)]

@@ -8,7 +8,6 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
-from axiscal.exceptions import PlanError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
@@ -18,7 +17,6 @@ from axiscal.planning.bound.lower_bound import _everywhere, lower_bound, prove
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
-from axiscal.planning.step.ground import regions
 from tests.generators.designs import levered, problem, random_poses, splines
 
 
@@ -112,18 +110,6 @@ def test_no_random_plan_over_a_turning_table_is_below_it() -> None:
         poses, approaches = random_poses(asked, generator, 6)
         places = Places(generator.integers(0, 2, 6), poses, approaches)
         assert bound <= asked.state.after_readings(places).value
-
-
-def test_an_instrument_that_looks_another_way_at_every_place_is_refused() -> None:
-    asked = splines(3, 4, 0.1, 50)
-    setups = tuple(replace(s, instrument="tracer", station=(0.0, 0.0, -0.3)) for s in asked.observation.setups)
-    with pytest.raises(PlanError, match="no polynomial of where it is"):
-        regions(replace(asked.observation, setups=setups), 0)
-
-
-def test_four_axes_together_are_refused() -> None:
-    with pytest.raises(PlanError, match="4 coordinates without steps, more than 3"):
-        regions(splines(4, 4, 0.1, 50).observation, 0)
 
 
 @pytest.mark.long
