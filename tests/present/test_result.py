@@ -8,7 +8,6 @@ from dataclasses import replace
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from pydantic import BaseModel, ConfigDict
 
 from axiscal.exceptions import SummaryError
 from axiscal.present.result_document import result_json
@@ -21,55 +20,6 @@ from axiscal.present.summary import (
     Uncertainty,
 )
 from tests.generators.answers import answer
-
-
-class _Row(BaseModel):
-    reading: int
-    position: dict[str, float] | None
-    rms_um: float
-    worst_um: float
-    minutes: float
-
-
-class _Error(BaseModel):
-    axis: str
-    position: list[float]
-    mean: list[float]
-    std: list[float]
-    position_unit: str
-    value_unit: str
-
-
-class _Constant(BaseModel):
-    mean: float
-    std: float
-    unit: str
-
-
-class _Warning(BaseModel):
-    code: str
-    error: str | None
-    text: str
-
-
-class _Result(BaseModel):
-    """contract.md, section result.json; strict, so that a number as text fails."""
-
-    model_config = ConfigDict(strict=True, allow_inf_nan=False)
-    schema_: str
-    readings: int
-    minutes: float
-    stopped_because: str
-    rms_um: float
-    worst_um: float
-    history: list[_Row]
-    errors: dict[str, _Error]
-    constants: dict[str, _Constant]
-    observability: list[str]
-    rejected: list[dict[str, object]]
-    warnings: list[_Warning]
-    versions: dict[str, str]
-
 
 CURVE = CurveSummary(
     "EXX", "X", "words", [0.0, 1 / 3], [1.23456789, -0.0], [2.0, 2.5], [1.0, 1.0], [9.0, 9.0], "mm", "um"
@@ -106,11 +56,9 @@ SUMMARY = Summary(
 def test_the_document_is_what_the_contract_says() -> None:
     document = result_json(SUMMARY)
     assert document["schema"] == "axiscal-result/1"
-    read = _Result.model_validate_json(json.dumps({**document, "schema_": document["schema"]}))
-    assert set(read.errors) == {"EXX", "EXX_reversal"}
-    assert read.errors["EXX"].std == [2.0, 2.5]  # the whole standard deviation, not the part that is seen
-    assert read.history[0].position is None
-    assert read.history[1].position == {"X": 120.0}
+    assert set(document["errors"]) == {"EXX", "EXX_reversal"}
+    assert document["errors"]["EXX"]["std"] == [2.0, 2.5]  # the whole standard deviation, not the part that is seen
+    assert [row["position"] for row in document["history"]] == [None, {"X": 120.0}]
     assert document["unseen_rms_um"] == 0.5
     assert (document["U_um"], document["k"], document["U_axis_um"]) == (15.6, 1.71, {"x": 9.0, "y": 8.0, "z": 7.0})
 
