@@ -16,9 +16,15 @@ from typing import Any
 
 import pytest
 
+from axiscal.ports.postgres.database import Database
+
 _QUICK = ["-c", "fsync=off", "-c", "full_page_writes=off", "-c", "shared_buffers=16MB", "-c", "max_connections=50"]
 """A server that lives for a minute need not outlive the power."""
 OWNER = "keeper"
+END_SESSIONS = (
+    "SELECT pg_terminate_backend(pid, 5000) FROM pg_stat_activity "
+    "WHERE pid <> pg_backend_pid() AND application_name = 'axiscal'"
+)
 _ENDING = 'cat > /dev/null; "$1" -D "$2/data" -m immediate -s stop; rm -rf "$2"'
 """What waits in a shell for the end of what is written to it: nobody can prevent that, no SIGKILL either."""
 
@@ -78,6 +84,23 @@ def _ended_after(folder: Path, bin_folder: Path) -> Iterator[None]:
         command, stdin=subprocess.PIPE, stdout=silent, stderr=silent, cwd="/", start_new_session=True, **_nobody_much()
     ):
         yield
+
+
+@contextmanager
+def cut_off(database: Database, keeper: Database, nth: int) -> Iterator[None]:
+    """Have a keeper end the sessions of all others before the so-manieth statement of a database, from 0."""
+    asked, counted = database.select, iter(range(99))
+
+    def rows(query: str, **values: object) -> list[list[object]]:
+        if next(counted) == nth:
+            keeper.select(END_SESSIONS)
+        return asked(query, **values)
+
+    database.select = rows  # type: ignore[method-assign]
+    try:
+        yield
+    finally:
+        del database.select
 
 
 @contextmanager

@@ -11,16 +11,10 @@ from pathlib import Path
 import pytest
 
 from axiscal.exceptions import RecordError
-from axiscal.measurement.reading import Reading
-from axiscal.record.events import Created, Event, Recorded, Stored
+from axiscal.record.events import Event
 from axiscal.record.line_form import BLOCK, MARK, MARKS, START, Mark, mark_bytes, read_mark
 from axiscal.record.store import Record
-
-CREATED = Created("name = 'm'", "machine = 'm'", "machine.toml", "campaign.toml", {"axiscal": "0.1.0"})
-
-
-def recorded(value: float) -> Recorded:
-    return Recorded(Reading("laser", (0.1, 0.2), (1, 0), value))
+from tests.reliability.record_faults import CREATED, events, recorded
 
 
 @pytest.fixture
@@ -30,11 +24,6 @@ def path(tmp_path: Path) -> Path:
         for number in range(3):
             record.append(recorded(1e-6 * number))
     return path
-
-
-def events(path: Path) -> tuple[Stored, ...]:
-    with Record.open(path, write=False) as record:
-        return record.events()
 
 
 def test_what_was_not_acknowledged_is_left_out_and_written_over(path: Path) -> None:

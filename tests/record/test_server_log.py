@@ -28,7 +28,7 @@ from axiscal.record.line_form import EventText, chained
 from axiscal.record.log import ChainedText, chained_texts
 from axiscal.record.store import Record
 from tests.generators.sisters import CAMPAIGN, MACHINE
-from tests.record.postgres_server import RunningServer, programs, running_server
+from tests.record.postgres_server import END_SESSIONS, RunningServer, cut_off, programs, running_server
 
 ROOT = Path(__file__).resolve().parents[2]
 CREATED = Created("name = 'mill'", "machine = 'mill'", "machine.toml", "campaign.toml", {})
@@ -113,16 +113,17 @@ def test_the_server_itself_refuses_what_does_not_follow(
     assert log.last() == 3
 
 
-def test_what_was_changed_behind_its_back_is_said(log: ServerLog, database: Database) -> None:
-    database.select("ALTER TABLE axiscal.events DISABLE TRIGGER keep")
+def unguarded(log: ServerLog, change: str) -> None:
+    """Change events of a campaign behind the back of the store."""
+    log._database.select("ALTER TABLE axiscal.events DISABLE TRIGGER keep")
     try:
-        database.select(
-            "UPDATE axiscal.events SET payload = replace(payload, '1e-06', '2e-06') "
-            "WHERE number = 2 AND campaign = CAST(:id AS uuid)",
-            id=log.entry.id,
-        )
+        log._database.select(f"{change} AND campaign = CAST(:id AS uuid)", id=log.entry.id)
     finally:
-        database.select("ALTER TABLE axiscal.events ENABLE TRIGGER keep")
+        log._database.select("ALTER TABLE axiscal.events ENABLE TRIGGER keep")
+
+
+def test_what_was_changed_behind_its_back_is_said(log: ServerLog, database: Database) -> None:
+    unguarded(log, "UPDATE axiscal.events SET payload = replace(payload, '1e-06', '2e-06') WHERE number = 2")
     with pytest.raises(RecordError, match="damaged: event 2 does not follow"):
         ServerLog.open(database, log.entry.name)
 
@@ -256,23 +257,15 @@ def test_a_server_that_goes_away_and_comes_back_has_lost_nothing() -> None:
 def _ended_in_the_middle(server: RunningServer, database: Database, log: ServerLog) -> None:
     """End our session before each statement of an append: it is there whole or not at all, and can be given again."""
     keeper, told = Database(store_address(server.address())), list[str]()
-    asked = database.select
     for nth in range(4):
-        statements, last = iter(range(99)), log.last()
-
-        def rows(query: str, _nth: int = nth, _counted: object = statements, **values: object) -> list[list[object]]:
-            if next(_counted) == _nth:  # type: ignore[call-overload]
-                keeper.select("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE pid <> pg_backend_pid() "
-                              "AND application_name = 'axiscal'")  # fmt: skip
-            return asked(query, **values)
-
-        database.select, database.at_once = rows, _never_at_once  # type: ignore[method-assign,assignment]
+        last = log.last()
+        database.at_once = lambda query, **values: False  # type: ignore[method-assign]
         try:
-            log.append(READING, READING, after=last)
+            with cut_off(database, keeper, nth):
+                log.append(READING, READING, after=last)
         except RecordError as failure:
             told.append(failure.what)
         finally:
-            database.select = asked  # type: ignore[method-assign]
             del database.at_once
         assert log.last() in (last, last + 2)
         assert log.append(READING, after=log.last()) == log.last()
@@ -281,22 +274,17 @@ def _ended_in_the_middle(server: RunningServer, database: Database, log: ServerL
     keeper.close()
 
 
-def _never_at_once(query: str, **values: object) -> bool:
-    return False
-
-
 def _ended_while_it_was_asked_once(server: RunningServer, database: Database, log: ServerLog) -> None:
     """End our session around the one question of an append: nothing is said where it can be seen what is kept."""
     keeper = Database(store_address(server.address()))
     speaks, asked = database_module._speaks, database.at_once
-    end = "SELECT pg_terminate_backend(pid, 5000) FROM pg_stat_activity WHERE pid <> pg_backend_pid() AND "
 
     def dropped(line: int) -> bool:
-        keeper.select(f"{end} application_name = 'axiscal'")
+        keeper.select(END_SESSIONS)
         return speaks(line)
 
     def dropped_after_a_look(line: int) -> bool:
-        keeper.select(f"{end} application_name = 'axiscal'")
+        keeper.select(END_SESSIONS)
         return False
 
     for each in (dropped, dropped_after_a_look):
@@ -325,19 +313,6 @@ def _ended_while_it_was_asked_once(server: RunningServer, database: Database, lo
     server.start()
     assert log.last() == last + 3
     keeper.close()
-
-
-def test_of_two_that_know_the_same_one_question_keeps_one_and_behind_nothing_known_both(
-    log: ServerLog, address: str
-) -> None:
-    other = ServerLog.open(Database(store_address(address)), log.entry.name)
-    assert log.append(READING, after=3) == 4
-    with pytest.raises(OvertakenError, match="in the meantime"):
-        other.append(READING, after=3)
-    assert log.append(READING) == 5
-    assert other.append(READING) == 6
-    assert [stored.number for stored in log.events()] == [1, 2, 3, 4, 5, 6]
-    other.close()
 
 
 @pytest.mark.parametrize("known", [True, False])
@@ -382,12 +357,8 @@ def test_an_append_is_one_question_to_the_server(log: ServerLog, database: Datab
         del database.select
 
 
-def test_what_is_put_back_is_said_by_the_one_question_too(log: ServerLog, database: Database) -> None:
-    database.select("ALTER TABLE axiscal.events DISABLE TRIGGER keep")
-    try:
-        database.select("DELETE FROM axiscal.events WHERE number = 3 AND campaign = CAST(:id AS uuid)", id=log.entry.id)
-    finally:
-        database.select("ALTER TABLE axiscal.events ENABLE TRIGGER keep")
+def test_what_is_put_back_is_said_by_the_one_question_too(log: ServerLog) -> None:
+    unguarded(log, "DELETE FROM axiscal.events WHERE number = 3")
     with pytest.raises(RecordError, match="an older state of the store"):
         log.append(READING)
 

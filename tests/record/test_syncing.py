@@ -19,7 +19,7 @@ from axiscal.record.copies import write_copy
 from axiscal.record.events import Created, Noted
 from axiscal.record.log import ChainedText
 from axiscal.record.store import Record
-from tests.record.postgres_server import RunningServer
+from tests.record.postgres_server import RunningServer, cut_off
 
 _numbers = itertools.count()
 
@@ -174,28 +174,16 @@ def test_in_any_order_nothing_is_ever_lost(
 
 
 @pytest.mark.parametrize("case", ["new", "ahead", "behind", "fork", "fork goes on"])
-def test_a_server_that_goes_away_at_any_moment_leaves_a_beginning(
-    shop: Shop, server: RunningServer, case: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_server_that_goes_away_at_any_moment_leaves_a_beginning(shop: Shop, server: RunningServer, case: str) -> None:
     _made(shop, case)
-    keeper, asked, told = Database(store_address(server.address())), Database.select, 0
-    mine = shop.database
+    keeper, told = Database(store_address(server.address())), 0
     for nth in range(14):
-        counted = iter(range(99))
-
-        def rows(self: Database, query: str, _nth: int = nth, _counted: object = counted, **values: object) -> object:
-            if self is mine and next(_counted) == _nth:  # type: ignore[call-overload]
-                asked(keeper, "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE pid <> pg_backend_pid() "
-                      "AND application_name = 'axiscal'")  # fmt: skip
-            return asked(self, query, **values)
-
         before, mine_before = shop.chains(), [text.chain for text in shop.texts("two")]
-        with monkeypatch.context() as patched:
-            patched.setattr(Database, "select", rows)
-            try:
+        try:
+            with cut_off(shop.database, keeper, nth):
                 shop.synced("two")
-            except RecordError:
-                told += 1
+        except RecordError:
+            told += 1
         assert shop.chains()[: len(before)] == before or case.startswith("fork")
         assert set(before) <= set(shop.chains())
         assert [text.chain for text in shop.texts("two")][: len(mine_before)] == mine_before

@@ -12,7 +12,7 @@ from axiscal.record import log
 from axiscal.record.events import Event, Stored
 from axiscal.record.line_form import MARK, MARKS, START
 from axiscal.record.store import Record
-from tests.reliability.record_faults import CREATED, NAME, recorded, values
+from tests.reliability.record_faults import CREATED, NAME, events, recorded, values
 from tests.reliability.trial import Trial, scratch
 
 SECONDS = 2.0
@@ -31,7 +31,7 @@ def bits(every: int = 1) -> Trial:
             changed.write_bytes(flipped)
             said = _said(changed)
             damaged += "The record is damaged: " in said
-            silent += "damaged" not in said and (bool(said) or _events(changed) != whole)
+            silent += "damaged" not in said and (bool(said) or events(changed) != whole)
     detail = f"{damaged} called damaged, the others change nothing"
     return Trial("bits of a record flipped, one at a time", len(chosen), silent, detail)
 
@@ -82,7 +82,7 @@ def _record(path: Path) -> tuple[bytes, tuple[Stored, ...]]:
     with Record.create(path, CREATED) as record:
         for number in range(3):
             record.append(recorded(1e-6 * number))
-    return path.read_bytes(), _events(path)
+    return path.read_bytes(), events(path)
 
 
 def _bits(size: int) -> Iterator[int]:
@@ -90,11 +90,6 @@ def _bits(size: int) -> Iterator[int]:
     for begin, end in ((0, 30), *((at, at + MARK) for at in MARKS), (START, size)):
         yield from range(8 * begin, 8 * end)
     yield from range(0, 8 * START, 1009)
-
-
-def _events(path: Path) -> tuple[Stored, ...]:
-    with Record.open(path, write=False) as record:
-        return record.events()
 
 
 def _said(path: Path) -> str:

@@ -21,13 +21,12 @@ from unittest.mock import patch
 from axiscal.cli.app import run
 from axiscal.exceptions import RecordError
 from axiscal.present import printed
-from axiscal.record.events import Stored
-from axiscal.record.store import Record
 from tests.cli.test_results_are_a_set import CAMPAIGN, READINGS
 from tests.generators.texts import machine_text
 from tests.ports.texts import CAMPAIGN as STUDIED
 from tests.ports.texts import STUDY
 from tests.reliability.faults import HOWS, Fault, Outcome, Say, faults
+from tests.reliability.record_faults import events
 from tests.reliability.trial import Trial, scratch
 
 MACHINE = machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"})
@@ -255,22 +254,17 @@ def _lost(before: Path, folder: Path, command: Command, done: bool) -> str:
     """Return what is missing of what was acknowledged, or is half."""
     try:
         for path in folder.rglob("*.axiscal"):
-            _events(path)
+            events(path)
     except RecordError as failure:
         return f"a record that cannot be opened: {failure}"
     for path in sorted(before.glob("*.axiscal")):
-        earlier, now = _events(path), _events(folder / path.name)
+        earlier, now = events(path), events(folder / path.name)
         if now[: len(earlier)] != earlier:
             return f"events of {path.name} are missing"
     for file in INPUTS:
         if (folder / file).read_bytes() != (before / file).read_bytes():
             return f"{file} is another"
     return _unset(folder, command, done)
-
-
-def _events(path: Path) -> tuple[Stored, ...]:
-    with Record.open(path, write=False) as record:
-        return record.events()
 
 
 def _unset(folder: Path, command: Command, done: bool) -> str:

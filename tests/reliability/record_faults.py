@@ -6,7 +6,7 @@ from pathlib import Path
 
 from axiscal.measurement.reading import Reading
 from axiscal.record.copies import write_copy
-from axiscal.record.events import Created, Recorded
+from axiscal.record.events import Created, Recorded, Stored
 from axiscal.record.store import Record
 from tests.reliability.faults import Say, faults
 from tests.reliability.trial import Trial, scratch
@@ -24,6 +24,12 @@ def values(path: Path) -> list[float]:
     """Return the readings that a record holds."""
     with Record.open(path, write=False) as record:
         return [reading.value for reading in record.state().readings]
+
+
+def events(path: Path) -> tuple[Stored, ...]:
+    """Return what a record holds."""
+    with Record.open(path, write=False) as record:
+        return record.events()
 
 
 def begun() -> Trial:

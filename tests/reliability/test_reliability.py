@@ -96,12 +96,11 @@ def test_a_clock_that_goes_back_changes_no_order() -> None:
     assert changed.clock().lost == 0
 
 
-@pytest.mark.long
 def test_killed_writers_leave_everything_that_they_acknowledged_in_the_file_alone() -> None:
-    assert writers.killed(10).lost == 0
+    trial = writers.killed(20)
+    assert (trial.lost, trial.detail.startswith("0 ")) == (0, False)
 
 
-@pytest.mark.long
 def test_eight_processes_at_once_lose_and_double_nothing() -> None:
     assert writers.at_once(8, 10).lost == 0
 
