@@ -230,19 +230,15 @@ def test_overrides_are_anybodys_and_the_move_goes_on(agent: Any, control: Contro
     assert control.at["X"] == 5
 
 
-def test_after_another_command_between_moves_no_more_are_made(agent: Any, control: Control) -> None:
+@pytest.mark.parametrize("changes", [{}, {"mode": MODE_MANUAL, "feed": 0.9}], ids=["command", "mode of the task"])
+def test_after_another_command_or_mode_between_moves_no_more_are_made(
+    agent: Any, control: Control, changes: dict[str, Any]
+) -> None:
     agent.line("G53 G1 X5 F600")
-    control.other()
+    control.other(**changes)
     assert "somebody" in agent.line("G53 G1 X7 F600")["failure"]
     assert control.at["X"] == 5
     assert "abort" not in control.given
-
-
-def test_another_mode_of_the_task_is_a_stop(agent: Any, control: Control) -> None:
-    agent.line("G53 G1 X5 F600")
-    control.other(mode=MODE_MANUAL, feed=0.9)
-    assert "somebody" in agent.line("G53 G1 X7 F600")["failure"]
-    assert control.at["X"] == 5
 
 
 def test_tool_point_kinematics_end_after_the_first_degree(agent: Any, control: Control) -> None:

@@ -139,32 +139,31 @@ HEIGHTS = (
 MESH = "#*# [bed_mesh axiscal]\n#*# points =\n#*# \t  0.100000, 0.200000\n"
 
 
-@pytest.mark.parametrize(
-    ("spoil", "why"),
-    [
-        (lambda p: p.klipper.update(print_stats={"state": "printing"}), "prints"),
-        (lambda p: p.files.update({"printer.cfg": "[printer]\n"}), "does not read it"),
-        (lambda p: setattr(p, "info", "error"), "after it was started again"),
-        (lambda p: setattr(p, "spoils", True), "does not hold the profile"),
-    ],
-)
-def test_klipper_that_does_not_take_it_is_a_sentence(printer: Keeping, spoil: Any, why: str) -> None:
-    spoil(printer)
-    with pytest.raises(SourceError, match=why):
-        loader_at(at("moonraker", printer), "klipper").load(MESH, "axiscal")
+KLIPPER, DUET = ("moonraker", "klipper", MESH), ("duet", "reprapfirmware", "a map 1")
+"""What is asked, the control of its files, and one of them."""
 
 
 @pytest.mark.parametrize(
-    ("spoil", "why"),
+    ("of", "spoil", "why"),
     [
-        (lambda p: p.duet["state"].update(status="processing"), "not idle"),
-        (lambda p: setattr(p, "spoils", True), "does not hold"),
+        (KLIPPER, lambda p: p.klipper.update(print_stats={"state": "printing"}), "prints"),
+        *(
+            (KLIPPER, lambda p, line=line: p.files.update({"printer.cfg": line}), "does not read it")
+            for line in ("[printer]\n", f"#{INCLUDE}", "[include conf.d/*.cfg]\n", "[include mesh*.cfg]\n")
+        ),
+        (KLIPPER, lambda p: setattr(p, "info", "error"), "after it was started again"),
+        (KLIPPER, lambda p: setattr(p, "spoils", True), "does not hold the profile"),
+        (DUET, lambda p: p.duet["state"].update(status="processing"), "not idle"),
+        (DUET, lambda p: setattr(p, "spoils", True), "does not hold"),
     ],
 )
-def test_a_duet_that_does_not_take_it_is_a_sentence(printer: Keeping, spoil: Any, why: str) -> None:
+def test_a_printer_that_does_not_take_it_is_a_sentence(
+    printer: Keeping, of: tuple[str, str, str], spoil: Any, why: str
+) -> None:
     spoil(printer)
+    kind, to, text = of
     with pytest.raises(SourceError, match=why):
-        loader_at(at("duet", printer), "reprapfirmware").load("a map 1", "axiscal")
+        loader_at(at(kind, printer), to).load(text, "axiscal")
 
 
 @pytest.mark.parametrize("alone", [False, True])
@@ -189,13 +188,6 @@ def test_a_map_that_cannot_be_read_is_not_overwritten(printer: Keeping, alone: b
 def test_klipper_is_waited_for_while_moonraker_says_that_it_is_not_there(printer: Keeping) -> None:
     printer.away = 3
     assert "in force" in loader_at(at("moonraker", printer), "klipper").load(MESH, "axiscal")
-
-
-@pytest.mark.parametrize("line", [f"#{INCLUDE}", "[include conf.d/*.cfg]\n", "[include mesh*.cfg]\n"])
-def test_an_include_of_something_else_reads_nothing(printer: Keeping, line: str) -> None:
-    printer.files["printer.cfg"] = line
-    with pytest.raises(SourceError, match="does not read it"):
-        loader_at(at("moonraker", printer), "klipper").load(MESH, "axiscal")
 
 
 @pytest.mark.parametrize(("kind", "to"), [("moonraker", "klipper"), ("duet", "reprapfirmware")])

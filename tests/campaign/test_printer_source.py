@@ -218,18 +218,24 @@ def test_a_printer_that_is_not_ready_is_not_moved(
     assert printer.told == []
 
 
-@pytest.mark.parametrize("last", [None, "0.1", float("nan"), True, [1]])
-def test_a_height_that_is_none_is_refused(printer: Server, last: object, monkeypatch: pytest.MonkeyPatch) -> None:
-    source = opened("moonraker", printer)
-    monkeypatch.setattr(printer, "execute", lambda code: setattr(printer, "last", last))
-    with pytest.raises(SourceError, match="where the height of the bed was expected"):
-        source.read(request(10, 10))
+NO_HEIGHT = [
+    *(
+        ("moonraker", last, "where the height of the bed was expected")
+        for last in (None, "0.1", float("nan"), True, [1])
+    ),
+    ("moonraker", 7.5, r"7\.500 mm off the bed's zero"),
+    ("duet", "Error: G30: probe already triggered", "probe already triggered"),
+]
 
 
-def test_a_probe_that_meets_something_else_ends_the_run(printer: Server, monkeypatch: pytest.MonkeyPatch) -> None:
-    source = opened("moonraker", printer)
-    monkeypatch.setattr(printer, "execute", lambda code: setattr(printer, "last", 7.5))
-    with pytest.raises(SourceError, match=r"7\.500 mm off the bed's zero"):
+@pytest.mark.parametrize(("kind", "said", "message"), NO_HEIGHT)
+def test_a_height_that_is_none_ends_the_run(
+    printer: Server, kind: str, said: object, message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = opened(kind, printer)
+    printer.last = said
+    monkeypatch.setattr(printer, "execute", lambda code: said)
+    with pytest.raises(SourceError, match=message):
         source.read(request(10, 10))
 
 
@@ -306,13 +312,6 @@ def test_a_probe_that_never_touches_is_said_without_a_traceback(
     ) as caught:
         source.read(request(10, 10))
     assert "File app.py" not in str(caught.value)
-
-
-def test_a_duet_that_says_nothing_of_a_height(printer: Server, monkeypatch: pytest.MonkeyPatch) -> None:
-    source = opened("duet", printer)
-    monkeypatch.setattr(printer, "execute", lambda code: "Error: G30: probe already triggered")
-    with pytest.raises(SourceError, match="probe already triggered"):
-        source.read(request(10, 10))
 
 
 @pytest.mark.parametrize("kind", ["moonraker", "duet"])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 
 import pytest
@@ -138,17 +137,6 @@ def test_the_tail_and_the_marks_may_be_gone(path: Path, new: Path) -> None:
     assert "both marks" in found.missing[0]
 
 
-def test_half_a_transaction_that_nobody_acknowledged_is_not_taken(path: Path, new: Path) -> None:
-    made(path, recorded(1e-6))
-    before = path.read_bytes()
-    with Record.open(path) as record:
-        batch: list[Event] = [recorded(2e-6), recorded(3e-6)]
-        record.append(*batch)
-    lines = lines_of(path.read_bytes())
-    path.write_bytes(before + path.read_bytes()[len(before) : lines[2].end])
-    assert values(salvaged(path, new)) == [1e-6]
-
-
 @pytest.mark.parametrize("lines", [3, 4, 5])
 def test_the_beginning_of_another_record_is_not_put_before_the_rest(
     path: Path, new: Path, tmp_path: Path, lines: int
@@ -166,19 +154,6 @@ def test_the_beginning_of_another_record_is_not_put_before_the_rest(
         found = salvaged(path, new, record.texts()[0].row)
     assert values(found) == [json.loads(line.payload)["value"] for line in behind]
     assert any("may be of another file" in words for words in found.missing)
-
-
-def test_whole_lines_that_no_chain_leads_to_are_named_and_left_out(path: Path, new: Path, tmp_path: Path) -> None:
-    made(path, *(recorded(1e-6 * number) for number in range(1, 20)))
-    other = made(tmp_path / "other.axiscal", *(recorded(1e-5 + 1e-6 * number) for number in range(1, 20)))
-    lines = lines_of(path.read_bytes())
-    begin, end = lines[5].begin + 60, lines[12].begin + 60
-    content = path.read_bytes()
-    path.write_bytes(content[:begin] + other.read_bytes()[begin:end] + content[end:])
-    found = salvaged(path, new)
-    assert max(values(found)) < 1e-4
-    assert set(values(found)) == {1e-6 * n for n in (*range(1, 5), *range(13, 20))}
-    assert re.search(r"\d whole lines \(bytes \d+ to \d+\) may be of another file", found.missing[-1])
 
 
 @pytest.fixture
@@ -253,10 +228,3 @@ def test_an_entry_of_a_newer_version_comes_along_unless_it_says_something_of_rea
         record.extend([EventText(at, "weighted", '{"reading":1}')])
     with pytest.raises(NewerError, match="weighted"):
         salvaged(path, new.with_name("second.axiscal"))
-
-
-def test_what_is_no_record_of_this_form_is_refused(path: Path, new: Path) -> None:
-    path.write_bytes(b"machine = 'mill'\n" * 2000)
-    with pytest.raises(RecordError, match="No entry of a record stands whole"):
-        salvaged(path, new)
-    assert not new.exists()

@@ -9,12 +9,12 @@ import pytest
 
 from axiscal.campaign.salvaging import Missing, Standing, standing
 from axiscal.exceptions import NewerError, RecordError
-from axiscal.record.events import Created, Event, Noted
+from axiscal.record.events import Event, Noted
 from axiscal.record.line_form import BLOCK, MARK, MARKS, START, Mark, mark_bytes
 from axiscal.record.store import Record
+from tests.reliability.record_faults import CREATED
 from tests.reliability.salvaged import lines_of
 
-CREATED = Created("name = 'm'", "machine = 'm'", "machine.toml", "campaign.toml", {"axiscal": "0.1.0"})
 EVENTS = 9
 
 
