@@ -10,9 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.answers.answer_of_campaign import best_control, standing_answer
+from axiscal.answers.answer_of_campaign import AnsweredRow, answered, best_control, standing_answer
 from axiscal.answers.answer_words import answer_text
-from axiscal.answers.rows import AnsweredRow, answered
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.accuracy.expanded import BAND

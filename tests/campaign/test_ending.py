@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from axiscal.answers.rows import answered
+from axiscal.answers.answer_of_campaign import answered
 from axiscal.campaign import ending
 from axiscal.campaign.ending import (
     _BEYOND,

@@ -103,7 +103,7 @@ class PlannedRow(AnswerDocument):
 
 
 class AnswerRow(PlannedRow):
-    """A row, in `unit`: fields as of `answers.rows.AnsweredRow`.  one_more : U after one reading from the other side"""
+    """A row, in `unit`: fields as of `AnsweredRow`.  one_more : U after one reading from the other side"""
 
     found: float
     largest: float

@@ -2,15 +2,19 @@
 
 Let an accuracy be U after n readings, L as wanted, and F after endless readings. U² − F² falls with n, so about
 n (U² − F²)/(L² − F²) readings reach L.
+
+A row is found and left as √(estimate² + u²) and √((what the tables leave)² + u²), both RMS over its places.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,22 +30,29 @@ from axiscal.answers.answer import (
     number,
 )
 from axiscal.answers.answer_words import digits, row_name
-from axiscal.answers.rows import AnsweredRow, answered
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import count_reached
-from axiscal.estimation.accuracy.expanded import known_to
+from axiscal.estimation.accuracy.expanded import known_to, reach
+from axiscal.estimation.accuracy.yardstick import Yardstick
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import AxisLine
-from axiscal.estimation.functionals.known import KnownRow, known_rows
+from axiscal.estimation.functionals.known import KnownRow, known_row, known_rows, with_one_more, without_readings
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
 from axiscal.machine.axis import Axis
-from axiscal.measurement.reading import Place, shown_pose
+from axiscal.measurement.reading import shown_pose
 from axiscal.measurement.reading_rows import blank_readings
-from axiscal.planning.promise import WantedAccuracy, asked
+from axiscal.numerics import Array
+from axiscal.numerics.threads import one_thread
+from axiscal.planning.promise import asked
 from axiscal.record.copies import file_name
+from axiscal.tables.offer import places, unknown_rms
 from axiscal.tables.registry import exporter, offered_control
-from axiscal.tables.surface import Control
+from axiscal.tables.surface import Control, left_by
 from axiscal.units import to_unit
 
 _COSTS = 1.01
@@ -49,6 +60,125 @@ _COSTS = 1.01
 
 _TARGETS = 5
 """Readings that a line asks for of which there are none: ISO 230-2 wants five targets at least."""
+
+
+@dataclass(frozen=True)
+class AnsweredRow(KnownRow):
+    """A row of an answer, all sizes m or rad.
+
+    found, largest : RMS and largest size of the error over the places, with what is not known of it
+    stated : U before the first reading, as a plan says it: of the machine as described
+    left : RMS that the tables of each control leave, by its name; none of rotations
+    then : U of a row that is not measured, after one reading from the other side; None where that tells no more
+    """
+
+    found: float
+    largest: float
+    stated: float
+    left: Mapping[str, float]
+    then: float | None = None
+
+
+@one_thread()
+def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[AnsweredRow, ...]:
+    """Return the rows of a campaign.  controls : what the tables of each control that is offered do"""
+    described = known.stated.description
+    asked = asked_rows(described, known.readings, whole=bool(described.target.lines))
+    found = [row for row in (_answered(each, known, controls) for each in asked) if row.described]
+    one_sided = [row for row in found if row.row.kind == "backlash" and not row.measured and row.lines[0].read > 0]
+    turned = with_one_more(known, [row.lines[0] for row in one_sided])
+    if turned is None:
+        return tuple(found)
+    maps = {each.want.row: each.map for each in asked}
+    then = {
+        row.row: reach(functional.spectra(known.case.errors, turned.factor), turned.degrees)
+        for row in one_sided
+        if (functional := maps[row.row]) is not None
+    }
+    return tuple(replace(row, then=then.get(row.row)) for row in found)
+
+
+def _answered(asked: AskedRow, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
+    """Return a row along lines, or that of the volume."""
+    estimate, errors, belief, functional = known.estimate(), known.case.errors, known.printed.belief, asked.map
+    shown: Callable[[Array], Array]
+    if functional is None:
+        where, dimensions = places(estimate), sum(estimate.counted)
+        variances, shown = np.array(unknown_rms(estimate) ** 2), partial(_counted, estimate, where[0])
+    else:
+        where, dimensions, shown = (functional.poses, functional.sides), functional.dimensions, functional.row
+        variances = functional.spectra(errors, belief.factor).sum(axis=1)
+    if functional is not None and functional.angular:
+        at, left = functional.rows(errors) @ estimate.mean, dict[str, Array]()
+    else:
+        after = partial(left_by, estimate.machine, estimate.deviation)
+        at, left = (
+            shown(estimate.deviation(*where)),
+            {name: shown(after(each, *where)) for name, each in controls.items()},
+        )
+
+    def squares(row: Array) -> Array:
+        """Return the squared length of each vector of a row, with what is not known of it."""
+        found: Array = np.sum(row.reshape(-1, dimensions) ** 2, axis=1) + variances
+        return found
+
+    return AnsweredRow(
+        **vars(known_row(asked, known.case, belief, bool(known.readings))),
+        found=float(np.sqrt(np.mean(squares(at)))),
+        largest=float(np.sqrt(np.max(squares(at)))),
+        stated=without_readings(asked, known.stated),
+        left={name: float(np.sqrt(np.mean(squares(each)))) for name, each in left.items()},
+    )
+
+
+def _counted(estimate: Estimate, poses: Array, deviations: Array) -> Array:
+    """Return what counts of deviations (m, 3), their constant part taken off, one after another, (m d,)."""
+    shaped = deviations if estimate.alignment is None else estimate.alignment.left(poses, deviations)
+    centred: Array = (shaped - shaped.mean(axis=0))[:, list(estimate.counted)]
+    return centred.ravel()
+
+
+class Aims(NamedTuple):
+    """What is asked for: accuracies of the volume, of which one is enough, and limits of lines, which all count."""
+
+    volume: list[Aim]
+    lines: list[Aim]
+
+    @classmethod
+    def from_case(cls, case: Case, belief: Belief, endless: Yardstick, rows: Sequence[KnownRow]) -> Aims:
+        """Return what the target asks for and how well a belief knows it.  endless : what readings without end leave"""
+        volume = list[Aim]()
+        for name, *sizes in asked(case.description.target, endless):
+            limit, floor, now = (to_unit(size, "um") for size in (*sizes, known_to(name, case.yardstick, belief)))
+            volume.append(Aim(name=name, now=now, limit=limit, floor=floor, reachable=floor <= limit))
+        lines = [_aim(row, row.limit) for row in rows if row.limit is not None and row.row.kind != "volume"]
+        return cls(volume, lines)
+
+    @property
+    def met(self) -> bool:
+        """Whether all rows are reached, and one of the accuracies of the volume if there are any."""
+        volume = not self.volume or any(aim.reached for aim in self.volume)
+        return volume and all(aim.reached for aim in self.lines)
+
+    @property
+    def hopeless(self) -> list[Aim]:
+        """What endless readings would not reach: of the volume the first, where none can be, and each such row."""
+        hopeless = not any(aim.reached or aim.reachable for aim in self.volume)
+        return [*(self.volume[:1] if hopeless else ()), *(aim for aim in self.lines if not aim.reachable)]
+
+
+def _aim(row: KnownRow, most: float) -> Aim:
+    now, limit, floor = (to_unit(size, _unit(row)) for size in (row.known, most, row.floor))
+    return Aim(
+        name=row.row.name,
+        now=now,
+        limit=limit,
+        floor=floor,
+        measured=row.measured,
+        reachable=row.reachable,
+        unread=sum(not line.read for line in row.lines),
+        unit=_unit(row),
+    )
 
 
 def answer_of(
@@ -65,13 +195,10 @@ def answer_of(
     anyway : rows are there although readings contradict each other
     """
     rows = answered(known, controls)
-    wanted = asked(known.stated.description.target, known.case.yardstick_as_sized)
-    volume_known = known.case.yardstick, known.printed.belief
-    volume = [aim_of_volume(each, known_to(each.name, *volume_known)) for each in wanted]
-    lines = [aim_of(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
+    aims = Aims.from_case(known.case, known.printed.belief, known.case.yardstick_as_sized, rows)
     coming = campaign.state.coming if campaign.state.finished is None else ()
-    verdict = _verdict(known, volume, lines, rows)
-    more, minutes = _more(known, volume, lines) if verdict == "more" and not coming else (0, 0.0)
+    verdict = _verdict(known, aims, rows)
+    more, minutes = _more(known, aims) if verdict == "more" and not coming else (0, 0.0)
     if coming and verdict in ("measured", "unmeasured", "more"):
         verdict, more, minutes = "more", len(coming), to_unit(campaign.seconds(coming) - campaign.seconds(), "min")
     seconds = known.timed.seconds if campaign.state.clocked is None else campaign.state.clocked
@@ -79,7 +206,7 @@ def answer_of(
     return ResultAnswer(
         verdict=verdict,
         rows=[] if withheld else [_row(row, axes) for row in rows],
-        aims=[*volume, *lines],
+        aims=[*aims.volume, *aims.lines],
         more=more,
         more_minutes=_digits(minutes),
         readings=len(known.readings),
@@ -157,37 +284,26 @@ def _steps(campaign: Campaign, known: Estimation, verdict: Verdict, control: str
         yield NextStep(code="finish")
 
 
-def _verdict(known: Estimation, volume: Sequence[Aim], lines: Sequence[Aim], rows: Sequence[KnownRow]) -> Verdict:
+def _verdict(known: Estimation, aims: Aims, rows: Sequence[KnownRow]) -> Verdict:
     """Return how it stands: of several accuracies of the volume one is enough, of rows all are wanted."""
     if not known.readings:
         return "nothing"
     if known.agreement.contradicts:
         return "contradict"
-    if not (volume or lines):
+    if not any(aims):
         wanted = known.stated.description.target.wants
         return "unmeasured" if wanted and not all(row.measured for row in rows) else "measured"
-    if all_reached(volume, lines):
+    if aims.met:
         return "reached"
-    return "unreachable" if unreachable(volume, lines) else "more"
+    return "unreachable" if aims.hopeless else "more"
 
 
-def all_reached(volume: Sequence[Aim], lines: Sequence[Aim]) -> bool:
-    """Return whether all rows are reached, and one of the accuracies of the volume if there are any."""
-    return (not volume or any(aim.reached for aim in volume)) and all(aim.reached for aim in lines)
-
-
-def unreachable(volume: Sequence[Aim], lines: Sequence[Aim]) -> list[Aim]:
-    """Return what endless readings would not reach: of the volume the first, where none can be, and each such row."""
-    hopeless = not any(aim.reached or aim.reachable for aim in volume)
-    return [*(volume[:1] if hopeless else ()), *(aim for aim in lines if not aim.reachable)]
-
-
-def _more(known: Estimation, volume: Sequence[Aim], lines: Sequence[Aim]) -> tuple[int, float]:
+def _more(known: Estimation, aims: Aims) -> tuple[int, float]:
     """Return about how many readings are missing, and their minutes."""
     count = len(known.readings)
-    left = [_share(aim) for aim in volume if aim.floor < aim.limit]
-    shares = [min(left, default=0.0), *(_share(aim) for aim in lines if not aim.unread)]
-    new = [aim.unread for aim in lines if aim.unread]
+    left = [_share(aim) for aim in aims.volume if aim.floor < aim.limit]
+    shares = [min(left, default=0.0), *(_share(aim) for aim in aims.lines if not aim.unread)]
+    new = [aim.unread for aim in aims.lines if aim.unread]
     readings = math.ceil(count * max(shares)) + _TARGETS * sum(new)
     each = float(np.median(np.diff([0.0, *known.timed.ends])))
     mounting = np.mean([setup.setup_time for setup in known.stated.description.setups])
@@ -199,27 +315,6 @@ def _share(aim: Aim) -> float:
     if aim.reached:
         return 0.0
     return max((aim.now**2 - aim.floor**2) / (aim.limit**2 - aim.floor**2) - 1, 0.0)
-
-
-def aim_of_volume(wanted: WantedAccuracy, now: float) -> Aim:
-    """Return an accuracy of the volume.  now : how well it is known, m"""
-    now, limit, floor = (to_unit(size, "um") for size in (now, wanted.limit, wanted.floor))
-    return Aim(name=wanted.name, now=now, limit=limit, floor=floor, reachable=floor <= limit)
-
-
-def aim_of(row: KnownRow) -> Aim:
-    """Return a row with a limit."""
-    now, limit, floor = (to_unit(size, _unit(row)) for size in (row.known, row.limit or 0.0, row.floor))
-    return Aim(
-        name=row.row.name,
-        now=now,
-        limit=limit,
-        floor=floor,
-        measured=row.measured,
-        reachable=row.reachable,
-        unread=sum(not line.read for line in row.lines),
-        unit=_unit(row),
-    )
 
 
 def _unit(row: KnownRow) -> str:
@@ -255,22 +350,15 @@ def _row(row: AnsweredRow, axes: Sequence[Axis]) -> AnswerRow:
         largest=_shown(row, row.largest),
         left={name: _shown(row, size) for name, size in row.left.items()},
         one_more=None if row.then is None else _shown(row, row.then),
-        lines=list(_lines(row.lines, axes)),
+        lines=[_line(line, axes) for line in row.lines],
     )
 
 
-def _lines(lines: Sequence[AxisLine], axes: Sequence[Axis]) -> Iterator[AnswerLine]:
-    for line in lines:
-        first, last = (shown_pose(axes, tuple(pose)) for pose in line.poses[[0, -1]].tolist())
-        name = axes[line.axis].name
-        first, last = ({each: coordinate(at, "an end of a row") for each, at in end.items()} for end in (first, last))
-        yield AnswerLine(
-            setup=line.setup,
-            axis=name,
-            ends=(first.pop(name), last[name]),
-            at=first,
-            places={"+": len(line.plus), "-": len(line.minus), "both": len(line.both)},
-        )
+def _line(line: AxisLine, axes: Sequence[Axis]) -> AnswerLine:
+    name, ends = axes[line.axis].name, (shown_pose(axes, tuple(pose)) for pose in line.poses[[0, -1]].tolist())
+    first, last = ({each: coordinate(at, "an end of a row") for each, at in end.items()} for end in ends)
+    places = {"+": len(line.plus), "-": len(line.minus), "both": len(line.both)}
+    return AnswerLine(setup=line.setup, axis=name, ends=(first.pop(name), last[name]), at=first, places=places)
 
 
 def cost_words(campaign: Campaign, *, rest: bool) -> str:
@@ -282,7 +370,9 @@ def cost_words(campaign: Campaign, *, rest: bool) -> str:
     if pending is None:
         return ""
     kept = tuple(place for place in planned[1:] if not (rest and place.setup == pending.place.setup))
-    with_it, without = (_rows(campaign, places) for places in (planned, kept))
+    known = campaign.estimate()
+    blanks = (blank_readings(known.case.description.setups, places) for places in (planned, kept))
+    with_it, without = (known_rows(known.case, known.printed.read(each), [*known.readings, *each]) for each in blanks)
     lost = [row for row, after in zip(with_it, without, strict=True) if row.measured and not after.measured]
     names = [row_name(row.row.kind, [row.row.axes]) for row in lost]
     parts = [said("leaves {rows} unmeasured", rows=listed(", ", names))] if names else []
@@ -297,10 +387,3 @@ def cost_words(campaign: Campaign, *, rest: bool) -> str:
 def cost_sentence(words: str) -> str:
     """Return what is said before it is done.  words : of `cost_words`"""
     return put("{words}.", words=words) if words else said("By the plan as it stands this costs nothing.")
-
-
-def _rows(campaign: Campaign, places: Sequence[Place]) -> tuple[KnownRow, ...]:
-    """Return how well rows will be known after these places."""
-    known = campaign.estimate()
-    coming = blank_readings(known.case.description.setups, places)
-    return known_rows(known.case, known.printed.read(coming), [*known.readings, *coming])

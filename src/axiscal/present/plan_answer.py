@@ -22,13 +22,12 @@ from axiscal.answers.answer import (
     StepCode,
     finite,
 )
-from axiscal.answers.answer_of_campaign import aim_of, aim_of_volume, all_reached, known_figures, unreachable
+from axiscal.answers.answer_of_campaign import Aims, known_figures
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.type_b import TEMPERATURE
-from axiscal.estimation.accuracy.expanded import known_to
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
-from axiscal.estimation.functionals.known import KnownRow, known_rows
+from axiscal.estimation.functionals.known import known_rows
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Place, shown_approach, shown_pose
@@ -38,7 +37,7 @@ from axiscal.planning.helping import helping_setups
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import Blank, alike, asked, blank_problem, unseen_parts
+from axiscal.planning.promise import Blank, alike, blank_problem, unseen_parts
 from axiscal.planning.proposal import Proposal
 from axiscal.units import to_unit
 
@@ -141,14 +140,13 @@ def _planned(
     blank = blank_problem(case, readings) if places else None
     known = case.knowledge if blank is None else blank.knowledge
     rows = known_rows(case, known, readings)
-    volume, lines = _aims(case, known, rows)
-    reached = all_reached(volume, lines)
-    verdict: PlanVerdict = "planned" if not (volume or lines) else "reached" if reached else "short"
-    reach = None if reached else _reach(case, unreachable(volume, lines))
+    aims = Aims.from_case(case, known.belief, case.yardstick, rows)
+    verdict: PlanVerdict = "planned" if not any(aims) else "reached" if aims.met else "short"
+    reach = None if aims.met else _reach(case, aims.hopeless)
     return PlannedAnswer(
         verdict=verdict if reach is None else "unreachable",
         rows=[PlannedRow(**known_figures(row, row.before)) for row in rows],
-        aims=[*volume, *lines],
+        aims=[*aims.volume, *aims.lines],
         reach=reach,
         mostly=None if blank is None else _mostly(blank, known),
         alike=None if blank is None or not case.description.usual else alike(blank),
@@ -165,7 +163,7 @@ def _planned(
 def reach_answer(case: Case) -> ReachAnswer | None:
     """Return why no reading of these set-ups can reach the target, and what would help; None where readings can."""
     rows = known_rows(case, case.knowledge, ()) if case.description.target.lines else ()
-    return _reach(case, unreachable(*_aims(case, case.knowledge, rows)))
+    return _reach(case, Aims.from_case(case, case.knowledge.belief, case.yardstick, rows).hopeless)
 
 
 def _reach(case: Case, missed: Sequence[Aim]) -> ReachAnswer | None:
@@ -188,13 +186,6 @@ def _mostly(blank: Blank, known: Knowledge) -> LargestCause | None:
             found.append(LargestCause(cause=cause.row.name, owner=cause.owner, share=share, measurable=unknown))
     largest = max(found, key=lambda each: each.share, default=None)
     return largest if largest is not None and largest.share > _MOSTLY else None
-
-
-def _aims(case: Case, known: Knowledge, rows: Sequence[KnownRow]) -> tuple[list[Aim], list[Aim]]:
-    """Return the wanted accuracies of the volume, and those of all other rows."""
-    wanted = asked(case.description.target, case.yardstick)
-    volume = [aim_of_volume(each, known_to(each.name, case.yardstick, known.belief)) for each in wanted]
-    return volume, [aim_of(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
 
 
 def _setups(case: Case, places: Sequence[Place], passed: Callable[[int], float]) -> Iterator[PlannedSetup]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -99,30 +100,18 @@ def far_to_near(solids: Sequence[Solid], eye: Array) -> list[Solid]:
     Of two solids with a plane between them the one beyond it is farther. The one whose middle is farther comes first if
     three hide each other in a ring, or two enter each other.
     """
-    hidden_by = _hidden_by(solids, eye)
-    depth = [float(solid.points.mean(axis=0) @ eye) for solid in solids]
-    left, done = set(range(len(solids))), list[Solid]()
+    points = [solid.points for solid in solids]
+    normals = [np.array([face.normal for face in solid.faces if face.edged]) for solid in solids]
+    later = set[tuple[int, int]]()  # of each pair that hides, the nearer one first
+    for i, j in combinations(range(len(solids)), 2):
+        nearer = _nearer(points[i], points[j], np.vstack([normals[i], normals[j]]), eye)
+        later |= {(i, j)} if nearer > 0 else {(j, i)} if nearer < 0 else set()
+    left, done = sorted(range(len(solids)), key=lambda k: float(points[k].mean(axis=0) @ eye)), list[Solid]()
     while left:
-        free = [k for k in left if not any(k in hidden_by[j] for j in left if j != k)] or list(left)
-        first = min(free, key=depth.__getitem__)
+        first = next((k for k in left if not any((k, j) in later for j in left)), left[0])
         done.append(solids[first])
         left.remove(first)
     return done
-
-
-def _hidden_by(solids: Sequence[Solid], eye: Array) -> list[set[int]]:
-    """Return for each solid those that have to be drawn after it."""
-    points = [solid.points for solid in solids]
-    normals = [np.array([face.normal for face in solid.faces if face.edged]) for solid in solids]
-    found: list[set[int]] = [set() for _ in solids]
-    for i in range(len(solids)):
-        for j in range(i + 1, len(solids)):
-            nearer = _nearer(points[i], points[j], np.vstack([normals[i], normals[j]]), eye)
-            if nearer > 0:
-                found[j].add(i)
-            elif nearer < 0:
-                found[i].add(j)
-    return found
 
 
 def _nearer(first: Array, second: Array, directions: Array, eye: Array) -> int:
@@ -225,7 +214,6 @@ class Fit:
 
     scale: float
     shift: Array
-    frame: Viewport
 
     @classmethod
     def into(cls, points: Array, frame: Viewport) -> Fit:
@@ -235,7 +223,7 @@ class Fit:
         size, room = np.maximum(high - low, 1e-12), np.array([frame.width, frame.height]) - 2 * _MARGIN
         scale = float((room / size).min())
         middle = np.array([frame.left + frame.width / 2, frame.top + frame.height / 2])
-        return cls(scale, middle - scale * (low + high) / 2, frame)
+        return cls(scale, middle - scale * (low + high) / 2)
 
     def pixels(self, points: Array) -> Array:
         """Return where points (n, 3) or (3,) m stand, (n, 2)."""
@@ -259,14 +247,10 @@ def drawn(parts: Sequence[Part], frame: Viewport, within: Array | None = None) -
     labels = [_label(part, fitted) for part in parts if isinstance(part, (Arrow, Caption))]
     over = [_around(part, fitted) for part in marks if isinstance(part, (Arrow, RoundMark))]
     shown = placed(labels, (frame.left, frame.top, frame.left + frame.width, frame.top + frame.height), over)
-    inside = [*(_solid(each, fitted) for each in solids), *(_mark(each, fitted) for each in marks)]
-    return _cut("".join(inside), frame) + "".join(label.svg() for label in shown)
-
-
-def _cut(inside: str, frame: Viewport) -> str:
+    inside = "".join([*(_solid(each, fitted) for each in solids), *(_mark(each, fitted) for each in marks)])
     x, y, width, height = (short_number(each) for each in (frame.left, frame.top, frame.width, frame.height))
     view = f'x="{x}" y="{y}" width="{width}" height="{height}" viewBox="{x} {y} {width} {height}"'
-    return f"<svg {view}>{inside}</svg>"
+    return f"<svg {view}>{inside}</svg>" + "".join(label.svg() for label in shown)
 
 
 def _solid(solid: Solid, fitted: Fit) -> str:
