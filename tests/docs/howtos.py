@@ -21,7 +21,7 @@ from axiscal.measurement.reading import Place
 from axiscal.present.drawing.svg_picture import paper_svg, picture_file
 from axiscal.present.found_and_left import found_and_left_drawing
 from axiscal.present.machine_drawing.setup_picture import plan_picture
-from axiscal.present.page import groups
+from axiscal.present.rendering import groups
 from axiscal.present.summarising import Extras, summarise
 from axiscal.present.volume_error import bent_volume
 from axiscal.tables.exporter import ExportOptions

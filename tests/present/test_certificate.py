@@ -14,7 +14,7 @@ import pytest
 
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.csv_readings import read_readings
-from axiscal.present.printed import certificate
+from axiscal.present.rendering import certificate
 from axiscal.present.result_document import readings_csv, result_json
 from axiscal.present.sentences import values_text
 from tests.present.test_page import HOSTILE, _with_every_text, five_axis_summary

@@ -18,8 +18,7 @@ from axiscal.exceptions import SummaryError
 from axiscal.language.spoken import speaking
 from axiscal.machine import load_machine
 from axiscal.machine.questions import which_way
-from axiscal.present.page import render
-from axiscal.present.printed import certificate, pdf
+from axiscal.present.rendering import certificate, pdf, render
 from axiscal.present.result_document import LISTED, listed, readings_csv, result_json
 from axiscal.present.summary import ConstantSummary, CurveSummary, HistoryRow, Summary, Uncertainty
 from tests.generators.answers import answer

@@ -15,8 +15,7 @@ from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.language.spoken import Said, resaid, speaking
-from axiscal.present.page import render
-from axiscal.present.printed import filled
+from axiscal.present.rendering import filled, render
 from axiscal.present.result_document import result_json
 from axiscal.present.summarising import Extras, summarise
 from axiscal.present.summary import Summary

@@ -23,7 +23,7 @@ from axiscal.present.drawn_by_standards import (
     division,
     positioning_curves,
 )
-from axiscal.present.page import positioning_figure
+from axiscal.present.rendering import positioning_figure
 from axiscal.tables.surface import Control
 from tests.generators.kinematics import tip
 from tests.generators.laser_axis import CAMPAIGN, MACHINE

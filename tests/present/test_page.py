@@ -19,7 +19,7 @@ from axiscal.errors.iso230 import words
 from axiscal.estimation.promise.agreement import Agreement
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import load_machine
-from axiscal.present.page import groups, panel_figure, render
+from axiscal.present.rendering import groups, panel_figure, render
 from axiscal.present.summary import (
     ConstantSummary,
     CurvePoint,

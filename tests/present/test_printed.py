@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.present.printed import pdf
+from axiscal.present.rendering import pdf
 from tests.present.test_edges import AT_ODDS, CONTRADICT, _bare
 from tests.present.test_page import HOSTILE, _with_every_text, five_axis_summary
 

@@ -10,7 +10,7 @@ import signxml
 from lxml import etree
 from signxml.xades.xades import XAdESSignatureConfiguration, XAdESVerifier
 
-from axiscal.present.printed import certificate
+from axiscal.present.rendering import certificate
 from axiscal.record.signing import KEY, make_key
 from tests.present.test_page import five_axis_summary
 

@@ -20,7 +20,7 @@ from unittest.mock import patch
 
 from axiscal.cli.app import run
 from axiscal.exceptions import RecordError
-from axiscal.present import printed
+from axiscal.present import rendering
 from tests.cli.test_results_are_a_set import CAMPAIGN, READINGS
 from tests.generators.texts import machine_text
 from tests.ports.texts import CAMPAIGN as STUDIED
@@ -190,7 +190,7 @@ def _warmed(before: Path, folder: Path, command: Command) -> None:
     """
     shutil.copytree(before, folder)
     with (
-        patch.object(printed, "_set", return_value=b""),
+        patch.object(rendering, "_set", return_value=b""),
         redirect_stdout(StringIO()),
         redirect_stderr(StringIO()),
         chdir(folder),

@@ -90,18 +90,11 @@ def write_report(summary: Summary, path: Path, language: str | None = None) -> N
     """
     kind = path.suffix.lower()
     with speaking("en" if kind == ".xml" else language_of_report(summary.particulars, language)):
-        if kind == ".xml":
-            from axiscal.present.printed import certificate
+        from axiscal.present.rendering import certificate, pdf, render  # pictures, which only a report needs
 
-            content = certificate(summary)
-        elif kind == ".pdf":
-            from axiscal.present.printed import pdf
-
-            content = pdf(summary)
-        else:
-            from axiscal.present.page import render
-
-            content = render(summary).encode()
+        content = (
+            certificate(summary) if kind == ".xml" else pdf(summary) if kind == ".pdf" else render(summary).encode()
+        )
     write_whole(path, content)
 
 
