@@ -11,17 +11,16 @@ from __future__ import annotations
 import hmac
 import secrets
 from functools import partial
-from http.cookies import CookieError, SimpleCookie
 from importlib import resources
 from typing import Any
-from urllib.parse import parse_qs
 
 from fastapi import FastAPI, Request, Response, Security
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from fastapi.security import APIKeyCookie, HTTPBearer
-from starlette.datastructures import Headers, MutableHeaders
+from starlette.datastructures import MutableHeaders
 from starlette.exceptions import HTTPException
+from starlette.requests import HTTPConnection
 from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -151,7 +150,8 @@ class Guard:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        refusal = self._refusal(scope, Headers(scope=scope))
+        asked = HTTPConnection(scope)
+        refusal = self._refusal(asked)
 
         async def answered(message: Message) -> None:
             if message["type"] == "http.response.start":
@@ -159,7 +159,7 @@ class Guard:
                 for name, value in _HEADERS.items():
                     answer[name] = value
                 answer.setdefault("Content-Security-Policy", _POLICY)
-                if refusal is None and self._carried(scope):
+                if refusal is None and self._carried(asked):
                     answer["Set-Cookie"] = f"{self._cookie}={self._token}; Path=/; HttpOnly; SameSite=Strict"
             await send(message)
 
@@ -168,8 +168,9 @@ class Guard:
             return
         await self._app(scope, _bounded(receive), answered)
 
-    def _refusal(self, scope: Scope, headers: Headers) -> tuple[int, str, str] | None:
+    def _refusal(self, asked: HTTPConnection) -> tuple[int, str, str] | None:
         """Return status, code and sentence of what is wrong; None where nothing is."""
+        headers = asked.headers
         origin = headers.get("origin")
         if headers.getlist("host") not in ([host] for host in self._hosts):
             return 400, "host", "This page answers under http://127.0.0.1 only"
@@ -178,9 +179,9 @@ class Guard:
         scheme, _, token = headers.get("authorization", "").partition(" ")
         if scheme.lower() == "bearer" and self._is_ours(token):
             return None
-        if not (self._is_ours(self._kept(headers)) or self._carried(scope)):
+        if not (self._is_ours(asked.cookies.get(self._cookie, "")) or self._carried(asked)):
             return 403, "forbidden", "Open the address that axiscal serve has printed: it holds the token"
-        if scope["method"] not in ("GET", "HEAD") and origin is None:
+        if asked.scope["method"] not in ("GET", "HEAD") and origin is None:
             return 403, "forbidden", "This request does not say from which page it comes"
         return None
 
@@ -188,20 +189,10 @@ class Guard:
         """Return whether a token is ours, in a time that does not depend on the token."""
         return hmac.compare_digest(token.encode("utf-8", "replace"), self._token.encode())
 
-    def _kept(self, headers: Headers) -> str:
-        """Return the token of our cookie, "" where there is none."""
-        try:
-            jar = SimpleCookie(headers.get("cookie", ""))
-        except CookieError:
-            return ""
-        return jar[self._cookie].value if self._cookie in jar else ""
-
-    def _carried(self, scope: Scope) -> bool:
+    def _carried(self, asked: HTTPConnection) -> bool:
         """Whether a request for the page has the token in its address."""
-        if scope["path"] != "/" or scope["method"] not in ("GET", "HEAD"):
-            return False
-        (token,) = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[:1]
-        return self._is_ours(token)
+        page = asked.scope["path"] == "/" and asked.scope["method"] in ("GET", "HEAD")
+        return page and self._is_ours(asked.query_params.get("token", ""))
 
 
 def _bounded(receive: Receive) -> Receive:
