@@ -157,6 +157,25 @@ def test_a_fault_is_named_with_its_line(tmp_path: Path, good: str, bad: str, sai
     assert said in str(refused.value)
 
 
+@pytest.mark.parametrize(
+    ("kinematics", "moving", "joints"),
+    [
+        ("trivkins", "X Z", {"X": 0, "Z": 2}),
+        ("trivkins coordinates=xz", "X Z", {"X": 0, "Z": 1}),
+        ("trivkins", "X Y Z C", {"X": 0, "Y": 1, "Z": 2, "C": 5}),
+        ("maxkins", "X Y Z B C", {"X": 0, "Y": 1, "Z": 2, "B": 4, "C": 5}),
+        ("5axiskins", "X Y Z B C", {"X": 0, "Y": 1, "Z": 2, "B": 3, "C": 4}),
+    ],
+)
+def test_joints_are_numbered_as_the_kinematics_do(
+    tmp_path: Path, kinematics: str, moving: str, joints: Mapping[str, int]
+) -> None:
+    """As kins(9) says: Debian's lathes of two axes have the sections JOINT_0 and JOINT_2."""
+    text = SMALL.replace("trivkins", kinematics).replace("X Y Z\n", f"{moving}\n")
+    read = found(tmp_path, text)
+    assert {axis.letter: axis.joints for axis in read.axes} == {name: (n,) for name, n in joints.items()}
+
+
 def test_what_an_included_file_includes_is_a_remark_as_it_is_to_linuxcnc(tmp_path: Path) -> None:
     text, others = SMALL.replace("MAX_LIMIT = 600", "#INCLUDE x.inc"), {"y.inc": "MAX_LIMIT = 700\n"}
     read = found(tmp_path, text, {"x.inc": "#INCLUDE y.inc\nMAX_LIMIT = 500\n#include y.inc\n", **others})

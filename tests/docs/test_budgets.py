@@ -29,8 +29,8 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(62_709, 50_000),
-    "files of src": Budget(327, 330),
+    "lines of src": Budget(62_736, 50_000),
+    "files of src": Budget(327, 327),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(24, 15),
     "public names of more than five functions": Budget(10, 10),

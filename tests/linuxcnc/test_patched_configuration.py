@@ -83,6 +83,28 @@ class TestStarted:
         made = export_into(ini, known("three-axis")[0], ExportOptions())
         assert "Started here without motors: the patched files themselves" in made.readme
 
+    @pytest.mark.parametrize("named", ["core_sim.hal", "LIB:core_sim.hal"])
+    def test_a_file_of_the_library_is_copied_and_changed(self, tmp_path: Path, named: str) -> None:
+        """As sample configurations have it, with which many a machine runs."""
+        theirs, ours = tmp_path / "theirs", tmp_path / "ours"
+        theirs.mkdir()
+        ours.mkdir()
+        ini = owned(theirs)
+        text = ini.read_text().replace("HALFILE = mill.hal\nHALFILE = z.hal  # of Z", f"HALFILE = {named}")
+        ini.write_text(text.replace("[EMCMOT]\n", "[EMCMOT]\nBASE_PERIOD = 100000\n"))
+        made = export_into(ini, known("three-axis")[0], ExportOptions())
+        assert "Started here without motors: the patched files themselves" in made.readme
+        assert "core_sim.hal is a copy out of LinuxCNC's library." in made.readme
+        assert "net Xpos axiscal-vcomp.drive-0 => axiscal-vcomp.encoder-0 ddt_x.in\n" in made.files["core_sim.hal"]
+        for name, content in made.files.items():
+            (ours / name).write_text(content)
+        before = {path.name: path.read_bytes() for path in theirs.iterdir()}
+        assert script(ours, "apply.sh", theirs).returncode == 0
+        assert "HALFILE = core_sim.hal\n" in ini.read_text()
+        assert (theirs / "core_sim.hal").read_text() == made.files["core_sim.hal"]
+        assert script(ours, "undo.sh", theirs).returncode == 0
+        assert {path.name: path.read_bytes() for path in theirs.iterdir()} == before
+
     def test_a_configuration_that_would_not_run_is_not_offered(self, tmp_path: Path) -> None:
         with pytest.raises(ControlError):
             export_into(
@@ -111,6 +133,13 @@ def test_what_an_included_file_says_of_hal_and_of_tables_is_refused(tmp_path: Pa
     ini.write_text(ini.read_text() + "\n#INCLUDE own.inc\n")
     with pytest.raises(InputError, match=r"own.inc, line 2: .* stands in a file that mill.ini includes"):
         configured(ini).patched()
+
+
+def test_a_file_that_lies_nowhere_is_named_where_it_is_named(tmp_path: Path) -> None:
+    ini = owned(tmp_path)
+    (tmp_path / "z.hal").unlink()
+    with pytest.raises(InputError, match=r"mill.ini, line \d+: z.hal lies neither here nor in LinuxCNC's library"):
+        configured(ini)
 
 
 class TestPutIn:

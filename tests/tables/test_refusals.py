@@ -12,7 +12,7 @@ import pytest
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.belief import Belief
 from axiscal.exceptions import DescriptionError, TableError
-from axiscal.machine.description import machine_from_text
+from axiscal.machine.description import Machine, machine_from_text
 from axiscal.ports.linuxcnc.tables import cross
 from axiscal.tables.controllers import plain_csv, sinumerik
 from axiscal.tables.controllers.isg import write_list
@@ -30,8 +30,14 @@ FANUC = (
     "%\nN3620A1P10A2P50A3P100;\nN3621A1P11A2P51A3P101;\nN3622A1P40A2P70A3P110;\nN3623A1P1A2P1A3P1;\n{}\nN10000P0;\n%\n"
 )
 PITCH = "N3624A1P10.0A2P10.0A3P10.0;"
-LATHE = machine_from_text(
-    machine_text("w-b-X-Z-t", {"X": (0, 300), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M")
+ALONG = {"X": (0, 300), "Z": (0, 100), "W": (0, 80)}
+LATHE, TAILSTOCK = (
+    machine_from_text(
+        machine_text(
+            f"w-b-{chain}-t", {name: ALONG[name] for name in chain.split("-")}, {"EXX": ("10 um", 7, 150)}, name="M"
+        )
+    )
+    for chain in ("X-Z", "X-Z-W")
 )
 
 
@@ -185,9 +191,12 @@ def test_an_axis_has_one_number_in_controls_without_joints() -> None:
 
 
 @pytest.mark.parametrize("controller", ["isg", "linuxcnc-volumetric"])
-def test_the_error_in_space_needs_three_linear_axes(controller: str) -> None:
-    with pytest.raises(TableError, match="the machine has 2 linear axes"):
-        export(drawn_and_known(LATHE), controller, ExportOptions())
+@pytest.mark.parametrize(("machine", "names"), [(LATHE, "X, Z"), (TAILSTOCK, "X, Z, W")])
+def test_the_error_in_space_needs_a_linear_axis_along_each_direction(
+    controller: str, machine: Machine, names: str
+) -> None:
+    with pytest.raises(TableError, match=rf"the linear axes of the machine are {names}\. Volumetric"):
+        export(drawn_and_known(machine), controller, ExportOptions())
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import pytest
 
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.patching import Configuration, scripts
+from axiscal.ports.linuxcnc.patching import scripts
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
 from axiscal.tables.vcomp_applying import fnv1a, joint_errors
@@ -201,8 +201,8 @@ def folders(tmp_path: Path) -> tuple[Path, Path]:
         folder.mkdir()
         for name, text in files.items():
             (folder / name).write_text(text)
-    found = Configuration("mill.ini", AFTER | {"axiscal-load.hal": ADDED["axiscal-load.hal"]})
-    for name, text in scripts(BEFORE, found, ["axiscal.vcomp"]).items():
+    after = AFTER | {"axiscal-load.hal": ADDED["axiscal-load.hal"]}
+    for name, text in scripts(BEFORE, after, ["axiscal.vcomp"]).items():
         (ours / name).write_text(text)
     return theirs, ours
 

@@ -27,6 +27,9 @@ _INCH = 1 / 25.4
 """Of LinuxCNC: a number as unit says how many of it a millimetre has."""
 _MOST = 6
 """Axes that a chain here may have."""
+_EVERY = "XYZABCUVW"
+_NUMBERED = {"xyzac-trt-kins": "XYZAC", "xyzbc-trt-kins": "XYZBC", "5axiskins": "XYZBCW"}
+"""The axes of joint 0, 1, 2 ... where nobody says them, of these kinematics and of all others (LinuxCNC, kins(9))."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,8 +122,10 @@ def _joints(ini: IniFile) -> dict[str, tuple[int, ...]]:
     kinematics = ini.get("KINS", "KINEMATICS") or stated
     given, moving = re.search(r"coordinates=(\w+)", kinematics.text), "".join(stated.text.split()).upper()
     named, letters = (kinematics, given[1].upper()) if given else (stated, moving)
+    if not given and not set(moving) - set(_EVERY) and len(set(moving)) == len(moving):  # no joints of one axis
+        letters = _NUMBERED.get(kinematics.text.partition(" ")[0], _EVERY)
     axes = [letter for letter in dict.fromkeys(letters) if letter in moving]
-    if not axes or set(letters) - set("XYZABCUVW"):
+    if not axes or set(letters) - set(_EVERY):
         raise named.fail("{text!r} names no axes", "Write their letters, of X Y Z A B C U V W", text=named.text)
     if len(axes) > _MOST:
         remedy = "Describe those that are to be calibrated by hand"

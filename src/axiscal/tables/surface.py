@@ -19,7 +19,7 @@ from axiscal.errors.volume import EVERY_WAY, Box, Counted
 from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.machine.axis import Axis
+from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.readers.bed_map import Node
@@ -89,12 +89,13 @@ def left_by(machine: Machine, deviation: Deviation, control: Control, poses: Arr
 def by_linear_axes(machine: Machine) -> Callable[[Array, Array], Array]:
     """Return what takes TCP deviations (m, 3) at poses (m, q) away by the linear axes alone, (m, q), m.
 
-    [u_x u_y u_z] Δ = -δp.  Raises TableError when there are not three linear axes.
+    [u_x u_y u_z] Δ = -δp.  Raises TableError where there are not three linear axes, one for each direction.
     """
     linear = [k for k, axis in enumerate(machine.axes) if not axis.rotary]
-    if len(linear) != 3:
-        remedy = "volumetric compensation needs three"
-        raise TableError("the machine has {count} linear axes", remedy, count=len(linear))
+    if sorted(letter_direction(machine.axes[k].letter) for k in linear) != [0, 1, 2]:
+        what = "the linear axes of the machine are {names}"
+        remedy = "volumetric compensation needs three, one along each of x, y and z"
+        raise TableError(what, remedy, names=", ".join(machine.axes[k].name for k in linear))
 
     def added(poses: Array, deviation: Array) -> Array:
         rotations = frames(machine, poses).rotations

@@ -32,6 +32,8 @@ from axiscal.tables.registry import export
 from axiscal.units import format_quantity, from_unit, to_unit
 
 _WHOLE = "axiscal-volumetric.hal"
+LIBRARY = Path("/usr/share/linuxcnc/hallib")
+"""Of HAL files: of Debian's package, in which a file is looked for that lies not beside the INI file."""
 
 
 def export_into(ini: Path, estimate: Estimate, options: ExportOptions) -> Export:
@@ -43,13 +45,16 @@ def export_into(ini: Path, estimate: Estimate, options: ExportOptions) -> Export
     seen = started(found, changed, offered, estimate.machine)
     beside = [name for name in offered.files if name.endswith(".vcomp")]
     files = {name: text for name, text in offered.files.items() if name != _WHOLE}
-    files |= changed.files | patching.scripts(found.files, changed, beside)
+    before = {name: text for name, text in found.files.items() if name not in found.library}
+    placed = {name: text for name, text in changed.files.items() if text != found.files.get(name) or name in before}
+    files |= placed | patching.scripts(before, placed, beside)
     lines = "line" if changed.tables == 1 else "lines"
     taken = f" {changed.tables} {lines} of COMP_FILE and BACKLASH taken out." if changed.tables else ""
+    copied = "".join(f" {name} is a copy out of LinuxCNC's library." for name in placed if name in found.library)
     notes = (
         f"INTO YOUR CONFIGURATION: stop LinuxCNC, then sh {patching.APPLY} FOLDER (of {found.name}); back again: "
         f"sh {patching.UNDO} FOLDER. Both refuse where a file is not the one that was read. The files as they were are "
-        f"kept in its folder before-axiscal.{taken} {seen}",
+        f"kept in its folder before-axiscal.{taken}{copied} {seen}",
         *minded,
     )
     kept = [line for line in offered.readme.split("\n") if not line.startswith(f"- Put {beside[0]} and ")]
@@ -70,8 +75,10 @@ _PROGRAM = re.compile(r"^[ \t]*HALFILE[ \t]*=(?![ \t]*\S+\.hal(?:\s|$))", re.M |
 """What would load more than is looked at here."""
 _SPOKEN = {"[KINS]KINEMATICS", "[EMCMOT]EMCMOT", "[TRAJ]TPMOD", "[EMCMOT]HOMEMOD"}
 _SCREEN = re.compile(
-    r"^\s*(DISPLAY|HALUI|APP|POSTGUI_HALFILE|POSTGUI_HALCMD|TWOPASS|OPEN_FILE|INTRO_GRAPHIC)\s*=.*$", re.M
+    r"^\s*(DISPLAY|HALUI|APP|POSTGUI_HALFILE|POSTGUI_HALCMD|TWOPASS|OPEN_FILE|INTRO_GRAPHIC|ON_ABORT_COMMAND)\s*=.*$",
+    re.M,
 )
+"""Screens, and programs that are not here."""
 _AWAY = 1e-6
 """mm, inch or deg: what the component may add more or less than was foretold."""
 _GAIN, _FAULT = "axiscal-vcomp.gain", "axiscal-vcomp.fault-code"
@@ -109,8 +116,7 @@ def software_only(changed: Configuration) -> bool:
         return False
     loaded = [each for name in changed.texts() for each in _LOADED.findall(changed.files[name])]
     known = _SPOKEN | {"axiscal_vcomp"}
-    soft = all(kind == "rt" and (module in known or _SOFT.fullmatch(module)) for kind, module in loaded)
-    return soft and "LIB:" not in changed.files[changed.ini]
+    return all(kind == "rt" and (module in known or _SOFT.fullmatch(module)) for kind, module in loaded)
 
 
 def _joints(found: Configured) -> list[Joint]:
@@ -159,11 +165,13 @@ class Configured:
     """A LinuxCNC as its files have it.
 
     machine : what the INI says; files : the INI and its HAL files by name, in the order in which they run
+    library : names of those that lie in LinuxCNC's library alone
     """
 
     ini: IniFile
     machine: IniMachine
     files: Mapping[str, str]
+    library: frozenset[str]
 
     @property
     def name(self) -> str:
@@ -178,15 +186,21 @@ class Configured:
 def configured(path: Path) -> Configured:
     """Return what stands in an INI file and in the HAL files beside it; raises InputError."""
     ini = read_ini(path)
-    files = {path.name: _text(path)}
+    files, library = {path.name: _text(path)}, set[str]()
     for named in ini.all("HAL", "HALFILE"):
-        name = named.text.split()[0] if named.text else ""
-        if name.startswith("LIB:") or not name.endswith(".hal"):
-            continue  # LinuxCNC's own, or programs: nothing in them is changed
+        word = named.text.split()[0] if named.text else ""
+        name = word.removeprefix(patching.LIB)
+        if not name.endswith(".hal"):
+            continue  # programs: nothing in them is changed
         if Path(name).name != name:
             raise named.fail("{name} lies in another folder", "put it beside the INI file", name=name)
-        files[name] = _text(path.parent / name)
-    return Configured(ini, machine_of(ini), files)
+        if word != name or not (path.parent / name).exists():  # as LinuxCNC looks for it
+            library.add(name)
+            if not (LIBRARY / name).exists():
+                what, remedy = "{name} lies neither here nor in LinuxCNC's library", "put it beside the INI file"
+                raise named.fail(what, remedy, name=name)
+        files[name] = _text((LIBRARY if name in library else path.parent) / name)
+    return Configured(ini, machine_of(ini), files, frozenset(library))
 
 
 def _text(path: Path) -> str:

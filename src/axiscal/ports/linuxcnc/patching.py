@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from hashlib import sha256
 
@@ -41,6 +41,8 @@ setp axiscal-vcomp.enable 0
 # net vc-tool-z motion.tooloffset.z => axiscal-vcomp.tool-z
 """
 
+LIB = "LIB:"
+"""Before a HAL file that LinuxCNC looks for in its library alone."""
 LOAD_FILE, JOIN_FILE, APPLY, UNDO = "axiscal-load.hal", "axiscal-join.hal", "apply.sh", "undo.sh"
 _BACKUP = "before-axiscal"
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,120}")
@@ -84,7 +86,7 @@ def patched(ini: IniFile, files: Mapping[str, str], joints: Sequence[int]) -> Co
     for joint in joints:
         _exchange(found, f"joint.{joint}.motor-pos-cmd", f"axiscal-vcomp.drive-{joint}")
         _exchange(found, f"joint.{joint}.motor-pos-fb", f"axiscal-vcomp.encoder-{joint}")
-    _ini(found, ini)
+    _ini(found, ini, {name for name in found.texts() if found.files[name] != files[name]})
     found.files[LOAD_FILE] = f"# Made by axiscal: the component, before anything is joined to it.\n{_LOADRT}\n"
     found.files[JOIN_FILE] = _join(found, joints, thread)
     return found
@@ -146,8 +148,11 @@ def _exchange(found: Configuration, pin: str, other: str) -> None:
     raise TableError("no net line of the HAL files joins {pin}", _BY_HAND, found.ini, pin=pin)
 
 
-def _ini(found: Configuration, ini: IniFile) -> None:
-    """Load the component first and join it last; tables and backlash are taken out by a sign before them."""
+def _ini(found: Configuration, ini: IniFile, changed: Collection[str]) -> None:
+    """Load the component first and join it last; tables and backlash are taken out by a sign before them.
+
+    changed : names of HAL files, whose changed copies are read and not those in the library
+    """
     lines = found.files[found.ini].split("\n")
     for (section, key), values in ini.values.items():
         table = section.startswith(("JOINT_", "AXIS_")) and key in _TABLE_KEYS
@@ -158,6 +163,8 @@ def _ini(found: Configuration, ini: IniFile) -> None:
             if table:
                 lines[each.line - 1] = f"# taken out by axiscal: {lines[each.line - 1].strip()}"
                 found.tables += 1
+            elif any(f"{LIB}{name}" in each.text.split() for name in changed):
+                lines[each.line - 1] = lines[each.line - 1].replace(LIB, "", 1)
     named = [each.line for each in ini.all("HAL", "HALFILE")]
     lines.insert(named[-1], f"HALFILE = {JOIN_FILE}")
     lines.insert(named[0] - 1, f"HALFILE = {LOAD_FILE}")
@@ -188,16 +195,16 @@ def _nets(nets: Mapping[str, str], joints: Sequence[int]) -> list[str]:
     return lines
 
 
-def scripts(before: Mapping[str, str], found: Configuration, beside: Sequence[str]) -> dict[str, str]:
+def scripts(before: Mapping[str, str], after: Mapping[str, str], beside: Sequence[str]) -> dict[str, str]:
     """Return what puts the files into a configuration's folder and what takes them out again.
 
-    before : the files as they were; beside : more files that belong to it
+    before, after : the files as they were and as they are to be; beside : more files that belong to it
     Both refuse where a file is not the one that was read, or has been changed since.
     """
-    changed = [name for name in before if before[name] != found.files[name]]
-    added = [name for name in [*found.files, *beside] if name not in before]
+    changed = [name for name in before if before[name] != after[name]]
+    added = [name for name in [*after, *beside] if name not in before]
     kept = [(name, (before[name],)) for name in changed]
-    either = [(name, (before[name], found.files[name])) for name in changed]
+    either = [(name, (before[name], after[name])) for name in changed]
     part, gone = f'"$to/{_BACKUP}.part"', f'"$to/{_BACKUP}.gone"'
     free = [f'[ ! -e "$to"/{q} ] || {_TAKEN}' for q in _quoted(added)]
     copies = [f"rm -rf {part} {gone}", f"mkdir {part}", *(f'cp -p "$to"/{q} {part}/{q}' for q in _quoted(changed))]
