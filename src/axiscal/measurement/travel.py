@@ -78,7 +78,10 @@ class Way:
         """Return what a unit of each error does, (terms, m): of a straightness, of one end; of a squareness."""
         result = np.zeros((len(self._errors.terms), len(poses)))
         direction = across(self._errors.machine, self._setup, poses)
-        ends = [self._displaced(poses, direction, shift) for shift in (_HALF, -_HALF)]
+        ends = [
+            np.einsum("fmc,mc->fm", self._errors.levers(shifted(poses, self.axis, shift)), direction)
+            for shift in (_HALF, -_HALF)
+        ]
         for i in self.functions:
             tilt = self._errors.terms[i].kind == "location"
             result[i] = (ends[0][i] - ends[1][i]) if tilt else ends[0][i]
@@ -103,10 +106,6 @@ class Way:
         ends = (function.coordinates(shifted(poses, self.axis, foot.shift)) for foot in feet(self._base))
         front, back = (foot.weight * function.rows(at) for foot, at in zip(feet(self._base), ends, strict=True))
         return front + back
-
-    def _displaced(self, poses: Array, direction: Array, shift: float) -> Array:
-        displaced: Array = np.einsum("fmc,mc->fm", self._errors.levers(shifted(poses, self.axis, shift)), direction)
-        return displaced
 
 
 _ROUNDS = 8

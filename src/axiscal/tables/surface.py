@@ -22,7 +22,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.readers.bed_map import Node
+from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import gauss
@@ -199,12 +199,11 @@ class Mesh:
         return (1 - v) * low + v * high
 
 
-def mesh_of_nodes(nodes: Sequence[Node]) -> Mesh:
-    """Return the mesh of probed nodes on a grid; where there is none nothing is added."""
-    x, y = (np.unique([getattr(node, side) for node in nodes]) for side in "xy")
+def mesh_of_nodes(nodes: Sequence[RawReading]) -> Mesh:
+    """Return the mesh of readings at nodes of a grid; where there is none nothing is added."""
+    (x, columns), (y, rows) = (np.unique([node.position[a] for node in nodes], return_inverse=True) for a in "XY")
     added = np.zeros((len(y), len(x)))
-    for node in nodes:
-        added[np.searchsorted(y, node.y), np.searchsorted(x, node.x)] = node.height
+    added[rows, columns] = [-node.value for node in nodes]
     return Mesh(x, y, added)
 
 
@@ -277,13 +276,10 @@ def _places(estimate: Estimate, axes: tuple[int, int], count: int | None) -> tup
     """Return where the points lie along both sides, m."""
     if count is None and estimate.grid is not None:
         return estimate.grid
-    x, y = (np.linspace(*estimate.machine.axes[axis].travel, count or _fineness(estimate, axis)) for axis in axes)
+    knots = [max((len(each) for each in knots_of(estimate, axis)), default=0) for axis in axes]
+    counts = [count or min(max(each, _FEWEST), _FINEST) for each in knots]
+    x, y = (np.linspace(*estimate.machine.axes[k].travel, n) for k, n in zip(axes, counts, strict=True))
     return x, y
-
-
-def _fineness(estimate: Estimate, axis: int) -> int:
-    knots = max((len(each) for each in knots_of(estimate, axis)), default=0)
-    return min(max(knots, _FEWEST), _FINEST)
 
 
 def _heights(bounds: tuple[float, float]) -> tuple[Array, Array]:

@@ -70,7 +70,9 @@ def curves(estimate: Estimate, grids: Mapping[int, Array], together: bool = Fals
 def _take_in(estimate: Estimate, plane: PlaneError, grids: Mapping[int, Array], found: dict[str, SampledError]) -> None:
     """Add what two axes do together to the motion of the later one, where that depends on no other axis yet."""
     name, own, (other,) = _plane_name(estimate.model, plane), plane.axis, set(plane.axes) - {plane.axis}
-    across = _across(estimate, plane, other, len(grids[own]))
+    intervals = len(plane.knots_along(other)[0]) - 1
+    fit = max(min(_POINTS_PER_INTERVAL * intervals, _RECORDS // len(grids[own]) - 1), intervals)
+    across = np.linspace(*estimate.machine.axes[other].travel, fit + 1)
     sides = [hats_along(estimate, axis, at) for axis, at in ((other, across), (own, grids[own]))]
     nodes = np.meshgrid(sides[0].nodes, sides[1].nodes, indexing="ij")
     places = {other: nodes[0].ravel(), own: nodes[1].ravel()}
@@ -81,13 +83,6 @@ def _take_in(estimate: Estimate, plane: PlaneError, grids: Mapping[int, Array], 
     if before.over or np.max(np.abs(values)) < _NOTHING:
         return
     found[name] = SampledError(grids[own], before.values + values, estimate.machine.axes[other].name, across)
-
-
-def _across(estimate: Estimate, plane: PlaneError, other: int, count: int) -> Array:
-    """Return positions of the other axis: four to a knot interval, as far as records last.  count : of the own one"""
-    intervals = len(plane.knots_along(other)[0]) - 1
-    fit = max(min(_POINTS_PER_INTERVAL * intervals, _RECORDS // count - 1), intervals)
-    return np.linspace(*estimate.machine.axes[other].travel, fit + 1)
 
 
 def anchored(model: ErrorModel, found: Mapping[str, SampledError]) -> dict[str, SampledError]:

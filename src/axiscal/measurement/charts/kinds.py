@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from axiscal.machine.kinematics import drawn_back, frames, tip_at
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, within_cone
-from axiscal.measurement.charts.ways import SmoothChart, Swing, bar_angles, stem_to
+from axiscal.measurement.charts.ways import Narrow, SmoothChart, Swing, bar_angles, stem_rate
 from axiscal.numerics import Array
 
 FINEST_PLACE = 1e-6
@@ -178,7 +178,8 @@ class Held(SmoothChart):
         """Return what bounds a straight way: the tool point stands."""
         turns = np.zeros(len(self.park))
         turns[list(self.turning)] = np.abs(stop - start)
-        return Swing(turns, 0.0, 0.0, (stem_to(self.room.machine, turns, self.free, self.cone),))
+        bend = stem_rate(self.room.machine, turns, self.free) ** 2
+        return Swing(turns, 0.0, 0.0, (Narrow(lambda stems, _: stems @ self.free, self.cone, bend),))
 
     def places(self, poses: Array) -> Array:
         """Return the rotary coordinates of poses."""

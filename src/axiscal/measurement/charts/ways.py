@@ -112,11 +112,6 @@ def _parallel(machine: Machine, axis: int, direction: Array) -> bool:
     return abs(abs(float(np.array(machine.axes[axis].direction) @ direction)) - 1.0) <= _SAME_WAY
 
 
-def stem_to(machine: Machine, turns: Array, free: Array, cone: float) -> Narrow:
-    """Return the angle between the tool and a direction that stands still.  free : (3,); cone : rad"""
-    return Narrow(lambda stems, _: stems @ free, cone, stem_rate(machine, turns, free) ** 2)
-
-
 def bar_angles(
     machine: Machine, turns: Array, centre: Array, free: Array, cone: float, rate: float
 ) -> tuple[Narrow, ...]:

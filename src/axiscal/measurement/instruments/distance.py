@@ -187,14 +187,16 @@ class Tracker(Nest):
 
     def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return d as it lies in the workpiece frame, R(θ₀)ᵀ d, for every reading, (m, 3)."""
-        return np.broadcast_to(direction @ _rotation(_found(setup)), (nominal.count, 3))
+        return np.broadcast_to(direction @ rigid.rotation(_found(setup))[0], (nominal.count, 3))
 
     def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return the part of a zero or of the tool along d, or of the turn of the frame about the station, (m,)."""
         if unknown not in TURNS:
             return super().unknown_effect(setup, unknown, direction, nominal)
-        line = nominal.tcp - _station(setup)
-        return line @ _derivative(_found(setup), TURNS.index(unknown)).T @ direction
+        turn, line = _found(setup), nominal.tcp - _station(setup)
+        on = rigid.skew(rigid.left_jacobian(turn)[:, :, TURNS.index(unknown)])  # how R(θ) turns on with that part of θ
+        part: Array = line @ (on @ rigid.rotation(turn))[0].T @ direction
+        return part
 
     def shown(
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]
@@ -216,16 +218,4 @@ def _station(setup: Setup) -> Array:
 
 
 def _found(setup: Setup) -> Array:
-    return np.array(setup.found or (0.0, 0.0, 0.0))
-
-
-def _rotation(turn: Array) -> Array:
-    rotation: Array = rigid.rotation(turn[None])[0]
-    return rotation
-
-
-def _derivative(turn: Array, index: int) -> Array:
-    """Return how R(θ) changes with one part of θ, (3, 3): that part of the left Jacobian turns R on."""
-    turned = rigid.left_jacobian(turn[None])[:, :, index]
-    derivative: Array = rigid.skew(turned)[0] @ _rotation(turn)
-    return derivative
+    return np.array([setup.found or (0.0, 0.0, 0.0)])

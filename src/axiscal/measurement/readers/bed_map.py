@@ -7,24 +7,14 @@ and Y, of minus the height. RepRapFirmware writes 0 without decimals where it di
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
+from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.readers.csv_table import TextFile
 from axiscal.units import from_unit
 
 _RRF = "RepRapFirmware height map file"
 _BLOCK = "#*# [bed_mesh "
 _NOT_PROBED = ("0", "")
-
-
-@dataclass(frozen=True, slots=True)
-class Node:
-    """A probed node: x, y and the height there, m; line of the file."""
-
-    x: float
-    y: float
-    height: float
-    line: int
 
 
 def is_height_map(file: TextFile) -> bool:
@@ -37,8 +27,8 @@ def is_mesh(file: TextFile) -> bool:
     return any(line.startswith(_BLOCK) for line in file.lines)
 
 
-def height_map(file: TextFile) -> tuple[Node, ...]:
-    """Return the probed nodes of a RepRapFirmware map, both versions of it; raises ReadingError."""
+def height_map(file: TextFile) -> tuple[RawReading, ...]:
+    """Return the readings of the probed nodes of a RepRapFirmware map, both versions of it; raises ReadingError."""
     if len(file.lines) < 4:
         raise file.fail("the height map is cut off", "copy the whole heightmap.csv", len(file.lines))
     head = dict(zip(_cells(file.lines[1]), _cells(file.lines[2]), strict=False))
@@ -50,8 +40,8 @@ def height_map(file: TextFile) -> tuple[Node, ...]:
     return _nodes(file, x, [(at, number, _cells(line)) for at, (number, line) in zip(y, rows, strict=True)])
 
 
-def mesh(file: TextFile) -> tuple[Node, ...]:
-    """Return the nodes of the only mesh that is saved in a Klipper configuration; raises ReadingError."""
+def mesh(file: TextFile) -> tuple[RawReading, ...]:
+    """Return the readings of the only mesh that is saved in a Klipper configuration; raises ReadingError."""
     begins = [number for number, line in enumerate(file.lines, 1) if line.startswith(_BLOCK)]
     if len(begins) > 1:
         names = ", ".join(file.lines[number - 1][len(_BLOCK) :].rstrip("] ") for number in begins)
@@ -102,7 +92,7 @@ def _first(file: TextFile, head: dict[str, str], keys: tuple[str, ...]) -> float
 
 def _nodes(
     file: TextFile, x: list[float], rows: list[tuple[float, int, list[str]]], zero_is_height: bool = False
-) -> tuple[Node, ...]:
+) -> tuple[RawReading, ...]:
     found = []
     for y, number, cells in rows:
         if len(cells) != len(x):
@@ -110,7 +100,8 @@ def _nodes(
             raise file.fail(what, "copy the whole file", number, count=len(cells), along=len(x))
         for at, cell in zip(x, cells, strict=True):
             if zero_is_height or cell not in _NOT_PROBED:
-                found.append(Node(at, y, from_unit(file.number(cell, "height", number), "mm"), number))
+                low = -from_unit(file.number(cell, "height", number), "mm")
+                found.append(RawReading("", {"X": at, "Y": y}, {}, low, None, "length", number, error="z"))
     if not found:
         raise file.fail("no node was probed", "probe the bed and save the map again", 3)
     return tuple(found)

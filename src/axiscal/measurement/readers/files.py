@@ -65,17 +65,11 @@ def read_any(path: str | Path, axes: Sequence[Axis] = (), setups: Sequence[Setup
     if file.lines[0].strip().lower() == SURVEY_MARK:
         return survey_readings(file)
     if bed_map.is_height_map(file) or bed_map.is_mesh(file):
-        nodes = bed_map.height_map(file) if bed_map.is_height_map(file) else bed_map.mesh(file)
-        return tuple(_node(node) for node in nodes)
+        return bed_map.height_map(file) if bed_map.is_height_map(file) else bed_map.mesh(file)
     brought: list[FileReader] = all_of(PORTS)
     reader = next((each for each in brought if each.knows(file)), None)
     header = ",".join(heading(axes, columns_of(setups)))
     return readings_of(table_of(file, header)) if reader is None else tuple(reader.read(file))
-
-
-def _node(node: bed_map.Node) -> RawReading:
-    """Return the reading of a node: where the bed is high the tool is too low over it, by as much."""
-    return RawReading("", {"X": node.x, "Y": node.y}, {}, -node.height, None, "length", node.line, error="z")
 
 
 class _Way(NamedTuple):

@@ -88,7 +88,8 @@ def patched(ini: IniFile, files: Mapping[str, str], joints: Sequence[int]) -> Co
         _exchange(found, f"joint.{joint}.motor-pos-fb", f"axiscal-vcomp.encoder-{joint}")
     _ini(found, ini, {name for name in found.texts() if found.files[name] != files[name]})
     found.files[LOAD_FILE] = f"# Made by axiscal: the component, before anything is joined to it.\n{_LOADRT}\n"
-    found.files[JOIN_FILE] = _join(found, joints, thread)
+    head = f"# Made by axiscal: what the component reads beside. Its functions stand in {thread}."
+    found.files[JOIN_FILE] = "\n".join([head, *_nets(found.nets, joints)]) + "\n" + SWITCHES
     return found
 
 
@@ -169,12 +170,6 @@ def _ini(found: Configuration, ini: IniFile, changed: Collection[str]) -> None:
     lines.insert(named[-1], f"HALFILE = {JOIN_FILE}")
     lines.insert(named[0] - 1, f"HALFILE = {LOAD_FILE}")
     found.files[found.ini] = "\n".join(lines)
-
-
-def _join(found: Configuration, joints: Sequence[int], thread: str) -> str:
-    """Return the HAL text of what is read beside, with the owner's signals where a pin is on one already."""
-    head = f"# Made by axiscal: what the component reads beside. Its functions stand in {thread}."
-    return "\n".join([head, *_nets(found.nets, joints)]) + "\n" + SWITCHES
 
 
 def _nets(nets: Mapping[str, str], joints: Sequence[int]) -> list[str]:

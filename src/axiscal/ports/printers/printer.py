@@ -111,9 +111,10 @@ class Printer(ABC):
 
     def _done(self, path: str, code: int, data: bytes) -> bytes:
         if code >= _REFUSED:
-            message = " ".join(_reason(data).split())[:200]
+            stated = found_at(json_or_none(data), "error", "message")  # Moonraker's, without its traceback
+            message = stated if isinstance(stated, str) else data[:2000].decode(errors="replace")
             what = "the printer {host} refused {path} ({code}): {message}"
-            raise self._failed(what, path=path, code=code, message=message)
+            raise self._failed(what, path=path, code=code, message=" ".join(message.split())[:200])
         return data
 
     def _answered(
@@ -356,12 +357,6 @@ def _exchange(asked: urllib.request.Request) -> tuple[int, bytes] | Exception:
             return answer.status, answer.read(_MOST + 1)
     except (OSError, ValueError, http.client.HTTPException) as fault:
         return fault
-
-
-def _reason(data: bytes) -> str:
-    """Return what a refusal says: of a document as Moonraker sends it the message, without its traceback."""
-    message = found_at(json_or_none(data), "error", "message")
-    return message if isinstance(message, str) else data[:2000].decode(errors="replace")
 
 
 def _apart(one: Sequence[float], other: Sequence[float]) -> bool:

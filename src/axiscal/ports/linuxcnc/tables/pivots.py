@@ -97,18 +97,13 @@ def names(machine: Machine) -> tuple[str, ...]:
 def pivots(machine: Machine, errors: Mapping[str, float]) -> Pivots:
     """Return where the axes lie with these location errors, m; what the swivel's line does, the table does as well."""
     swivel = swivel_of(machine)
-    across = _SWIVELS[swivel]
+    across, along = _SWIVELS[swivel], "X" if swivel == "A" else "Y"  # where the line lies along itself does not matter
     line, table = (np.array(machine.axis(name).origin) for name in (swivel, "C"))
-    line = line + np.array([errors.get(f"{d}0{swivel}", 0.0) if d != swivel_along(swivel) else 0.0 for d in "XYZ"])
+    line = line + np.array([errors.get(f"{d}0{swivel}", 0.0) if d != along else 0.0 for d in "XYZ"])
     point = table + np.array([errors.get("X0C", 0.0), errors.get("Y0C", 0.0), 0.0])
     point[across] += line[across] - machine.axis(swivel).origin[across]
     place = (float(point[0]), float(point[1]), float(line[2]))
     return Pivots(swivel, place, float(line[across] - point[across]), conventional(machine))
-
-
-def swivel_along(swivel: str) -> str:
-    """Return the direction of the swivel's line, along which its place does not matter."""
-    return "X" if swivel == "A" else "Y"
 
 
 def write(found: Pivots, unit: str) -> str:
