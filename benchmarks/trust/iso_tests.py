@@ -12,7 +12,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.evaluation.one_axis import read_iso230
+from axiscal.evaluation.standards import read_iso230
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.tables.sampling import axis_tables

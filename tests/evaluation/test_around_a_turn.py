@@ -10,8 +10,7 @@ import pytest
 from scipy.optimize import minimize
 
 from axiscal.cli import app
-from axiscal.evaluation.circle import CircularTest, circular
-from axiscal.evaluation.one_axis import evaluate, read_iso230
+from axiscal.evaluation.standards import CircularTest, circular, evaluate, read_iso230
 from axiscal.exceptions import EvaluationError
 from axiscal.numerics import Array
 

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from axiscal.evaluation.one_axis import Positioning, PositioningTest, evaluate, read_iso230
+from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate, read_iso230
 from axiscal.exceptions import EvaluationError, ReadingError
 from axiscal.numerics import Array
 

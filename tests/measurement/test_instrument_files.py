@@ -9,7 +9,7 @@ import pytest
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
-from axiscal.evaluation.one_axis import evaluate, read_iso230
+from axiscal.evaluation.standards import evaluate, read_iso230
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.files import read_any
 from tests.generators.texts import machine_text

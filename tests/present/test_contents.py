@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.estimate import concluded
-from axiscal.evaluation.one_axis import PositioningTest, evaluate
+from axiscal.evaluation.standards import PositioningTest, evaluate
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.reading import Reading
 from axiscal.present.sentences import left_out_words

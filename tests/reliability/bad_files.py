@@ -15,7 +15,7 @@ from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import read_campaign
-from axiscal.evaluation.one_axis import evaluate, read_iso230
+from axiscal.evaluation.standards import evaluate, read_iso230
 from axiscal.exceptions import AxiscalError
 from axiscal.machine.description import load_machine
 from axiscal.measurement.readers.csv_table import read_poses

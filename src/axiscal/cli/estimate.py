@@ -20,8 +20,7 @@ from axiscal.description.placed_readings import placed_readings
 from axiscal.document.durable import write_whole
 from axiscal.estimation.prediction import predict_poses
 from axiscal.estimation.wrong_unit import refuse_implausible
-from axiscal.evaluation.circle import figures_of
-from axiscal.evaluation.one_axis import Positioning, evaluate, read_iso230
+from axiscal.evaluation.standards import Positioning, evaluate, figures_of, read_iso230
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import decimals, later, said
 from axiscal.measurement.readers.csv_table import read_poses

@@ -26,7 +26,7 @@ from axiscal.estimation.budget import BudgetShare, budget
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.estimation.type_prior import is_type_text
-from axiscal.evaluation.one_axis import Positioning, PositioningTest, evaluate
+from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate
 from axiscal.language.spoken import later, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.questions import questions, which_way

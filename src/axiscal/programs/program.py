@@ -23,7 +23,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.programs.dialect import Dialect, filled, head
 from axiscal.programs.gliding import GENTLE, SlideDriver, TipDriver, refuse_kept_out
 from axiscal.programs.in_touch import InTouch, SphereCycle
-from axiscal.programs.scale import AxisScale, ReadingTarget, target
+from axiscal.programs.scale import ReadingTarget, target
 from axiscal.programs.steps import (
     Arrival,
     Dwell,
@@ -300,17 +300,12 @@ class _Writer:
         if self._holds:
             return f" Into touch and out of it the tool goes at F{self._gentle} at most."
         slow = [f"{' '.join(group.names)} at F{group.near}" for group in self._axes.groups if group.near is not None]
-        return "" if not slow else f" The last {self._nearness()} to a place are slow, {', '.join(slow)} at most."
-
-    def _nearness(self) -> str:
-        found = dict.fromkeys(f"{scale.nearness.normalize():f} {scale.unit}" for scale in self._axes.scales)
-        return " or ".join(found)
+        near = " or ".join(dict.fromkeys(f"{each.nearness.normalize():f} {each.unit}" for each in self._axes.scales))
+        return "" if not slow else f" The last {near} to a place are slow, {', '.join(slow)} at most."
 
     def _overruns(self) -> str:
-        def text(axis: Axis, step: Decimal, scale: AxisScale) -> str:
-            return f"{scale.above(axis.overrun).quantize(step).normalize():f} {scale.unit} on {axis.name}"
-
-        return ", ".join(text(scale.axis, scale.step, scale) for scale in self._axes.scales)
+        far = [(scale, scale.above(scale.axis.overrun).quantize(scale.step)) for scale in self._axes.scales]
+        return ", ".join(f"{each.normalize():f} {scale.unit} on {scale.axis.name}" for scale, each in far)
 
 
 _AT_BALL = ("AT A READING THE TOOL IS DRAWN BACK FROM ITS BALL", "RUN THE SPHERE CYCLE THEN PRESS START")

@@ -6,8 +6,6 @@ and Y, of minus the height. RepRapFirmware writes 0 without decimals where it di
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.readers.csv_table import TextFile
 from axiscal.units import from_unit
@@ -110,7 +108,10 @@ def _nodes(
 def _block(file: TextFile, begin: int) -> tuple[dict[str, str], list[tuple[int, list[str]]]]:
     """Return the keys of a saved block, and its rows of points with their lines."""
     keys, points, inside = dict[str, str](), list[tuple[int, list[str]]](), False
-    for number, text in _saved(file, begin):
+    for number, line in enumerate(file.lines[begin:], begin + 1):
+        text = line.removeprefix("#*#").strip()
+        if not line.startswith("#*#") or text.startswith("["):
+            break
         key, equals, value = text.partition("=")
         if equals:
             inside = key.strip() == "points"
@@ -118,14 +119,6 @@ def _block(file: TextFile, begin: int) -> tuple[dict[str, str], list[tuple[int, 
         elif inside and text:
             points.append((number, _cells(text.rstrip(", "))))
     return keys, points
-
-
-def _saved(file: TextFile, begin: int) -> Iterator[tuple[int, str]]:
-    for number, line in enumerate(file.lines[begin:], begin + 1):
-        text = line.removeprefix("#*#").strip()
-        if not line.startswith("#*#") or text.startswith("["):
-            return
-        yield number, text
 
 
 def _value(file: TextFile, keys: dict[str, str], key: str, line: int) -> float:

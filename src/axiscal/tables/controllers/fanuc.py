@@ -255,11 +255,13 @@ class Fanuc(TableFormat):
         return replace(draft, notes=(*draft.notes, *_backlash_notes(estimate)))
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
-        """Return the deviation at the points that the parameters of the template name."""
+        """Return the deviation at the points of the template: one for both ways, nothing at the reference point."""
         plans = _template(options, estimate.machine)
         new = [_table(estimate, axis, plan) for axis, plan in plans.items()]
         whole = options.old.under_tables(new, estimate.machine, 0, even=True)
-        return tuple(_zeroed(table, plans[table.axis]) for table in whole if table.axis in plans)
+        held = ((table.averaged(), plans[table.axis].origin) for table in whole if table.axis in plans)
+        zeroed = ((table, table.forward - table.forward[home]) for table, home in held)
+        return tuple(replace(table, forward=values, reverse=values) for table, values in zeroed)
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return the template with its pitch data replaced."""
@@ -305,13 +307,6 @@ def _table(estimate: Estimate, name: str, plan: PitchParameters) -> Compensation
         remedy = "3621 = {first} and 3622 = {second} would cover it"
         raise TableError(what, remedy, name=name, shown=shown, first=needed[0], second=needed[1])
     return own_table(estimate, axis, plan.positions)
-
-
-def _zeroed(table: CompensationTable, plan: PitchParameters) -> CompensationTable:
-    """Return the table as the control holds it: one curve for both ways, nothing at the reference point."""
-    table = table.averaged()
-    home = table.forward[plan.origin]
-    return replace(table, forward=table.forward - home, reverse=table.reverse - home)
 
 
 def _said(plans: Mapping[str, PitchParameters], machine: Machine) -> tuple[str, str]:

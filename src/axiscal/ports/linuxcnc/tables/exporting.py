@@ -164,10 +164,19 @@ def one_turn(estimate: Estimate, table: CompensationTable) -> CompensationTable:
 
 
 def over_turns(table: CompensationTable, machine: Machine) -> CompensationTable:
-    """Return a table of one turn repeated over the turns that its axis may make; any other table as it is."""
-    axis = machine.axis(table.axis)
-    whole = axis.cyclic and np.allclose(table.positions[[0, -1]], axis.travel)
-    return _repeated(table, *turns(axis)) if whole else table
+    """Return a table of one turn repeated over the turns that its axis may make; any other table as it is.
+
+    The end of one turn is the beginning of the next.
+    """
+    axis, count = machine.axis(table.axis), len(table.positions)
+    if not (axis.cyclic and np.allclose(table.positions[[0, -1]], axis.travel)):
+        return table
+    below, above = turns(axis)
+    shifts = 2 * np.pi * np.arange(-below, above + 1)
+    again = np.append(np.tile(np.arange(count - 1), len(shifts)), count - 1)
+    at = np.append((shifts[:, None] + table.positions[:-1]).ravel(), shifts[-1] + table.positions[-1])
+    forward, reverse, std = (values[again] for values in (table.forward, table.reverse, table.std))
+    return replace(table, positions=at, forward=forward, reverse=reverse, std=std, prior_only=table.prior_only[again])
 
 
 def turns(axis: Axis) -> tuple[int, int]:
@@ -176,15 +185,6 @@ def turns(axis: Axis) -> tuple[int, int]:
     spare = MOST_TURNS - 1
     low = min(below, max(spare // 2, spare - above))
     return low, min(above, spare - low)
-
-
-def _repeated(table: CompensationTable, below: int, above: int) -> CompensationTable:
-    """Return the table over whole turns; the end of one is the beginning of the next."""
-    shifts, count = 2 * np.pi * np.arange(-below, above + 1), len(table.positions)
-    again = np.append(np.tile(np.arange(count - 1), len(shifts)), count - 1)
-    at = np.append((shifts[:, None] + table.positions[:-1]).ravel(), shifts[-1] + table.positions[-1])
-    forward, reverse, std = (values[again] for values in (table.forward, table.reverse, table.std))
-    return replace(table, positions=at, forward=forward, reverse=reverse, std=std, prior_only=table.prior_only[again])
 
 
 def _axis(file: OldFile, machine: Machine, joints: Mapping[str, Sequence[int]]) -> str:
