@@ -18,7 +18,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import touching_sides
-from axiscal.measurement.travel import feet
+from axiscal.measurement.travel import feet_of
 from axiscal.numerics import Array, even_points
 from axiscal.numerics.remembered import remembered
 
@@ -68,10 +68,9 @@ def _knots(observation: Observation, axis: int) -> list[Array]:
 
 def _between(observation: Observation, axis: int, setup: int, edges: list[Array]) -> Array:
     """Return the edges as they meet a set-up's feet, sorted, within where it can be read, with the ends of that."""
-    mounted, shifts = observation.setups[setup], np.zeros(1)
+    mounted = observation.setups[setup]
     low, high = mounted.span(observation.machine.axes[axis], axis)
-    if mounted.base and axis in mounted.moves:
-        shifts = np.array([foot.shift for foot in feet(mounted.base)])
+    shifts = np.array([foot.shift * (axis in mounted.moves) for foot in feet_of(mounted)])
     everywhere = np.unique(np.concatenate([np.zeros(0), *edges])[:, None] - shifts)
     shortest = _COINCIDE * (high - low)
     inside = everywhere[(everywhere > low + shortest) & (everywhere < high - shortest)]

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from axiscal.errors.model import ErrorModel
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.travel import feet, shifted
+from axiscal.measurement.travel import feet_of, shifted
 from axiscal.numerics import Array
 
 Cell = tuple[int, int]
@@ -49,26 +49,14 @@ def rest_effects(
     levers : (..., terms, m) what a unit of each error adds; poses, approaches : (m, q); among : indices of terms
     """
     effects = errors.effects(levers, approaches) if len(among) else levers
-    if mounted.base is None:
-        functions = np.array(among, dtype=np.intp)
-        return RestEffects(functions, effects[..., functions, :], _cells_of(errors, functions, poses))
-    felt = np.array([i for i in among if mounted.base and np.any(effects[..., i, :])], dtype=np.intp)
-    if not len(felt):  # a base without length is refused where its way has a rest
-        return RestEffects(felt, effects[..., felt, :], _cells_of(errors, felt, poses))
-    parts = list[RestEffects]()
-    for foot in feet(mounted.base):
-        at = shifted(poses, mounted.moves[0], foot.shift)
-        parts.append(RestEffects(felt, foot.weight * effects[..., felt, :], _cells_of(errors, felt, at)))
-    return _of_all_feet(parts, len(poses))
-
-
-def _of_all_feet(parts: Sequence[RestEffects], count: int) -> RestEffects:
-    """Return the rests under all feet, those of one error beside each other.  count : of readings"""
-    functions = np.stack([part.functions for part in parts], axis=1)
-    cells = np.stack([part.cells for part in parts], axis=1)
-    reach = np.stack([part.reach for part in parts], axis=-2)
-    whole = reach.reshape(*reach.shape[:-3], -1, count)
-    return RestEffects(functions.ravel(), whole, cells.reshape(-1, count))
+    if mounted.base is not None:  # a base without length is refused where its way has a rest
+        among = [i for i in among if mounted.base and np.any(effects[..., i, :])]
+    felt, standing = np.array(among, dtype=np.intp), feet_of(mounted)
+    at = (poses if foot.shift == 0 else shifted(poses, mounted.moves[0], foot.shift) for foot in standing)
+    cells = np.stack([_cells_of(errors, felt, each) for each in at], axis=1)
+    reach = effects[..., felt, :][..., None, :] * np.array([foot.weight for foot in standing])[:, None]
+    whole = reach.reshape(*reach.shape[:-3], -1, len(poses))
+    return RestEffects(np.repeat(felt, len(standing)), whole, cells.reshape(-1, len(poses)))
 
 
 def _cells_of(errors: ErrorModel, functions: NDArray[np.intp], poses: Array) -> NDArray[np.int64]:

@@ -45,6 +45,11 @@ def feet(base: float) -> tuple[Foot, Foot]:
     return Foot(base / 2, 1 / base), Foot(-base / 2, -1 / base)
 
 
+def feet_of(setup: Setup) -> tuple[Foot, ...]:
+    """Return where a set-up stands: on two feet, or on one in the middle where it rides on what moves."""
+    return feet(setup.base) if setup.base else (Foot(0.0, 1.0),)
+
+
 def across(machine: Machine, setup: Setup, poses: Array) -> Array:
     """Return d × a, a the way along which the axis goes: the direction whose slope is a turn about d, (m, 3)."""
     (axis,) = setup.moves
