@@ -195,8 +195,8 @@ def test_a_table_of_before_alone_is_on_its_own_points_and_one_point_is_the_whole
 def test_old_tables_are_told_apart_by_whether_they_are_over_another_axis() -> None:
     own, cross = old_table(3), CompensationTable("Y", np.array([0.0, 0.4]), np.zeros(2), np.zeros(2), over="X")
     both = Loaded((own, cross))
-    assert both.within().tables == (own,)
-    assert both.across().tables == (cross,)
+    assert both.alone(within=True).tables == (own,)
+    assert both.alone(within=False).tables == (cross,)
 
 
 def test_old_heights_are_added_at_the_points_of_the_new_mesh() -> None:

@@ -140,10 +140,8 @@ def needed(
 
 def without(candidates: Places, known: Places) -> Places:
     """Return candidates whose places are not known ones."""
-    seen = {_key(known, i)[:2] for i in range(len(known))}
-    return candidates.within(
-        np.array([_key(candidates, i)[:2] not in seen for i in range(len(candidates))], dtype=bool)
-    )
+    seen = {key[:2] for key in _keys(known)}
+    return candidates.within(np.array([key[:2] not in seen for key in _keys(candidates)], dtype=bool))
 
 
 def shares(parts: Sequence[Part], columns: Array, change: Array, covariance: Array) -> tuple[Share, ...]:
@@ -315,17 +313,13 @@ def _shown(machine: Machine, part: Part, setups: Sequence[Setup], places: Places
 
 def _new(places: Places, known: Places) -> Places:
     """Return places without those that are known or come twice."""
-    seen = {_key(known, i) for i in range(len(known))}
-    kept = list[int]()
-    for i in range(len(places)):
-        if (key := _key(places, i)) not in seen:
-            seen.add(key)
-            kept.append(i)
-    return places.within(np.array(kept, dtype=np.intp))
+    first = {key: i for i, key in reversed([*enumerate(_keys(places))])}
+    return places.within(np.array(sorted(first[key] for key in first.keys() - _keys(known)), dtype=np.intp))
 
 
-def _key(places: Places, i: int) -> tuple[object, ...]:
-    return int(places.setups[i]), tuple(np.round(places.poses[i], 9).tolist()), tuple(places.approaches[i].tolist())
+def _keys(places: Places) -> list[tuple[object, ...]]:
+    at = np.round(places.poses, 9).tolist(), places.approaches.tolist()
+    return list(zip(places.setups.tolist(), *(map(tuple, each) for each in at), strict=True))
 
 
 _UNLIKELY = 0.01

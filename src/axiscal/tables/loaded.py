@@ -151,13 +151,9 @@ class Loaded:
         parts += [tip_control(ErrorModel(machine), self.errors)] if self.errors else []
         return sum_of(*parts, *([skew_control(machine, self.skew)] if self.skew.seen else []))
 
-    def within(self) -> Loaded:
-        """Return the tables of axes over themselves alone."""
-        return Loaded(tuple(one for one in self.tables if one.axis == one.over))
-
-    def across(self) -> Loaded:
-        """Return the tables of axes over others alone."""
-        return Loaded(tuple(one for one in self.tables if one.axis != one.over))
+    def alone(self, within: bool) -> Loaded:
+        """Return the tables of axes over themselves alone, or over others."""
+        return Loaded(tuple(one for one in self.tables if (one.axis == one.over) is within))
 
     def under_tables(
         self, tables: Sequence[CompensationTable], machine: Machine, most: int, *, even: bool = False

@@ -199,7 +199,7 @@ class Isg(Exporter):
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
         """Return the files; raises TableError."""
         machine, found = estimate.machine, self._errors(estimate, options)
-        halves = options.old.within().under_tables(apart(estimate, options), machine, _RECORDS, even=True)
+        halves = options.old.under_tables(apart(estimate, options), machine, _RECORDS, even=True)
         numbers = options.numbered(machine)
         lists = {f"ssfk_{t.axis}.lis": write_list(t, numbers[t.axis], machine.axis(t.axis).cyclic) for t in halves}
         listed = list_file(machine, options, _FILE)

@@ -79,9 +79,9 @@ class Linuxcnc(TableFormat):
         """Return tables of axes over as many turns as they make, and curves of axes over others."""
         machine = estimate.machine
         new = tuple(one_turn(estimate, t) for t in axis_tables(estimate, options.spacing, ROWS))
-        own = tuple(over_turns(t, machine) for t in options.old.within().under_tables(new, machine, ROWS))
+        own = tuple(over_turns(t, machine) for t in options.old.alone(within=True).under_tables(new, machine, ROWS))
         across = cross_tables(estimate, most=cross.POINTS, uneven=options.spacing is None)
-        across = options.old.across().under_tables(across, machine, cross.POINTS, even=True)
+        across = options.old.alone(within=False).under_tables(across, machine, cross.POINTS, even=True)
         return (*own, *(t.averaged() for t in across))  # a lincurve has no direction
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
