@@ -79,7 +79,7 @@ BROKEN = [
     (("# division = 0.02 mm/m\n", ""), 4, "the value of one is not said"),
     (("X_mm", "station_mm"), 5, "column 'station_mm' is not known"),
     (("back_div", "Z_mm"), 5, "column 'Z_mm' is not known"),
-    (("back_div", "back_in"), 5, "column 'back_in' is not known"),
+    (("back_div", "back_in"), 5, "column 'back_in' is in inches"),
     (("back_div", "forward_um/m"), 5, "a way is named twice"),
     (("150,11.0,11.0", "150,,"), 7, "the station has no reading"),
     (("150,11.0,11.0", "150,eleven,11.0"), 7, "'eleven' is not a finite number"),

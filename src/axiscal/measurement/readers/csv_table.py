@@ -111,6 +111,8 @@ _FORMULA = re.compile(r"'*[=+\-@\t\r]")
 
 LENGTHS = ("mm", "um", "nm", "m")
 ANGLES = ("deg", "arcsec", "urad", "mrad", "rad")
+SLOPES = ("um/m", "mm/m", "arcsec", "arcmin", "urad", "mrad", "deg", "div")
+"""Of a level: div are divisions, whose value is stated beside."""
 TEXT: tuple[str, ...] = ()
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
@@ -283,7 +285,7 @@ def _columns(file: str, number: int, line: str, header: str) -> tuple[Column, ..
 
 def _column(name: str) -> Column:
     stem, _, unit = name.replace("µ", "u").replace("μ", "u").rpartition("_")
-    return Column(name, stem, unit) if stem and unit in LENGTHS + ANGLES else Column(name, name, None)
+    return Column(name, stem, unit) if stem and unit in LENGTHS + ANGLES + SLOPES else Column(name, name, None)
 
 
 def _row(file: str, number: int, line: str, columns: tuple[Column, ...]) -> Row:

@@ -23,15 +23,25 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 from axiscal.document.ports import all_of
 from axiscal.exceptions import UnitError
 from axiscal.machine.axis import Axis
-from axiscal.machine.entry import AXIS_NAME
 from axiscal.measurement.readers import bed_map, renishaw
 from axiscal.measurement.readers.csv_readings import RawReading, heading, read_times, readings_of
-from axiscal.measurement.readers.csv_table import Column, CsvTable, Row, TextFile, read_text, table_of
+from axiscal.measurement.readers.csv_table import (
+    LENGTHS,
+    SLOPES,
+    TEXT,
+    Column,
+    CsvTable,
+    Row,
+    TextFile,
+    axis_names,
+    read_text,
+    table_of,
+)
 from axiscal.measurement.reading import columns_of
 from axiscal.measurement.setup import Setup
 from axiscal.units import from_unit, parse_quantity
@@ -40,9 +50,6 @@ SURVEY_MARK = "# level survey"
 _KEYS = ("setup", "base", "division")
 _KEY = re.compile(r"#\s*([A-Za-z]+)\s*=\s*(.*?)\s*")
 _PASSES = ("forward", "back")
-_UNITS = ("um/m", "mm/m", "arcsec", "arcmin", "urad", "mrad", "deg", "div")
-_STATION = re.compile(f"({AXIS_NAME})_(mm|um|m)")
-
 PORTS = "axiscal.readers"
 """Group of the entry points by which packages bring readers."""
 
@@ -72,14 +79,6 @@ def read_any(path: str | Path, axes: Sequence[Axis] = (), setups: Sequence[Setup
     return readings_of(table_of(file, header)) if reader is None else tuple(reader.read(file))
 
 
-class _Way(NamedTuple):
-    """A column of readings.  onward : on the way there, not back"""
-
-    column: Column
-    unit: str
-    onward: bool
-
-
 @dataclass(frozen=True, slots=True)
 class _Head:
     """What the lines before the table say.  base : m; division : rad"""
@@ -99,9 +98,10 @@ def survey_readings(file: TextFile) -> tuple[RawReading, ...]:
     lines = list(zip(table.rows, places, read_times(table.rows, clock), strict=True))
     found, error = list[RawReading](), "" if head.setup else "slope"
     for way in ways:
-        for row, place, time in lines if way.onward else reversed(lines):
-            if row.text(way.column):
-                at, towards = {station.stem: place}, {station.stem: 1 if upward == way.onward else -1}
+        onward = way.stem == _PASSES[0]
+        for row, place, time in lines if onward else reversed(lines):
+            if row.text(way):
+                at, towards = {station.stem: place}, {station.stem: 1 if upward == onward else -1}
                 value = _angle(file, row, way, head)
                 read = RawReading(head.setup, at, towards, value, None, "angle", row.line, error=error)
                 found.append(replace(read, time=time, base=head.base))
@@ -144,39 +144,31 @@ def _remarks(file: TextFile) -> Iterator[tuple[int, str]]:
             yield number, text
 
 
-def _columns(table: CsvTable, head: _Head) -> tuple[Column, list[_Way], Column | None]:
+def _columns(table: CsvTable, head: _Head) -> tuple[Column, list[Column], Column | None]:
     """Return the column of stations, those of readings, the way there first, and that of times."""
-    station, clock, ways = None, None, list[_Way]()
-    for column in table.columns:
-        stem, _, unit = column.name.replace("µ", "u").replace("μ", "u").rpartition("_")
-        if _STATION.fullmatch(column.name) and station is None:  # a second one is not known
-            station = column
-        elif column.name == "time":
-            clock = column
-        elif stem in _PASSES and unit in _UNITS:
-            ways.append(_Way(column, unit, stem == "forward"))
-        else:
-            remedy = "columns are X_mm, forward_um/m, back_um/m and time; units of readings {known}"
-            raise table.fail("column {column!r} is not known", remedy, column=column.name, known=", ".join(_UNITS))
+    station = next((column for column in table.columns if column.stem in axis_names(table)), None)
+    places = {} if station is None else {station.stem: LENGTHS}  # a second one is not known
+    table.allow({**places, **dict.fromkeys(_PASSES, SLOPES), "time": TEXT})
+    ways = [column for stem in _PASSES for column in table.all_of(stem)]
     if station is None or not ways:
         what = "there is no column of readings, such as forward_um/m"
         what = "there is no column of stations, such as X_mm" if station is None else what
         raise table.fail(what, "name it in the header; found: {known}", known=table.header)
-    if len({way.onward for way in ways}) < len(ways):
+    if len({way.stem for way in ways}) < len(ways):
         raise table.fail("a way is named twice", "give one column forward, and one back")
     if head.division is None and any(way.unit == "div" for way in ways):
         raise table.fail("readings are in divisions, and the value of one is not said", "write # division = 0.02 mm/m")
-    return station, sorted(ways, key=lambda way: not way.onward), clock
+    return station, ways, next(iter(table.all_of("time")), None)
 
 
-def _angle(file: TextFile, row: Row, way: _Way, head: _Head) -> float:
-    shown = file.number(row.text(way.column), way.column.name, row.line)
-    return shown * (head.division or 0.0) if way.unit == "div" else from_unit(shown, way.unit)
+def _angle(file: TextFile, row: Row, way: Column, head: _Head) -> float:
+    shown = file.number(row.text(way), way.name, row.line)
+    return shown * (head.division or 0.0) if way.unit == "div" else from_unit(shown, way.unit or "")
 
 
-def _refuse_unread(table: CsvTable, ways: list[_Way], clock: Column | None) -> None:
+def _refuse_unread(table: CsvTable, ways: list[Column], clock: Column | None) -> None:
     for row in table.rows:
-        filled = sum(bool(row.text(way.column)) for way in ways)
+        filled = sum(bool(row.text(way)) for way in ways)
         if not filled:
             raise row.fail("the station has no reading", "write what the level showed, or take out the line")
         if filled > 1 and clock is not None:
