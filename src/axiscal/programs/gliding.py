@@ -192,7 +192,11 @@ class SlideDriver:
         driver = self
         for pose in poses[1:]:
             stop = self.written(pose)
-            driver._refuse_apart(stop)
+            moving = {k for k, (a, b) in enumerate(zip(driver._stood, stop, strict=True)) if a != b}
+            if not any(moving <= set(group.axes) for group in self.axes.groups):
+                names = " ".join(self.axes.scales[k].axis.name for k in sorted(moving))
+                remedy = "Let them be in one group"
+                raise ProgramError("{names} move together while the instrument is in touch", remedy, names=names)
             driver = yield from driver._move(stop, gently)
         return driver
 
@@ -213,13 +217,6 @@ class SlideDriver:
     def _move(self, stop: Decimals, gently: bool = False) -> Way:
         yield from self.axes.moves(self._stood, stop, stop if gently else None)
         return replace(self, standing=stop)
-
-    def _refuse_apart(self, stop: Decimals) -> None:
-        moving = {k for k, (a, b) in enumerate(zip(self._stood, stop, strict=True)) if a != b}
-        if not any(moving <= set(group.axes) for group in self.axes.groups):
-            names = " ".join(self.axes.scales[k].axis.name for k in sorted(moving))
-            remedy = "Let them be in one group"
-            raise ProgramError("{names} move together while the instrument is in touch", remedy, names=names)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

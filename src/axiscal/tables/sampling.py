@@ -19,7 +19,7 @@ bend of a spline differs on both sides.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -87,12 +87,14 @@ def cross_tables(
     Where no reading has seen how one moves over another there is no table.  Arguments and failures as for `points`.
     uneven : points may stand anywhere, and stand where the line is nearest to the curve
     """
-    axes = [k for k, axis in enumerate(estimate.machine.axes) if not axis.rotary]
-    tables: list[CompensationTable] = []
+    axes, tables = [k for k, axis in enumerate(estimate.machine.axes) if not axis.rotary], list[CompensationTable]()
     for over in axes:
-        at = points(estimate.model, over, spacing, most, multiple)
+        hats = hats_along(estimate, over, points(estimate.model, over, spacing, most, multiple))
         moved = [k for k in axes if k != over]
-        tables += _tables(estimate, moved, over, at, uneven)
+        for axis, rows in zip(moved, _along(estimate, moved, over, hats), strict=True):
+            bends = np.ptp(rows @ estimate.mean) > _NOTHING  # no table over another axis holds a constant
+            if bends and estimate.sees(rows.mean(axis=0)):
+                tables.append((_nearest if uneven else _fitted)(estimate, axis, over, hats, rows))
     return tuple(table for table in tables if _says_something(table))
 
 
@@ -161,16 +163,6 @@ def _spaced(axis: Axis, spacing: float, most: int) -> Array:
         remedy = "{most} fit: take {fits} or more"
         raise TableError(what, remedy, shown=shown, count=count + 1, name=name, most=most, fits=fits)
     return np.linspace(start, stop, count + 1)
-
-
-def _tables(
-    estimate: Estimate, moved: Sequence[int], over: int, positions: Array, uneven: bool
-) -> Iterator[CompensationTable]:
-    hats = hats_along(estimate, over, positions)
-    for axis, rows in zip(moved, _along(estimate, moved, over, hats), strict=True):
-        bends = np.ptp(rows @ estimate.mean) > _NOTHING  # no table over another axis holds a constant
-        if bends and estimate.sees(rows.mean(axis=0)):
-            yield (_nearest if uneven else _fitted)(estimate, axis, over, hats, rows)
 
 
 def _along(estimate: Estimate, moved: Sequence[int], over: int, hats: Hats) -> list[Array]:

@@ -106,9 +106,11 @@ def anchored(model: ErrorModel, found: Mapping[str, SampledError]) -> dict[str, 
 def together(new: Mapping[str, SampledError], old: Mapping[str, SampledError]) -> dict[str, SampledError]:
     """Return the sums of errors: the motions of an axis are all at the positions that any of them has."""
     parts = {name: [each[name] for each in (new, old) if name in each] for name in {**new, **old}}
-    _refuse_third_axes(parts)
     grids = dict[str, list[Array]]()
     for name, both in parts.items():
+        if len(overs := sorted({one.over for one in both} - {""})) > 1:
+            what = "{name} depends on {before} before and on {now} now"
+            raise TableError(what, "take the old one out first", name=name, before=overs[0], now=overs[1])
         grids.setdefault(_block(name, both), []).extend(one.positions for one in both)
     at = {block: distinct(np.concatenate(positions)) for block, positions in grids.items()}
     return {name: _sum(both, at[_block(name, both)]) for name, both in parts.items()}
@@ -118,13 +120,6 @@ def _block(name: str, both: Sequence[SampledError]) -> str:
     """Return which errors have their positions in common: those of one axis; constants and planes have their own."""
     alone = all(len(one.positions) == 1 for one in both) or any(one.over for one in both)
     return name if alone else parse_error_name(name).axis
-
-
-def _refuse_third_axes(parts: Mapping[str, Sequence[SampledError]]) -> None:
-    for name, both in parts.items():
-        if len(overs := sorted({one.over for one in both} - {""})) > 1:
-            what = "{name} depends on {before} before and on {now} now"
-            raise TableError(what, "take the old one out first", name=name, before=overs[0], now=overs[1])
 
 
 def distinct(positions: Array) -> Array:

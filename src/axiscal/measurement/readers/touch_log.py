@@ -93,7 +93,10 @@ def _understood(file: TextFile, number: int, text: str) -> _Line:
 def _run(file: TextFile, lines: Sequence[_Line]) -> tuple[list[LoggedTouch], list[str]]:
     """Return the touches of a run, and the gap that its end states; lines : those behind the first."""
     ends = next((i for i, (_, kind, _) in enumerate(lines) if kind is not _TOUCH), len(lines))
-    touches = [_touch(number, words) for number, _, words in lines[:ends]]
+    touches = list[LoggedTouch]()
+    for number, _, words in lines[:ends]:
+        x, y, z = (float(from_unit(float(each.replace(" ", "")), "mm")) for each in words[2:])
+        touches.append(LoggedTouch(int(words[0]), int(words[1]), (x, y, z), number))
     if ends == len(lines):
         return touches, ["a run did not come to its end"]
     if lines[ends + 1 :]:
@@ -107,11 +110,6 @@ def _run(file: TextFile, lines: Sequence[_Line]) -> tuple[list[LoggedTouch], lis
         remedy = "Lines are missing: give the file as the control wrote it"
         raise file.fail(what, remedy, number, count=count, taken=taken)
     return touches, []
-
-
-def _touch(number: int, words: Sequence[str]) -> LoggedTouch:
-    x, y, z = (float(from_unit(float(each.replace(" ", "")), "mm")) for each in words[2:])
-    return LoggedTouch(int(words[0]), int(words[1]), (x, y, z), number)
 
 
 def _outside(file: TextFile, line: _Line) -> ReadingError:

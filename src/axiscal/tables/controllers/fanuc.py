@@ -273,7 +273,10 @@ class Fanuc(TableFormat):
         }
         filled = replace_values(options.saved("FANUC"), wanted, options.template_name)
         steps = {axis: 0.5 * plan.step + 1e-12 for axis, plan in plans.items()}
-        return Written({_FILE: filled}, steps, _notes(plans), *_said(plans, machine))
+        without = ", ".join(axis.name for axis in machine.axes if axis.name not in plans)
+        holds = _HOLDS.format(f"the mean of both directions of {', '.join(plans)}")
+        left_out = f"{_WITHOUT.format(without) if without else ''}{_LEFT}"
+        return Written({_FILE: filled}, steps, _notes(plans), holds, left_out)
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the control makes of punched files; raises TableError."""
@@ -307,14 +310,6 @@ def _table(estimate: Estimate, name: str, plan: PitchParameters) -> Compensation
         remedy = "3621 = {first} and 3622 = {second} would cover it"
         raise TableError(what, remedy, name=name, shown=shown, first=needed[0], second=needed[1])
     return own_table(estimate, axis, plan.positions)
-
-
-def _said(plans: Mapping[str, PitchParameters], machine: Machine) -> tuple[str, str]:
-    """Return what the file holds, and what it leaves out."""
-    axes = ", ".join(plans)
-    without = [axis.name for axis in machine.axes if axis.name not in plans]
-    left = _WITHOUT.format(", ".join(without)) if without else ""
-    return _HOLDS.format(f"the mean of both directions of {axes}"), f"{left}{_LEFT}"
 
 
 def _backlash_notes(estimate: Estimate) -> tuple[str, ...]:

@@ -237,7 +237,9 @@ class Isg(Exporter):
             for k, axis in enumerate(estimate.machine.axes)
         }
         found = curves(estimate, grids, together=True)
-        _refuse_names(found)
+        if other := next((name for name in found if not NAMES.fullmatch(name)), None):
+            remedy = "it has axes X Y Z A B C only"
+            raise TableError("{name} is not an error that the ISG kernel knows", remedy, name=other)
         if not found:
             raise TableError("there is no deviation that these files could hold", "take readings first")
         return together(anchored(estimate.as_described, found), options.old.errors) | nominal(estimate.machine)
@@ -260,13 +262,6 @@ def nominal(machine: Machine) -> dict[str, SampledError]:
         for name, place in places.items()
         for direction, value in zip("XYZ", place, strict=True)
     }
-
-
-def _refuse_names(found: Mapping[str, SampledError]) -> None:
-    for name in found:
-        if not NAMES.fullmatch(name):
-            remedy = "it has axes X Y Z A B C only"
-            raise TableError("{name} is not an error that the ISG kernel knows", remedy, name=name)
 
 
 def _notes(machine: Machine, found: Mapping[str, SampledError], flip: bool) -> tuple[str, ...]:
