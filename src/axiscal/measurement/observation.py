@@ -254,7 +254,7 @@ class Observation:
         mounted, model = self.setups[setup], model_of(self.setups[setup])
         if self.about is not None:
             point = self.about.point
-            return self.shown(setup, poses, approaches, point) - self._bare_rows(setup, poses, approaches) @ point
+            return self.shown(setup, poses, approaches, point) - self._first_order(setup, poses, approaches, point)
         nominal = Nominal(self.machine, poses, mounted.moves)
         found = dict(zip(location_unknowns(mounted), mounted.found or (), strict=False))
         still, numbers = Deviation(*np.zeros((2, len(poses), 3))), []
@@ -274,8 +274,7 @@ class Observation:
         """Yield the same for each of many machines and set-ups.  points : (n, k) errors, then unknowns"""
         mounted, model = self.setups[setup], model_of(self.setups[setup])
         if mounted.base is not None:
-            rows = self._bare_rows(setup, poses, approaches)
-            yield from (rows @ point for point in points)
+            yield from (self._first_order(setup, poses, approaches, point) for point in points)
             return
         nominal = Nominal(self.machine, poses, mounted.moves, approaches=approaches)
         each = directions_of(mounted)
@@ -289,9 +288,17 @@ class Observation:
         names = [unknown.name for unknown in self.setups[setup].unknowns]
         return dict(zip(names, point[self.unknowns_of(setup)].tolist(), strict=True))
 
-    def _bare_rows(self, setup: int, poses: Array, approaches: Array) -> Array:
-        """Return the rows of each number of readings over errors and unknowns alone, (m, k, columns)."""
-        return np.stack([seen.rows for seen in self.bare.rows_each(setup, poses, approaches)], axis=1)
+    def _first_order(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
+        """Return the rows of each number of readings times errors and unknowns, (m, k)."""
+        mounted, model, levers = self.setups[setup], model_of(self.setups[setup]), self.levers(setup, poses)
+        nominal, own = self._nominal(mounted, poses, approaches), self.own_values(setup, point)
+        numbers = []
+        for at, along in zip(directions_of(mounted), levers, strict=True):
+            number = self._error_rows(mounted, along, poses, approaches) @ point[: self.errors.size]
+            for name, value in own.items():
+                number = number + value * model.unknown_effect(mounted, name, at, nominal)
+            numbers.append(number)
+        return np.stack(numbers, axis=1)
 
     def rest_effects(self, setup: int, poses: Array, approaches: Array) -> RestEffects:
         """Return what the rests do to the numbers of readings, (k, e, m), of cells that were visited or not.

@@ -131,9 +131,8 @@ def _read(file: OldFile, machine: Machine, sign: float) -> list[CompensationTabl
     at = from_unit(columns["AXISPOS"], over.unit)
     tables = []
     for axis in (axis for axis in machine.axes if axis.name in columns):
-        step = columns["BACKLASH"] * (axis.name == over.name)
-        forward, reverse = (sign * from_unit(columns[axis.name] + more, axis.unit) for more in (0.0, step))
-        tables.append(CompensationTable(axis.name, at, forward, reverse, over=over.name))
+        values, step = (sign * from_unit(columns[name], axis.unit) for name in (axis.name, "BACKLASH"))
+        tables.append(CompensationTable(axis.name, at, values, values + step * (axis is over), over=over.name))
     return tables
 
 
