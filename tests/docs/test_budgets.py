@@ -29,7 +29,7 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(62_589, 50_000),
+    "lines of src": Budget(62_526, 50_000),
     "files of src": Budget(326, 326),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(24, 15),

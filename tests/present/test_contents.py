@@ -55,7 +55,7 @@ def test_tables_that_do_nothing_leave_what_was_found() -> None:
     case = mixed()
     known = concluded(case, drawn(case))
     idle: Control = lambda poses, approaches: np.zeros_like(poses)  # noqa: E731
-    volume = volume_error(known, "none", idle)
+    volume = volume_error(known, idle)
     np.testing.assert_allclose(volume.left_um, volume.found_um, atol=1e-9)
 
 

@@ -70,7 +70,7 @@ def test_positioning_is_that_of_the_estimate_from_both_sides() -> None:
 def test_tables_that_do_nothing_leave_the_positioning_that_was_found() -> None:
     case, readings = _laser()
     idle: Control = _idle
-    (curve,) = positioning_curves(concluded(case, readings), "none", idle)
+    (curve,) = positioning_curves(concluded(case, readings), idle)
     assert curve.left is not None
     np.testing.assert_allclose(curve.left, curve.found, atol=1e-9)
     lines = [trace for trace in positioning_figure(curve)["data"] if "line" in trace]
@@ -91,7 +91,7 @@ def test_a_circle_shows_the_readings_without_their_centre() -> None:
         Reading("bar", tuple(pose.tolist()), (1, 1, 1), float(v)) for pose, v in zip(poses, values, strict=True)
     ]
     known = concluded(case, readings)
-    (circle,) = ball_bar_circles(known, "none", _idle)
+    (circle,) = ball_bar_circles(known, _idle)
     assert circle.plane == "xy"
     np.testing.assert_allclose(circle.angle, np.degrees(angles), atol=1e-6)
     np.testing.assert_allclose(circle.read, 1e6 * oval, atol=1e-6)

@@ -29,7 +29,7 @@ from axiscal.present.drawing.scene import (
     far_to_near,
     flat,
 )
-from axiscal.present.machine_drawing.instruments import _DRAWN
+from axiscal.present.machine_drawing.instruments import DRAWN
 from axiscal.present.machine_drawing.machine_scene import machine_parts, reach_edges
 from axiscal.present.machine_drawing.setup_picture import plan_picture, setup_scene
 from axiscal.present.machine_drawing.standing_machine import StandingMachine
@@ -244,7 +244,7 @@ def test_readings_are_drawn_where_the_tool_is_on_the_table(campaigns: list[tuple
 
 
 def test_every_instrument_is_drawn() -> None:
-    assert set(_DRAWN) == set(INSTRUMENTS)
+    assert set(DRAWN) == set(INSTRUMENTS)
 
 
 def _boxes(drawing: ElementTree.Element) -> list[tuple[str, tuple[float, float, float, float]]]:

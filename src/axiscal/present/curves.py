@@ -40,10 +40,12 @@ _UNKNOWNS = {
 
 def curves(estimation: Estimation, readings: Sequence[Reading], truth: VirtualMachine | None) -> list[CurveSummary]:
     """Return every error that is a function of position."""
-    sight = _sight(estimation, readings)
+    numbers = seen(estimation.printed.observation, readings)
+    firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))
+    left = numbers.values[firsts] - numbers.rows[firsts] @ estimation.printed.belief.mean
+    sight = _Sight(numbers.rows[firsts], left, np.sqrt(numbers.variances[firsts]))
     drawn = [function for function in estimation.case.errors.functions if function.basis.size > 1]
-    points = ([*_points(estimation, function, readings, sight)] for function in drawn)
-    return [_curve(estimation, *each, truth) for each in zip(drawn, points, strict=True)]
+    return [_curve(estimation, each, [*_points(estimation, each, readings, sight)], truth) for each in drawn]
 
 
 def value_unit(function: ErrorFunction) -> str:
@@ -67,7 +69,10 @@ def _curve(
         replace(estimate, model=case.errors, belief=case.prior).curve(function.name, positions).std
         for case in (known.case, known.stated)
     )
-    shown = to_unit(positions, position_unit).tolist()
+    shown, true = to_unit(positions, position_unit).tolist(), None
+    if truth is not None:
+        own = (curve for term, curve in zip(truth.model.terms, truth.curves, strict=True) if term.name == function.name)
+        true = shown, to_unit(next(own, np.zeros_like)(positions), unit).tolist()
     return CurveSummary(
         name=function.name,
         axis=axis.name,
@@ -79,30 +84,26 @@ def _curve(
         prior_std=to_unit(before, unit).tolist(),
         position_unit=position_unit,
         value_unit=unit,
-        truth=None if truth is None else (shown, to_unit(_truth(truth, function, positions), unit).tolist()),
+        truth=true,
         from_readings=float(np.clip(1.0 - np.sum(now.std**2) / np.sum(prior**2), 0.0, 1.0)),
         points=points,
     )
 
 
-def _truth(truth: VirtualMachine, function: ErrorFunction, positions: Array) -> Array:
-    for own, curve in zip(truth.model.terms, truth.curves, strict=True):
-        if own.name == function.name:
-            return curve(positions)
-    return np.zeros_like(positions)
-
-
 def constants(estimation: Estimation) -> list[ConstantSummary]:
     """Return location errors, constant reversals, and the unknowns of the set-ups."""
-    own = [_constant(estimation, f) for f in estimation.case.errors.functions if f.basis.size == 1]
-    return own + _setup_unknowns(estimation) + _drifts(estimation)
-
-
-def _constant(known: Estimation, function: ErrorFunction) -> ConstantSummary:
-    column, unit = function.columns.start, value_unit(function)
-    found = _found(known, function.name, words(function.name), column, unit)
-    hidden = float(np.linalg.norm(known.case.yardstick.unseen[column]))
-    return replace(found, seen=hidden**2 < _SEEN * float(function.covariance[0, 0]))
+    case, own = estimation.case, list[ConstantSummary]()
+    for function in (each for each in case.errors.functions if each.basis.size == 1):
+        column = function.columns.start
+        found = _found(estimation, function.name, words(function.name), column, value_unit(function))
+        hidden = float(np.linalg.norm(case.yardstick.unseen[column]))
+        own.append(replace(found, seen=hidden**2 < _SEEN * float(function.covariance[0, 0])))
+    for index, setup in enumerate(case.description.setups):
+        columns = estimation.printed.observation.unknowns_of(index)
+        for column, unknown in zip(columns, setup.unknowns, strict=True):
+            name, unit = f"{setup.name}: {unknown.name}", case.unit_of(setup, unknown)
+            own.append(_found(estimation, name, _unknown_words(unknown.name), column, unit))
+    return own + _drifts(estimation)
 
 
 def _found(known: Estimation, name: str, spoken: str, column: int, unit: str) -> ConstantSummary:
@@ -110,16 +111,6 @@ def _found(known: Estimation, name: str, spoken: str, column: int, unit: str) ->
     stds = (float(np.linalg.norm(each.factor[column])) for each in (known.printed.belief, known.stated.prior))
     mean, std, before = (to_unit(size, unit) for size in (float(known.printed.belief.mean[column]), *stds))
     return ConstantSummary(name, spoken, mean, std, before, unit)
-
-
-def _setup_unknowns(known: Estimation) -> list[ConstantSummary]:
-    result = []
-    for index, setup in enumerate(known.case.description.setups):
-        columns = known.printed.observation.unknowns_of(index)
-        for column, unknown in zip(columns, setup.unknowns, strict=True):
-            name, unit = f"{setup.name}: {unknown.name}", known.case.unit_of(setup, unknown)
-            result.append(_found(known, name, _unknown_words(unknown.name), column, unit))
-    return result
 
 
 def _unknown_words(name: str) -> str:
@@ -161,14 +152,6 @@ class _Sight(NamedTuple):
         own = self.rows[:, function.columns]
         shares: Array = np.sum((own @ function.covariance) * own, axis=1)
         return shares
-
-
-def _sight(estimation: Estimation, readings: Sequence[Reading]) -> _Sight:
-    numbers = seen(estimation.printed.observation, readings)
-    firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))
-    rows = numbers.rows[firsts]
-    left = numbers.values[firsts] - rows @ estimation.printed.belief.mean
-    return _Sight(rows, left, np.sqrt(numbers.variances[firsts]))
 
 
 def _points(

@@ -32,7 +32,7 @@ from axiscal.units import to_unit
 class PositioningCurve:
     """Deviations along the line on which an axis was read, the mean of both directions taken off, in display units.
 
-    found : as estimated, from below and from above; half : ± of it, 95 %; left : with the tables of `controller`
+    found : as estimated, from below and from above; half : ± of it, 95 %; left : with tables, None where there are none
     """
 
     axis: str
@@ -42,16 +42,10 @@ class PositioningCurve:
     found: tuple[Sequence[float], Sequence[float]]
     half: tuple[Sequence[float], Sequence[float]]
     left: tuple[Sequence[float], Sequence[float]] | None
-    controller: str = ""
 
 
-def positioning_curves(
-    estimation: Estimation, controller: str = "", control: Control | None = None
-) -> list[PositioningCurve]:
-    """Return the positioning of every axis that was read along, or about, itself.
-
-    control : what the tables of `controller` do, None where there are none
-    """
+def positioning_curves(estimation: Estimation, control: Control | None = None) -> list[PositioningCurve]:
+    """Return the positioning of every axis that was read along, or about, itself.  control : what tables do, if any"""
     estimate, found = estimation.estimate(), list[PositioningCurve]()
     description = estimation.stated.description
     for row in asked_rows(description, estimation.readings):
@@ -70,7 +64,7 @@ def positioning_curves(
         half = BAND * np.sqrt(row.map.spectra(estimate.model, estimate.factor)[:, 0])
         positions = to_unit(line.positions, axis.unit).tolist()
         own = (axis.name, axis.unit, unit, positions)
-        found.append(PositioningCurve(*own, _sides(read, unit), _sides(half, unit), left, controller))
+        found.append(PositioningCurve(*own, _sides(read, unit), _sides(half, unit), left))
     return found
 
 
@@ -93,8 +87,7 @@ class BallBarCircle:
     """One circle in a plane, its readings by rising angle; the centre and the length that fit best are taken off.
 
     plane : names of both directions, such as "xy"; angle : deg
-    read, found : um along the bar, as read and as estimated
-    left : with the tables of `controller`, None where there are none
+    read, found : um along the bar, as read and as estimated; left : with tables, None where there are none
     """
 
     setup: str
@@ -103,27 +96,21 @@ class BallBarCircle:
     read: Sequence[float]
     found: Sequence[float]
     left: Sequence[float] | None
-    controller: str = ""
 
 
-def ball_bar_circles(
-    estimation: Estimation, controller: str = "", control: Control | None = None
-) -> list[BallBarCircle]:
-    """Return the circles of all ball-bar set-ups whose readings lie in a plane, and go round.
-
-    control : what the tables of `controller` do, None where there are none
-    """
+def ball_bar_circles(estimation: Estimation, control: Control | None = None) -> list[BallBarCircle]:
+    """Return the circles of all ball-bar set-ups whose readings lie in a plane, and go round; arguments as above."""
     kept = [reading for n, reading in enumerate(estimation.readings) if n not in estimation.left_out]
     found = []
     for setup in estimation.stated.description.setups:
         mine = [reading for reading in kept if reading.setup == setup.name]
         if setup.instrument == "ballbar" and len(setup.standing) == 1 and len(mine) >= _FEWEST:
-            found += _circle(estimation, setup, mine, controller, control)
+            found += _circle(estimation, setup, mine, control)
     return found
 
 
 def _circle(
-    estimation: Estimation, setup: Setup, readings: Sequence[Reading], controller: str, control: Control | None
+    estimation: Estimation, setup: Setup, readings: Sequence[Reading], control: Control | None
 ) -> list[BallBarCircle]:
     estimate = estimation.estimate()
     poses, sides = (np.array([getattr(r, name) for r in readings], dtype=float) for name in ("pose", "approach"))
@@ -149,17 +136,9 @@ def _circle(
     if control is not None:
         after = left_by(estimate.machine, estimate.deviation, control, poses, sides)
         left = shape(np.sum(along * after, axis=1))
-    return [
-        BallBarCircle(
-            setup.name,
-            "xyz"[first] + "xyz"[second],
-            np.degrees(turns).tolist(),
-            shape(np.array([reading.value for reading in readings])[order]),
-            shape(np.sum(along * estimate.deviation(poses, sides), axis=1)),
-            left,
-            controller,
-        )
-    ]
+    read = shape(np.array([reading.value for reading in readings])[order])
+    found = shape(np.sum(along * estimate.deviation(poses, sides), axis=1))
+    return [BallBarCircle(setup.name, "xyz"[first] + "xyz"[second], np.degrees(turns).tolist(), read, found, left)]
 
 
 def circle_picture(circle: BallBarCircle, width: float) -> str:

@@ -79,18 +79,12 @@ def _cells(rows: Sequence[PlannedRow], room: int) -> list[list[str]]:
     """Return a heading and the cells of so many lines at most; rows of one kind stand together where they are more."""
     groups = [[row] for row in rows] if len(rows) <= room else by_kind(rows)
     shown = [*groups[: room - 1], groups[-1]] if len(groups) > room else groups  # the volume stays
-    lines = [[row_names(each), _before(each), _after(each)] for each in shown]
-    return [["", said("U before"), said("U after")], *lines]
-
-
-def _before(rows: Sequence[PlannedRow]) -> str:
-    worst = max(rows, key=lambda row: row.known_before)
-    return put("± {known} {unit}", known=digits(worst.known_before), unit=worst.unit)
-
-
-def _after(rows: Sequence[PlannedRow]) -> str:
-    read = all(row.measured or row.known_to < _READ * row.known_before for row in rows)
-    return known_text(rows) if read else said("not measured")
+    lines = [["", said("U before"), said("U after")]]
+    for each in shown:
+        before = put("± {known} {unit}", known=digits(max(row.known_before for row in each)), unit=each[0].unit)
+        read = all(row.measured or row.known_to < _READ * row.known_before for row in each)
+        lines.append([row_names(each), before, known_text(each) if read else said("not measured")])
+    return lines
 
 
 def _mounted(answer: PlannedAnswer) -> str:

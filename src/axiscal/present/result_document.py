@@ -47,15 +47,12 @@ def _readings(summary: Summary) -> Iterator[Sequence[str]]:
     yield [*names, *FOUND]
     for row in rows:
         cells = {"reading": str(row.reading), "setup": row.setup or "", "approach": row.approach}
-        cells |= {f"{axis}_{axis_unit(axis)}": _place((row.position or {}).get(axis)) for axis in axes}
+        places = {axis: coordinate(at, "a position in a CSV file") for axis, at in (row.position or {}).items()}
+        cells |= {f"{axis}_{axis_unit(axis)}": f"{at:.12g}" for axis, at in places.items()}
         cells |= zip(row.columns, map(_figure, row.values), strict=True)
         cells |= {f"std_{row.unit}": _figure(row.std), "time": f"{_figure(row.time)} s"}
         found = [*map(_figure, (row.innovation, row.surprise)), "no" if row.rejected else "yes"]
         yield [*(cells.get(name, "") for name in names), *found, *map(_figure, (row.rms_um, row.minutes))]
-
-
-def _place(value: float | None) -> str:
-    return "" if value is None else f"{coordinate(value, 'a position in a CSV file'):.12g}"
 
 
 def _figure(value: float | None) -> str:
@@ -86,7 +83,7 @@ EFFECT = ("before_um", "after_um", "expected_um", "U_um")
 _CURVE = "axis position mean std position_unit value_unit std_seen prior_std from_readings"
 _PLANE = "axes position mean std position_unit value_unit prior_std whole_mean whole_std from_readings"
 _HISTORY = "reading setup others rms_um worst_um minutes rejected"
-_VOLUME = "axes parked tcp_mm found_um half_um left_um controller"
+_VOLUME = "axes parked tcp_mm found_um half_um left_um"
 
 
 def result_json(summary: Summary) -> dict[str, Any]:
@@ -103,7 +100,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "history": [_row(row, _HISTORY, unit=row.unit if row.values else None) for row in summary.history],
         "errors": {curve.name: _curve(curve) for curve in (*summary.curves, *summary.reversals)},
         "plane_errors": {plane.name: _plane(plane) for plane in summary.planes},
-        "volume": None if summary.volume is None else _kept(summary.volume, _VOLUME),
+        "volume": summary.volume and _kept(summary.volume, _VOLUME, controller=summary.controller),
         "constants": {each.name: _kept(each, "mean std unit prior_std seen") for each in summary.constants},
         "observability": list(summary.observability),
         "rejected": [_row(row, "reading setup unit reason") for row in summary.rejected],

@@ -201,15 +201,11 @@ def drift_words(setups: Sequence[Setup]) -> list[str]:
     for kind, words in known.items():
         mine = [setup for setup in setups if setup.drift_said == kind]
         if mine:
-            rates = listed(said(" and "), list(dict.fromkeys(map(_rate, mine))))
-            found.append(said(words, these=_named(mine) if kind == "denied" else rates))
+            these = [quoted(setup.name) if kind == "denied" else _rate(setup) for setup in mine]
+            many = kind == "denied" and len(mine) > _MANY
+            named = said("{count} set-ups", count=len(mine)) if many else listed(said(" and "), [*dict.fromkeys(these)])
+            found.append(said(words, these=named))
     return found
-
-
-def _named(setups: Sequence[Setup]) -> str:
-    if len(setups) > _MANY:
-        return said("{count} set-ups", count=len(setups))
-    return listed(said(" and "), [quoted(setup.name) for setup in setups])
 
 
 def _rate(setup: Setup) -> str:

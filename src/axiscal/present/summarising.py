@@ -193,13 +193,14 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
 
 def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summary:
     case, description, best = estimation.case, campaign.description, extras.best
-    left_by = () if best is None else (best.controller, best.control)
+    controller, control = ("", None) if best is None else (best.controller, best.control)
     answer = extras.answer or answer_of(campaign, estimation, {}, anyway=extras.anyway)
     rows = _history(campaign, estimation)
     linear, expanded = linearity(estimation), _expanded(estimation)
     target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
     changes = [said("A person accepted: {change}.", change=change_words(each)) for each in campaign.state.accepted]
     accepted, over = [Finding("accepted", None, change) for change in changes], campaign.state.finished is not None
+    names = [setup.name for setup in description.setups]
     times = [reading.time for reading in campaign.state.readings if reading.time is not None]
     last = datetime.fromisoformat(campaign.begun) + timedelta(seconds=max(times, default=0.0))
     return Summary(
@@ -235,23 +236,21 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         record=record_state(campaign),
         agreement=estimation.agreement,
         agreement_words=agreement_words(estimation) if estimation.agreement.count else "",
-        mistakes=list(_mistakes(estimation)),
-        volume=volume_error(estimation, *left_by) if campaign.state.readings else None,
-        bent=bent_volume(estimation, *left_by) if campaign.state.readings else None,
-        positioning=positioning_curves(estimation, *left_by),
-        circles=ball_bar_circles(estimation, *left_by),
+        mistakes=[
+            (each.mistake, each.odds, [names[k] for k in each.setups], mistake_words(each, estimation))
+            for each in estimation.agreement.explained
+        ],
+        controller=controller,
+        volume=volume_error(estimation, control) if campaign.state.readings else None,
+        bent=bent_volume(estimation, controller, control) if campaign.state.readings else None,
+        positioning=positioning_curves(estimation, control),
+        circles=ball_bar_circles(estimation, control),
         budget=budget_rows(estimation),
         particulars=description.particulars,
         checksums=_checksums(campaign),
         ended=last.date().isoformat(),
         nonlinearity=linear.largest,
     )
-
-
-def _mistakes(estimation: Estimation) -> Iterator[tuple[str, float, list[str], str]]:
-    setups = estimation.stated.description.setups
-    for each in estimation.agreement.explained:
-        yield each.mistake, each.odds, [setups[index].name for index in each.setups], mistake_words(each, estimation)
 
 
 def _checksums(campaign: Campaign) -> dict[str, str]:

@@ -209,6 +209,7 @@ class Summary:
 
     answer : what is said first; without what tables leave until they are made
     agreement_words : whether the readings agree, in a sentence, "" before the first
+    controller : whose tables make what pictures and `volume` show as left
     mistakes : what explains readings that contradict, the likeliest first: its kind, odds, set-ups, and in words
     """
 
@@ -245,6 +246,7 @@ class Summary:
     agreement: Agreement = NOTHING_READ
     agreement_words: str = ""
     mistakes: Sequence[tuple[str, float, Sequence[str], str]] = ()
+    controller: str = ""
     volume: VolumeError | None = None
     bent: BentVolume | None = None
     positioning: Sequence[PositioningCurve] = ()

@@ -133,7 +133,7 @@ class VolumeError:
 
     axes : that move from place to place; parked : where the others stand, in words, "" where none does
     tcp_mm : nominal places in the workpiece frame; found_um : as estimated; half_um : ± of it, 95 %, along x, y, z
-    left_um : with the tables of `controller` loaded, as estimated; empty where there are none
+    left_um : with tables, as estimated; empty where there are none
     """
 
     axes: Sequence[str]
@@ -142,13 +142,12 @@ class VolumeError:
     found_um: Sequence[Triple]
     half_um: Sequence[Triple]
     left_um: Sequence[Triple] = ()
-    controller: str = ""
 
 
-def volume_error(estimation: Estimation, controller: str = "", control: Control | None = None) -> VolumeError:
+def volume_error(estimation: Estimation, control: Control | None = None) -> VolumeError:
     """Return the error of the volume; both sides from which an axis may come count alike.
 
-    control : what the tables of `controller` do, None where there are none
+    control : what tables do, None where there are none
     """
     estimate = estimation.estimate()
     moving = moving_axes(estimate)
@@ -163,7 +162,7 @@ def volume_error(estimation: Estimation, controller: str = "", control: Control 
     spread = _shifted(_either_way(estimate.model.rows, poses)) @ estimate.factor
     rests = np.einsum("fmc,f->mc", estimate.model.levers(poses) ** 2, estimate.model.rests**2)
     half: Array = BAND * np.sqrt(np.sum(spread**2, axis=2) + rests)
-    return VolumeError(names, parked, places, _triples(found), _triples(half), left, controller)
+    return VolumeError(names, parked, places, _triples(found), _triples(half), left)
 
 
 def moving_axes(estimate: Estimate) -> list[int]:

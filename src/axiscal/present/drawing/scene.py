@@ -256,18 +256,14 @@ def drawn(parts: Sequence[Part], frame: Viewport, within: Array | None = None) -
 def _solid(solid: Solid, fitted: Fit) -> str:
     """Return the faces that are seen, and their shades over all of them: strips of a round side leave no seams."""
     facing = [(corners_way(fitted.pixels(face.points)) + "z", face) for face in solid.faces if face.normal @ EYE > 1e-9]
-    inside = "".join([*(_face(d, face, solid.paint) for d, face in facing), *(_shade(d, face) for d, face in facing)])
-    return inside if solid.opacity == 1 else f'<g opacity="{solid.opacity:g}">{inside}</g>'
-
-
-def _face(d: str, face: Face, paint: str) -> str:
-    edge = "edge" if face.edged else paint
-    return f'<path d="{d}" fill="var(--{paint})" stroke="var(--{edge})" stroke-width=".9" stroke-linejoin="round"/>'
-
-
-def _shade(d: str, face: Face) -> str:
-    dark = sum(float(part) ** 2 * _DARK[k, 1 if part > 0 else -1] for k, part in enumerate(face.normal))
-    return f'<path d="{d}" fill="#000000" fill-opacity="{dark:.3f}"/>' if dark > 5e-3 else ""
+    inside, shades = "", ""
+    for d, face in facing:
+        edge = "edge" if face.edged else solid.paint
+        colours = f'fill="var(--{solid.paint})" stroke="var(--{edge})"'
+        inside += f'<path d="{d}" {colours} stroke-width=".9" stroke-linejoin="round"/>'
+        dark = sum(float(part) ** 2 * _DARK[k, 1 if part > 0 else -1] for k, part in enumerate(face.normal))
+        shades += f'<path d="{d}" fill="#000000" fill-opacity="{dark:.3f}"/>' if dark > 5e-3 else ""
+    return inside + shades if solid.opacity == 1 else f'<g opacity="{solid.opacity:g}">{inside}{shades}</g>'
 
 
 def _mark(mark: Mark, fitted: Fit) -> str:

@@ -6,7 +6,6 @@ Each is drawn by what its set-up says: along which direction, about which, from 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from types import MappingProxyType
 
 import numpy as np
 
@@ -39,11 +38,6 @@ class MountedSetup:
     def post(self, at: Array) -> Stroke:
         """Return a post from the table up to a place, (3,) m."""
         return Stroke(np.array([at * [1, 1, 0] + up(self.table), at]), "stone", 3.5)
-
-
-def instrument_parts(stand: MountedSetup) -> list[Part]:
-    """Return an instrument as its set-up stands on the machine."""
-    return list(_DRAWN[stand.setup.instrument](stand))
 
 
 def _interferometer(stand: MountedSetup) -> Iterator[Part]:
@@ -274,22 +268,20 @@ def _probe(stand: MountedSetup) -> Iterator[Part]:
     yield Caption(tip, said(stand.setup.instrument))
 
 
-_DRAWN: Mapping[str, Callable[[MountedSetup], Iterator[Part]]] = MappingProxyType(
-    {
-        "interferometer": _interferometer,
-        "indicator": _indicator,
-        "probe": _probe,
-        "straightedge": _straightedge,
-        "level": _level,
-        "autocollimator": _autocollimator,
-        "ballbar": _ballbar,
-        "rtest": _nest,
-        "sphere": _sphere,
-        "tracker": _tracker,
-        "tracer": _tracker,
-    }
-)
-"""By the name of the instrument; a test holds that it has all of them."""
+DRAWN: Mapping[str, Callable[[MountedSetup], Iterator[Part]]] = {
+    "interferometer": _interferometer,
+    "indicator": _indicator,
+    "probe": _probe,
+    "straightedge": _straightedge,
+    "level": _level,
+    "autocollimator": _autocollimator,
+    "ballbar": _ballbar,
+    "rtest": _nest,
+    "sphere": _sphere,
+    "tracker": _tracker,
+    "tracer": _tracker,
+}
+"""What draws an instrument as its set-up stands, by its name; a test holds that it has all of them."""
 
 
 def reading_parts(stand: MountedSetup, tips: Array, approaches: Array, colour: str, size: float) -> Iterator[Part]:
