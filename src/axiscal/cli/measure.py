@@ -78,8 +78,8 @@ class Prompt:
         return self._asked(said("reading [{unit}] > ", unit=question.unit), question, standing=True), question.setup
 
     def _asked(self, prompt: str, question: Question, *, standing: bool) -> _Then:
-        setup, heed = self.campaign.description.setup(question.setup), self._heed if standing else self._heed_mounting
-        return self._until_done(lambda: heed(answer(ask(prompt), setup), question))
+        setup = self.campaign.description.setup(question.setup)
+        return self._until_done(lambda: self._heed(answer(ask(prompt), setup), question, standing))
 
     def _until_done(self, heed: Callable[[], _Then]) -> _Then:
         """Ask until something has been done; a refusal is said, and the same is asked again."""
@@ -95,16 +95,15 @@ class Prompt:
                 say(f"  {failure}")
         return then
 
-    def _heed_mounting(self, typed: Array | Word, question: Question) -> _Then:
+    def _heed(self, typed: Array | Word, question: Question, standing: bool) -> _Then:
         if not isinstance(typed, Word):
+            if standing:
+                return self._keep(typed, question)
             say("  " + said("This is a reading: press Enter when the set-up stands, then type it."))
             return "same"
-        return "stands" if typed.action == "show" else self._heed(typed, question)
-
-    def _heed(self, typed: Array | Word, question: Question) -> _Then:
-        if not isinstance(typed, Word):
-            return self._keep(typed, question)
         match typed.action:
+            case "show" if not standing:
+                return "stands"
             case "skip":
                 self._costs(rest=False)
                 self.campaign.skip(typed.text or ask("  " + said("why can it not be taken?") + " "))

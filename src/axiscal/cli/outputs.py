@@ -92,10 +92,8 @@ def written_screen(summary: Summary, record: Path, out: Path) -> str:
 
 def standing_screen(campaign: Campaign) -> str:
     """Return the screen of a campaign as it stands: before the first reading, of its plan."""
-    path, known = campaign.path, campaign.so_far()
-    words = agreement_words(known) if known.readings else ""
-    planned = coming_answer(campaign)
+    path, planned = campaign.path, coming_answer(campaign)
     if planned is not None:
         return plan_screen(planned, str(path))
-    answer = standing_answer(campaign)
-    return screen(answer, words, str(path), str(results_of(path)).removeprefix("."))
+    words = agreement_words(campaign.so_far()) if campaign.state.readings else ""
+    return screen(standing_answer(campaign), words, str(path), str(results_of(path)).removeprefix("."))

@@ -134,19 +134,13 @@ def demo(
       axiscal demo --out demo-out
     """
 
-    case, folder = Case(description()), _fresh(out)
+    case, folder, number = Case(description()), out, 1
+    while (folder / RECORD).exists():  # the first of out, out-2, out-3, ... that holds no campaign yet
+        number += 1
+        folder = out.with_name(f"{out.name}-{number}")
+    folder.mkdir(parents=True, exist_ok=True)
     with shown_progress(case.description.target) as watch:
         summary = run_demo(case, folder, watch)
     if details:
         tell_details(summary, folder)
     say(written_screen(summary, folder / RECORD, folder))
-
-
-def _fresh(out: Path) -> Path:
-    """Return `out`, or the first of out-2, out-3, ... that holds no campaign yet."""
-    number, folder = 1, out
-    while (folder / RECORD).exists():
-        number += 1
-        folder = out.with_name(f"{out.name}-{number}")
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder

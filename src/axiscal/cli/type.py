@@ -129,44 +129,29 @@ def _files(given: Sequence[Path]) -> list[Path]:
 
 
 def _show(prior: TypePrior, saved: Sequence[str], written: Path | None, as_json: bool) -> None:
-    names = later("error"), later("std stated"), later("by its type"), later("times stated"), later("in common")
-    heads = "{:14} {:>12} {:>12} {:>13} {:>12}".format(*map(said, names))
-    rows = list[str]()
+    rows, errors = list[str](), dict[str, object]()
     for line in error_lines(prior):
         unit, share = "urad" if line.angular else "um", f"{line.share:.0%} ± {line.share_std:.0%}"
         std = [format_quantity(each, unit, 3) for each in (line.stated, line.known)]
         rows.append(f"{line.name:14} {std[0]:>12} {std[1]:>12} {line.factor:>13.2f} {share:>12}")
-    end = [said("Written: {file}", file=written)] if written else []
-    lines = (*saved, *summary_sentences(prior), heads, *rows, *end)
-    say_either(as_json, "axiscal-type-learnt/1", _document(prior, saved, written), lines)
-
-
-def _document(prior: TypePrior, saved: Sequence[str], written: Path | None) -> dict[str, object]:
-    lines = error_lines(prior)
-    return {
-        "records": [
-            {
-                "file": each.file,
-                "readings": each.readings,
-                "counts": not each.left_out,
-                "why_not": each.left_out or None,
-            }
-            for each in prior.records
-        ],
-        "errors": {
-            line.name: {
-                "unit": (unit := "urad" if line.angular else "um"),
-                "stated_std": to_unit(line.stated, unit),
-                "std": to_unit(line.known, unit),
-                "times_stated": line.factor,
-                "in_common": line.share,
-                "in_common_std": line.share_std,
-            }
-            for line in lines
-        },
-        "said": [*saved, *summary_sentences(prior)],
-        "written": [] if written is None else [str(written)],
-    }
+        errors[line.name] = {
+            "unit": unit,
+            "stated_std": to_unit(line.stated, unit),
+            "std": to_unit(line.known, unit),
+            "times_stated": line.factor,
+            "in_common": line.share,
+            "in_common_std": line.share_std,
+        }
+    records = [
+        {"file": each.file, "readings": each.readings, "counts": not each.left_out, "why_not": each.left_out or None}
+        for each in prior.records
+    ]
+    spoken, files = [*saved, *summary_sentences(prior)], [] if written is None else [str(written)]
+    names = later("error"), later("std stated"), later("by its type"), later("times stated"), later("in common")
+    heads = "{:14} {:>12} {:>12} {:>13} {:>12}".format(*map(said, names))
+    document = {"records": records, "errors": errors, "said": spoken, "written": files}
+    lines = (*spoken, heads, *rows, *(said("Written: {file}", file=file) for file in files))
+    say_either(as_json, "axiscal-type-learnt/1", document, lines)
 
 
 @app.command("rehearse")

@@ -252,15 +252,13 @@ def check_details(answer: CheckAnswer) -> list[str]:
     return [
         *_judged(answer),
         *_unchecked(answer),
-        *[
-            said(proved, decision=said(_PROVED[answer.decision]), u=answer.U_um, promised=answer.expected_um),
-            said(
-                "Read by {person} from {source}. In force by the control: {names}.",
-                person=answer.person or said("nobody that is known"),
-                source=answer.source or said("files"),
-                names=names or said("not known"),
-            ),
-        ],
+        said(proved, decision=said(_PROVED[answer.decision]), u=answer.U_um, promised=answer.expected_um),
+        said(
+            "Read by {person} from {source}. In force by the control: {names}.",
+            person=answer.person or said("nobody that is known"),
+            source=answer.source or said("files"),
+            names=names or said("not known"),
+        ),
     ]
 
 

@@ -5,9 +5,9 @@ None asks the network for anything, and the PDF for no font of the system.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from datetime import UTC, date, datetime
-from itertools import count, groupby
+from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Literal
@@ -45,7 +45,7 @@ from axiscal.present.sentences import (
     unit_text,
 )
 from axiscal.present.statement import answered, in_space, statement
-from axiscal.present.summary import CurvePoint, CurveSummary, HistoryRow, Summary
+from axiscal.present.summary import CurveSummary, HistoryRow, Summary
 from axiscal.present.volume_error import PlaneSummary
 from axiscal.record.signing import signed_xml
 
@@ -132,10 +132,14 @@ def groups(curves: Sequence[CurveSummary], chain: str = "") -> list[tuple[str, s
 
     chain : of the machine
     """
-    axes = dict.fromkeys(curve.axis for curve in curves)
-    height = _HEIGHT_ALONE if len(curves) == 1 else _HEIGHT
-    rows_of = {axis: list(_rows([curve for curve in curves if curve.axis == axis], height)) for axis in axes}
-    return [(axis, _turned(axis, chain), rows) for axis, rows in rows_of.items()]
+    height, found = _HEIGHT_ALONE if len(curves) == 1 else _HEIGHT, dict[str, list[list[Panel]]]()
+    for axis in dict.fromkeys(curve.axis for curve in curves):
+        own = [curve for curve in curves if curve.axis == axis]
+        for unit in sorted({curve.value_unit for curve in own}, key=lambda unit: (unit != "um", unit)):
+            row = [curve for curve in own if curve.value_unit == unit]
+            shared = finite_range([value for curve in row for value in _content(curve)])
+            found.setdefault(axis, []).append([(curve, panel_figure(curve, shared, height)) for curve in row])
+    return [(axis, _turned(axis, chain), rows) for axis, rows in found.items()]
 
 
 def _turned(axis: str, chain: str) -> str:
@@ -144,14 +148,6 @@ def _turned(axis: str, chain: str) -> str:
         return ""
     turned = "{axis} carries the workpiece: these curves say what the table does, readings show it with the other sign."
     return said(turned, axis=axis)
-
-
-def _rows(curves: list[CurveSummary], height: int) -> Iterator[list[Panel]]:
-    ordered = sorted(curves, key=lambda curve: (curve.value_unit != "um", curve.value_unit))
-    for _, each in groupby(ordered, key=lambda curve: curve.value_unit):
-        row = list(each)
-        shared = finite_range([value for curve in row for value in _content(curve)])
-        yield [(curve, panel_figure(curve, shared, height)) for curve in row]
 
 
 def _content(curve: CurveSummary) -> list[float]:
@@ -197,24 +193,20 @@ def panel_figure(curve: CurveSummary, shared: list[float], height: int) -> Figur
 
 
 def _points(curve: CurveSummary) -> list[Figure]:
-    kinds = (False, "circle", "var(--ink)"), (True, "circle-open", "var(--alarm)")
     low, high = finite_range(_content(curve))
-    near = [point for point in curve.points if low <= point.value <= high]
-    chosen = (([p for p in near if p.rejected is rejected], s, c) for rejected, s, c in kinds)
-    return [_point_trace(curve, points, symbol, colour) for points, symbol, colour in chosen if points]
-
-
-def _point_trace(curve: CurveSummary, points: list[CurvePoint], symbol: str, colour: str) -> Figure:
-    bars = {"array": [number(BAND * p.std, "std of a point") for p in points], "color": "var(--whisker)"}
-    names = [f"{said('reading {number}', number=point.reading)}, {point.setup}" for point in points]
-    sizes = [f"{figure(point.value)} ± {quantity(BAND * point.std, curve.value_unit)}" for point in points]
-    text = [f"{name}\n{size}" for name, size in zip(names, sizes, strict=True)]
-    data = {"x": rounded([p.position for p in points], "points"), "y": rounded([p.value for p in points], "points")}
-    edge = colour if symbol == "circle-open" else "var(--card)"
-    marker = {"color": "var(--card)" if edge == colour else colour, "size": 5.0, "symbol": symbol, "round": True}
-    marker["line"] = {"color": edge, "width": 1.5 if edge == colour else 0.6}
-    style = {"type": "scatter", "mode": "markers", "marker": marker}
-    return {**data, **style, "error_y": bars, "text": text}
+    near, found = [point for point in curve.points if low <= point.value <= high], list[Figure]()
+    dot = {"color": "var(--ink)", "symbol": "circle", "line": {"color": "var(--card)", "width": 0.6}}
+    ring = {"color": "var(--card)", "symbol": "circle-open", "line": {"color": "var(--alarm)", "width": 1.5}}
+    for rejected, look in ((False, dot), (True, ring)):
+        points = [point for point in near if point.rejected is rejected]
+        bars = {"array": [number(BAND * p.std, "std of a point") for p in points], "color": "var(--whisker)"}
+        names = [f"{said('reading {number}', number=point.reading)}, {point.setup}" for point in points]
+        sizes = [f"{figure(point.value)} ± {quantity(BAND * point.std, curve.value_unit)}" for point in points]
+        text = [f"{name}\n{size}" for name, size in zip(names, sizes, strict=True)]
+        data = {"x": rounded([p.position for p in points], "points"), "y": rounded([p.value for p in points], "points")}
+        style = {"type": "scatter", "mode": "markers", "marker": look | {"size": 5.0, "round": True}}
+        found += [{**data, **style, "error_y": bars, "text": text}] if points else []
+    return found
 
 
 def _maps(plane: PlaneSummary, rows: Sequence[HistoryRow]) -> list[tuple[Figure, str]]:

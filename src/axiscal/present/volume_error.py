@@ -64,11 +64,15 @@ def _plane(estimation: Estimation, plane: PlaneError) -> PlaneSummary:
     at = tuple(np.linspace(*axis.travel, _POSITIONS) for axis in axes)
     poses = np.tile(np.array(errors.machine.zero), (_POSITIONS**2, 1))
     poses[:, list(plane.axes)] = np.stack([grid.ravel() for grid in np.meshgrid(*at, indexing="ij")], axis=1)
-    own, whole = (_rows_of_plane(errors, terms, poses) for terms in ([plane], _beside(errors, plane)))
+    names = {f"E{COMPONENTS[plane.component]}{axis.name}" for axis in axes}  # of curves in the same direction
+    beside: list[Term] = [
+        *(function for function in errors.functions if function.name in names),
+        plane,
+    ]  # in its direction
+    own, whole = (_rows_of_plane(errors, terms, poses) for terms in ([plane], beside))
     whole -= whole.mean(axis=0)  # where the zero lies is no shape
     sign = float(errors.machine.axes[plane.axis].sign)
-    rest = plane.rest**2
-    beside = sum(term.rest**2 for term in _beside(errors, plane))
+    rest, rests = plane.rest**2, sum(term.rest**2 for term in beside)
     stated = estimation.stated.prior.factor[: errors.size]
     known, without = (_std(own, each.factor[: errors.size], rest) for each in (belief, estimation.case.prior))
     mean, unit = belief.mean[: errors.size], "urad" if plane.angular else "um"
@@ -84,16 +88,10 @@ def _plane(estimation: Estimation, plane: PlaneError) -> PlaneSummary:
         std=_map(known, unit),
         prior_std=_map(_std(own, stated, estimation.stated.errors.planes_by_name[plane.name].rest ** 2), unit),
         whole_mean=_map(whole @ mean, unit),
-        whole_std=_map(_std(whole, belief.factor[: errors.size], beside), unit),
+        whole_std=_map(_std(whole, belief.factor[: errors.size], rests), unit),
         sign=sign,
         from_readings=float(np.clip(1.0 - np.sum(known**2) / np.sum(without**2), 0.0, 1.0)),
     )
-
-
-def _beside(errors: ErrorModel, plane: PlaneError) -> list[Term]:
-    """Return the plane and the curves in its direction that its axes have alone."""
-    names = {f"E{COMPONENTS[plane.component]}{errors.machine.axes[axis].name}" for axis in plane.axes}
-    return [*(function for function in errors.functions if function.name in names), plane]
 
 
 def _rows_of_plane(errors: ErrorModel, terms: Sequence[Term], poses: Array) -> Array:
@@ -150,8 +148,7 @@ def volume_error(estimation: Estimation, control: Control | None = None) -> Volu
     control : what tables do, None where there are none
     """
     estimate = estimation.estimate()
-    moving = moving_axes(estimate)
-    poses, _ = places_over(estimate, moving, _COUNTS)
+    moving, poses, _ = places_over(estimate, _COUNTS)
     found = _shifted(_either_way(estimate.deviation, poses))
     left = () if control is None else _triples(_shifted(_left(estimate, control, poses)))
     axes = estimate.machine.axes
@@ -165,32 +162,24 @@ def volume_error(estimation: Estimation, control: Control | None = None) -> Volu
     return VolumeError(names, parked, places, _triples(found), _triples(half), left)
 
 
-def moving_axes(estimate: Estimate) -> list[int]:
-    """Return the axes that span the picture: the linear ones, or else those that turn."""
-    spans = [high - low for low, high in estimate.box]
-    free = [k for k, span in enumerate(spans) if span > 0]
-    linear = [k for k in free if not estimate.machine.axes[k].rotary]
-    return sorted(sorted(linear or free, key=lambda k: -spans[k])[:3])
-
-
-def places_over(
-    estimate: Estimate, moving: Sequence[int], counts: Mapping[int, Sequence[int]]
-) -> tuple[Array, tuple[int, ...]]:
-    """Return a grid over the axes that move, (m, q), and its places along each of them.
+def places_over(estimate: Estimate, counts: Mapping[int, Sequence[int]]) -> tuple[list[int], Array, tuple[int, ...]]:
+    """Return the axes that span a picture, a grid over them, (m, q), and its places along each.
 
     counts : places by the number of axes that move, the longest first
-    Rotary axes that do not move stand as near to zero as the volume lets them.
+    Linear axes span it, or else those that turn; rotary ones stand as near to zero as the volume lets them, otherwise.
     """
-    box, axes = np.array(estimate.box), estimate.machine.axes
-    middle = np.where([axis.rotary for axis in axes], np.clip(0.0, box[:, 0], box[:, 1]), box.mean(axis=1))
-    spans = box[list(moving), 1] - box[list(moving), 0]
-    order = np.argsort(np.argsort(-spans, kind="stable"), kind="stable")
+    box, rotary = np.array(estimate.box), [axis.rotary for axis in estimate.machine.axes]
+    middle, sides = np.where(rotary, np.clip(0.0, box[:, 0], box[:, 1]), box.mean(axis=1)), box[:, 1] - box[:, 0]
+    free = np.flatnonzero(sides > 0).tolist()
+    linear = [k for k in free if not rotary[k]]
+    moving = sorted(sorted(linear or free, key=lambda k: -sides[k])[:3])
+    order = np.argsort(np.argsort(-sides[moving], kind="stable"), kind="stable")
     along = tuple(counts[len(moving)][rank] for rank in order) if moving else ()
     lines = [np.linspace(box[k, 0], box[k, 1], count) for k, count in zip(moving, along, strict=True)]
     poses = np.tile(middle, (int(np.prod(along)), 1))
     for k, each in zip(moving, np.meshgrid(*lines, indexing="ij"), strict=True):
         poses[:, k] = each.ravel()
-    return poses, along
+    return moving, poses, along
 
 
 def _either_way(of: Callable[[Array, Array], Array], poses: Array) -> Array:
@@ -237,8 +226,7 @@ def bent_volume(estimation: Estimation, controller: str = "", control: Control |
     control : what the tables of `controller` do, None where there are none
     """
     estimate = estimation.estimate()
-    moving = moving_axes(estimate)
-    poses, counts = places_over(estimate, moving, _SMOOTH)
+    _, poses, counts = places_over(estimate, _SMOOTH)
     shape = (*counts, *(1,) * (3 - len(counts)), 3)
     tcp = frames(estimate.machine, poses).tcp
     aligned, part = estimate.alignment is not None, Alignment(estimate.model, poses)

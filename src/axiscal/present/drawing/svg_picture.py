@@ -106,7 +106,11 @@ class Frame:
 def picture(figure: Figure, width: int, label: str = "") -> str:
     """Return a figure as an SVG element of a width in pixels, which its page may stretch."""
     layout, height = figure["layout"], figure["layout"]["height"]
-    frame = _frame(figure, width, height)
+    margin, bar = layout["margin"], 44 if any("colorbar" in trace for trace in figure["data"]) else 0
+    frame = Frame(
+        _scale(figure, "x", float(margin["l"]), float(width - margin["r"] - bar)),
+        _scale(figure, "y", float(height - margin["b"]), float(margin["t"])),
+    )
     left, top = frame.x.start, frame.y.end
     span = f'x="{short_number(left)}" y="{short_number(top)}" width="{short_number(frame.x.end - left)}"'
     within = [trace for trace in figure["data"] if trace.get("cliponaxis", True)]
@@ -125,16 +129,6 @@ def picture(figure: Figure, width: int, label: str = "") -> str:
         "</svg>",
     ]
     return "".join(parts)
-
-
-def _frame(figure: Figure, width: int, height: int) -> Frame:
-    layout = figure["layout"]
-    margin, bar = layout["margin"], 44 if any("colorbar" in trace for trace in figure["data"]) else 0
-    left, right = float(margin["l"]), float(width - margin["r"] - bar)
-    top, bottom = float(margin["t"]), float(height - margin["b"])
-    x = _scale(figure, "x", left, right)
-    y = _scale(figure, "y", bottom, top)
-    return Frame(x, y)
 
 
 def _scale(figure: Figure, name: str, start: float, end: float) -> PixelScale:

@@ -311,13 +311,11 @@ def expectation(known: Estimation, place: Place) -> Band:
 def mount_sentence(setup: Setup, places: Sequence[AxisPlace]) -> str:
     """Return what to mount and what it will read."""
     reads, moving = sense(setup).reads, [place.axis for place in places if place.moves]
+    words, stands = "mount the instrument ({instrument}); it reads {reads}", ""
     if setup.artefact is not None:
-        with_artefact = "set up {artefact}, and mount the instrument ({instrument}); it reads {reads}"
-        mounted = said(with_artefact, artefact=setup.artefact.standing, instrument=said(setup.instrument), reads=reads)
-    else:
-        mounted = said(
-            "mount the instrument ({instrument}); it reads {reads}", instrument=said(setup.instrument), reads=reads
-        )
+        words = "set up {artefact}, and mount the instrument ({instrument}); it reads {reads}"
+        stands = setup.artefact.standing
+    mounted = said(words, artefact=stands, instrument=said(setup.instrument), reads=reads)
     return said("{mounted}, while {axis} moves", mounted=mounted, axis=moving[0]) if len(moving) == 1 else mounted
 
 
