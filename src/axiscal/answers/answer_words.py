@@ -91,7 +91,7 @@ def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str 
         _first_line(answer),
         table_lines(groups, controls_of(groups)) if groups else [],
         [sentence for sentence in found if sentence],
-        list(_commands(answer.steps, shlex.quote(record), results)),
+        list(commands_of(answer.steps, record, results)),
     )
 
 
@@ -265,11 +265,16 @@ def _checked(checked: TablesChecked | None) -> str:
     )
 
 
-def _commands(steps: Sequence[NextStep], record: str, results: str) -> Iterator[str]:
-    """Yield what to do next, as it is typed."""
-    beside = f"{results}/" if results else ""
+def commands_of(steps: Sequence[NextStep], file: str, results: str = "", readings: int = 0) -> Iterator[str]:
+    """Yield what to do next, as it is typed.  file : a record or a campaign; readings : of a plan"""
+    beside, record = f"{results}/" if results else "", shlex.quote(file)
     for step in steps:
-        if step.code == "load":
+        if step.code == "target":
+            line = f"readings = {max(readings, 1)}"
+            yield said('write "{line}" below [target] in {campaign}, then', line=line, campaign=file)
+        elif step.code == "start":
+            yield f"axiscal step start {record}"
+        elif step.code == "load":
             yield said("load {folder} (README.txt there), then", folder=f"{beside}tables/{step.control}")
         elif step.code == "next":
             yield f"axiscal step next {record} --beyond"

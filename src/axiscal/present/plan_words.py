@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Iterator, Sequence
 
 from axiscal.answers.answer import PlannedAnswer, PlannedRow, ReachAnswer
@@ -14,6 +13,7 @@ from axiscal.answers.answer_words import (
     aims_text,
     by_kind,
     columns,
+    commands_of,
     digits,
     first_lines,
     known_text,
@@ -49,7 +49,8 @@ def plan_text(answer: PlannedAnswer, campaign: str) -> AnswerText:
     reach = "" if answer.reach is None else reach_text(answer.reach)
     sentences = [_mounted(answer), _fewer(answer), reach or _mostly(answer) or _alike(answer)]
     found = [sentence for sentence in sentences if sentence]
-    return AnswerText(_first(answer), _cells(answer.rows, ROOM), found, list(_commands(answer, campaign)))
+    coming = list(commands_of(answer.steps, campaign, readings=answer.readings))
+    return AnswerText(_first(answer), _cells(answer.rows, ROOM), found, coming)
 
 
 def reach_text(reach: ReachAnswer) -> str:
@@ -60,19 +61,18 @@ def reach_text(reach: ReachAnswer) -> str:
 
 
 def _first(answer: PlannedAnswer) -> FirstLine:
-    minutes = put("{minutes:.0f}", minutes=answer.minutes)
+    minutes, aims = put("{minutes:.0f}", minutes=answer.minutes), aims_text(answer.aims)
     if answer.verdict == "unreachable":
         readings = counted("{count} reading", "{count} readings", answer.readings)
         spent = put("{readings}, {time}", readings=readings, time=said("{minutes} min", minutes=minutes))
-        return FirstLine(said("CANNOT BE REACHED WITH THESE SET-UPS"), aims_text(answer.aims), spent)
-    plan = counted(
-        "{count} READING, {minutes} MIN", "{count} READINGS, {minutes} MIN", answer.readings, minutes=minutes
-    )
+        return FirstLine(said("CANNOT BE REACHED WITH THESE SET-UPS"), aims, spent)
+    one, many = "{count} READING, {minutes} MIN", "{count} READINGS, {minutes} MIN"
+    plan = counted(one, many, answer.readings, minutes=minutes)
     if answer.verdict == "planned":
         return FirstLine(plan, "", "")
-    reached = answer.verdict == "reached"
-    verdict = said("REACHED BY {plan}", plan=plan) if reached else said("NOT REACHED BY {plan}", plan=plan)
-    return FirstLine(verdict, aims_text(answer.aims), "")
+    return FirstLine(
+        said("REACHED BY {plan}" if answer.verdict == "reached" else "NOT REACHED BY {plan}", plan=plan), aims, ""
+    )
 
 
 def _cells(rows: Sequence[PlannedRow], room: int) -> list[list[str]]:
@@ -128,16 +128,6 @@ def _alike(answer: PlannedAnswer) -> str:
         count=answer.alike.readings,
         minutes=put("{minutes:.1g}", minutes=answer.alike.minutes),
     )
-
-
-def _commands(answer: PlannedAnswer, campaign: str) -> Iterator[str]:
-    for step in answer.steps:
-        if step.code == "target":
-            line = f"readings = {max(answer.readings, 1)}"
-            yield said('write "{line}" below [target] in {campaign}, then', line=line, campaign=campaign)
-        else:
-            word = "step start" if step.code == "start" else step.code
-            yield f"axiscal {word} {shlex.quote(campaign)}"
 
 
 def plan_list(answer: PlanAnswer) -> Iterator[str]:
