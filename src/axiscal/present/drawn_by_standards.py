@@ -145,7 +145,11 @@ def circle_picture(circle: BallBarCircle, width: float) -> str:
     """Return the circle as an SVG element of a page: dots as read, lines as found and left.  width : pixels"""
     middle, radius, step = width / 2, 0.32 * width, division(circle)
     scale = _SHARE * radius / (5 * step)
-    rings = "".join(_ring(middle, radius + k * step * scale, k) for k in range(-5, 6))
+    rings, at = "", short_number(middle)
+    for k in range(-5, 6):
+        colour, wide = ("var(--soft)", 1.4) if k == 0 else ("var(--grid)", 1.0)
+        r = short_number(radius + k * step * scale)
+        rings += f'<circle cx="{at}" cy="{at}" r="{r}" fill="none" stroke="{colour}" stroke-width="{wide:g}"/>'
     spokes = "".join(_spoke(middle, 1.4 * radius, name, k) for k, name in enumerate(circle.plane))
     shown = [(circle.found, "var(--truth)"), *([] if circle.left is None else [(circle.left, "var(--read)")])]
     turns = np.linspace(0.0, 360.0, 181)
@@ -164,12 +168,6 @@ def division(circle: BallBarCircle) -> float:
     """Return how much lies between two rings, um: 1, 2 or 5 times a power of ten; five hold all."""
     every = [*circle.read, *circle.found, *(circle.left or ())]
     return rounded_up(max(max(abs(value) for value in every), 1e-3) / 5)
-
-
-def _ring(middle: float, radius: float, number: int) -> str:
-    colour, wide = ("var(--soft)", 1.4) if number == 0 else ("var(--grid)", 1.0)
-    at, r = short_number(middle), short_number(radius)
-    return f'<circle cx="{at}" cy="{at}" r="{r}" fill="none" stroke="{colour}" stroke-width="{wide:g}"/>'
 
 
 def _spoke(middle: float, reach: float, name: str, number: int) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from pydantic import Field
@@ -202,29 +202,23 @@ def _setups(case: Case, places: Sequence[Place], passed: Callable[[int], float])
 
 
 def _points(case: Case, places: Sequence[Place], plan: Plan) -> Iterator[PlanPoint]:
-    axes = case.description.machine.axes
+    machine = case.description.machine
     for place, reading in zip(places, plan.readings, strict=True):
+        setup, tips = case.description.setup(place.setup), frames(machine, np.array([place.pose])).tcp
+        artefact = setup.artefact
+        ball = None if artefact is None else artefact.balls[int(artefact.nearest(tips, setup.balls)[0])].name
         yield PlanPoint(
             setup=place.setup,
-            position=shown_pose(axes, place.pose),
-            direction=list(case.description.setup(place.setup).direction),
-            approach=shown_approach(axes, place.approach),
-            **_touched(case, place),
+            position=shown_pose(machine.axes, place.pose),
+            direction=list(setup.direction),
+            approach=shown_approach(machine.axes, place.approach),
+            tcp=[round(to_unit(float(value), "mm"), 9) + 0.0 for value in tips[0]],
+            artefact=None if artefact is None else artefact.name,
+            ball=ball,
             rms_um=to_unit(reading.accuracy.rms, "um"),
             worst_um=to_unit(reading.accuracy.worst, "um"),
             minutes=to_unit(reading.seconds, "min"),
         )
-
-
-def _touched(case: Case, place: Place) -> dict[str, Any]:
-    """Return where the tool point is, and the artefact and the ball that it is at."""
-    setup, at = case.description.setup(place.setup), np.array([place.pose])
-    tips = frames(case.description.machine, at).tcp
-    found: dict[str, Any] = {"tcp": [round(to_unit(float(value), "mm"), 9) + 0.0 for value in tips[0]]}
-    if setup.artefact is not None:
-        ball = int(setup.artefact.nearest(tips, setup.balls)[0])
-        found |= {"artefact": setup.artefact.name, "ball": setup.artefact.balls[ball].name}
-    return found
 
 
 def bound_rms_um(case: Case, plan: Plan) -> float | None:

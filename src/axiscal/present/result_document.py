@@ -98,8 +98,8 @@ def result_json(summary: Summary) -> dict[str, Any]:
         **_kept(summary, "nonlinearity target_rms_um target_worst_um", target_U_um=summary.target_u_um),
         "target_reached": summary.target_reached,
         "history": [_row(row, _HISTORY, unit=row.unit if row.values else None) for row in summary.history],
-        "errors": {curve.name: _curve(curve) for curve in (*summary.curves, *summary.reversals)},
-        "plane_errors": {plane.name: _plane(plane) for plane in summary.planes},
+        "errors": {curve.name: _error(curve, _CURVE) for curve in (*summary.curves, *summary.reversals)},
+        "plane_errors": {plane.name: _error(plane, _PLANE) for plane in summary.planes},
         "volume": summary.volume and _kept(summary.volume, _VOLUME, controller=summary.controller),
         "constants": {each.name: _kept(each, "mean std unit prior_std seen") for each in summary.constants},
         "observability": list(summary.observability),
@@ -129,17 +129,14 @@ def _figures(value: Any, what: str) -> Any:
     return value
 
 
-def _curve(curve: CurveSummary) -> dict[str, Any]:
-    for name in ("mean", "std", "std_seen", "prior_std"):
-        rounded(getattr(curve, name), f"{name} of {curve.name}", len(curve.position))
-    return _kept(curve, _CURVE)
-
-
-def _plane(plane: PlaneSummary) -> dict[str, Any]:
-    for name in ("mean", "std", "prior_std", "whole_mean", "whole_std"):
-        for row in getattr(plane, name):
-            rounded(row, f"{name} of {plane.name}", len(plane.position[1]))
-    return _kept(plane, _PLANE)
+def _error(error: CurveSummary | PlaneSummary, fields: str) -> dict[str, Any]:
+    """Return an error; raises SummaryError where a figure does not stand at a position."""
+    plane = isinstance(error, PlaneSummary)
+    size = len(error.position[1]) if isinstance(error, PlaneSummary) else len(error.position)
+    for name in (each for each in fields.split() if each.endswith(("mean", "std", "std_seen"))):
+        for row in getattr(error, name) if plane else [getattr(error, name)]:
+            rounded(row, f"{name} of {error.name}", size)
+    return _kept(error, fields)
 
 
 def _position(position: Position | None) -> dict[str, float] | None:

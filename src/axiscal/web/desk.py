@@ -20,8 +20,7 @@ from axiscal.campaign.ending import Ended, because_text
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.language.spoken import decimals, said, spoken_now
-from axiscal.measurement.reading import Reading, reading_unit, shown_coordinate
-from axiscal.measurement.setup import Setup
+from axiscal.measurement.reading import reading_unit, shown_coordinate
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import Progress, contradictions, doubted, due, last_step, others_doubted, take_back
 from axiscal.present.guide.question import SURPRISING, Question, Word, answer, asked_text
@@ -60,28 +59,23 @@ def _answer(campaign: Campaign, answer: ResultAnswer | PlannedAnswer, results: P
 
 
 def _latest(campaign: Campaign) -> Iterator[ReadingShape]:
-    """Yield the last readings, the latest first."""
+    """Yield the last readings, the latest first, each where its axes stood that move: "X 120.5, C 30"."""
     doubted = {doubt.reading for doubt in campaign.estimate().outliers}
-    begun = datetime.fromisoformat(campaign.begun)
+    begun, axes = datetime.fromisoformat(campaign.begun), campaign.description.machine.axes
     for index, reading in list(enumerate(campaign.state.readings))[: -_LATEST - 1 : -1]:
         setup, seconds = campaign.description.setup(reading.setup), reading.time
-        unit = reading_unit(setup)
+        unit, moved = reading_unit(setup), [(axes[k], reading.pose[k]) for k in setup.moves]
+        moved.sort(key=lambda each: (each[0].rotary, each[0].name))
+        stood = (f"{axis.name} {round(shown_coordinate(at, axis), 3) + 0.0:.9g}" for axis, at in moved)
         yield ReadingShape(
             number=reading.numbered(index),
             setup=reading.setup,
-            place=_place(campaign, reading, setup),
+            place=", ".join(stood),
             values=to_unit(np.array(reading.values), unit).tolist(),
             unit=unit,
             at="" if seconds is None else (begun + timedelta(seconds=seconds)).isoformat(timespec="milliseconds"),
             doubted=index in doubted,
         )
-
-
-def _place(campaign: Campaign, reading: Reading, setup: Setup) -> str:
-    """Return where the axes stood that move, linear ones first, as short as it goes: "X 120.5, C 30"."""
-    axes = campaign.description.machine.axes
-    moved = sorted(((axes[k], reading.pose[k]) for k in setup.moves), key=lambda each: (each[0].rotary, each[0].name))
-    return ", ".join(f"{axis.name} {round(shown_coordinate(at, axis), 3) + 0.0:.9g}" for axis, at in moved)
 
 
 Publisher = Callable[[StateShape], None]

@@ -1,23 +1,32 @@
-"""The API of the page and the server that answers it."""
+"""The API of the page and the server that answers it.
+
+Between many browsers and the one desk steps wait in a row, and new states are handed to all who wait for them. One
+thread owns the campaign: one piece of work after another, the last of which can be broken off.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import ctypes
 import logging
 import socket
 from collections.abc import AsyncIterator, Callable
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import asynccontextmanager
 from pathlib import Path
+from threading import Lock, get_ident
 from types import FrameType
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 import uvicorn
 from fastapi import FastAPI, Query, Response
 from fastapi.responses import FileResponse
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import InputError
-from axiscal.web.counter import Counter
+from axiscal.language.spoken import speaking, spoken_now
+from axiscal.numerics.threads import one_thread
 from axiscal.web.desk import Desk
 from axiscal.web.guard import ROOT, Guard, document, page_application, problem
 from axiscal.web.shapes import (
@@ -34,6 +43,127 @@ from axiscal.web.shapes import (
     TypedShape,
     WaitQuery,
 )
+
+_NEARLY = 0.5
+"""s that work which is nearly done is waited for."""
+LOOKS = 0.25
+"""s between looks at the record: what others write is shown within a second."""
+_Result = TypeVar("_Result")
+
+
+class BrokenOffError(Exception):
+    """Work that was waiting when the record was closed."""
+
+
+class Counter:
+    """One record, open on its own thread, in the language that is spoken; raises RecordError if that is none.
+
+    desk : for what changes nothing, and needs no thread; state : the newest document, that a page is shown at once
+    """
+
+    def __init__(self, record: Path) -> None:
+        self._pool, self._language = ThreadPoolExecutor(1, thread_name_prefix="campaign"), spoken_now()
+        self._lock, self._closing = Lock(), False
+        self._at_work: int | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._ending, self._asked, self._news = False, set[Future[str]](), asyncio.Event()
+        self.desk = self._submitted(lambda: Desk(Campaign.open(record), self._publish)).result()
+        self.state = self.desk.state
+
+    async def do(self, step: Callable[[Desk], str]) -> str:
+        """Do a step on the campaign's thread, then what can wait, and return what was done in words."""
+        asked = self._submitted(lambda: step(self.desk))
+        self._asked.add(asked)
+        asked.add_done_callback(self._asked.discard)
+        said = await asyncio.wrap_future(asked)
+        self._think()
+        return said
+
+    async def ask(self, look: Callable[[Desk], _Result]) -> _Result:
+        """Return what the desk says to a question that changes nothing, after the steps that are under way."""
+        return await asyncio.wrap_future(self._submitted(lambda: look(self.desk)))
+
+    async def watch(self) -> None:
+        """Look at the record again and again, for what others write."""
+        self._loop = asyncio.get_running_loop()
+        self._think()
+        while True:
+            await asyncio.sleep(LOOKS)
+            await self.ask(Desk.look)
+
+    async def newer(self, seen: int, wait: float) -> StateShape:
+        """Return the state as soon as its version is another one than `seen`, or after `wait` s."""
+        clock = asyncio.get_running_loop().time
+        deadline = clock() + wait
+        while self.state.version == seen and not self._ending and (left := deadline - clock()) > 0:
+            news = self._news
+            try:
+                await asyncio.wait_for(news.wait(), left)
+            except TimeoutError:
+                break
+        return self.state
+
+    def end(self) -> None:
+        """Let nobody wait any longer: the server is about to end."""
+        self._ending = True
+        self._publish(self.state)
+
+    def close(self) -> str:
+        """Break off what is under way, leave what waits, close the record; return what is to be said of it.
+
+        Work is ended as the main thread is by Ctrl-C, which may come anywhere: at the next step of Python.
+        """
+        asked, broken_off = bool(self._asked), False
+        with self._lock:
+            self._closing = True
+        free = self._pool.submit(int)
+        while not wait([free], _NEARLY).done:  # an interruption that comes while Python clears up is lost
+            with self._lock:
+                if self._at_work is not None:
+                    interrupted = ctypes.c_ulong(self._at_work), ctypes.py_object(KeyboardInterrupt)
+                    broken_off |= ctypes.pythonapi.PyThreadState_SetAsyncExc(*interrupted) == 1
+        self._pool.submit(self.desk.campaign.close).result()
+        self._pool.shutdown()
+        if broken_off and asked:
+            return (
+                "A step that a page had asked for was broken off; what had been kept of it is shown at the next start."
+            )
+        return "What was being computed is begun anew at the next start." if broken_off else ""
+
+    def _submitted(self, work: Callable[[], _Result]) -> Future[_Result]:
+        return self._pool.submit(self._done, work)
+
+    def _done(self, work: Callable[[], _Result]) -> _Result:
+        with self._lock:
+            if self._closing:
+                raise BrokenOffError
+            self._at_work = get_ident()
+        try:
+            with one_thread(), speaking(self._language):
+                return work()
+        finally:
+            with self._lock:
+                self._at_work = None
+
+    def _think(self) -> None:
+        """Let the desk do what can wait."""
+        self._submitted(lambda: self.desk.think()).add_done_callback(self._told)
+
+    def _told(self, done: Future[None]) -> None:
+        """Say on stderr what went wrong where nobody waits for an answer."""
+        failure = done.exception()
+        if failure is not None and not self._ending:
+            logging.getLogger(__name__).error("axiscal: %s: %s", type(failure).__name__, failure)
+
+    def _publish(self, state: StateShape) -> None:
+        """Take a new state from the campaign's thread."""
+        if self._loop is not None:
+            self._loop.call_soon_threadsafe(self._take, state)
+
+    def _take(self, state: StateShape) -> None:
+        news, self._news, self.state = self._news, asyncio.Event(), state
+        news.set()
+
 
 _FILES = ("page.css", "elements.js", "page.js", "pictures.js", "words.js", "icon.svg")
 
