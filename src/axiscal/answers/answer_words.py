@@ -158,10 +158,13 @@ def table_lines(groups: Sequence[Sequence[AnswerRow]], controls: Sequence[str]) 
     """Return the heading and a line for each group of rows: its name, found, U, what each control leaves."""
     lefts = [said("left with {control}", control=name) if number == 0 else name for number, name in enumerate(controls)]
     lines = [["", said("found"), "U (95 %)", *lefts]]
-    return [
-        *lines,
-        *([row_names(group), _found(group), known_text(group), *_left(group, controls)] for group in groups),
-    ]
+    for rows in groups:
+        unit, (low, high) = rows[0].unit, (digits(pick(row.found for row in rows)) for pick in (min, max))
+        found = put("{found} {unit}", found=high if low == high else put("{low}-{high}", low=low, high=high), unit=unit)
+        left = [max((row.left[name] for row in rows if name in row.left), default=None) for name in controls]
+        sizes = ("–" if size is None else put("{size} {unit}", size=digits(size), unit=unit) for size in left)
+        lines.append([row_names(rows), found, known_text(rows), *sizes])
+    return lines
 
 
 def row_name(kind: Kind, axes: Sequence[Sequence[str]]) -> str:
@@ -180,13 +183,6 @@ def row_names(rows: Sequence[PlannedRow]) -> str:
     return row_name(rows[0].kind, [row.axes for row in rows])
 
 
-def _found(rows: Sequence[AnswerRow]) -> str:
-    low, high = (pick(row.found for row in rows) for pick in (min, max))
-    if digits(low) == digits(high):
-        return put("{high} {unit}", high=digits(high), unit=rows[0].unit)
-    return put("{low}-{high} {unit}", low=digits(low), high=digits(high), unit=rows[0].unit)
-
-
 def known_text(rows: Sequence[PlannedRow]) -> str:
     """Return U of the row that is known least, beside its limit where it is alone."""
     worst = max(rows, key=lambda row: row.known_to)
@@ -194,11 +190,6 @@ def known_text(rows: Sequence[PlannedRow]) -> str:
         return put("± {known} {unit}", known=digits(worst.known_to), unit=worst.unit)
     known, limit = digits(worst.known_to, worst.limit), limit_text(worst.limit)
     return said("± {known} of {limit} {unit}", known=known, limit=limit, unit=worst.unit)
-
-
-def _left(rows: Sequence[AnswerRow], controls: Sequence[str]) -> list[str]:
-    sizes = [max((row.left[name] for row in rows if name in row.left), default=None) for name in controls]
-    return ["–" if size is None else put("{size} {unit}", size=digits(size), unit=rows[0].unit) for size in sizes]
 
 
 def by_kind(rows: Sequence[_Row]) -> list[list[_Row]]:

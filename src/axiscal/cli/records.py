@@ -17,7 +17,7 @@ from axiscal.language.spoken import counted, said
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.record.copies import file_name, is_stored, opened_log, write_copy
 from axiscal.record.line_form import EventText
-from axiscal.record.log import EventLog, rows_of
+from axiscal.record.log import rows_of
 from axiscal.record.signing import key_file, make_key
 from axiscal.record.store import Record
 
@@ -44,7 +44,11 @@ def copy_record(
     beside = Path(name) if is_stored(record) else record.with_name(f"{name}.copy")
     target = beside if to is None else to / name if to.is_dir() else to
     with opened_log(record, write=False) as log:
-        readings = _readings(log)
+        try:
+            described(log)  # checked
+            readings: int | None = len(log.state().readings)
+        except NewerError:  # only a newer version can know
+            readings = None
         write_copy(log, target)
         last, name = log.last(), log.name
     count = counted("{count} reading", "{count} readings", readings or 0)
@@ -59,15 +63,6 @@ def copy_record(
         digest=name[:12],
     )
     say_either(json, "axiscal-copy/1", document, [words])
-
-
-def _readings(log: EventLog) -> int | None:
-    """Return how many readings a record has, checked; None where only a newer version can know."""
-    try:
-        described(log)
-        return len(log.state().readings)
-    except NewerError:
-        return None
 
 
 def salvage(

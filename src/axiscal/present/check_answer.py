@@ -310,28 +310,23 @@ def _warnings(answer: CheckAnswer) -> list[str]:
     )
     lines = [said(own_line, name=name) for name in answer.against_own_line]
     lines += [said(own_tool, name=name) for name in answer.against_own_tool]
-    lines += [
-        said(shown, table=each.table, share=each.share or 0.0, std=each.share_std or 0.0, cause=said(_loaded(each)))
-        for each in answer.faulty
-    ]
+    for each in answer.faulty:
+        share, wrong = each.share or 0.0, "it was loaded with the wrong sign"
+        cause = said(wrong if share < -WORKS else "it was not loaded")
+        lines.append(said(shown, table=each.table, share=share, std=each.share_std or 0.0, cause=cause))
     if not answer.tables_loaded:
         found = answer.change_share
-        share = "" if found is None else said(", they changed by {share:.2f} times that", share=found)
+        changed = "" if found is None else said(", they changed by {share:.2f} times that", share=found)
         lines.append(
             said(
                 "WARNING: as found minus as left is not what the tables take away (p = {p:.2g}{share}): {cause}.",
                 p=answer.change_p,
-                share=share,
+                share=changed,
                 cause=said(_cause(found)),
             )
         )
     lines += [said(off, unknown=datum.unknown, setup=datum.setup) for datum in answer.set_up_off]
     return [*lines, *(said(still, name=name) for name in answer.set_up_still)]
-
-
-def _loaded(share: TableShare) -> str:
-    wrong = share.share is not None and share.share < -WORKS
-    return later("it was loaded with the wrong sign") if wrong else later("it was not loaded")
 
 
 def _cause(share: float | None) -> str:

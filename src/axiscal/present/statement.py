@@ -138,17 +138,14 @@ def _rows(summary: Summary) -> Iterator[list[str]]:
     """Yield where each row holds, how it was read, and how well it was known and can be."""
     for row in summary.answer.rows:
         sizes = [spelt(f"{digits(size)} {row.unit}") for size in (row.largest, row.known_before, row.floor)]
-        where = "; ".join(_where(line) for line in row.lines)
+        where = list[str]()
+        for line in row.lines:
+            low, high = map(coordinate, line.ends)
+            along = said("{axis} {low} to {high}", axis=line.axis, low=low, high=high)
+            others = ", ".join(f"{axis} {coordinate(value)}" for axis, value in line.at.items())
+            where.append(said("{along} at {others}", along=along, others=others) if others else along)
         places = said(" and ").join(_places(line) for line in row.lines)
-        yield [row_name(row.kind, [row.axes]), where, places, sizes[0], f"± {sizes[1]}", f"± {sizes[2]}"]
-
-
-def _where(line: AnswerLine) -> str:
-    """Return the ends of a line and where the other axes stand."""
-    low, high = map(coordinate, line.ends)
-    others = ", ".join(f"{axis} {coordinate(value)}" for axis, value in line.at.items())
-    along = said("{axis} {low} to {high}", axis=line.axis, low=low, high=high)
-    return said("{along} at {others}", along=along, others=others) if others else along
+        yield [row_name(row.kind, [row.axes]), "; ".join(where), places, sizes[0], f"± {sizes[1]}", f"± {sizes[2]}"]
 
 
 def _places(line: AnswerLine) -> str:

@@ -293,13 +293,18 @@ def on_paper(svg: str) -> str:
 
 
 def map_image(rows: Sequence[Sequence[float]], scale: ColourScale, low: float, high: float) -> str:
-    """Return a map as a data address of a PNG, its first row below.  rows : (m, n)"""
+    """Return a map as a data address of a PNG (ISO/IEC 15948), its first row below.  rows : (m, n)"""
     finer = _stretched(_stretched(np.array(rows, dtype=float), 0), 1)[::-1]
     shares = [share for share, _ in scale]
     stops = np.array([[int(text[i : i + 2], 16) for i in (1, 3, 5)] for _, text in scale], dtype=float)
     at = np.clip((finer - low) / ((high - low) or 1.0), 0.0, 1.0)
     colours = np.stack([np.interp(at, shares, stops[:, k]) for k in range(3)], axis=-1)
-    return f"data:image/png;base64,{base64.b64encode(_png(colours)).decode('ascii')}"
+    lines = b"".join(b"\x00" + row.tobytes() for row in np.rint(colours).astype(np.uint8))
+    head = struct.pack(">IIBBBBB", colours.shape[1], colours.shape[0], 8, 2, 0, 0, 0)
+    chunks = b"IHDR" + head, b"IDAT" + zlib.compress(lines, 9), b"IEND"
+    framed = (struct.pack(">I", len(each) - 4) + each + struct.pack(">I", zlib.crc32(each)) for each in chunks)
+    image = b"\x89PNG\r\n\x1a\n" + b"".join(framed)
+    return f"data:image/png;base64,{base64.b64encode(image).decode('ascii')}"
 
 
 def _stretched(values: Array, axis: int) -> Array:
@@ -311,14 +316,3 @@ def _stretched(values: Array, axis: int) -> Array:
     upper = np.minimum(lower + 1, count - 1)
     mixed: Array = (1 - share) * np.take(values, lower, axis) + share * np.take(values, upper, axis)
     return mixed
-
-
-def _png(colours: Array) -> bytes:
-    """Return an image in the format PNG (ISO/IEC 15948).  colours : (height, width, 3) from 0 to 255"""
-    height, width, _ = colours.shape
-    pixels = np.rint(colours).astype(np.uint8)
-    lines = b"".join(b"\x00" + row.tobytes() for row in pixels)
-    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    chunks = b"IHDR" + head, b"IDAT" + zlib.compress(lines, 9), b"IEND"
-    framed = (struct.pack(">I", len(each) - 4) + each + struct.pack(">I", zlib.crc32(each)) for each in chunks)
-    return b"\x89PNG\r\n\x1a\n" + b"".join(framed)

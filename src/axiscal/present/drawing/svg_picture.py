@@ -186,17 +186,13 @@ def _trace(trace: Figure, frame: Frame) -> Iterator[str]:
         look = trace["line"]
         yield line(way(points), look["color"], look.get("width", 1.5), look.get("dash", ""))
     if "error_y" in trace:
-        yield _whiskers(trace, points, frame)
+        bars, d = trace["error_y"], dict[str, None]()
+        for point, y, half in zip(points, trace["y"], bars["array"], strict=True):
+            low, high = (short_number(frame.y.pixel(y + sign * half)) for sign in (-1, 1))
+            d[f"M{short_number(point[0])} {low}V{high}"] = None
+        yield line("".join(d), bars["color"], bars.get("thickness", 1))
     if "markers" in mode:
         yield from _marks(trace, points)
-
-
-def _whiskers(trace: Figure, points: Sequence[Point], frame: Frame) -> str:
-    bars, d = trace["error_y"], []
-    for point, y, half in zip(points, trace["y"], bars["array"], strict=True):
-        low, high = (short_number(frame.y.pixel(y + sign * half)) for sign in (-1, 1))
-        d.append(f"M{short_number(point[0])} {low}V{high}")
-    return line("".join(dict.fromkeys(d)), bars["color"], bars.get("thickness", 1))
 
 
 def _marks(trace: Figure, points: Sequence[Point]) -> Iterator[str]:

@@ -72,7 +72,14 @@ def answer(text: str, setup: Setup) -> Array | Word:
     if word[0].isalpha():
         what = said('"{text}" is no reading and no word known here', text=text.strip())
         raise ReadingError(what, said("Type ? for what can be typed"))
-    return np.array([_value(part, setup) for part in value_texts(text.strip(), setup)])
+    values, dimension = list[float](), INSTRUMENTS[setup.instrument].model.reads
+    for part in value_texts(text.strip(), setup):
+        found = _PLAIN.match(part)
+        if found is not None:
+            unit = part[found.end() :].strip() or reading_unit(setup)
+            part = found[0].replace(",", ".").replace("−", "-") + unit
+        values.append(parse_quantity(part, dimension))
+    return np.array(values)
 
 
 def value_texts(text: str, setup: Setup) -> list[str]:
@@ -95,15 +102,6 @@ def value_texts(text: str, setup: Setup) -> list[str]:
         what = said('"{text}" has a unit for some of its values', text=text)
         raise ReadingError(what, said("Give one unit after the last, or one for each"))
     return parts
-
-
-def _value(text: str, setup: Setup) -> float:
-    dimension = INSTRUMENTS[setup.instrument].model.reads
-    number = _PLAIN.match(text)
-    if number is None:
-        return parse_quantity(text, dimension)
-    plain = number[0].replace(",", ".").replace("−", "-")
-    return parse_quantity(plain + (text[number.end() :].strip() or reading_unit(setup)), dimension)
 
 
 _DIGITS = 4
