@@ -162,26 +162,21 @@ def iso230(
         say_document(document)
         return
     if isinstance(found, Positioning):
-        _say_positioning(found)
+        unit = "arcsec" if found.rotary else "um"
+        for name, words in _WORDS.items():
+            value, figure = document[name], f"{said('not measured'):>12}"
+            if value is not None:
+                figure = decimals(f"{value:12.3f} {unit} ± {to_unit(found.uncertainty[name], unit):.3f}")
+            say(f"{name:7}{figure}   {said(words)}")
+        if found.vdi3441:
+            shown = ", ".join(f"{name} {to_unit(value, unit):.3f}" for name, value in found.vdi3441.items())
+            say(decimals(f"VDI/DGQ 3441: {shown} {unit}"))
     else:
         for name, value in found.figures.items():
             figure = decimals(f"{to_unit(value, 'um'):10.3f}")
             say(f"{name:20}{figure} um   {said(_CIRCLE[name])}")
     for warning in found.warnings:
         say(warning)
-
-
-def _say_positioning(found: Positioning) -> None:
-    document, unit = found.as_json(), "arcsec" if found.rotary else "um"
-    for name, words in _WORDS.items():
-        value = document[name]
-        figure = f"{said('not measured'):>12}"
-        if value is not None:
-            figure = decimals(f"{value:12.3f} {unit} ± {to_unit(found.uncertainty[name], unit):.3f}")
-        say(f"{name:7}{figure}   {said(words)}")
-    if found.vdi3441:
-        shown = ", ".join(f"{name} {to_unit(value, unit):.3f}" for name, value in found.vdi3441.items())
-        say(decimals(f"VDI/DGQ 3441: {shown} {unit}"))
 
 
 Folder = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for reproduce.html and its numbers.")]

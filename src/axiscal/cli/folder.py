@@ -226,18 +226,17 @@ def bring(
     ]
     document = {"brought": rows, "refused": [str(each) for each in faults]}
     if json or done:
-        say_either(json, "axiscal-bring/1", document, [_words(*each) for each in done])
+        lines = list[str]()
+        for record, found in done:
+            added = counted("{count} event", "{count} events", found.events)
+            how = "is new" if found.what == "new" else "has gone on"
+            there = f"{record}: the folder has it, in {found.file}."
+            lines.append(there if found.what == "there already" else f"{record}: {found.file} {how}, by {added}.")
+        say_either(json, "axiscal-bring/1", document, lines)
     for refused in faults:
         complain(str(refused))
     if faults:
         raise typer.Exit(1)
-
-
-def _words(record: Path, found: Brought) -> str:
-    if found.what == "there already":
-        return f"{record}: the folder has it, in {found.file}."
-    added = counted("{count} event", "{count} events", found.events)
-    return f"{record}: {found.file} {'is new' if found.what == 'new' else 'has gone on'}, by {added}."
 
 
 def check(

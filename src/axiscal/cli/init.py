@@ -6,7 +6,7 @@ import math
 import shlex
 import sys
 import textwrap
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Annotated, TypeVar
@@ -89,21 +89,14 @@ def init(
     except EOFError:
         raise DescriptionError("Nobody answered", "Give --machine or --from, --instrument and --target") from None
     write_files(folder, files.texts)
-    say("\n".join(_written(folder / "machine.toml", folder / "campaign.toml", files.setups, begun.look)))
-
-
-def _written(machine: Path, campaign: Path, setups: int, look: Sequence[str]) -> Iterator[str]:
-    """Yield what was written, what to look at in it, and what to do next."""
-    yield said("{file}: change it to what your machine is", file=machine)
-    if look:
-        yield said("Look at, in {file}: {places}.", file=machine, places="; ".join(look))
-    yield counted(
-        "{file}: {count} set-up offered",
-        "{file}: {count} set-ups offered; a plan takes what is worth mounting",
-        setups,
-        file=campaign,
-    )
-    yield from ending({said("Next"): [f"axiscal plan {shlex.quote(str(campaign))}"]})
+    written, campaign = folder / "machine.toml", folder / "campaign.toml"
+    say(said("{file}: change it to what your machine is", file=written))
+    if begun.look:
+        say(said("Look at, in {file}: {places}.", file=written, places="; ".join(begun.look)))
+    one = "{file}: {count} set-up offered"
+    many = "{file}: {count} set-ups offered; a plan takes what is worth mounting"
+    say(counted(one, many, files.setups, file=campaign))
+    say("\n".join(ending({said("Next"): [f"axiscal plan {shlex.quote(str(campaign))}"]})))
 
 
 def _built_in(machine: str | None) -> Beginning:

@@ -51,7 +51,11 @@ def report(
       axiscal report mill.axiscal --out mill.xml
     """
 
-    target = record.with_suffix(".html") if out is None else _page(out)
+    target = out or record.with_suffix(".html")
+    if target.suffix.lower() not in (".html", ".htm", ".pdf", ".xml"):
+        what = "the report is an HTML page, a PDF or a certificate, and {out} is the name of none"
+        names = ", ".join(target.with_suffix(suffix).name for suffix in (".html", ".pdf", ".xml"))
+        raise RecordError(what, "Write it to one of {names}", target, out=target.name, names=names)
     with Campaign.open(record, write=False) as campaign:
         summary = summarise(campaign, campaign.estimate(ended=True), Extras(answer=standing_answer(campaign)))
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -61,15 +65,6 @@ def report(
     say(said("The report is in {file}.", file=target))
     if target.suffix.lower() == ".xml":
         say(said("It is signed with {key}.", key=key_file()) if key_file().exists() else said("It is unsigned."))
-
-
-def _page(out: Path) -> Path:
-    """Return the file if its name is one of a page or a PDF; raises RecordError for another kind of file."""
-    if out.suffix.lower() in (".html", ".htm", ".pdf", ".xml"):
-        return out
-    what = "the report is an HTML page, a PDF or a certificate, and {out} is the name of none"
-    names = ", ".join(out.with_suffix(suffix).name for suffix in (".html", ".pdf", ".xml"))
-    raise RecordError(what, "Write it to one of {names}", out, out=out.name, names=names)
 
 
 def finish(

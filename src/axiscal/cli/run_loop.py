@@ -77,7 +77,14 @@ def run_loop(
             with saying_what_is_kept(kept), shown_progress(description.target) as watch:
                 opened.run(readings, watch)
         write_outputs(opened, out, as_json=json, details=details)
-        _refuse_unreached(opened)
+        because, file = opened.state.finished or "", opened.description.source
+    why, written = because_text(because), said("the results so far are written")
+    if because == OUT_OF_REACH:
+        remedy = "Add set-ups that see what these cannot, give less noise or a wider target; {written}"
+        raise TargetError("{why}", remedy, file, why=capital(why), written=written)
+    if because == CONTRADICT:
+        remedy = "See the warnings, review instruments, set-ups and what is stated, and take readings again; {written}"
+        raise TargetError("The target cannot be said to be reached: {why}", remedy, file, why=why, written=written)
 
 
 def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -> Campaign | None:
@@ -101,17 +108,6 @@ def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -
         raise RecordError("This folder holds a campaign already", remedy, path)
     remedy = "Name another --out for the changed description, or take the changes back"
     raise RecordError("The campaign or its machine has been changed since this record was begun", remedy, path)
-
-
-def _refuse_unreached(campaign: Campaign) -> None:
-    because, source = campaign.state.finished or "", campaign.description.source
-    why, written = because_text(because), said("the results so far are written")
-    if because == OUT_OF_REACH:
-        remedy = "Add set-ups that see what these cannot, give less noise or a wider target; {written}"
-        raise TargetError("{why}", remedy, source, why=capital(why), written=written)
-    if because == CONTRADICT:
-        remedy = "See the warnings, review instruments, set-ups and what is stated, and take readings again; {written}"
-        raise TargetError("The target cannot be said to be reached: {why}", remedy, source, why=why, written=written)
 
 
 def _kept(campaign: Campaign, again: str) -> str:

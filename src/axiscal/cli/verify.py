@@ -21,13 +21,7 @@ from axiscal.document.durable import write_whole
 from axiscal.evaluation.check import USUAL, Check, Taken
 from axiscal.language.spoken import ending, joined, listed, said
 from axiscal.measurement.reading import Places
-from axiscal.present.check_answer import (
-    CheckAnswer,
-    check_answer,
-    check_details,
-    check_plan,
-    check_screen,
-)
+from axiscal.present.check_answer import check_answer, check_details, check_plan, check_screen
 from axiscal.record.signing import own_hand
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
@@ -146,15 +140,11 @@ def verify(
     elif details:
         say(_wrapped(check_details(answer)))
     else:
-        say("\n".join([*check_screen(answer), *ending({said("Next"): _after(answer, record, again)})]))
-
-
-def _after(answer: CheckAnswer, record: Path, again: str) -> list[str]:
-    """Return what to do next: see when the machine is due, or check again."""
-    if answer.verdict == "pass":
-        return [f"axiscal shop due {shlex.quote(str(record.parent))}"]
-    first = [said("load the exported files again, then")] if answer.faulty else []
-    return [*first, f"{again} --plan check.csv"]
+        coming = [said("load the exported files again, then")] if answer.faulty else []
+        coming.append(f"{again} --plan check.csv")
+        if answer.verdict == "pass":
+            coming = [f"axiscal shop due {shlex.quote(str(record.parent))}"]
+        say("\n".join([*check_screen(answer), *ending({said("Next"): coming})]))
 
 
 _PROBES = {"linuxcnc-live": "sphere", "moonraker": "probe"}

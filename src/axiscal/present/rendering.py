@@ -139,15 +139,10 @@ def groups(curves: Sequence[CurveSummary], chain: str = "") -> list[tuple[str, s
             row = [curve for curve in own if curve.value_unit == unit]
             shared = finite_range([value for curve in row for value in _content(curve)])
             found.setdefault(axis, []).append([(curve, panel_figure(curve, shared, height)) for curve in row])
-    return [(axis, _turned(axis, chain), rows) for axis, rows in found.items()]
-
-
-def _turned(axis: str, chain: str) -> str:
-    """Return why curves do not have the sign of their readings: they name what the carriage does (ISO 230-1)."""
-    if f"{axis}'" not in chain.split("-"):
-        return ""
+    # curves name what the carriage does (ISO 230-1), and have then not the sign of their readings
     turned = "{axis} carries the workpiece: these curves say what the table does, readings show it with the other sign."
-    return said(turned, axis=axis)
+    carried = {axis for axis in found if f"{axis}'" in chain.split("-")}
+    return [(axis, said(turned, axis=axis) if axis in carried else "", rows) for axis, rows in found.items()]
 
 
 def _content(curve: CurveSummary) -> list[float]:

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from hashlib import sha256
 from typing import Any
 
-from axiscal.answers.answer import ResultAnswer, coordinate, number, rounded
+from axiscal.answers.answer import coordinate, number, rounded
 from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.csv_readings import FOUND
@@ -18,7 +18,6 @@ from axiscal.present.sentences import axis_unit
 from axiscal.present.summary import (
     CurveSummary,
     HistoryRow,
-    Position,
     Summary,
     TableOffer,
 )
@@ -105,7 +104,8 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "observability": list(summary.observability),
         "rejected": [_row(row, "reading setup unit reason") for row in summary.rejected],
         "warnings": [_kept(each, "code error text") for each in summary.warnings],
-        "answer": _answer(summary.answer),
+        "answer": summary.answer.model_dump(mode="json", exclude={"rows", "aims"})
+        | {"aims": [aim.model_dump(mode="json") | _kept(aim, "now limit floor") for aim in summary.answer.aims]},
         "rows": [row.model_dump(mode="json") for row in summary.answer.rows],
         "tables": [table for offer in summary.tables for table in _tables(offer, summary.answer.withheld)],
         "versions": dict(sorted(summary.versions.items())),
@@ -139,12 +139,6 @@ def _error(error: CurveSummary | PlaneSummary, fields: str) -> dict[str, Any]:
     return _kept(error, fields)
 
 
-def _position(position: Position | None) -> dict[str, float] | None:
-    if position is None:
-        return None
-    return {axis: coordinate(value, f"position of {axis}") for axis, value in position.items()}
-
-
 def _agreement(summary: Summary) -> dict[str, Any]:
     found = _kept(summary.agreement, "count agreeing c2 p", contradict=summary.agreement.contradicts)
     names = ("mistake", "odds", "setups", "text")
@@ -167,13 +161,8 @@ def _expanded(summary: Summary) -> dict[str, Any]:
 
 
 def _row(row: HistoryRow, fields: str, **named: Any) -> dict[str, Any]:
-    return _kept(row, fields, value=row.value_um, **named) | {"position": _position(row.position)}
-
-
-def _answer(answer: ResultAnswer) -> dict[str, Any]:
-    """Return the answer beside its rows."""
-    found = answer.model_dump(mode="json", exclude={"rows", "aims"})
-    return found | {"aims": [aim.model_dump(mode="json") | _kept(aim, "now limit floor") for aim in answer.aims]}
+    at = row.position and {axis: coordinate(each, f"position of {axis}") for axis, each in row.position.items()}
+    return _kept(row, fields, value=row.value_um, **named) | {"position": at}
 
 
 def _tables(offer: TableOffer, withheld: bool) -> Iterator[dict[str, Any]]:

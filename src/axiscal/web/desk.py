@@ -139,15 +139,11 @@ class Desk:
         minds = [*self._minds, *([] if self._before is None else others_doubted(self.campaign, self._before))]
         self._before = None
         self.campaign.estimate()  # the next reading is compared with it
-        if self._answered() or minds:
+        new = self._answers != self._stands  # what a report says stands
+        if new:
+            self._answer, self._answers = coming_answer(self.campaign) or standing_answer(self.campaign), self._stands
+        if new or minds:
             self._show(minds, noted=True)
-
-    def _answered(self) -> bool:
-        """Take in what is known now, and return whether that is anything new; what a report says stands."""
-        if self._answers == self._stands:
-            return False
-        self._answer, self._answers = coming_answer(self.campaign) or standing_answer(self.campaign), self._stands
-        return True
 
     @property
     def _stands(self) -> object:
