@@ -19,7 +19,7 @@ from axiscal.exceptions import RecordError
 from axiscal.language.spoken import counted, ending, later, said
 from axiscal.measurement.readers.files import read_any
 from axiscal.ports.fleet.due_dates import DueMachine, Shop, due_dates, titles
-from axiscal.ports.fleet.quick_check import CHANCE, READINGS, Checked, QuickCheck
+from axiscal.ports.fleet.quick_check import CHANCE, READINGS, QuickCheck
 from axiscal.ports.fleet.shop_list import Brought, ShopList, ShopRecord, brought, shop_list
 from axiscal.ports.fleet.worn_machine import YEAR, aging
 from axiscal.record.copies import records_of
@@ -293,7 +293,12 @@ def check(
         "numbers": judged.count,
         "kept": share,
     }
-    say_either(json, "axiscal-check/1", document, [_said(judged, share)])
+    test = "chi-square {square:.1f} of {count}, P = {chance:.2g}, {kept:.0%} taken as kept"
+    figures = said(test, square=judged.chi_square, count=judged.count, chance=judged.chance, kept=share)
+    text = "Measure again: a machine that changed as usual would read so in less than {least:.0%} of cases ({figures})."
+    if judged.in_order:
+        text = "In order: the readings are as the last campaign and its age foretell ({figures})."
+    say_either(json, "axiscal-check/1", document, [said(text, least=CHANCE, figures=figures)])
 
 
 def _planned(asked: QuickCheck, record: Path, readings: int, plan: Path | None, as_json: bool) -> None:
@@ -306,12 +311,3 @@ def _planned(asked: QuickCheck, record: Path, readings: int, plan: Path | None, 
         filled = said("{count} places are in {plan}: fill in the values.", count=len(places), plan=plan)
         told = [filled, *ending({said("Next"): [again]})]
     say_either(as_json, "axiscal-check/1", {"places": lines, "readings": len(places)}, told)
-
-
-def _said(judged: Checked, kept: float) -> str:
-    test = "chi-square {square:.1f} of {count}, P = {chance:.2g}, {kept:.0%} taken as kept"
-    figures = said(test, square=judged.chi_square, count=judged.count, chance=judged.chance, kept=kept)
-    text = "Measure again: a machine that changed as usual would read so in less than {least:.0%} of cases ({figures})."
-    if judged.in_order:
-        text = "In order: the readings are as the last campaign and its age foretell ({figures})."
-    return said(text, least=CHANCE, figures=figures)

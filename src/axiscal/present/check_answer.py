@@ -230,7 +230,14 @@ def _judged(answer: CheckAnswer) -> list[str]:
         said("As found: {sizes}", sizes=_sizes([value.found_um for value in answer.readings])),
         said("As left:  {sizes}", sizes=_sizes([value.left_um for value in answer.readings])),
     ]
-    return [verdict, *sizes, _agreement(answer), *_warnings(answer)]
+    alike = said("The as-left readings agree with the estimate.")
+    if not answer.estimate_believed:
+        changed = (
+            "WARNING: the readings do not agree with the estimate and its uncertainty (p = {p:.2g}): the machine has "
+            "changed, or the tables are not what was loaded."
+        )
+        alike = said(changed, p=answer.agreement_p)
+    return [verdict, *sizes, alike, *_warnings(answer)]
 
 
 def _unchecked(answer: CheckAnswer) -> list[str]:
@@ -281,16 +288,6 @@ def _why(answer: CheckAnswer) -> str:
         "fail": later("a deviation lies outside, with all of its uncertainty"),
         "undecided": near,
     }[answer.verdict]
-
-
-def _agreement(answer: CheckAnswer) -> str:
-    if answer.estimate_believed:
-        return said("The as-left readings agree with the estimate.")
-    return said(
-        "WARNING: the readings do not agree with the estimate and its uncertainty (p = {p:.2g}): the machine has "
-        "changed, or the tables are not what was loaded.",
-        p=answer.agreement_p,
-    )
 
 
 def _warnings(answer: CheckAnswer) -> list[str]:

@@ -103,7 +103,14 @@ def constants(estimation: Estimation) -> list[ConstantSummary]:
         for column, unknown in zip(columns, setup.unknowns, strict=True):
             name, unit = f"{setup.name}: {unknown.name}", case.unit_of(setup, unknown)
             own.append(_found(estimation, name, _unknown_words(unknown.name), column, unit))
-    return own + _drifts(estimation)
+    for setup in case.description.setups:  # how far zeros that may wander came from the first reading to the last
+        unit, ways = reading_unit(setup), value_names(setup)
+        for way, path in zip(ways, paths(estimation, setup), strict=False):
+            spoken = said("how far its zero came in {time}", time=said_quantity(path.times[-1] - path.times[0], "min"))
+            mean, std, before = (to_unit(float(each[-1]), unit) for each in (path.mean, path.std, path.prior))
+            name = f"{setup.name}: drift" + (f"_{way}" if way else "")
+            own.append(ConstantSummary(name, spoken, mean, std, before, unit))
+    return own
 
 
 def _found(known: Estimation, name: str, spoken: str, column: int, unit: str) -> ConstantSummary:
@@ -122,19 +129,6 @@ def _unknown_words(name: str) -> str:
     unknown = said(_UNKNOWNS[stem])
     whole = said("{unknown} of the set-up", unknown=unknown)
     return said("{unknown} of the set-up, {way}", unknown=unknown, way=way) if way else whole
-
-
-def _drifts(estimation: Estimation) -> list[ConstantSummary]:
-    """Return how far the zeros that may wander have come from the first reading of their set-up to the last."""
-    result = []
-    for setup in estimation.case.description.setups:
-        unit = reading_unit(setup)
-        for number, path in enumerate(paths(estimation, setup)):
-            name = f"{setup.name}: drift" + (f"_{value_names(setup)[number]}" if value_names(setup)[number] else "")
-            spoken = said("how far its zero came in {time}", time=said_quantity(path.times[-1] - path.times[0], "min"))
-            mean, std, before = (to_unit(float(each[-1]), unit) for each in (path.mean, path.std, path.prior))
-            result.append(ConstantSummary(name, spoken, mean, std, before, unit))
-    return result
 
 
 class _Sight(NamedTuple):

@@ -34,16 +34,7 @@ from axiscal.present.drawing.svg_picture import (
 from axiscal.present.drawn_by_standards import PositioningCurve, circle_picture
 from axiscal.present.found_and_left import found_and_left
 from axiscal.present.result_document import listed
-from axiscal.present.sentences import (
-    U_OF_TABLES,
-    UNSAID,
-    axis_unit,
-    environment,
-    figure,
-    inlined,
-    quantity,
-    unit_text,
-)
+from axiscal.present.sentences import U_OF_TABLES, UNSAID, axis_unit, environment, figure, inlined, quantity, unit_text
 from axiscal.present.statement import answered, in_space, statement
 from axiscal.present.summary import CurveSummary, HistoryRow, Summary
 from axiscal.present.volume_error import PlaneSummary

@@ -15,12 +15,7 @@ from axiscal.language.spoken import said
 from axiscal.measurement.readers.csv_readings import FOUND
 from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.present.sentences import axis_unit
-from axiscal.present.summary import (
-    CurveSummary,
-    HistoryRow,
-    Summary,
-    TableOffer,
-)
+from axiscal.present.summary import CurveSummary, HistoryRow, Summary, TableOffer
 from axiscal.present.volume_error import PlaneSummary
 
 LISTED = 1000

@@ -30,13 +30,7 @@ from axiscal.present.plan_words import plan_text
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
-from axiscal.web.shapes import (
-    AnswerShape,
-    CostShape,
-    ReadingShape,
-    StateShape,
-    TypedShape,
-)
+from axiscal.web.shapes import AnswerShape, CostShape, ReadingShape, StateShape, TypedShape
 
 _LATEST = 3
 """Readings that are listed; a person looks back at no more."""

@@ -27,22 +27,9 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import InputError
 from axiscal.language.spoken import speaking, spoken_now
 from axiscal.numerics.threads import one_thread
+from axiscal.web import shapes
 from axiscal.web.desk import Desk
 from axiscal.web.guard import ROOT, Guard, document, page_application, problem
-from axiscal.web.shapes import (
-    CostQuery,
-    CostShape,
-    DoneShape,
-    KeepRequest,
-    NoteRequest,
-    PictureQuery,
-    SkipRequest,
-    StateShape,
-    StepRequest,
-    TypedQuery,
-    TypedShape,
-    WaitQuery,
-)
 
 _NEARLY = 0.5
 """s that work which is nearly done is waited for."""
@@ -91,7 +78,7 @@ class Counter:
             await asyncio.sleep(LOOKS)
             await self.ask(Desk.look)
 
-    async def newer(self, seen: int, wait: float) -> StateShape:
+    async def newer(self, seen: int, wait: float) -> shapes.StateShape:
         """Return the state as soon as its version is another one than `seen`, or after `wait` s."""
         clock = asyncio.get_running_loop().time
         deadline = clock() + wait
@@ -155,12 +142,12 @@ class Counter:
         if failure is not None and not self._ending:
             logging.getLogger(__name__).error("axiscal: %s: %s", type(failure).__name__, failure)
 
-    def _publish(self, state: StateShape) -> None:
+    def _publish(self, state: shapes.StateShape) -> None:
         """Take a new state from the campaign's thread."""
         if self._loop is not None:
             self._loop.call_soon_threadsafe(self._take, state)
 
-    def _take(self, state: StateShape) -> None:
+    def _take(self, state: shapes.StateShape) -> None:
         news, self._news, self.state = self._news, asyncio.Event(), state
         news.set()
 
@@ -188,15 +175,15 @@ def application(counter: Counter, port: int) -> Guard:
     )
     app.get("/report.html", include_in_schema=False)(api.report)
     app.get("/setup.svg", include_in_schema=False)(api.setup_picture)
-    app.get(f"{ROOT}/state", response_model=StateShape)(api.state)
-    app.get(f"{ROOT}/typed", response_model=TypedShape)(api.typed)
-    app.get(f"{ROOT}/cost", response_model=CostShape)(api.cost)
-    app.post(f"{ROOT}/readings", response_model=DoneShape)(api.keep)
-    app.post(f"{ROOT}/skips", response_model=DoneShape)(api.skip)
-    app.post(f"{ROOT}/notes", response_model=DoneShape)(api.note)
-    app.post(f"{ROOT}/undo", response_model=DoneShape)(api.undo)
-    app.post(f"{ROOT}/next", response_model=DoneShape)(api.go_on)
-    app.post(f"{ROOT}/finish", response_model=DoneShape)(api.finish)
+    app.get(f"{ROOT}/state", response_model=shapes.StateShape)(api.state)
+    app.get(f"{ROOT}/typed", response_model=shapes.TypedShape)(api.typed)
+    app.get(f"{ROOT}/cost", response_model=shapes.CostShape)(api.cost)
+    app.post(f"{ROOT}/readings", response_model=shapes.DoneShape)(api.keep)
+    app.post(f"{ROOT}/skips", response_model=shapes.DoneShape)(api.skip)
+    app.post(f"{ROOT}/notes", response_model=shapes.DoneShape)(api.note)
+    app.post(f"{ROOT}/undo", response_model=shapes.DoneShape)(api.undo)
+    app.post(f"{ROOT}/next", response_model=shapes.DoneShape)(api.go_on)
+    app.post(f"{ROOT}/finish", response_model=shapes.DoneShape)(api.finish)
     return Guard(app, port)
 
 
@@ -206,46 +193,46 @@ class _Api:
     def __init__(self, counter: Counter) -> None:
         self._counter = counter
 
-    async def state(self, query: Annotated[WaitQuery, Query()]) -> Response:
+    async def state(self, query: Annotated[shapes.WaitQuery, Query()]) -> Response:
         """All that the page shows, at once or when it is newer than what was seen."""
         return document(await self._counter.newer(query.seen, query.wait))
 
-    async def typed(self, query: Annotated[TypedQuery, Query()]) -> Response:
+    async def typed(self, query: Annotated[shapes.TypedQuery, Query()]) -> Response:
         """What a typed text would mean for the question that is open."""
         return document(self._counter.desk.read(query.text))
 
-    async def cost(self, query: Annotated[CostQuery, Query()]) -> Response:
+    async def cost(self, query: Annotated[shapes.CostQuery, Query()]) -> Response:
         """What skipping the reading costs, or leaving its set-up."""
         return document(await self._counter.ask(lambda desk: desk.cost(rest=query.rest)))
 
-    async def setup_picture(self, query: Annotated[PictureQuery, Query()]) -> Response:
+    async def setup_picture(self, query: Annotated[shapes.PictureQuery, Query()]) -> Response:
         """The machine with the instrument on it and the places that are read, as wide as the page has room."""
         drawn = await self._counter.ask(lambda desk: desk.setup_picture(query.width))
         if not drawn:
             return Response(status_code=204)  # what was asked has been answered in the meantime
         return Response(drawn, media_type="image/svg+xml")
 
-    async def keep(self, asked: KeepRequest) -> Response:
+    async def keep(self, asked: shapes.KeepRequest) -> Response:
         """Keep a reading of what is asked."""
         return await self._done(lambda desk: desk.keep(asked.after, asked.text, keep=asked.keep, vouch=asked.vouch))
 
-    async def skip(self, asked: SkipRequest) -> Response:
+    async def skip(self, asked: shapes.SkipRequest) -> Response:
         """Note that the reading asked for cannot be taken."""
         return await self._done(lambda desk: desk.skip(asked.after, asked.reason, rest=asked.rest))
 
-    async def note(self, asked: NoteRequest) -> Response:
+    async def note(self, asked: shapes.NoteRequest) -> Response:
         """Keep a sentence in the record."""
         return await self._done(lambda desk: desk.note(asked.text))
 
-    async def undo(self, asked: StepRequest) -> Response:
+    async def undo(self, asked: shapes.StepRequest) -> Response:
         """Take back the last reading, skip or end."""
         return await self._done(lambda desk: desk.undo(asked.after))
 
-    async def go_on(self, asked: StepRequest) -> Response:
+    async def go_on(self, asked: shapes.StepRequest) -> Response:
         """Ask for one more reading although a target is reached."""
         return await self._done(lambda desk: desk.go_on(asked.after))
 
-    async def finish(self, asked: StepRequest) -> Response:
+    async def finish(self, asked: shapes.StepRequest) -> Response:
         """End the campaign and write its results beside the record."""
         return await self._done(lambda desk: desk.finish(asked.after))
 
@@ -259,7 +246,7 @@ class _Api:
 
     async def _done(self, step: Callable[[Desk], str]) -> Response:
         said = await self._counter.do(step)
-        return document(DoneShape(sentence=said, state=await self._counter.newer(0, 0.0)))
+        return document(shapes.DoneShape(sentence=said, state=await self._counter.newer(0, 0.0)))
 
 
 _LOOPBACK = "127.0.0.1"

@@ -16,12 +16,11 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Milestone, reaches
 from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.errors.model import ErrorFunction, ErrorModel
+from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.evaluation.check import Check, Taken
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator, TruthCurve, VirtualMachine
-from axiscal.numerics import Array
 from axiscal.present.check_answer import check_answer
 from axiscal.present.delivery import deliver
 from axiscal.present.summarising import Extras
@@ -84,18 +83,14 @@ def measured_truth(model: ErrorModel, seed: int) -> dict[str, TruthCurve]:
             curves[function.name] = TruthCurve(np.zeros(1), np.array([value]))
             continue
         lap, place = divmod(used, len(shapes))
-        shape = shapes[order[place]][:: -1 if lap else 1]
-        curves[function.name] = _on_axis(model, function, shape)
+        shape, axis, size = shapes[order[place]], model.machine.axes[function.axis], function.basis.size
+        shape, even = shape[:: -1 if lap else 1], np.linspace(0.0, 1.0, len(shape))
+        values = shape - (shape[0] + (shape[-1] - shape[0]) * even) if axis.cyclic else shape
+        # the RMS that the prior expects of a curve beyond its constant and slope, which the shapes do not have
+        straight = np.vander(np.linspace(-1.0, 1.0, size), 2)
+        bend = np.eye(size) - straight @ np.linalg.pinv(straight)
+        expected = float(np.sqrt(np.trace(bend @ function.covariance @ bend) / size))
+        values = values / np.sqrt(np.mean(values**2)) * expected
+        curves[function.name] = TruthCurve(np.linspace(*axis.travel, len(shape)), values)
         used += 1
     return curves
-
-
-def _on_axis(model: ErrorModel, function: ErrorFunction, shape: Array) -> TruthCurve:
-    axis = model.machine.axes[function.axis]
-    even = np.linspace(0.0, 1.0, len(shape))
-    values = shape - (shape[0] + (shape[-1] - shape[0]) * even) if axis.cyclic else shape
-    # the RMS that the prior expects of a curve beyond its constant and slope, which the shapes do not have
-    straight = np.vander(np.linspace(-1.0, 1.0, function.basis.size), 2)
-    bend = np.eye(function.basis.size) - straight @ np.linalg.pinv(straight)
-    expected = float(np.sqrt(np.trace(bend @ function.covariance @ bend) / function.basis.size))
-    return TruthCurve(np.linspace(*axis.travel, len(shape)), values / np.sqrt(np.mean(values**2)) * expected)
