@@ -8,23 +8,20 @@ a covariance do not show the loss of digits, what can be observed does.
 from __future__ import annotations
 
 import argparse
-import importlib
 import sys
 import time
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline, even_knots
+from tests.certify.models import exact as exact  # for whoever compares with it
 
 CASES = ((20e-6, 0.5e-6), (1e-3, 0.5e-6), (1e-2, 0.1e-6), (1.0, 0.1e-6), (1.0, 1e-9))
 """Prior and noise standard deviation, m."""
 LIMITS = (1e-9, 1e-9, 1e-9, np.inf, np.inf)
-DIGITS = 80
 _SIZE, _DISTINCT, _CHUNK, _PROBES = 20, 64, 10_000, 50
 
 
@@ -65,26 +62,6 @@ def judged(prior: float, noise: float, updates: int, seed: int = 1) -> Verdict:
 
 def _begin(prior: float) -> Belief:
     return Belief(np.zeros(2 * _SIZE), prior**2 * np.eye(2 * _SIZE))
-
-
-def exact(
-    prior: Array, rows: Array, values: Array, counts: NDArray[np.int_], variance: float, probes: Array
-) -> tuple[Array, Array]:
-    """Return mean and standard deviation of the probes' rows, from the information sum in 80 digits.
-
-    prior : (n,) variances; counts : (m,) how often each row was read with that value
-    """
-    mpmath: Any = importlib.import_module("mpmath")  # untyped, and slow to load
-    with mpmath.workdps(DIGITS):
-        h, weight = mpmath.matrix(rows.tolist()), [mpmath.mpf(float(c)) / mpmath.mpf(variance) for c in counts]
-        weighted = h.T * mpmath.diag(weight)
-        information: Any = mpmath.diag([1 / mpmath.mpf(float(p)) for p in prior]) + weighted * h
-        covariance = information**-1
-        centre = covariance * (weighted * mpmath.matrix(values.tolist()))
-        g = mpmath.matrix(probes.tolist())
-        spread = g * covariance
-        std = [mpmath.sqrt(mpmath.fdot(spread[i, :], g[i, :])) for i in range(g.rows)]
-        return np.array([float(x) for x in g * centre]), np.array([float(x) for x in std])
 
 
 def main() -> int:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -62,104 +62,109 @@ def _move(words: str, feed: str) -> Move:
     return Move(to, float(feed))
 
 
-def _read(lines: list[str], patterns: dict[str, Callable[[re.Match[str]], list[Event]]]) -> list[Event]:
-    """Return what the lines do; every line is of one of the patterns."""
-    events: list[Event] = []
-    for line in lines:
-        hits = [(found, act) for pattern, act in patterns.items() if (found := re.fullmatch(pattern, line))]
-        assert len(hits) == 1, f"not a line of a measuring program: {line!r}"
-        events += hits[0][1](hits[0][0])
-    return events
+@dataclass(frozen=True, slots=True)
+class Form:
+    """The lines that a program may have, as patterns.
+
+    head, tail : one for each line there; comment, move : with what they say, and the feed; wait : in `seconds`
+    """
+
+    head: tuple[str, ...]
+    tail: tuple[str, ...]
+    comment: str
+    move: str
+    wait: str
+    halt: str = "M0"
+    seconds: float = 1.0
+
+    def read(self, lines: Sequence[str]) -> list[Event]:
+        """Return what the lines do; every line is of one of the patterns."""
+        first, last = len(self.head), len(lines) - len(self.tail)
+        for line, pattern in zip([*lines[:first], *lines[last:]], [*self.head, *self.tail], strict=True):
+            assert re.fullmatch(pattern, line), f"not at the begin or end of a measuring program: {line!r}"
+        acts: dict[str, Callable[[re.Match[str]], list[Event]]] = {
+            self.comment: lambda m: _mark(m[1]),
+            self.move: lambda m: [_move(m[1], m[2])],
+            self.wait: lambda m: [Wait(float(m[1]) * self.seconds)],
+            self.halt: lambda m: [Halt()],
+        }
+        events: list[Event] = []
+        for line in lines[first:last]:
+            hits = [(found, act) for pattern, act in acts.items() if (found := re.fullmatch(pattern, line))]
+            assert len(hits) == 1, f"not a line of a measuring program: {line!r}"
+            events += hits[0][1](hits[0][0])
+        return events
 
 
-def read_linuxcnc(text: str) -> list[Event]:
-    """G53 with G1 in every block; G4 P in seconds."""
-    head, quiet, exact_stop, *body, end = text.splitlines()
-    assert head == "G21 G90 G94 G17 G40 G49 G80"
-    assert (quiet, exact_stop, end) == ("M5 M9", "G61", "M2")
-    return _read(
-        body,
-        {
-            rf"\(({_COMMENT})\)": lambda m: _mark(m[1]),
-            rf"G53 G1 ((?:[A-Z]{_NUMBER} )+)F(\d+)": lambda m: [_move(m[1], m[2])],
-            r"G4 P(\d+\.\d+)": lambda m: [Wait(float(m[1]))],
-            "M0": lambda m: [Halt()],
-        },
-    )
+_AXES = rf"((?:[A-Z]{_NUMBER} )+)"
+_IN_BRACKETS, _AFTER_SEMICOLON = rf"\(({_COMMENT})\)", rf"; ({_COMMENT})"
+_SECONDS = r"(\d+\.\d+)"
+_MODAL = "G21 G90 G94 G17 G40 G49 G80"
+LINUXCNC = Form((_MODAL, "M5 M9", "G61"), ("M2",), _IN_BRACKETS, rf"G53 G1 {_AXES}F(\d+)", f"G4 P{_SECONDS}")
+"""G53 with G1 in every block; G4 P in seconds."""
+ISG = Form(
+    (r"%AXISCAL[1-9]\d*", "#TRAFO OFF", "G71 G90 G94 G17 G40 G53 G60 D0", "M5 M9"),
+    ("M30",),
+    _IN_BRACKETS,
+    rf"G1 {_AXES}F(\d+)",
+    f"#TIME {_SECONDS}",
+)
+"""G1 with nothing in force that would shift it; #TIME in seconds."""
+SINUMERIK = Form(
+    ("TRAFOOF", "G710 G90 G94 G17 G40 G60 D0", "M5 M9", r"FGROUP\([A-Z0-9,]+\)"),
+    ("M30",),
+    _AFTER_SEMICOLON,
+    rf"G1 SUPA ((?:[A-Z](?:\d=)?{_NUMBER} )+)F(\d+)",
+    f"G4 F{_SECONDS}",
+)
+"""SUPA in every block; G4 F in seconds; an axis whose name has a digit takes a =."""
+HEIDENHAIN = Form(
+    ("BEGIN PGM [A-Z0-9_]{1,16} MM", "M5", "M9"),
+    ("M30", "END PGM [A-Z0-9_]{1,16} MM"),
+    _AFTER_SEMICOLON,
+    r"L ((?:[A-Z][+-]\d+\.\d+ )+)R0 F(\d+) M91",
+    rf"CYCL DEF 9\.0 DWELL TIME\|CYCL DEF 9\.1 DWELL {_SECONDS}",
+    "STOP",
+)
+"""M91 in every move; cycle 9 in seconds, its two blocks in one line here."""
+FANUC = Form(
+    ("%", r"O[1-9]\d{3}", r"IF\[#4008NE49\]GOTO9000", _MODAL, "M5", "M9", "G54", "G61"),
+    ("G64", "M30", r"N9000 #3000=1\([A-Z ]{1,31}\)", "%"),
+    _IN_BRACKETS,
+    rf"G1 {_AXES}F(\d+)",
+    r"G4 P(\d+)",
+    seconds=1e-3,
+)
+"""G54 that has been compared with the machine's zero after every stop; G4 P in whole milliseconds."""
+
+
+def _axes(events: list[Event]) -> set[str]:
+    return {axis for event in events if isinstance(event, Move) for axis in event.to}
 
 
 def read_sinumerik(text: str) -> list[Event]:
-    """SUPA in every block; G4 F in seconds; an axis whose name has a digit takes a =."""
-    transformation, modal, quiet, group, *body, end = text.splitlines()
-    assert (transformation, quiet) == ("TRAFOOF", "M5 M9")
-    assert modal.split() == ["G710", "G90", "G94", "G17", "G40", "G60", "D0"]
-    assert end == "M30"
-    named = re.fullmatch(r"FGROUP\(([A-Z0-9,]+)\)", group)
-    assert named
-    events = _read(
-        body,
-        {
-            rf"; ({_COMMENT})": lambda m: _mark(m[1]),
-            rf"G1 SUPA ((?:[A-Z](?:\d=)?{_NUMBER} )+)F(\d+)": lambda m: [_move(m[1], m[2])],
-            r"G4 F(\d+\.\d+)": lambda m: [Wait(float(m[1]))],
-            "M0": lambda m: [Halt()],
-        },
-    )
-    moved = {axis for event in events if isinstance(event, Move) for axis in event.to}
-    assert moved == set(named[1].split(","))
+    """Return what a program does; it moves the axes that its path is measured by."""
+    lines = text.splitlines()
+    events = SINUMERIK.read(lines)
+    assert _axes(events) == set(lines[3].removeprefix("FGROUP(").removesuffix(")").split(","))
     return events
 
 
 def read_heidenhain(text: str) -> list[Event]:
-    """Numbered blocks; M91 in every move; cycle 9 in seconds, in two blocks."""
+    """Return what a program does; its blocks are numbered, and its end has the name of its begin."""
     numbered = [line.partition(" ") for line in text.splitlines()]
     assert [int(number) for number, _, _ in numbered] == list(range(len(numbered)))
-    begin, spindle, coolant, *body, end_program, end = [block for _, _, block in numbered]
-    assert (spindle, coolant) == ("M5", "M9")
-    name = begin.removeprefix("BEGIN PGM ").removesuffix(" MM")
-    assert re.fullmatch("[A-Z0-9_]{1,16}", name)
-    assert (begin, end_program, end) == (f"BEGIN PGM {name} MM", "M30", f"END PGM {name} MM")
-    joined = "\n".join(body).replace("CYCL DEF 9.0 DWELL TIME\n", "CYCL DEF 9.0 DWELL TIME|").splitlines()
-    return _read(
-        joined,
-        {
-            rf"; ({_COMMENT})": lambda m: _mark(m[1]),
-            r"L ((?:[A-Z][+-]\d+\.\d+ )+)R0 F(\d+) M91": lambda m: [_move(m[1], m[2])],
-            r"CYCL DEF 9\.0 DWELL TIME\|CYCL DEF 9\.1 DWELL (\d+\.\d+)": lambda m: [Wait(float(m[1]))],
-            "STOP": lambda m: [Halt()],
-        },
-    )
+    blocks = "\n".join(block for _, _, block in numbered)
+    lines = blocks.replace("CYCL DEF 9.0 DWELL TIME\n", "CYCL DEF 9.0 DWELL TIME|").splitlines()
+    assert lines[0].removeprefix("BEGIN") == lines[-1].removeprefix("END")
+    return HEIDENHAIN.read(lines)
 
 
 def read_fanuc(text: str) -> list[Event]:
-    """G54 that has been compared with the machine's zero after every stop; G4 P in whole milliseconds."""
-    percent, number, tool, modal, spindle, coolant, work, exact, *body, cutting, end, alarm, last = text.splitlines()
-    assert (percent, tool, modal, spindle, coolant, work, exact, cutting, end, last) == (
-        "%",
-        "IF[#4008NE49]GOTO9000",
-        "G21 G90 G94 G17 G40 G49 G80",
-        "M5",
-        "M9",
-        "G54",
-        "G61",
-        "G64",
-        "M30",
-        "%",
-    )
-    assert re.fullmatch(r"O[1-9]\d{3}", number)
-    assert re.fullmatch(r"N9000 #3000=1\([A-Z ]{1,31}\)", alarm)
-    plain, compared = _without_comparisons(body)
-    events = _read(
-        plain,
-        {
-            rf"\(({_COMMENT})\)": lambda m: _mark(m[1]),
-            rf"G1 ((?:[A-Z]{_NUMBER} )+)F(\d+)": lambda m: [_move(m[1], m[2])],
-            r"G4 P(\d+)": lambda m: [Wait(int(m[1]) / 1000)],
-            "M0": lambda m: [Halt()],
-        },
-    )
-    axes = {axis for event in events if isinstance(event, Move) for axis in event.to}
-    assert compared == [list(range(1, len(axes) + 1))] * events.count(Halt())
+    """Return what a program does; all its axes are compared after every stop."""
+    plain, compared = _without_comparisons(text.splitlines())
+    events = FANUC.read(plain)
+    assert compared == [list(range(1, len(_axes(events)) + 1))] * events.count(Halt())
     return events
 
 
@@ -179,29 +184,12 @@ def _without_comparisons(lines: list[str]) -> tuple[list[str], list[list[int]]]:
     return others, compared
 
 
-def read_isg(text: str) -> list[Event]:
-    """G1 with nothing in force that would shift it; #TIME in seconds."""
-    name, transformation, modal, quiet, *body, end = text.splitlines()
-    assert re.fullmatch(r"%AXISCAL[1-9]\d*", name)
-    assert (transformation, quiet, end) == ("#TRAFO OFF", "M5 M9", "M30")
-    assert modal.split() == ["G71", "G90", "G94", "G17", "G40", "G53", "G60", "D0"]
-    return _read(
-        body,
-        {
-            rf"\(({_COMMENT})\)": lambda m: _mark(m[1]),
-            rf"G1 ((?:[A-Z]{_NUMBER} )+)F(\d+)": lambda m: [_move(m[1], m[2])],
-            r"#TIME (\d+\.\d+)": lambda m: [Wait(float(m[1]))],
-            "M0": lambda m: [Halt()],
-        },
-    )
-
-
-READERS = {
-    "linuxcnc": read_linuxcnc,
+READERS: dict[str, Callable[[str], list[Event]]] = {
+    "linuxcnc": lambda text: LINUXCNC.read(text.splitlines()),
     "sinumerik": read_sinumerik,
     "heidenhain": read_heidenhain,
     "fanuc": read_fanuc,
-    "isg": read_isg,
+    "isg": lambda text: ISG.read(text.splitlines()),
 }
 
 SILENT = {

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
@@ -43,30 +44,38 @@ def random_model(rng: np.random.Generator) -> Model:
 
 def error(model: Model) -> float:
     """Return the worst relative error of a standard deviation or mean (a mean in units of itself or its deviation)."""
-    mean, std = exact(model)
+    once = np.ones(len(model.values), dtype=int)
+    mean, std = exact(model.prior, model.rows, model.values, once, model.variance, model.probes)
     found = Belief(np.zeros(len(model.prior)), np.diag(model.prior))
     seen = found.update(model.rows, model.values, model.variance).predict(model.probes)
     off = np.abs(seen.mean - mean) / np.maximum(np.abs(mean), std)
     return float(max(np.max(np.abs(seen.std / std - 1)), np.max(off)))
 
 
-def exact(model: Model) -> tuple[Array, Array]:
-    """Return mean and standard deviation of the probes by ball arithmetic: C = (P⁻¹ + GᵀG/σ²)⁻¹, m = C Gᵀy/σ²."""
+def exact(
+    prior: Array, rows: Array, values: Array, counts: NDArray[np.int_], variance: float, probes: Array
+) -> tuple[Array, Array]:
+    """Return mean and standard deviation of the probes' rows by ball arithmetic: C = (P⁻¹ + GᵀNG/σ²)⁻¹, m = C GᵀNy/σ².
+
+    prior : (n,) variances; counts : (m,) how often each row was read with that value
+    """
     flint: Any = importlib.import_module("flint")  # untyped
     flint.ctx.prec = _BITS
     try:
-        rows, probes = flint.arb_mat(model.rows.tolist()), flint.arb_mat(model.probes.tolist())
-        weight = 1 / flint.arb(model.variance)
-        information = rows.transpose() * rows * weight
-        for i, variance in enumerate(model.prior):
-            information[i, i] += 1 / flint.arb(float(variance))
-        spread = information.solve(probes.transpose())
-        centre = spread.transpose() * (rows.transpose() * flint.arb_mat([[float(v)] for v in model.values]) * weight)
-        count = len(model.probes)
-        variances = [sum(probes[i, k] * spread[k, i] for k in range(probes.ncols())) for i in range(count)]
+        g, asked = flint.arb_mat(rows.tolist()), flint.arb_mat(probes.tolist())
+        weighted = g.transpose()
+        for row, count in enumerate(counts):
+            for column in range(len(prior)):
+                weighted[column, row] *= flint.arb(int(count)) / flint.arb(variance)
+        information = weighted * g
+        for i, stated in enumerate(prior):
+            information[i, i] += 1 / flint.arb(float(stated))
+        spread = information.solve(asked.transpose())
+        centre = spread.transpose() * (weighted * flint.arb_mat([[float(v)] for v in values]))
+        left = asked * spread
         return (
-            np.array([float(centre[i, 0].mid()) for i in range(count)]),
-            np.array([float(v.sqrt().mid()) for v in variances]),
+            np.array([float(centre[i, 0].mid()) for i in range(len(probes))]),
+            np.array([float(left[i, i].sqrt().mid()) for i in range(len(probes))]),
         )
     finally:
         flint.ctx.prec = 53

@@ -1,12 +1,57 @@
-"""What a check says of a judgement."""
+"""What a check is of and says: a simulated campaign, readings under a control, and the words for a judgement."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.sources.source import SimulatedSource
+from axiscal.description.campaign import CampaignDescription
 from axiscal.evaluation.check import Taken
 from axiscal.evaluation.table_checks import Judgement
+from axiscal.measurement.reading import Places, Reading
+from axiscal.measurement.setup import Setup
+from axiscal.measurement.simulation import Simulator, VirtualMachine
+from axiscal.numerics import Array
 from axiscal.present.check_answer import check_answer, check_details
+from axiscal.tables.surface import Control, left_by
 
 
 def said_of(judgement: Judgement) -> str:
     """Return the words for a judgement."""
     return "\n".join(check_details(check_answer(judgement, 1, 1e-6, Taken())))
+
+
+def measured(path: Path, description: CampaignDescription, seed: int) -> Path:
+    """Return the record of a campaign on the virtual machine of a seed."""
+    with Campaign.create(path, description) as campaign:
+        truth = Simulator(description.machine, description.setups).drawn(seed)
+        campaign.run(SimulatedSource(truth, seed), lambda _: None)
+    return path
+
+
+def idle(poses: Array, approaches: Array) -> Array:
+    """Return what a control without tables adds."""
+    return np.zeros_like(poses)
+
+
+def readings_of(
+    setups: Sequence[Setup], truth: VirtualMachine, places: Places, control: Control, seed: int
+) -> tuple[Reading, ...]:
+    """Return what probes show on the true machine under a control, with zeros of their own and noise."""
+    rng = np.random.default_rng(seed)
+    tips = left_by(truth.model.machine, truth.deviation, control, places.poses, places.approaches)
+    zeros = rng.normal(0, 1e-4, len(setups))
+    rows = zip(places.setups.tolist(), places.poses.tolist(), places.approaches.astype(int).tolist(), tips, strict=True)
+    return tuple(
+        Reading(
+            setups[s].name,
+            tuple(pose),
+            tuple(sides),
+            float(tip @ setups[s].direction + zeros[s] + rng.normal(0, setups[s].noise)),
+        )
+        for s, pose, sides, tip in rows
+    )

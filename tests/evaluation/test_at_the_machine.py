@@ -21,6 +21,7 @@ from axiscal.measurement.simulation import Simulator
 from axiscal.ports.linuxcnc import live as linuxcnc_live
 from axiscal.ports.linuxcnc.live import InForce
 from axiscal.tables.surface import CommandedMachine
+from tests.evaluation.said import measured
 from tests.generators import touched_table as table
 
 pytestmark = pytest.mark.long
@@ -33,12 +34,8 @@ READY: dict[str, Any] = {"compensated": [], "tables": [None], "whole": None, "ch
 
 @pytest.fixture(scope="module")
 def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("touched") / "m.axiscal"
     description = campaign_from_texts(CAMPAIGN, "c.toml", table.MACHINE, "m.toml")
-    truth = Simulator(description.machine, description.setups).drawn(SEED)
-    with Campaign.create(path, description) as campaign:
-        campaign.run(SimulatedSource(truth, SEED), lambda _: None)
-    return path
+    return measured(tmp_path_factory.mktemp("touched") / "m.axiscal", description, SEED)
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.evaluation.check import Check
@@ -22,6 +21,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Places
 from axiscal.measurement.simulation import Simulator
+from tests.evaluation.said import measured
 from tests.evaluation.test_verification import MACHINE
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
@@ -40,11 +40,7 @@ def _description(*setups: str, machine: str = MACHINE) -> CampaignDescription:
 
 
 def _record(path: Path, *setups: str, machine: str = MACHINE) -> Path:
-    description = _description(*setups, machine=machine)
-    truth = Simulator(description.machine, description.setups).drawn(SEED)
-    with Campaign.create(path, description) as campaign:
-        campaign.run(SimulatedSource(truth, SEED), lambda _: None)
-    return path
+    return measured(path, _description(*setups, machine=machine), SEED)
 
 
 @pytest.mark.parametrize(
@@ -68,8 +64,16 @@ def test_the_right_tables_pass_and_another_machine_is_noticed(
     assert noticed in capsys.readouterr().out
 
 
-def test_the_sheet_to_fill_in_has_a_column_for_every_value(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    record, plan = _record(tmp_path / "m.axiscal", NEAR + 'moves = ["X"]\n', PROBE), tmp_path / "check.csv"
+@pytest.fixture(scope="module")
+def two(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A record of a tracker along X and a probe."""
+    return _record(tmp_path_factory.mktemp("two") / "m.axiscal", NEAR + 'moves = ["X"]\n', PROBE)
+
+
+def test_the_sheet_to_fill_in_has_a_column_for_every_value(
+    two: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record, plan = two, tmp_path / "check.csv"
     assert run(["verify", str(record), "--points", "8", "--plan", str(plan), "--json"]) == 0
     planned = json.loads(capsys.readouterr().out)["plan"]
     assert {len(p["found_um"]) if isinstance(p["found_um"], list) else 1 for p in planned} == {1, 3}
@@ -144,9 +148,8 @@ def test_a_check_with_a_tracker_set_down_by_eye_passes(tmp_path: Path, capsys: p
 
 
 @pytest.fixture(scope="module")
-def two_setups(tmp_path_factory: pytest.TempPathFactory) -> Check:
-    record = _record(tmp_path_factory.mktemp("two") / "m.axiscal", NEAR + 'moves = ["X"]\n', PROBE)
-    with Campaign.open(record, write=False) as campaign:
+def two_setups(two: Path) -> Check:
+    with Campaign.open(two, write=False) as campaign:
         return Check.from_campaign(campaign, "csv")
 
 

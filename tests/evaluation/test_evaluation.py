@@ -127,12 +127,8 @@ def test_rotary_axes_are_told_in_arcsec(tmp_path: Path) -> None:
     assert document["target_unit"] == "deg"
     assert document["E_up"] == pytest.approx(1.0)
     assert document["per_target"][1]["target"] == pytest.approx(100.0)  # type: ignore[index]
-
-
-def test_microradians_are_the_same_test_as_arcseconds(tmp_path: Path) -> None:
-    text = GOOD.replace("target_mm", "target_deg").replace("deviation_um", "deviation_urad")
-    document = evaluated(tmp_path, text).as_json()
-    assert document["E_up"] == pytest.approx(1.0 / 4.8481368, rel=1e-7)
+    same = evaluated(tmp_path, text.replace("_arcsec", "_urad")).as_json()
+    assert same["E_up"] == pytest.approx(1.0 / 4.8481368, rel=1e-7)
 
 
 def test_column_order_comments_bom_and_line_ends_do_not_matter(tmp_path: Path) -> None:

@@ -10,18 +10,16 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.evaluation.check import Check, Taken
 from axiscal.evaluation.table_checks import Judgement, parts_of, shares
-from axiscal.measurement.reading import Places, Reading
+from axiscal.measurement.reading import Places
 from axiscal.measurement.simulation import Simulator, VirtualMachine
-from axiscal.numerics import Array
 from axiscal.present.check_answer import check_answer
 from axiscal.tables.loaded import table_control
-from axiscal.tables.surface import Control, left_by
-from tests.evaluation.said import said_of
+from axiscal.tables.surface import Control
+from tests.evaluation.said import idle, measured, readings_of, said_of
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
 
@@ -46,11 +44,8 @@ HUGE = "1 mm"
 @cache
 def checked(folder: Path) -> tuple[Check, VirtualMachine]:
     described = campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m.toml")
-    truth = Simulator(described.machine, described.setups).drawn(8)
-    with Campaign.create(folder / "bench.axiscal", described) as campaign:
-        campaign.run(SimulatedSource(truth, 8), lambda _: None)
-    with Campaign.open(folder / "bench.axiscal", write=False) as campaign:
-        return Check.from_campaign(campaign, "csv"), truth
+    with Campaign.open(measured(folder / "bench.axiscal", described, 8), write=False) as campaign:
+        return Check.from_campaign(campaign, "csv"), Simulator(described.machine, described.setups).drawn(8)
 
 
 @pytest.fixture(scope="module")
@@ -58,29 +53,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("single")
 
 
-def readings(check: Check, truth: VirtualMachine, places: Places, control: Control, seed: int) -> tuple[Reading, ...]:
-    """Return what probes show on the true machine under a control, with zeros of their own and noise."""
-    rng, setups = np.random.default_rng(seed), check.description.setups
-    tips = left_by(truth.model.machine, truth.deviation, control, places.poses, places.approaches)
-    zeros = rng.normal(0, 5e-5, len(setups))
-    rows = zip(places.setups.tolist(), places.poses.tolist(), places.approaches.tolist(), tips, strict=True)
-    return tuple(
-        Reading(
-            setups[s].name,
-            tuple(pose),
-            tuple(int(side) for side in sides),
-            float(tip @ setups[s].direction + zeros[s] + rng.normal(0, setups[s].noise)),
-        )
-        for s, pose, sides, tip in rows
-    )
-
-
-def nothing(poses: Array, approaches: Array) -> Array:
-    return np.zeros_like(poses)
-
-
 def judged(check: Check, truth: VirtualMachine, places: Places, loaded: Control, tolerance: str = HUGE) -> Judgement:
-    found, left = (readings(check, truth, places, control, seed) for seed, control in ((1, nothing), (2, loaded)))
+    setups = check.description.setups
+    found, left = (readings_of(setups, truth, places, each, seed) for seed, each in ((1, idle), (2, loaded)))
     return check.judged((found, left), tolerance)
 
 

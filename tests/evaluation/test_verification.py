@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
@@ -26,12 +25,11 @@ from axiscal.evaluation.verification import judge, plan_check, with_displacement
 from axiscal.exceptions import ReadingError, TargetError
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
-from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import table_control
 from axiscal.tables.registry import export
-from axiscal.tables.surface import Control, left_by
-from tests.evaluation.said import said_of
+from axiscal.tables.surface import Control
+from tests.evaluation.said import idle, measured, readings_of, said_of
 from tests.generators.reaches import reach_of
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
@@ -83,10 +81,7 @@ def simulator() -> Simulator:
 
 @pytest.fixture(scope="module")
 def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("verify") / "bench.axiscal"
-    with Campaign.create(path, description()) as campaign:
-        campaign.run(SimulatedSource(simulator().drawn(SEED), SEED), lambda _: None)
-    return path
+    return measured(tmp_path_factory.mktemp("verify") / "bench.axiscal", description(), SEED)
 
 
 @pytest.fixture(scope="module")
@@ -101,29 +96,9 @@ def candidates() -> Places:
     return with_displacements(description().setups, Places(lattice.setups, lattice.poses, lattice.approaches))
 
 
-def readings(truth: VirtualMachine, places: Places, control: Control | None, seed: int) -> tuple[Reading, ...]:
+def readings(truth: VirtualMachine, places: Places, control: Control, seed: int) -> tuple[Reading, ...]:
     """What the set-ups of a campaign would show on the true machine under a control."""
-    rng = np.random.default_rng(seed)
-    setups = description().setups
-
-    def still(poses: Array, approaches: Array) -> Array:
-        return np.zeros_like(poses)
-
-    tips = left_by(truth.model.machine, truth.deviation, control or still, places.poses, places.approaches)
-    zeros = rng.normal(0, 1e-4, len(setups))
-    return tuple(
-        Reading(
-            setups[s].name,
-            tuple(pose),
-            tuple(int(a) for a in signs),
-            float(tip @ setups[s].direction + zeros[s] + rng.normal(0, setups[s].noise)),
-            None,
-            None,
-        )
-        for s, pose, signs, tip in zip(
-            places.setups.tolist(), places.poses.tolist(), places.approaches.tolist(), tips, strict=True
-        )
-    )
+    return readings_of(description().setups, truth, places, control, seed)
 
 
 @pytest.mark.long
@@ -168,9 +143,7 @@ def test_where_fewer_places_are_new_than_usual_those_are_read(
     """Eleven places, of which the campaign has read four."""
     text = campaign_text("m", EDGE, target={"readings": 4})
     described = campaign_from_texts(text, "c.toml", LEVEL, "m")
-    with Campaign.create(tmp_path / "m.axiscal", described) as campaign:
-        truth = Simulator(described.machine, described.setups).drawn(1)
-        campaign.run(SimulatedSource(truth, 1), lambda _: None)
+    with Campaign.open(measured(tmp_path / "m.axiscal", described, 1), write=False) as campaign:
         check = Check.from_campaign(campaign, "csv")
         if tables == "that ask for no place":
             monkeypatch.setattr(Check, "parts", ())
@@ -183,7 +156,7 @@ def test_the_right_tables_pass_and_the_wrong_ones_fail(
     estimate, used, control = state
     truth, setups = simulator().drawn(SEED), description().setups
     places = plan_check(estimate, setups, candidates(), used, control, 12)
-    found = readings(truth, places, None, 1)
+    found = readings(truth, places, idle, 1)
     good = judge(estimate, setups, found, readings(truth, places, control, 2), control, 6e-6)
     assert (good.verdict, good.believed) == ("pass", True)
     assert np.max(np.abs(good.left)) < 0.3 * np.max(np.abs(good.found))
@@ -198,7 +171,7 @@ def test_an_instrument_that_does_not_move_decides_nothing(
 ) -> None:
     estimate, used, control = state
     places = plan_check(estimate, description().setups, candidates(), used, control, 8)
-    found = readings(simulator().drawn(SEED), places, None, 1)
+    found = readings(simulator().drawn(SEED), places, idle, 1)
     stuck = tuple(replace(reading, value=0.0) for reading in found)
     judged = judge(estimate, description().setups, found, stuck, control, 30e-6)
     assert judged.verdict == "undecided"
@@ -252,6 +225,7 @@ def test_agreement_is_as_frequent_as_it_says(state: tuple[Estimate, tuple[Readin
 
 
 @given(st.lists(st.floats(-1e-5, 1e-5), min_size=1, max_size=9), st.floats(1e-8, 1e-6), st.floats(1e-7, 1e-5))
+@example([1.05e-6], 1e-7, 1e-6)
 def test_a_verdict_is_decided_by_the_guard_band(values: list[float], std: float, tolerance: float) -> None:
     deviations, stds = np.array(values), np.full(len(values), std)
     decided = verdict(deviations, stds, tolerance)
@@ -266,7 +240,7 @@ def test_readings_of_other_places_are_refused(state: tuple[Estimate, tuple[Readi
     estimate, used, control = state
     truth, setups = simulator().drawn(SEED), description().setups
     places = plan_check(estimate, setups, candidates(), used, control, 8)
-    found = readings(truth, places, None, 1)
+    found = readings(truth, places, idle, 1)
     with pytest.raises(ReadingError, match="8 as-found and 7 as-left"):
         judge(estimate, setups, found, found[:-1], control, 1e-6)
     with pytest.raises(ReadingError, match="not read at the same place"):
@@ -308,7 +282,7 @@ def test_the_command_plans_and_judges(record: Path, tmp_path: Path, capsys: pyte
     control = table_control(estimate.machine, export(estimate, "linuxcnc", ExportOptions()).tables)
     files = [
         filled(plan, [r.value for r in readings(truth, places, c, 3)], tmp_path / name)
-        for c, name in ((None, "found.csv"), (control, "left.csv"))
+        for c, name in ((idle, "found.csv"), (control, "left.csv"))
     ]
     arguments = ["verify", str(record), "--found", str(files[0]), "--left", str(files[1]), "--to", "linuxcnc"]
     assert run([*arguments, "--tolerance", "6 um"]) == 0
