@@ -78,13 +78,13 @@ def differing(shown: Shown, rows: Sequence[Row], answer: Mapping[str, Any]) -> I
         yield f"{len(shown.cells) - 1} lines of {len(wanted)}"
     for (_, *cells), figures in zip(shown.cells[1:], wanted, strict=False):
         for cell, values in zip(cells, figures, strict=True):
-            found = _numbers(cell)
+            found = numbers(cell)
             several = values[: max(len(found), 1)] if "-" not in cell else values  # ends of a range that look alike
             if len(found) != len(several) or not all(map(_is_shown, several, found)):
                 yield f"{cell}: {values}"
     sizes = [answer["readings"], answer["more"], *(aim[name] for aim in answer["aims"] for name in ("now", "limit"))]
     whole = [max(answer["minutes"], 1.0), math.ceil(answer["more_minutes"]), *range(len(answer["aims"]) + 1)]
-    for number in _numbers(shown.first):
+    for number in numbers(shown.first):
         if not any(_is_shown(size, number) for size in sizes) and number not in map(round, whole):
             yield f"{shown.first}: {number}"
 
@@ -104,7 +104,7 @@ def _wanted(rows: Sequence[Row], lines: Sequence[Sequence[str]]) -> list[list[li
     return [_figures(group, controls) for group in groups]
 
 
-def _numbers(cell: str) -> list[float]:
+def numbers(cell: str) -> list[float]:
     """Return the numbers of a cell, or of a line without spaces."""
     return [float(each.replace(",", ".")) for each in re.findall(r"\d+(?:[.,]\d+)?", cell)]
 

@@ -41,10 +41,7 @@ def _plain_curve(mean: list[float], std: float) -> CurveSummary:
 
 
 def test_a_campaign_without_readings_has_a_page() -> None:
-    curve = CurveSummary(
-        "EXX", "X", "positioning of X", [0.0, 1.0], [0.0, 0.0], [9.0, 9.0], [9.0, 9.0], [9.0, 9.0], "mm", "um"
-    )
-    page = render(_bare(curves=[curve]))
+    page = render(_bare(curves=[_plain_curve([0.0, 0.0], 9.0)]))
     assert "<strong>NO READINGS YET</strong>" in page
     stated = ("u", "14.2\u00a0µm"), ("U in space", "23.4\u00a0µm"), ("U along y", "± 12.0\u00a0µm")
     for name, size in stated:
@@ -65,10 +62,7 @@ def test_what_nobody_has_said_stands_on_the_page() -> None:
 
 @pytest.mark.parametrize("size", [1e-300, 1e-12, 1e12, 1e150])
 def test_extreme_figures_still_make_a_page(size: float) -> None:
-    scaled = [size, -size, size]
-    curve = CurveSummary(
-        "EXX", "X", "positioning of X", [0.0, 1.0, 2.0], scaled, [size] * 3, [size] * 3, [size] * 3, "mm", "um"
-    )
+    curve = _plain_curve([size, -size, size], size)
     constant = ConstantSummary("C0Y", words("C0Y"), size, size, size, "urad")
     page = render(_bare(curves=[curve], constants=[constant], rms_um=size, worst_um=size))
     assert page.count('class="picture"') == 3  # the curve, at three widths
@@ -76,11 +70,8 @@ def test_extreme_figures_still_make_a_page(size: float) -> None:
 
 
 def test_a_figure_that_is_not_finite_is_refused_by_name() -> None:
-    curve = CurveSummary(
-        "EXX", "X", "positioning of X", [0.0, 1.0], [0.0, float("nan")], [1.0, 1.0], [1.0, 1.0], [1.0, 1.0], "mm", "um"
-    )
     with pytest.raises(SummaryError, match="mean of EXX is nan"):
-        render(_bare(curves=[curve]))
+        render(_bare(curves=[_plain_curve([0.0, float("nan")], 1.0)]))
 
 
 @pytest.mark.parametrize("field", ["mean", "std", "std_seen", "prior_std"])

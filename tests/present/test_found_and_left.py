@@ -23,6 +23,7 @@ from axiscal.present.volume_error import MACHINES, BentVolume, bent_volume
 from axiscal.tables.surface import Control
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.kinematics import tip
+from tests.present.drawn_words import boxes_of, held_inside
 
 
 def _volume(machine: Machine, size: float = 2e-5, seed: int = 0) -> BentVolume:
@@ -165,21 +166,9 @@ def _edges(grid: Array) -> list[Array]:
 def test_words_are_inside_and_none_lies_over_another(name: str, width: float) -> None:
     volume = replace(_volume(load_machine(name)), controller="linuxcnc-volumetric")
     drawing = ElementTree.fromstring(found_and_left(volume, width, "27 µm", "5.0 µm"))
-    high, covered = float(drawing.get("height", "0")), []
-    for text in drawing.iter("text"):
-        size, words = float(text.get("font-size", "0")), text.text or ""
-        assert size in (14.0, 16.0)
-        wide, x, y = 0.5 * size * len(words), float(text.get("x", "0")), float(text.get("y", "0"))
-        left = x - {"start": 0.0, "middle": wide / 2}[text.get("text-anchor", "start")]
-        covered.append((words, left, y - 0.7 * size, left + wide, y))
-        assert left >= 0, words
-        assert left + wide <= width, words
-        assert y - 0.7 * size >= 0, words
-        assert y <= high, words
-    for (one, *a), (other, *b) in itertools.combinations(covered, 2):
-        across, down = min(a[2], b[2]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[1], b[1])
-        assert across <= 0 or down <= 0, (one, other)
-    assert {"27 µm", "5.0 µm", "found"} <= {words for words, *_ in covered}
+    covered = boxes_of(drawing)
+    held_inside(covered, width, float(drawing.get("height", "0")))
+    assert {"27 µm", "5.0 µm", "found"} <= {words for words, _ in covered}
 
 
 @pytest.mark.parametrize("width", [1110.0, 700.0, 360.0])

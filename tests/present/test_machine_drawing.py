@@ -35,6 +35,7 @@ from axiscal.present.machine_drawing.setup_picture import plan_picture, setup_sc
 from axiscal.present.machine_drawing.standing_machine import StandingMachine
 from tests.docs.howtos import DOCS, written
 from tests.generators.kinematics import shifted, tip, turned
+from tests.present.drawn_words import Box, boxes_of, held_inside
 
 SVG = "{http://www.w3.org/2000/svg}"
 ROOT = DOCS.parent
@@ -247,30 +248,14 @@ def test_every_instrument_is_drawn() -> None:
     assert set(DRAWN) == set(INSTRUMENTS)
 
 
-def _boxes(drawing: ElementTree.Element) -> list[tuple[str, tuple[float, float, float, float]]]:
-    """Return the words of a drawing with what each covers by a width of letters of the test's own."""
-    found = []
-    for text in drawing.iter(f"{SVG}text"):
-        words, size = text.text or "", float(text.get("font-size", "0"))
-        letter = 0.55 if text.get("font-weight") else 0.5
-        x, y, wide = float(text.get("x", "0")), float(text.get("y", "0")), letter * size * len(words)
-        left = x - {"start": 0.0, "middle": wide / 2, "end": wide}[text.get("text-anchor", "start")]
-        found.append((words, (left, y - 0.7 * size, left + wide, y)))
-    return found
-
-
-def _heads(drawing: ElementTree.Element) -> list[tuple[float, float, float, float]]:
+def _heads(drawing: ElementTree.Element) -> list[Box]:
     """Return what the heads of the arrows of linear axes cover."""
     found = []
     for path in drawing.iter(f"{SVG}path"):
         numbers = [float(each) for each in re.findall(r"-?[\d.]+", path.get("d", ""))]
         if path.get("fill") == "var(--ink)" and len(numbers) == 6:
-            found.append((min(numbers[::2]), min(numbers[1::2]), max(numbers[::2]), max(numbers[1::2])))
+            found.append(Box(min(numbers[::2]), min(numbers[1::2]), max(numbers[::2]), max(numbers[1::2])))
     return found
-
-
-def _over(a: tuple[float, float, float, float], b: tuple[float, float, float, float]) -> bool:
-    return min(a[2], b[2]) - max(a[0], b[0]) > 0 and min(a[3], b[3]) - max(a[1], b[1]) > 0
 
 
 Drawn = tuple[float, list[tuple[str, ElementTree.Element]]]
@@ -288,25 +273,17 @@ def test_heads_of_arrows_lie_apart_and_no_word_over_them(drawn: Drawn) -> None:
     for name, root in drawn[1]:
         heads = _heads(root)
         assert heads
-        assert [name for one, other in itertools.combinations(heads, 2) if _over(one, other)] == []
-        assert [(name, words) for words, box in _boxes(root) for head in heads if _over(box, head)] == []
+        assert [name for one, other in itertools.combinations(heads, 2) if one.over(other)] == []
+        assert [(name, words) for words, box in boxes_of(root) for head in heads if box.over(head)] == []
 
 
 def test_words_are_inside_of_the_picture_and_none_lies_over_another(drawn: Drawn) -> None:
     width, pictures = drawn
-    for name, root in pictures:
+    for _, root in pictures:
         (drawing,) = root.findall(f"{SVG}svg")
         _, _, wide, high = map(float, drawing.get("viewBox", "").split())
-        covered = _boxes(drawing)
         assert wide == width
-        assert {float(text.get("font-size", "0")) for text in drawing.iter(f"{SVG}text")} <= {14.0, 16.0}
-        for words, (left, top, right, bottom) in covered:
-            assert left >= -0.5, (name, words)
-            assert right <= width + 0.5, (name, words)
-            assert 0 <= top < bottom <= high, (name, words)
-        for (one, a), (other, b) in itertools.combinations(covered, 2):
-            across, down = min(a[2], b[2]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[1], b[1])
-            assert across <= 0 or down <= 0, (name, one, other)
+        held_inside(boxes_of(drawing), width, high)
 
 
 def test_a_file_shows_one_drawing_at_each_width(campaigns: list[tuple[str, CampaignDescription]]) -> None:
