@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-import re
 import subprocess
 from collections.abc import Mapping
 from pathlib import Path
@@ -17,6 +16,7 @@ import numpy as np
 from axiscal.numerics import Array
 from axiscal.units import from_unit, to_unit
 from tests.controls.fetched import built, run
+from tests.controls.marlin import words_of
 
 VERSION = "fc1cd16c"
 _ARCHIVE, _MAIN = "reprapfirmware-bedprobing.tar.xz", "duet_grid.cpp"
@@ -48,17 +48,12 @@ def added(files: Mapping[str, str], poses: Array, ways: Array) -> Array:
     """Return what the firmware adds to X, Y, Z, (m, 3) m.  poses : (m, 3) m; ways : (m, 3), -1 for backwards"""
     at = np.asarray(to_unit(poses, "mm")).copy()
     moved, code = at.copy(), files.get("axiscal.g", "")
-    lean = _words(code, "M556")
+    lean = words_of(code, "M556")
     xy, yz, xz = (lean.get(letter, 0.0) / lean.get("S", 1.0) for letter in "XYZ")
     moved[:, 0] += xy * at[:, 1] + xz * at[:, 2]
     moved[:, 1] += yz * at[:, 2]
     if "heightmap.csv" in files:
         moved[:, 2] += heights(files["heightmap.csv"], moved[:, :2])
     for k, axis in enumerate("XYZ"):
-        moved[:, k] -= _words(code, "M425").get(axis, 0.0) * (ways[:, k] < 0)
+        moved[:, k] -= words_of(code, "M425").get(axis, 0.0) * (ways[:, k] < 0)
     return np.asarray(from_unit(moved - at, "mm"))
-
-
-def _words(code: str, command: str) -> dict[str, float]:
-    (found,) = re.findall(rf"^{command} (.*)$", code, re.MULTILINE) or [""]
-    return {word[0]: float(word[1:]) for word in found.split()}

@@ -24,7 +24,7 @@ def added(code: str, built: Mesh, poses: Array, ways: Array) -> Array:
     built : has the points of the mesh where the firmware has them; poses : (m, 3) m; ways : (m, 3), -1 for backwards
     """
     at = np.asarray(to_unit(poses, "mm"))
-    factor, lost = _words(code, "M852"), _words(code, "M425")
+    factor, lost = words_of(code, "M852"), words_of(code, "M425")
     xy, xz, yz = (factor.get(letter, 0.0) for letter in "IJK")
     moved = at.copy()
     moved[:, 0] -= at[:, 1] * xy + at[:, 2] * (xz - xy * yz)
@@ -44,6 +44,7 @@ def _line(at: float, a1: float, z1: float, a2: float, z2: float) -> float:
     return z1 + (at - a1) * (z2 - z1) / (a2 - a1)
 
 
-def _words(code: str, command: str) -> dict[str, float]:
+def words_of(code: str, command: str) -> dict[str, float]:
+    """Return the numbers of a command by their letters."""
     (found,) = re.findall(rf"^{command} (.*)$", code, re.MULTILINE) or [""]
     return {word[0]: float(word[1:]) for word in found.split()}

@@ -12,7 +12,6 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.exceptions import InputError, ProgramError
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
@@ -25,6 +24,7 @@ from tests.generators.program_ways import Reader
 from tests.generators.said_places import Said
 from tests.generators.texts import machine_text
 from tests.generators.ways_said import WaysSaid
+from tests.programs.test_programs_in_touch import places_of
 
 TEXT = """
 machine = "{machine}"
@@ -55,15 +55,6 @@ SOURCES = {"dmu60": load_machine("dmu60").text, "machine.toml": SWIVEL}
 def described(instrument: str, box: str, machine: str) -> CampaignDescription:
     text = TEXT.format(instrument=instrument, box=box, machine=machine)
     return campaign_from_texts(text, "c.toml", SOURCES[machine], machine)
-
-
-def places_of(campaign: CampaignDescription, seed: int, count: int = 5) -> list[Place]:
-    (setup,) = campaign.setups
-    assert setup.chart is not None
-    poses, approaches = chart_candidates(campaign.machine, setup, setup.chart, 300)
-    chosen = np.random.default_rng(seed).choice(len(poses), min(count, len(poses)), replace=False)
-    sides = approaches[chosen].astype(int).tolist()
-    return [Place("s", tuple(p), tuple(s)) for p, s in zip(poses[chosen].tolist(), sides, strict=True)]
 
 
 def a_box(rng: np.random.Generator) -> str:
@@ -104,7 +95,7 @@ def test_programs_beside_boxes_keep_out_are_routed_or_refused(machine: str, inst
             campaign, free = described(instrument, box, machine), described(instrument, FAR, machine)
         except InputError:
             continue  # the ball is in the box
-        places = places_of(campaign, seed, 2)
+        places = places_of(campaign, 2, seed)
         (careless,) = programs(free.machine, free.setups, places, dialect(controller))
         before = hits(instrument, box, machine, places, careless.text, controller)
         try:
@@ -159,7 +150,7 @@ approach = "both"
         campaign = campaign_from_texts(text.format(box=box), "c.toml", source, "machine.toml")
         return programs(campaign.machine, campaign.setups, places, dialect("sinumerik"))[0].text
 
-    places = places_of(campaign_from_texts(text.format(box=FAR), "c.toml", source, "machine.toml"), 0, 3)
+    places = places_of(campaign_from_texts(text.format(box=FAR), "c.toml", source, "machine.toml"), 3, 0)
     assert program(FAR, places) == program('{ x = ["-900 mm", "-890 mm"] }', places)
     with pytest.raises(ProgramError, match="kept out"):
         program('{ x = ["295 mm", "305 mm"], z = ["-60 mm", "900 mm"] }', places)

@@ -62,7 +62,7 @@ def places_of(campaign: CampaignDescription, count: int = 12, seed: int = 1) -> 
     (setup,) = campaign.setups
     assert setup.chart is not None
     poses, approaches = chart_candidates(campaign.machine, setup, setup.chart, 400)
-    chosen = np.random.default_rng(seed).choice(len(poses), count, replace=False)
+    chosen = np.random.default_rng(seed).choice(len(poses), min(count, len(poses)), replace=False)
     sides = approaches[chosen].astype(int).tolist()
     return [Place(setup.name, tuple(p), tuple(s)) for p, s in zip(poses[chosen].tolist(), sides, strict=True)]
 

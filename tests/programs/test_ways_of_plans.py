@@ -10,13 +10,13 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.machine import load_machine
-from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.programs import dialect, programs
 from tests.generators.printed_machine import printed_machine
 from tests.generators.said_places import Said
 from tests.generators.ways_said import WaysSaid
+from tests.programs.test_programs_in_touch import places_of
 
 TEXT = """
 machine = "dmu60"
@@ -40,12 +40,7 @@ def printed(instrument: str) -> tuple[Said, tuple[Place, ...], str]:
     text = TEXT.format(instrument=instrument, ball=KINDS[instrument])
     source = load_machine("dmu60").text
     campaign = campaign_from_texts(text, "campaign.toml", source, "dmu60")
-    (setup,) = campaign.setups
-    assert setup.chart is not None
-    poses, approaches = chart_candidates(campaign.machine, setup, setup.chart, 400)
-    chosen = np.random.default_rng(2).choice(len(poses), 8, replace=False)
-    sides = approaches[chosen].astype(int).tolist()
-    places = tuple(Place("s", tuple(p), tuple(s)) for p, s in zip(poses[chosen].tolist(), sides, strict=True))
+    places = tuple(places_of(campaign, 8, 2))
     (program,) = programs(campaign.machine, campaign.setups, places, dialect("linuxcnc"))
     return Said(text, printed_machine(source)), places, program.text
 

@@ -11,7 +11,7 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
 from tests.web.browser import Browser, Page
-from tests.web.served import served, started
+from tests.web.served import Served, served, started
 
 SIZES = [(390, 844), (768, 1024), (1400, 900)]
 HOSTILE = "<img src=x onerror=alert(1)>\"&'</script><svg/onload=alert(2)>"
@@ -108,14 +108,19 @@ def type_reading(page: Page, text: str) -> None:
     page.until(f"document.getElementById('count').textContent !== '{number}'")
 
 
+def arrived(page: Page, server: Served) -> None:
+    """Open the page and wait for the first set-up to be asked for."""
+    page.open(server.address)
+    page.until("document.activeElement.id === 'stands'")
+
+
 @pytest.mark.chromium
 @pytest.mark.long
 def test_a_whole_campaign_by_keyboard_alone(browser: Browser, tmp_path: Path) -> None:
     record = started(tmp_path)
     page = browser.page(1400, 900)
     with served(record) as server:
-        page.open(server.address)
-        page.until("document.activeElement.id === 'stands'")
+        arrived(page, server)
         assert "token" not in page.value("location.href + document.referrer")
         looked_at(page)
         page.press("Enter")
@@ -175,8 +180,7 @@ def test_a_campaign_of_the_five_axis_machine_by_keyboard_alone(browser: Browser,
     record = started(tmp_path, TWO_SPHERES)
     page = browser.page(1400, 900)
     with served(record) as server:
-        page.open(server.address)
-        page.until("document.activeElement.id === 'stands'")
+        arrived(page, server)
         looked_at(page)
         page.press("Enter")
         for reading in ("1,2 -0,4 3", "0.4; 1; 2", "-2.5 3 0", "1 1 1"):
@@ -201,8 +205,7 @@ def test_the_page_speaks_german_and_so_do_its_answers(browser: Browser, tmp_path
     record = started(tmp_path)
     page = browser.page(1400, 900)
     with served(record, "--language", "de") as server:
-        page.open(server.address)
-        page.until("document.activeElement.id === 'stands'")
+        arrived(page, server)
         assert page.value("document.documentElement.lang") == "de"
         assert page.value("document.getElementById('stands').textContent") == "Es steht"
         page.until(f"{SHOWN}('answer')")
@@ -235,8 +238,7 @@ def test_two_windows_see_each_other_and_none_answers_for_the_other(browser: Brow
     one, two = browser.page(1400, 900), browser.page(768, 1024)
     with served(record) as server:
         for page in (one, two):
-            page.open(server.address)
-            page.until("document.activeElement.id === 'stands'")
+            arrived(page, server)
             page.press("Enter")
         two.type("9.9")
         type_reading(one, "-1.7")
@@ -279,8 +281,7 @@ def test_a_thousand_hostile_texts_stay_text_in_every_field(browser: Browser, tmp
     record = started(tmp_path)
     page = browser.page(390, 844)
     with served(record) as server:
-        page.open(server.address)
-        page.until("document.activeElement.id === 'stands'")
+        arrived(page, server)
         page.value("window.hit = () => { window.struck = true; }; 0")
         page.press("Enter")
         for at in range(0, 1000, 40):
@@ -305,8 +306,7 @@ def test_what_people_write_is_text_and_nothing_else(browser: Browser, tmp_path: 
     record = started(tmp_path, FOUR_READINGS.replace('name = "laser"', f'name = "{name}"'))
     page = browser.page(390, 844)
     with served(record) as server:
-        page.open(server.address)
-        page.until("document.activeElement.id === 'stands'")
+        arrived(page, server)
         page.press("Enter")
         tab_to(page, "skip")
         page.press("Enter")
