@@ -71,21 +71,27 @@ def _certain(share: float) -> Aging:
     return Aging(weights, 1)
 
 
+KEPT = 0.905 * 0.995
+"""By a machine that is `_certain`, after a year."""
+POSES, SIDES = np.tile(np.linspace(0.0, 0.5, 201)[:, None], (2, 1)), np.repeat([[1.0], [-1.0]], 201, axis=0)
+
+
+def _later(known: Estimation, kept: float) -> tuple[Array, Array]:
+    """Return what was estimated of a machine (n,), and what 4,000 machines that drift are a year later (n, 4000)."""
+    rng, size = np.random.default_rng(9), known.case.errors.size
+    mean, factor = known.printed.belief.mean[:size], known.printed.belief.factor[:size]
+    then = mean[:, None] + factor @ rng.standard_normal((factor.shape[1], 4000))
+    fresh = known.case.errors.prior_root() @ rng.standard_normal((size, 4000))
+    return mean, kept * then + np.sqrt(1 - kept**2) * fresh
+
+
 @pytest.mark.parametrize("renewed", [(), ("X",)])
 def test_what_is_left_is_what_machines_that_drift_show(renewed: tuple[str, ...]) -> None:
     known = concluded(Case(slide()), read_on(1))
-    errors, kept = known.case.errors, 0.905 * 0.995
-    rng, size = np.random.default_rng(9), errors.size
-    mean, factor = known.printed.belief.mean[:size], known.printed.belief.factor[:size]
-    rho = 0.0 if renewed else kept
-    then = mean[:, None] + factor @ rng.standard_normal((factor.shape[1], 4000))
-    fresh = errors.prior_root() @ rng.standard_normal((size, 4000))
-    left = rho * then + np.sqrt(1 - rho**2) * fresh - mean[:, None]
-    poses = np.tile(np.linspace(0.0, 0.5, 201)[:, None], (2, 1))
-    sides = np.repeat([[1.0], [-1.0]], 201, axis=0)
-    rows = errors.rows(poses, sides)[:, 0]
+    mean, later = _later(known, 0.0 if renewed else KEPT)
+    rows = known.case.errors.rows(POSES, SIDES)[:, 0]
     shift = rows.mean(axis=0) if known.case.yardstick.zeroed[0] else 0.0
-    true = float(np.sqrt(np.mean(((rows - shift) @ left) ** 2)))
+    true = float(np.sqrt(np.mean(((rows - shift) @ (later - mean[:, None])) ** 2)))
     np.testing.assert_allclose(worn(known, _certain(0.905), renewed)(1.0), true, rtol=0.05)
 
 
@@ -198,22 +204,16 @@ def test_what_is_left_with_tables_is_what_a_machine_that_drifts_shows(asked: str
     text = slide().text.replace("aligned = false\n", "").replace("[[setups]]", f"{asked}\n{SQUARE_SETUP}[[setups]]", 1)
     described = campaign_from_texts(text, "campaign.toml", TWO_ERRORS, "machine.toml")
     known = concluded(Case(described), [*read_on(1), *(replace(r, setup="square") for r in read_on(2))])
-    kept, rng, size = 0.905 * 0.995, np.random.default_rng(9), known.case.errors.size
-    mean, factor = known.printed.belief.mean[:size], known.printed.belief.factor[:size]
-    estimate = known.estimate()
-    poses = np.tile(np.linspace(0.0, 0.5, 201)[:, None], (2, 1))
-    sides = np.repeat([[1.0], [-1.0]], 201, axis=0)
+    mean, later = _later(known, KEPT)
     straight = [term.columns for term in known.case.errors.terms if term.name == "EYX"]
-    held = np.ones(size, dtype=bool)
+    held = np.ones(len(mean), dtype=bool)
     for columns in straight:
         held[columns] = False
-    rows = estimate.model.rows(poses, sides)
-    then = mean[:, None] + factor @ rng.standard_normal((factor.shape[1], 4000))
-    left = kept * then + np.sqrt(1 - kept**2) * known.case.errors.prior_root() @ rng.standard_normal((size, 4000))
-    tips = np.einsum("mcn,nk->mck", rows, left - (mean * held)[:, None])
+    rows = known.estimate().model.rows(POSES, SIDES)
+    tips = np.einsum("mcn,nk->mck", rows, later - (mean * held)[:, None])
     tips -= tips.mean(axis=0)
     if not asked:  # probing takes off how the slide lies
-        lies = poses - poses.mean()
+        lies = POSES - POSES.mean()
         tips[:, 1] -= lies @ (lies.T @ tips[:, 1]) / np.sum(lies**2)
     counts = ["xyz".index(way) for way in "xyz" if f'"{way}"' in asked or "directions" not in asked]
     true = float(np.sqrt(np.mean(np.sum(tips[:, counts] ** 2, axis=1))))
