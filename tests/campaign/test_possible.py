@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -65,6 +66,14 @@ def test_the_ends_of_the_travel_are_possible(tmp_path: Path) -> None:
         assert len(campaign.state.readings) == 2
 
 
+@pytest.fixture(scope="module")
+def asked(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Campaign]:
+    """A campaign whose first reading is asked for."""
+    with begun(tmp_path_factory.mktemp("asked") / "r.axiscal") as campaign:
+        campaign.next()
+        yield campaign
+
+
 NO_STD = r"no standard deviation.*at least 0\.1 nm"
 """Of one of 1e-9 um each command after it ended with a defect."""
 
@@ -76,12 +85,10 @@ NO_STD = r"no standard deviation.*at least 0\.1 nm"
         *((1e-6, std, NO_STD) for std in (0.0, -1e-6, 9e-11, 1e-300)),
     ],
 )
-def test_what_no_reading_has_is_not_recorded(value: float, std: float | None, says: str, tmp_path: Path) -> None:
-    with begun(tmp_path / "r.axiscal") as campaign:
-        campaign.next()
-        with pytest.raises(ReadingError, match=says):
-            campaign.record(value, std)
-        assert campaign.state.readings == ()
+def test_what_no_reading_has_is_not_recorded(asked: Campaign, value: float, std: float | None, says: str) -> None:
+    with pytest.raises(ReadingError, match=says):
+        asked.record(value, std)
+    assert asked.state.readings == ()
 
 
 def test_readings_from_before_the_record_was_begun_have_a_time_that_can_be(

@@ -159,12 +159,14 @@ def test_a_command_that_dies_is_quoted(answering: Callable[[str], Source], capfd
     assert "no laser on port 3" in capfd.readouterr().err
 
 
-def test_a_command_that_stalls_is_given_up(answering: Callable[[str], Source]) -> None:
+def test_a_command_that_stalls_is_given_up(answering: Callable[[str], Source], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(exec_source, "GRACE", 0.2)
     source = answering("time.sleep(60)")
     assert isinstance(source, ExecSource)
     source._timeout = 0.2
     with pytest.raises(SourceError, match=r"not answered within 0\.2 s"):
         source.read(REQUEST)
+    source.close()
 
 
 def test_a_line_that_nobody_asked_for_is_not_taken_for_the_next_answer(answering: Callable[[str], Source]) -> None:
