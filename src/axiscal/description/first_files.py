@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import NamedTuple
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.campaign_schema import SCHEMAS
-from axiscal.description.first_campaign import OFFERED, UNSAID, first_campaign
-from axiscal.description.ini_machine import IniAxis, IniMachine
+from axiscal.description.first_campaign import OFFERED, UNSAID, first_campaign, templates
+from axiscal.description.ini_machine import IniMachine
 from axiscal.document.durable import write_whole
 from axiscal.document.quoting import shown, toml_value
 from axiscal.exceptions import DescriptionError, RecordError
@@ -23,18 +22,6 @@ from axiscal.language.spoken import LANGUAGES, said, speaking
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.axis import letter_direction
 from axiscal.units import from_unit, parse_quantity, to_unit
-
-_KNOT = 0.05
-"""m between knots of a curve; a matter of taste, and the person is asked to change it."""
-_MOST_KNOTS = 15
-"""Of one curve; a matter of taste: more make a plan slow."""
-_TURNS = 100
-"""To either side: more are as good as endless."""
-_ERRORS = """\
-
-[errors]
-# Prior knowledge, one standard deviation each: of a used workshop machine. Change what you know better.
-# docs/machine.md of axiscal says what each name means; `axiscal machine check` what no reading could tell apart."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,21 +179,11 @@ def write_files(folder: Path, texts: Mapping[str, str]) -> None:
 
 def machine_text(machine: IniMachine, source: str) -> str:
     """Return the text of machine.toml.  source : the INI file, as it is named"""
-    period = "" if machine.servo_period is None else f" Servo period {machine.servo_period * 1e3:g} ms."
-    lines = [
-        f"# The machine of {_plain(source)}, as LinuxCNC knows it.",
-        f"# Kinematics {_plain(machine.build.kinematics)}; joints: {_joints(machine)}.{period}",
-        f"name = {toml_value(_plain(machine.name))}",
-        *_chain(machine),
-        "",
-        "[tool]",
-        "# CHECK: from the spindle nose to the tool point of the probe, which the INI cannot say.",
-        'length = "100 mm"',
-        *(line for axis in machine.axes for line in _axis(machine, axis)),
-        *_ERRORS.splitlines(),
-        *_errors(machine),
-    ]
-    return "\n".join(lines) + "\n"
+    filters = {"plain": _plain, "toml": toml_value, "number": _number, "direction": letter_direction}
+    rendering = templates()
+    rendering.filters |= filters | {"from_unit": from_unit, "to_unit": to_unit}
+    values = {each.name: getattr(machine, each.name) for each in fields(machine)}
+    return rendering.get_template("machine.jinja").render(values, source=source)
 
 
 def unread(machine: IniMachine) -> list[str]:
@@ -220,93 +197,6 @@ def unread(machine: IniMachine) -> list[str]:
     if any(axis.rotary and axis.letter not in machine.build.reversed for axis in machine.axes):
         found.append(said("which way the rotary axes count (direction)"))
     return found
-
-
-def _chain(machine: IniMachine) -> Iterator[str]:
-    build = machine.build
-    if not (build.sure or build.said):
-        yield "# CHECK: the INI does not say which axes carry the workpiece (primed, before b) and which the tool."
-    yield f'chain = "{build.chain}"'
-
-
-def _joints(machine: IniMachine) -> str:
-    return ", ".join(f"{axis.letter} {' and '.join(map(str, axis.joints))}" for axis in machine.axes)
-
-
-def _axis(machine: IniMachine, axis: IniAxis) -> Iterator[str]:
-    yield ""
-    home = "" if axis.home is None else f"   # homed at {axis.home:g} {axis.unit}"
-    yield f"[axes.{axis.letter}]{home}"
-    turn = to_unit(from_unit(360.0, "deg"), axis.unit) if axis.rotary else 0.0
-    if axis.endless:
-        yield f'travel = ["0 {axis.unit}", "{_number(turn)} {axis.unit}"]      # a whole turn'
-        low, high = max(min(axis.low, 0.0), -_TURNS * turn), min(max(axis.high, turn), _TURNS * turn)
-        yield f'limits = ["{_number(low)} {axis.unit}", "{_number(high)} {axis.unit}"]   # MIN_LIMIT, MAX_LIMIT'
-    else:
-        low_text, high_text = (f'"{_number(each)} {axis.unit}"' for each in (axis.low, axis.high))
-        yield f"travel = [{low_text}, {high_text}]   # MIN_LIMIT, MAX_LIMIT"
-    yield from _motion(axis)
-    if axis.letter in machine.build.reversed:
-        yield f'direction = "reversed"           # as {_plain(machine.build.kinematics)} turns it; else "iso"'
-    if axis.rotary:
-        at = machine.build.origins.get(axis.letter, (0.0, 0.0, 0.0))
-        origin = ", ".join(f'"{_number(each)} {machine.build.unit}"' for each in at)
-        said = (
-            "from the pins of the kinematics" if machine.build.sure else "CHECK: a point on its line, all axes at zero"
-        )
-        yield f"origin = [{origin}]   # {said}"
-
-
-def _motion(axis: IniAxis) -> Iterator[str]:
-    if axis.speed is not None:
-        per_minute = from_unit(axis.speed, axis.unit) * 60
-        text = f"{_number(to_unit(per_minute, 'deg') / 360)} rpm" if axis.rotary else f"{_number(per_minute)} m/min"
-        yield f'speed = "{text}"   # MAX_VELOCITY'
-    if axis.acceleration is not None:
-        value = from_unit(axis.acceleration, axis.unit)
-        text = f"{_number(to_unit(value, 'deg'))} deg/s^2" if axis.rotary else f"{_number(value)} m/s^2"
-        yield f'acceleration = "{text}"   # MAX_ACCELERATION'
-
-
-def _errors(machine: IniMachine) -> Iterator[str]:
-    for axis in machine.axes:
-        yield ""
-        yield f"# {axis.letter}"
-        yield from _rotary(axis) if axis.rotary else _linear(axis)
-    yield ""
-    yield "# Location errors: squareness of the linear axes, and where rotary axes lie and lean"
-    linear = [axis.letter for axis in machine.axes if axis.letter in "XYZ"]
-    squareness = {("X", "Y"): "C0Y", ("X", "Z"): "B0Z", ("Y", "Z"): "A0Z"}
-    for pair in itertools.combinations(sorted(linear), 2):
-        yield f'{squareness[pair]} = {{ std = "30 urad" }}'
-    for axis in machine.axes:
-        if axis.rotary:
-            across = [way for way in "XYZ" if "XYZ".index(way) != letter_direction(axis.letter)]
-            yield from (f'{way}0{axis.letter} = {{ std = "15 um" }}' for way in across)
-            yield from (f'{"ABC"["XYZ".index(way)]}0{axis.letter} = {{ std = "40 urad" }}' for way in across)
-
-
-def _linear(axis: IniAxis) -> Iterator[str]:
-    length = float(from_unit(axis.high - axis.low, axis.unit))
-    knots = int(min(max(5, round(length / _KNOT) + 1), _MOST_KNOTS))
-    reach = f"{_number(to_unit(max(length / 4, 0.01), 'mm'))} mm"
-    own = "XYZ"[letter_direction(axis.letter)]
-    for way in "XYZ":
-        std = "10 um" if way == own else "5 um"
-        yield f'E{way}{axis.letter} = {{ std = "{std}", knots = {knots}, length = "{reach}", rest = "0.3 um" }}'
-    for way in "ABC":
-        yield f'E{way}{axis.letter} = {{ std = "15 urad", knots = {max(5, knots // 2)}, length = "{reach}" }}'
-    yield f'E{own}{axis.letter}_reversal = {{ std = "4 um" }}'
-
-
-def _rotary(axis: IniAxis) -> Iterator[str]:
-    for way in "XYZ":
-        yield f'E{way}{axis.letter} = {{ std = "4 um", knots = 7, length = "60 deg" }}'
-    for way in "ABC":
-        rest = ', rest = "1 urad"' if way == axis.letter else ""
-        std = "40 urad" if way == axis.letter else "15 urad"
-        yield f'E{way}{axis.letter} = {{ std = "{std}", knots = 7, length = "60 deg"{rest} }}'
-    yield f'E{axis.letter}{axis.letter}_reversal = {{ std = "20 urad" }}'
 
 
 def _number(value: float) -> str:
