@@ -12,7 +12,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeVar
 
-from axiscal.exceptions import UnitError
+from axiscal.exceptions import DescriptionError, UnitError
 from axiscal.language.spoken import later, put, said
 
 if TYPE_CHECKING:
@@ -154,6 +154,19 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
     if not math.isfinite(value):
         raise UnitError("{text} is too large to be a number", _expected(dimension), text=_quoted(text))
     return value
+
+
+def within(text: str, dimension: Dimension, least: float, most: float = math.inf) -> float:
+    """Return a quantity in SI units between two limits; raises UnitError, or DescriptionError where it is outside."""
+    value = parse_quantity(text, dimension)
+    if least <= value <= most:
+        return value
+    what = "{text} is too small" if value < least else "{text} is too large"
+    what = "{text} is negative" if value < 0 <= least else "{text} is zero" if value == 0 else what
+    remedy = "Write a value from {low} to {high}" if most < math.inf else "Write a value from {low} on"
+    unit = _split(text, dimension)[1]
+    low, high = (format_quantity(limit, unit) for limit in (least, most))
+    raise DescriptionError(what, remedy, text=_quoted(text), low=low, high=high)
 
 
 def from_unit(value: Number, unit: str) -> Number:

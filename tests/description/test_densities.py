@@ -84,10 +84,10 @@ def test_a_lag_and_a_reversal_are_told_apart_only_in_their_sum() -> None:
 @pytest.mark.parametrize(
     ("keys", "said"),
     [
-        ('bound = "0 um"', "half"),
-        ('bound = "20 mm"', "half"),
+        ('bound = "0 um"', "to 10000 um"),
+        ('bound = "20 mm"', "to 10 mm"),
         ('bound = "1 s"', "um"),
-        ('dead_band = "-1 um"', "half"),
+        ('dead_band = "-1 um"', "is negative"),
         ('one_sided = "20 um"', "side"),
         ('one_sided = "+ 20 urad"', "um"),
         ('one_sided = ""', "side"),

@@ -51,9 +51,9 @@ def test_a_zero_wanders_as_stated_else_as_is_usual_of_its_instrument(lines: str,
 
 
 def test_a_drift_that_is_none_is_refused_in_its_line() -> None:
-    with pytest.raises(DescriptionError, match=r"line 9: .*no rate") as refused:
+    with pytest.raises(DescriptionError, match=r'line 9: .*"-1 um/h" is negative') as refused:
         described(LASER + 'moves = ["X"]\ndrift = "-1 um/h"')
-    assert "2 um/h" in str(refused.value)
+    assert "60000 um/h" in str(refused.value)
 
 
 def test_a_record_of_before_keeps_a_zero_that_stands_still(tmp_path: Path) -> None:

@@ -91,7 +91,7 @@ def test_a_reflector_that_does_not_turn_is_seen_within_sixty_degrees_unless_said
         ('range = ["3 m", "1 m"]', "tracer", "does not increase"),
         ('range = ["3 m"]', "tracer", "does not increase"),
         ('range = ["-1 m", "8 m"]', "tracker", "is no distance"),
-        ('faces = "z"\nsight = "0 deg"', "tracker", "above 0"),
+        ('faces = "z"\nsight = "0 deg"', "tracker", "is zero"),
         ('direction = "x"\nmoves = ["X"]\nfaces = "z"', "interferometer", "belongs to a tracker or tracer"),
         ('direction = "x"\nmoves = ["X"]\nrange = ["1 m", "2 m"]', "indicator", "belongs to a tracker or tracer"),
         (TWO_PLACES, "tracer", "said twice where it stands"),

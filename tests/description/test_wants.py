@@ -83,7 +83,7 @@ def test_a_limit_of_the_volume_is_its_u() -> None:
         ("positioning X 5", "no unit", "12 um"),
         ("positioning X 5 urad", "is an angle, not a length", "12 um"),
         ("squareness XY 5 um", "is a length, not an angle", "arcsec"),
-        ("backlash X 0 um", "not above zero", "above zero"),
+        ("backlash X 0 um", "is zero", "um on"),
         ("centre of C", "no row of an answer", ""),
     ],
 )

@@ -8,7 +8,8 @@ from typing import Annotated
 import pytest
 from pydantic import BaseModel, ConfigDict, Field
 
-from axiscal.document import Document, Length, QuantityOf, dotted, model_fault, read_model, shown
+from axiscal.document import Document, Length, QuantityOf, dotted, read_model, shown
+from axiscal.document.validation import Beside, EachAs
 from axiscal.exceptions import DescriptionError, InputError, TargetError, UnitError
 
 TEXT = """\
@@ -244,15 +245,19 @@ def test_a_right_document_becomes_its_model_in_si() -> None:
     assert plan.setups[1].pause == 2.0
 
 
-def test_a_validator_of_a_model_may_raise_a_failure_of_ours() -> None:
-    class Checked(BaseModel):
-        when: str
+def _early(key: str, hour: int, known: Beside) -> int:
+    if hour > known.context:
+        raise DescriptionError("{hour} is too late", "Come earlier", hour=hour)
+    return hour
 
-        def model_post_init(self, context: object, /) -> None:
-            raise model_fault(DescriptionError("too late", "Come earlier"))
 
-    with pytest.raises(DescriptionError, match=r"too late\. Come earlier\."):
-        read_model(Document.parse("when = 'now'", "x.toml"), Checked)
+class Checked(BaseModel):
+    when: Annotated[dict[str, int], EachAs(dict[str, int], _early)]
+
+
+def test_what_a_field_is_made_by_may_raise_a_failure_of_ours_at_its_entry() -> None:
+    with pytest.raises(DescriptionError, match=r"x\.toml, line 3: when\.b: 5 is too late\. Come earlier\."):
+        read_model(Document.parse("[when]\na = 3\nb = 5", "x.toml"), Checked, context=4)
 
 
 def test_values_and_keys_are_shown_as_written() -> None:

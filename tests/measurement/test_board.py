@@ -174,7 +174,7 @@ def test_columns_are_those_of_where_balls_stand(number: int) -> None:
         (board({"one": (0, 0, 0)}), "not in a line: their turn is open"),
         (board({name: (x, 0, 0) for name, (x, _, _) in BALLS.items() if name != "four"}), "not in a line"),
         (board().replace('artefact = "board"\n', "", 1), "at belongs to an artefact"),
-        (board().replace('"90 deg"', '"900 deg"'), "more than a turn"),
+        (board().replace('"90 deg"', '"900 deg"'), '"900 deg" is too large'),
     ],
 )
 def test_what_is_amiss_with_a_board_is_said(text: str, said: str) -> None:

@@ -222,7 +222,7 @@ def _described(setup: str) -> CampaignDescription:
     [
         (LEVEL.replace("100 mm", "800 mm"), "is not shorter than the travel of X"),
         (LEVEL.replace("100 mm", "10 mm"), "within which the rest of EZX has no known slope"),
-        (LEVEL.replace("100 mm", "-10 mm"), "is not a length"),
+        (LEVEL.replace("100 mm", "-10 mm"), "is negative"),
         (LEVEL.replace('"y"', '"x"'), "that is no turn about this direction"),
         (LEVEL.replace('"y"', "[1, 1, 0]"), "that is no turn about this direction"),
         (LEVEL.replace('"y"', '"z"'), "no straightness error of X"),

@@ -5,18 +5,32 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Mapping
-from functools import partial
 from itertools import combinations, product
 from types import MappingProxyType
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field
 
-from axiscal.description.campaign_schema import ArtefactTable, GridTable
-from axiscal.description.vectors import At
-from axiscal.document import Document, shown
+from axiscal.description.fields import (
+    Cone,
+    Direction,
+    Ends,
+    Name,
+    Placed,
+    Printable,
+    Scale,
+    Span,
+    Spot,
+    Table,
+    Turned,
+)
+from axiscal.document import Document, Length, shown
+from axiscal.document.validation import Beside, EachAs, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import joined, said
-from axiscal.measurement.artefact import Artefact, Ball
+from axiscal.measurement.artefact import CONE, PLACED, SCALE, TURNED, Artefact, Ball
+from axiscal.measurement.setup import Vector
 from axiscal.units import format_quantity
 
 MOST_BALLS = 400
@@ -31,54 +45,39 @@ _TAKEN = ("place", "turn", "scale", "station", "tool", "zero")
 """Words that the names of unknowns begin with."""
 
 
-def read_artefacts(tables: list[ArtefactTable], document: Document) -> Mapping[str, Artefact]:
-    """Return the artefacts by name; raises DescriptionError or UnitError at the line that is wrong."""
-    found: dict[str, Artefact] = {}
-    for number, table in enumerate(tables):
-        artefact = _artefact(table, partial(document.placed, "artefacts", number))
-        if artefact.name in found:
-            what = 'two artefacts are called "{artefact}"'
-            fault = DescriptionError(what, "Give each a name of its own", artefact=artefact.name)
-            raise document.fault(fault, "artefacts", number, "name")
-        found[artefact.name] = artefact
-    return MappingProxyType(found)
+def _ball(name: str, place: Vector, _: Beside) -> Ball:
+    if not name.replace("_", "a").replace("-", "a").isalnum() or len(name) > 40 or name in _TAKEN:
+        remedy = "Give a word such as low, high, third"
+        raise DescriptionError("{text} is not a name for a ball", remedy, text=shown(name))
+    return Ball(name, place)
 
 
-def _artefact(table: ArtefactTable, at: At) -> Artefact:
-    balls = _balls(table, at)
-    with at("calibrated"):
-        if table.calibrated is not None:
-            _refuse_open_turn(balls)
-    return Artefact(
-        name=table.name,
-        balls=balls,
-        free=table.free,
-        cone=table.cone,
-        keep_out=tuple(_kept_out(at, number, box) for number, box in enumerate(table.keep_out)),
-        placed=table.placed,
-        turned=table.turned,
-        calibrated=table.calibrated,
-        scale=table.scale,
-        diameter=table.diameter,
-    )
+def _apart(named: Mapping[str, Ball]) -> tuple[Ball, ...]:
+    """Return balls, none of which stands where another does."""
+    balls = tuple(named.values())
+    if len(balls) > MOST_BALLS:
+        raise DescriptionError("{count} balls are too many", "Give up to {most}", count=len(balls), most=MOST_BALLS)
+    for first, second in combinations(balls, 2):
+        apart = math.dist(first.place, second.place)
+        if apart < CLOSEST:
+            what = "the balls {first} and {second} are {apart} apart"
+            remedy, far = "One ball stands at one place: check their coordinates", format_quantity(apart, "mm", 3)
+            raise DescriptionError(what, remedy, first=first.name, second=second.name, apart=far)
+    return balls
 
 
-def _balls(table: ArtefactTable, at: At) -> tuple[Ball, ...]:
-    if table.grid is not None:
-        with at("grid"):
-            if table.balls:
-                raise DescriptionError("balls and grid exclude one another", "Give one of them")
-            return _grid(table.grid)
-    balls = []
-    for name, place in table.balls.items():
-        with at("balls", name):
-            balls.append(Ball(_ball_name(name), place))
-    with at("balls"):
-        _refuse_close(tuple(balls))
-    return tuple(balls)
+class GridTable(Table):
+    """grid: balls of a plate, in rows and columns."""
+
+    origin: Spot = Field(examples=['["0 mm", "0 mm", "50 mm"]'])
+    count: list[int] = Field(examples=["[5, 5]"])
+    pitch: list[Length] = Field(examples=['["80 mm", "80 mm"]'])
+    along: list[Direction] = Field(default=[(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)], examples=['["x", "y"]'])
 
 
-def _grid(grid: GridTable) -> tuple[Ball, ...]:
+def _grid(grid: GridTable, known: Beside) -> tuple[Ball, ...]:
+    if known.data.get("balls"):
+        raise DescriptionError("balls and grid exclude one another", "Give one of them")
     if len(grid.count) != 2 or len(grid.pitch) != 2 or len(grid.along) != 2:
         remedy = 'Write count = [5, 5], pitch = ["80 mm", "80 mm"], along = ["x", "y"]'
         raise DescriptionError("a grid has two directions", remedy)
@@ -96,40 +95,64 @@ def _grid(grid: GridTable) -> tuple[Ball, ...]:
     return tuple(balls)
 
 
-def _refuse_open_turn(balls: tuple[Ball, ...]) -> None:
+def _calibrated(std: float, known: Beside) -> float:
+    """Return the std of balls that are known together; refused where their turn is open."""
+    balls = known.data.get("grid") or known.data.get("balls") or ()
     points = np.array([ball.place for ball in balls]).reshape(-1, 3)
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) if len(balls) > 2 else np.zeros(3)
     if spread[1] < _OFF_LINE:
         what = "balls that are calibrated together need at least three that are not in a line: their turn is open"
         raise DescriptionError(what, "Take calibrated out, and each ball stands where it stands")
+    return std
 
 
-def _kept_out(at: At, number: int, box: Mapping[str, tuple[float, float]]) -> tuple[tuple[float, float], ...]:
-    with at("keep_out", number):
-        if not box or not set(box) <= set("xyz"):
-            remedy = 'Write {{ x = ["-250 mm", "250 mm"], z = ["-300 mm", "-150 mm"] }}, in the workpiece frame'
-            raise DescriptionError("{text} is no box", remedy, text=shown(dict(box)))
-        return tuple(box.get(letter, (-_FAR, _FAR)) for letter in "xyz")
+def _box(box: Mapping[str, Ends]) -> tuple[Ends, ...]:
+    if not box or not set(box) <= set("xyz"):
+        remedy = 'Write {{ x = ["-250 mm", "250 mm"], z = ["-300 mm", "-150 mm"] }}, in the workpiece frame'
+        raise DescriptionError("{text} is no box", remedy, text=shown(dict(box)))
+    return tuple(box.get(letter, (-_FAR, _FAR)) for letter in "xyz")
 
 
-def _ball_name(text: str) -> str:
-    if not text.replace("_", "a").replace("-", "a").isalnum() or len(text) > 40 or text in _TAKEN:
-        remedy = "Give a word such as low, high, third"
-        raise DescriptionError("{text} is not a name for a ball", remedy, text=shown(text))
-    return text
+class ArtefactTable(Table):
+    """[[artefacts]]: what stands on the table to be read."""
+
+    name: Name = Field(examples=['"three spheres"'])
+    balls: Annotated[tuple[Ball, ...], ReadAs(Annotated[dict[str, Ball], EachAs(dict[str, Spot], _ball)], _apart)] = (
+        Field((), examples=['{ low = ["200 mm", "0 mm", "-80 mm"] }'])
+    )
+    grid: Annotated[tuple[Ball, ...], ReadAs(GridTable, _grid, by=True)] = Field(
+        (), examples=["{ origin = […], count = [5, 5], pitch = […] }"]
+    )
+    diameter: Placed | None = Field(None, examples=['"25 mm"'])
+    calibrated: Annotated[float, ReadAs(Placed, _calibrated, by=True)] | None = Field(None, examples=['"0.7 um"'])
+    scale: Scale = Field(SCALE, examples=['"0.5 um/m"'])
+    placed: Placed = Field(PLACED, examples=['"1 mm"'])
+    turned: Turned = Field(TURNED, examples=['"1 mrad"'])
+    free: Direction = Field((0.0, 0.0, 1.0), examples=['"z"'])
+    cone: Cone = Field(CONE, examples=['"100 deg"'])
+    keep_out: list[Annotated[tuple[Ends, ...], ReadAs(dict[str, Span], _box)]] = Field(
+        default=[], examples=['[{ z = ["-300 mm", "-150 mm"] }]']
+    )
+    serial: Printable = Field("", examples=['"K3-0042"'])
+    certificate: Printable = Field("", examples=['"PTB 50123/26"'])
+
+    def artefact(self) -> Artefact:
+        """Return what stands there."""
+        alike = ("name", "diameter", "calibrated", "scale", "placed", "turned", "free", "cone")
+        same = {key: getattr(self, key) for key in alike}
+        return Artefact(balls=self.grid or self.balls, keep_out=tuple(self.keep_out), **same)
 
 
-def _refuse_close(balls: tuple[Ball, ...]) -> None:
-    if len(balls) > MOST_BALLS:
-        raise DescriptionError("{count} balls are too many", "Give up to {most}", count=len(balls), most=MOST_BALLS)
-    for first, second in combinations(balls, 2):
-        apart = math.dist(first.place, second.place)
-        if apart < CLOSEST:
-            what = "the balls {first} and {second} are {apart} apart"
-            remedy = "One ball stands at one place: check their coordinates"
-            raise DescriptionError(
-                what, remedy, first=first.name, second=second.name, apart=format_quantity(apart, "mm", 3)
-            )
+def read_artefacts(tables: list[ArtefactTable], document: Document) -> Mapping[str, Artefact]:
+    """Return the artefacts by name; raises DescriptionError at the line that is wrong."""
+    found: dict[str, Artefact] = {}
+    for number, table in enumerate(tables):
+        if table.name in found:
+            what = 'two artefacts are called "{artefact}"'
+            fault = DescriptionError(what, "Give each a name of its own", artefact=table.name)
+            raise document.fault(fault, "artefacts", number, "name")
+        found[table.name] = table.artefact()
+    return MappingProxyType(found)
 
 
 def unused_artefacts(text: str) -> str | None:

@@ -16,17 +16,17 @@ from pathlib import Path
 from pydantic import Field
 
 from axiscal.description.artefacts import read_artefacts
-from axiscal.description.campaign_schema import CampaignTable, ProgramsTable, ReportTable, SistersTable
+from axiscal.description.campaign_schema import CampaignTable, ReportTable, SistersTable
 from axiscal.description.setups import at_each_place, read_setups
 from axiscal.description.sites import Surroundings
 from axiscal.description.stated_type_b import refers_to_20
-from axiscal.description.target import Target, coordinate, read_target
+from axiscal.description.target import Target, read_target
 from axiscal.description.usual import usual_machine
 from axiscal.document import Document, read_model, shown
-from axiscal.exceptions import DescriptionError, Faults
+from axiscal.exceptions import DescriptionError
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
 from axiscal.machine.entry import Sure
-from axiscal.machine.motion import Driving, move_groups
+from axiscal.machine.motion import Driving
 from axiscal.measurement.instruments.kind import CARRIED
 from axiscal.measurement.setup import Setup, Vector
 from axiscal.record.events import Mounted
@@ -190,7 +190,7 @@ def _described(
     asking: bool,
     usual_doubts: bool = True,
 ) -> CampaignDescription:
-    table = read_model(document, CampaignTable)
+    table = read_model(document, CampaignTable, context=machine)
     target = read_target(table.target, machine, document)
     artefacts = read_artefacts(table.artefacts, document)
     tool = _tool(table, usual_doubts)
@@ -199,7 +199,7 @@ def _described(
     target = replace(target, refers_to="20 degC" if at_20 else "as read")
     around = Surroundings(machine, document, artefacts, tool, asking, usual_doubts, printer, at_20)
     setups = read_setups(table.setups, around)
-    driving = read_driving(table.programs, machine, document)
+    driving = Driving(**dict(table.programs))
     setups = tuple(replace(setup, driving=driving) for setup in setups)
     if target_needed and target.empty:
         remedy = 'Add at least one of rms = "2 um", worst = "4 um", readings = 40, budget = "90 min" under [target]'
@@ -302,25 +302,3 @@ def stands_with_others(setup: Setup) -> str:
         if unknown.owner and (unknown.owner == standing or unknown.name.startswith("station_")):
             return unknown.owner
     return ""
-
-
-def read_driving(table: ProgramsTable, machine: Machine, document: Document) -> Driving:
-    """Return how programs are driven; raises DescriptionError or UnitError at the line that is wrong."""
-    faults, driving = Faults(), Driving(feed=table.feed, dwell=table.dwell)
-    if table.clearance is not None:
-        with faults.noted(), document.placed("programs", "clearance"):
-            driving = replace(driving, clearance=_clearance(table.clearance, machine))
-    if table.order is not None:
-        with faults.noted(), document.placed("programs", "order"):
-            driving = replace(driving, order=tuple(tuple(group.split()) for group in table.order.split(",")))
-            move_groups(machine, driving)
-    faults.refuse()
-    return driving
-
-
-def _clearance(text: str, machine: Machine) -> tuple[str, float]:
-    """Return the axis and where it is clear, m or rad."""
-    name, equals, place = (part.strip() for part in text.partition("="))
-    if not equals:
-        raise DescriptionError("{text} is not AXIS=PLACE", 'Write something such as "Z=-5 mm"', text=shown(text))
-    return name, coordinate(place, machine.axis(name))

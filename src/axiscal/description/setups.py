@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 from axiscal.description.campaign_schema import SetupTable
+from axiscal.description.fields import WAYS, At
 from axiscal.description.sights import (
     lack_of,
     refuse_no_sight,
@@ -17,20 +18,18 @@ from axiscal.description.sights import (
     stations_of,
 )
 from axiscal.description.sites import RETRACT, STROKE, TOUCHING, Site, SiteReader, Surroundings, evened
-from axiscal.description.stated_type_b import dense, drift_of, material_of, stated_of
-from axiscal.description.target import coordinate, ends_on
-from axiscal.description.vectors import WAYS, At, unit_vector
+from axiscal.description.stated_type_b import dense, drift_of, material_of
 from axiscal.document import Document, meant, shown
 from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
-from axiscal.measurement.artefact import Artefact, reads_as
+from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.instrument import INSTRUMENTS, PRINTER_PROBE, Instrument, model_of
 from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.instruments.kind import TOOL, Rotation
-from axiscal.measurement.setup import FINEST, Setup, Unknown, Vector
-from axiscal.units import EXAMPLES, parse_quantity, to_unit
+from axiscal.measurement.setup import Setup, Unknown, Vector
+from axiscal.units import format_quantity, to_unit
 
 _SHORTEST_REACH = 4.0
 """A reach is longer than so many overruns."""
@@ -96,8 +95,7 @@ class _Reader(SiteReader):
 
     def setup(self) -> Setup:
         table, around = self._table, self._around
-        with self._at("instrument"):
-            usual = PRINTER_PROBE if around.printer and table.instrument == "probe" else _instrument(table.instrument)
+        usual = PRINTER_PROBE if around.printer and table.instrument == "probe" else INSTRUMENTS[table.instrument]
         site = self.site()
         with self._at("direction"):
             direction = self._direction(usual, site)
@@ -106,23 +104,19 @@ class _Reader(SiteReader):
             stations = stations_of(table, usual)
         with self._at("moves"):
             moves = self._moves() if site is None else site.moves
-        with self._at("noise"):
-            noise = usual.noise if table.noise is None else _positive(table.noise, usual.model.reads)
-        with self._at("resolution"):
-            resolution = 0.0 if table.resolution is None else _positive(table.resolution, usual.model.reads)
+        noise = usual.noise if table.noise is None else table.noise
         material = material_of(table, usual, around.machine, direction, moves, self._at)
         base = self._base(usual)
         unknowns = self._unknowns(usual, moves, site)
         unknowns = of_each(unknowns, len(stations)) if stations else unknowns
-        with self._at("drift"):
-            rate, said = drift_of(table, usual, moves, unknowns, around.usual_doubts)
+        rate, said = drift_of(table, usual, moves, unknowns, around.usual_doubts)
         setup = Setup(
             name=table.name,
             instrument=usual.name,
             direction=direction,
             moves=moves,
             park=self._parked(moves) if site is None else site.park,
-            noise=math.hypot(noise, resolution / math.sqrt(12.0)),
+            noise=math.hypot(noise, table.resolution / math.sqrt(12.0)),
             unknowns=(*unknowns, *material.unknowns),
             setup_time=usual.setup_time * self._mountings(site) if table.setup_time is None else table.setup_time,
             settle=usual.settle if table.settle is None else table.settle,
@@ -134,11 +128,11 @@ class _Reader(SiteReader):
             warmer=material.warmer,
             expansion=material.expansion,
             at_20=around.at_20,
-            stated=(*material.stated, *stated_of(table, usual, self._at)),
+            stated=(*material.stated, *table.type_b.items()),
             base=base,
             drift=rate,
             drift_said=said,
-            resolution=resolution,
+            resolution=table.resolution,
             reach=self._reach(moves),
         )
         setup = on_square(table, around.artefacts, self._at, setup)
@@ -187,18 +181,20 @@ class _Reader(SiteReader):
         if not self._table.reach:
             return None
         spans = [axis.travel for axis in self._machine.axes]
-        for name, texts in self._table.reach.items():
+        for name, (low, high) in self._table.reach.items():
             with self._at("reach", name):
-                index = self._machine.index(name)
-                axis = self._machine.axes[index]
-                if index not in moves:
-                    remedy = "Take it out"
-                    raise DescriptionError("{name} has a reach, but does not move in this set-up", remedy, name=name)
-                low, high = ends_on(texts, axis)
-                if high - low < _SHORTEST_REACH * axis.overrun:
-                    raise DescriptionError("{text} is too short", "Lower end first", text=shown(texts))
+                index = self._moving(name, moves, "{axis} has a reach, but does not move in this set-up")
+                if high - low < _SHORTEST_REACH * self._machine.axes[index].overrun:
+                    raise DescriptionError("{text} is too short", "Give ends farther apart", text=name)
                 spans[index] = low, high
         return tuple(spans)
+
+    def _moving(self, name: str, moves: tuple[int, ...], what: str) -> int:
+        """Return the index of an axis that moves; raises DescriptionError for another.  what : is wrong then"""
+        index = self._machine.index(name)
+        if index not in moves:
+            raise DescriptionError(what, "Take it out here, or add {axis} to moves", axis=name)
+        return index
 
     def _base(self, usual: Instrument) -> float | None:
         base = self._table.base
@@ -210,38 +206,31 @@ class _Reader(SiteReader):
         return base
 
     def _moves(self) -> tuple[int, ...]:
-        names = self._table.moves
-        if names is None:
-            return tuple(range(len(self._machine.axes)))
-        indices = [self._machine.index(name) for name in names]
-        if not indices:
+        indices = self._table.moves
+        if indices == ():
             known = ", ".join(f'"{axis.name}"' for axis in self._machine.axes)
             remedy = "Name axes, such as moves = [{known}], or leave it out"
             raise DescriptionError("nothing moves", remedy, known=known)
-        if len(set(indices)) < len(indices):
-            raise DescriptionError("{text} names an axis twice", "Name each axis once", text=shown(names))
-        return tuple(sorted(indices))
+        return tuple(range(len(self._machine.axes))) if indices is None else indices
 
     def _parked(self, moves: tuple[int, ...]) -> tuple[float, ...]:
         places = [sum(axis.travel) / 2 for axis in self._machine.axes]
-        for name, text in self._table.park.items():
-            with self._at("park", name):
-                index = self._machine.index(name)
-                if index in moves:
+        for name, place in self._table.park.items():
+            index = self._machine.index(name)
+            if index in moves:
+                with self._at("park", name):
                     what = "{axis} is parked, but it is one of the axes that move"
                     raise DescriptionError(what, "Take it out here, or take {axis} out of moves", axis=name)
-                places[index] = coordinate(text, self._machine.axes[index])
+            places[index] = place
         return tuple(places)
 
     def _raster(self, moves: tuple[int, ...], base: float) -> tuple[float, ...]:
         steps = [0.0] * len(self._machine.axes)
-        for name, text in self._table.raster.items():
+        for name, step in self._table.raster.items():
             with self._at("raster", name):
-                index = self._machine.index(name)
-                if index not in moves:
-                    what = "{axis} has a raster, but does not move in this set-up"
-                    raise DescriptionError(what, "Take it out here, or add {axis} to moves", axis=name)
-                steps[index] = _step(text, self._machine.axes[index], base / 2)
+                index = self._moving(name, moves, "{axis} has a raster, but does not move in this set-up")
+                _refuse_no_multiple(step, self._machine.axes[index], base / 2)
+                steps[index] = step
         return tuple(steps)
 
     def _unknowns(self, usual: Instrument, moves: tuple[int, ...], site: Site | None) -> tuple[Unknown, ...]:
@@ -252,35 +241,30 @@ class _Reader(SiteReader):
             turns = any(self._machine.axes[index].rotary for index in moves)
             unknowns = tuple(unknown for unknown in usual.unknowns if turns or unknown.name not in TOOL)
         else:
-            unknowns = tuple(self._unknown(name, text, usual) for name, text in given.items())
+            unknowns = tuple(self._unknown(name, std, usual) for name, std in given.items())
         if "slope" in (unknown.name for unknown in unknowns):
             with self._at(*(["moves"] if given is None else ["unknowns", "slope"])):
                 self._refuse_slope(usual, moves, given is None)
         return unknowns
 
-    def _chosen(self, given: Mapping[str, str], site: Site, usual: Instrument) -> tuple[Unknown, ...]:
+    def _chosen(self, given: Mapping[str, float], site: Site, usual: Instrument) -> tuple[Unknown, ...]:
         """Return the unknowns of a site that are named, with their std as given; whose they are stays."""
         known = {unknown.name: unknown for unknown in site.unknowns}
-        chosen = []
-        for name, text in given.items():
-            with self._at("unknowns", name):
-                if name not in known:
-                    what = "{name} is not an unknown of this {instrument}"
-                    raise DescriptionError(
-                        what, "Known are {known}", name=shown(name), instrument=usual.name, known=", ".join(known)
-                    )
-                chosen.append(replace(known[name], std=_positive(text, reads_as(name))))
-        return tuple(chosen)
+        for name in given:
+            if name not in known:
+                with self._at("unknowns", name):
+                    what, remedy = "{name} is not an unknown of this {instrument}", "Known are {known}"
+                    told = {"name": shown(name), "instrument": usual.name, "known": ", ".join(known)}
+                    raise DescriptionError(what, remedy, None, None, **told)
+        return tuple(replace(known[name], std=std) for name, std in given.items())
 
-    def _unknown(self, name: str, text: str, usual: Instrument) -> Unknown:
-        with self._at("unknowns", name):
-            kinds = usual.model.unknown_reads
-            refused_later = name == "slope" and usual.model.reads == "angle"  # for its own reason
-            if name not in kinds and not refused_later:
-                known = meant(name, kinds)
+    def _unknown(self, name: str, std: float, usual: Instrument) -> Unknown:
+        kinds = usual.model.unknown_reads
+        if name not in kinds and not (name == "slope" and usual.model.reads == "angle"):  # refused for its own reason
+            with self._at("unknowns", name):
                 what = "{name} is not an unknown of a set-up with a {instrument}"
-                raise DescriptionError(what, known, name=shown(name), instrument=usual.name)
-            return Unknown(name, _positive(text, kinds.get(name, "angle")))
+                raise DescriptionError(what, meant(name, kinds), name=shown(name), instrument=usual.name)
+        return Unknown(name, std)
 
     def _refuse_slope(self, usual: Instrument, moves: tuple[int, ...], by_default: bool) -> None:
         if usual.model.reads == "angle":
@@ -298,14 +282,7 @@ class _Reader(SiteReader):
             raise DescriptionError(what, remedy, instrument=usual.name, axes=axes)
 
 
-def _instrument(name: str) -> Instrument:
-    if name in INSTRUMENTS:
-        return INSTRUMENTS[name]
-    remedy = meant(name, INSTRUMENTS, said("Instruments are {known}", known=", ".join(INSTRUMENTS)))
-    raise DescriptionError("{name} is not an instrument", remedy, name=shown(name))
-
-
-def _direction(value: str | list[float | int] | None, usual: Instrument) -> Vector:
+def _direction(value: Vector | None, usual: Instrument) -> Vector:
     """Return the direction; of an instrument that needs none, the diagonal, along which its readings are planned."""
     if not usual.model.directed:
         if value is not None:
@@ -315,28 +292,19 @@ def _direction(value: str | list[float | int] | None, usual: Instrument) -> Vect
     if value is None:
         what = '"direction" is missing: the {instrument} reads in one direction'
         raise DescriptionError(what, WAYS, instrument=usual.name)
-    return unit_vector(value)
-
-
-def _positive(text: str, reads: str) -> float:
-    value = parse_quantity(text, "angle" if reads == "angle" else "length")
-    if value < FINEST:
-        example = EXAMPLES["angle" if reads == "angle" else "length"]
-        what = "{text} is not above zero" if value <= 0 else "{text} is finer than any instrument reads"
-        raise DescriptionError(what, 'Give a standard deviation such as "{example}"', text=shown(text), example=example)
     return value
 
 
-def _step(text: str, axis: Axis, margin: float) -> float:
-    value = parse_quantity(text, axis.dimension)
+def _refuse_no_multiple(step: float, axis: Axis, margin: float) -> None:
+    """Raise DescriptionError for a raster without a place on an axis.  margin : m or rad, that its ends are kept off"""
     low, high = axis.travel[0] + margin, axis.travel[1] - margin
-    if value <= 0:
-        raise DescriptionError("{text} is not above zero", "Give a step, or leave the raster out", text=shown(text))
-    if math.ceil(low / value - 1e-9) * value > high + 1e-9 * axis.length:
-        what = "no multiple of {text} lies in the travel of {axis}"
-        remedy = "Give a smaller step; the axis goes from {travel}"
-        raise DescriptionError(what, remedy, text=shown(text), axis=axis.name, travel=axis.travel_text)
-    return value
+    if math.ceil(low / step - 1e-9) * step > high + 1e-9 * axis.length:
+        what, remedy = (
+            "no multiple of {text} lies in the travel of {axis}",
+            "Give a smaller step; the axis goes from {travel}",
+        )
+        size = format_quantity(step, axis.unit)
+        raise DescriptionError(what, remedy, text=size, axis=axis.name, travel=axis.travel_text)
 
 
 def on_square(table: SetupTable, artefacts: Mapping[str, Artefact], at: At, setup: Setup) -> Setup:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.campaign_schema import SetupTable
-from axiscal.description.vectors import At
+from axiscal.description.fields import At
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import later, listed, said
@@ -195,7 +195,7 @@ _CONE = math.radians(60.0)
 def refuse_no_sight(table: SetupTable, at: At) -> None:
     """Raise DescriptionError for keys of what is seen in a set-up whose instrument does not look."""
     for key in _KEYS:
-        if getattr(table, key) is not None and table.instrument not in _LOOKING:
+        if key in table.model_fields_set and table.instrument not in _LOOKING:
             with at(key):
                 raise DescriptionError("{key} belongs to a tracker or tracer", "Take {key} out", key=key)
 
@@ -219,7 +219,7 @@ def refuse_stray_keys(table: SetupTable, at: At) -> None:
                 remedy = 'Give artefact = "board", too'
                 raise DescriptionError("{key} belongs to an artefact, and the set-up has none", remedy, key=key)
     for key in ("plane", "arc", "turning", "stroke"):
-        if getattr(table, key) is not None and table.length is None and table.instrument != "rtest":
+        if key in table.model_fields_set and table.length is None and table.instrument != "rtest":
             with at(key):
                 remedy = "Give its length, too"
                 raise DescriptionError("{key} belongs to a bar, and the set-up has none", remedy, key=key)
@@ -231,7 +231,7 @@ def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
     Raises DescriptionError or UnitError.
     """
     refuse_no_sight(table, at)
-    said = [key for key in _KEYS if getattr(table, key) is not None]
+    said = [key for key in _KEYS if key in table.model_fields_set]
     if not said or not setup.standing:
         return setup
     chart = Sight(
@@ -239,7 +239,7 @@ def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
         setup.moves,
         np.array(setup.park),
         np.array(setup.standing),
-        _range(table, at),
+        table.range,
         _faces(table, at),
         _CONE if table.sight is None else table.sight,
         tuple(_seen_along(setup, machine.axes[k], k) for k in setup.moves),
@@ -253,14 +253,6 @@ def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
 def _seen_along(setup: Setup, axis: Axis, index: int) -> Coordinate:
     along = Coordinate(*setup.span(axis, index), setup.raster[index], axis.overrun)
     return along if axis.rotary else along._replace(finest=FINEST_PLACE)
-
-
-def _range(table: SetupTable, at: At) -> tuple[float, float]:
-    near, far = table.range or (0.0, math.inf)
-    if near < 0:
-        with at("range"):
-            raise DescriptionError("{size} is no distance", 'Write ["1 m", "8 m"]', size=format_quantity(near, "mm"))
-    return near, far
 
 
 def _faces(table: SetupTable, at: At) -> Array | None:

@@ -10,9 +10,8 @@ from functools import partial
 import numpy as np
 
 from axiscal.description.campaign_schema import SetupTable
+from axiscal.description.fields import At
 from axiscal.description.sights import reached_arc, refuse_gap, refuse_stray_keys
-from axiscal.description.target import coordinate
-from axiscal.description.vectors import At, unit_vector
 from axiscal.document import Document, shown
 from axiscal.document.quoting import meant
 from axiscal.exceptions import DescriptionError
@@ -28,7 +27,7 @@ from axiscal.measurement.observation import unknowns_at
 from axiscal.measurement.setup import Contact, Unknown, Vector
 from axiscal.measurement.touched import Cycle, gone_to
 from axiscal.numerics import Array
-from axiscal.units import format_quantity, parse_quantity
+from axiscal.units import format_quantity
 
 TOUCHING = ("rtest", "sphere", "probe")
 OPEN_LENGTH = 1e-3
@@ -39,9 +38,6 @@ RETRACT = 0.05
 CUP = 1e-4
 """m, how far the centre of a bar may be from its station: it is set to within a tenth of a millimetre."""
 _FREE_CONE = math.radians(100.0)
-_PLANES = {"xy": ("x", "y"), "yz": ("y", "z"), "zx": ("z", "x")}
-_SAME_WAY = 1e-6
-"""Sine: rounding of two directions that are one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,36 +106,29 @@ class SiteReader:
             return self._held()
         return None
 
-    def _line(self, ends: list[Vector]) -> Site:
-        with self._at("along"):
-            if len(ends) != 2:
-                remedy = 'Give two places such as [["-300 mm", "-250 mm", "0 mm"], ["300 mm", "250 mm", "500 mm"]]'
-                raise DescriptionError("a line has two ends, and here are {count}", remedy, count=len(ends))
-            points = np.array(ends)
-            if np.linalg.norm(points[1] - points[0]) < 2e-3:
-                raise DescriptionError("the ends of the line are one place", "Give two places that are apart")
-            park = self._park()
-            line = Line.between_ends(self._room(None), points, park, self._step("along", "length"), self._overrun())
-            for end in (0.0, line.coordinates[0].high):
-                if not line.feasible(line.poses(np.array([[end]])))[0]:
-                    what = (
-                        "the second end of the line is out of travel"
-                        if end
-                        else "the first end of the line is out of travel"
-                    )
-                    lacks = lacking(self._machine, line.poses(np.array([[end]]))[0])
+    def _line(self, ends: tuple[Vector, Vector]) -> Site:
+        step, park = self._table.raster.get("along", 0.0), self._park()
+        line = Line.between_ends(self._room(None), np.array(ends), park, step, self._overrun())
+        poses = line.poses(np.array([[0.0], [line.coordinates[0].high]]))
+        for end, there in enumerate(line.feasible(poses)):
+            if not there:
+                what = (
+                    "the second end of the line is out of travel"
+                    if end
+                    else "the first end of the line is out of travel"
+                )
+                with self._at("along"):
+                    lacks = lacking(self._machine, poses[end])
                     raise DescriptionError(what, "Let it end within the travels: {lacking}", lacking=lacks)
         x, y, z = line.direction.tolist()
         return Site(line, linear_axes(self._machine), tuple(park), "free", direction=(x, y, z))
 
     def _bar(self, length: float) -> Site:
-        with self._at("stroke"):
-            if not 0 < (STROKE if self._table.stroke is None else self._table.stroke) < length:
-                raise DescriptionError("a stroke is above zero and below the length of the bar", 'Give "1 mm"')
         centre, owned, artefact, balls = self._centre()
         owner = f"bar of {format_quantity(length, 'mm', 6)}"
         zero = Unknown("zero", OPEN_LENGTH, owner)
-        chart = self._circle(centre, length, artefact) if self._table.plane else self._sphere(centre, length, artefact)
+        plane = self._table.plane
+        chart = self._circle(centre, length, artefact, plane) if plane else self._sphere(centre, length, artefact)
         moving = set(linear_axes(self._machine)) | set(self._followers(chart))
         return Site(
             chart,
@@ -177,8 +166,8 @@ class SiteReader:
         owner = f"centre at {', '.join(format_quantity(value, 'mm', 6) for value in place)}"
         return place, tuple(Unknown(f"station_{axis}", CUP, owner) for axis in "xyz"), None, ()
 
-    def _circle(self, centre: Vector, length: float, artefact: Artefact | None) -> Circle:
-        first, second = self._plane()
+    def _circle(self, centre: Vector, length: float, artefact: Artefact | None, plane: tuple[Vector, Vector]) -> Circle:
+        first, second = map(np.array, plane)
         free, cone = self._cone(artefact)
         turning = self._turning()
         circle = Circle(
@@ -191,7 +180,7 @@ class SiteReader:
             cone,
             self._park(),
             turning,
-            (Coordinate(0.0, math.tau, self._step("arc", "angle"), self._overrun() / length, not np.any(turning)),),
+            (Coordinate(0.0, math.tau, self._step("arc"), self._overrun() / length, not np.any(turning)),),
         )
         return self._on_arc(circle)
 
@@ -200,24 +189,18 @@ class SiteReader:
             with self._at("plane"):
                 return circle.over(*reached_arc(circle, self._table.name))
         with self._at("arc"):
-            if len(self._table.arc) != 2:
-                remedy = 'Write ["0 deg", "360 deg"]'
-                raise DescriptionError("{text} has not two ends", remedy, text=shown(self._table.arc))
-            low, high = (parse_quantity(text, "angle") for text in self._table.arc)
-            if not 0 < high - low <= 4 * math.tau:
-                raise DescriptionError("{text} is no arc", "Give the lower end first", text=shown(self._table.arc))
-            circle = circle.over(low, high)
+            circle = circle.over(*self._table.arc)
             refuse_gap(circle, self._table.name)
         return circle
 
     def _sphere(self, centre: Vector, length: float, artefact: Artefact | None) -> Bar:
         free, cone = self._cone(artefact)
         turning = self._turned_by_moves()
-        steps = tuple(self._step(self._machine.axes[k].name, "angle") for k in turning)
+        steps = tuple(self._step(self._machine.axes[k].name) for k in turning)
         overrun, quarter = self._overrun() / length, math.pi / 2
         coordinates = (
-            Coordinate(0.0, math.tau, self._step("azimuth", "angle"), overrun, endless=True),
-            Coordinate(-quarter, quarter, self._step("elevation", "angle"), overrun),
+            Coordinate(0.0, math.tau, self._step("azimuth"), overrun, endless=True),
+            Coordinate(-quarter, quarter, self._step("elevation"), overrun),
             *turns(self._machine, turning, steps),
         )
         return Bar(self._room(artefact), np.array(centre), length, free, cone, turning, self._park(), coordinates)
@@ -225,31 +208,8 @@ class SiteReader:
     def _overrun(self) -> float:
         return max(axis.overrun for axis in self._machine.axes if not axis.rotary)
 
-    def _plane(self) -> tuple[Array, Array]:
-        given = self._table.plane
-        with self._at("plane"):
-            if isinstance(given, str):
-                if given not in _PLANES:
-                    remedy = 'Write "xy", "yz", "zx" or two directions'
-                    raise DescriptionError("{text} is not a plane", remedy, text=shown(given))
-                return tuple(np.array(unit_vector(way)) for way in _PLANES[given])  # type: ignore[return-value]
-            ways = [np.array(unit_vector(way)) for way in given or ()]
-            if len(ways) != 2 or np.linalg.norm(np.cross(ways[0], ways[1])) < _SAME_WAY:
-                remedy = "Give two directions that are not the same"
-                raise DescriptionError("{text} is not a plane", remedy, text=shown(given))
-            second = ways[1] - (ways[1] @ ways[0]) * ways[0]
-            return ways[0], second / np.linalg.norm(second)
-
     def _turning(self) -> Array:
-        rates = np.zeros(len(self._machine.axes))
-        for name, rate in (self._table.turning or {}).items():
-            with self._at("turning", name):
-                index = self._machine.index(name)
-                if not self._machine.axes[index].rotary:
-                    remedy = "Name a rotary axis: the linear ones follow"
-                    raise DescriptionError("{name} does not turn", remedy, name=name)
-                rates[index] = rate
-        return rates
+        return np.array([self._table.turning.get(axis.name, 0.0) for axis in self._machine.axes])
 
     def _cone(self, artefact: Artefact | None) -> tuple[Array, float]:
         if artefact is None:
@@ -261,7 +221,7 @@ class SiteReader:
         turning = self._turned_by_moves(default_all=True)
         with self._at("artefact"):
             self._refuse_no_turn(turning, artefact)
-        steps = tuple(self._step(self._machine.axes[k].name, "angle") for k in turning)
+        steps = tuple(self._step(self._machine.axes[k].name) for k in turning)
         self._refuse_one_place(turning, steps)
         coordinates = turns(self._machine, turning, steps)
         park, room = self._park(set(turning)), self._room(artefact)
@@ -333,14 +293,13 @@ class SiteReader:
         if self._table.moves is None:
             return rotary if default_all else ()
         with self._at("moves"):
-            indices = sorted({self._machine.index(name) for name in self._table.moves})
-            linear = [self._machine.axes[k].name for k in indices if k not in rotary]
+            linear = [self._machine.axes[k].name for k in self._table.moves if k not in rotary]
             if linear:
                 what = "{axes} follow where the tool point is held"
                 what = what if len(linear) > 1 else "{axes} follows where the tool point is held"
                 remedy = "Name the rotary axes that turn, or leave moves out"
                 raise DescriptionError(what, remedy, axes=", ".join(linear))
-            return tuple(indices)
+        return self._table.moves
 
     def _park(self, moving: Sequence[int] | set[int] = ()) -> Array:
         """Return where the axes stand that do not move: rotary ones at 0, if they can, the others in their middle."""
@@ -350,27 +309,19 @@ class SiteReader:
             return 0.0 if axis.rotary and low <= 0.0 <= high else (low + high) / 2
 
         places = np.array([usual(axis) for axis in self._machine.axes])
-        for name, text in self._table.park.items():
-            with self._at("park", name):
-                index = self._machine.index(name)
-                axis = self._machine.axes[index]
-                if index in moving or not axis.rotary:
+        for name, place in self._table.park.items():
+            index = self._machine.index(name)
+            axis = self._machine.axes[index]
+            if index in moving or not axis.rotary:
+                with self._at("park", name):
                     what = "{name} is parked, but it follows the tool point here"
                     what = "{name} is parked, but it turns here" if axis.rotary else what
                     raise DescriptionError(what, "Take it out", name=name)
-                places[index] = coordinate(text, axis)
+            places[index] = place
         return places
 
-    def _step(self, key: str, dimension: str) -> float:
-        text = self._table.raster.get(key)
-        if text is None:
-            return 0.0
-        with self._at("raster", key):
-            value = parse_quantity(text, "angle" if dimension == "angle" else "length")
-            if value <= 0:
-                remedy = "Give a step, or leave the raster out"
-                raise DescriptionError("{text} is not above zero", remedy, text=shown(text))
-            return value
+    def _step(self, key: str) -> float:
+        return self._table.raster.get(key, 0.0)
 
     def _refuse_one_place(self, turning: tuple[int, ...], steps: tuple[float, ...]) -> None:
         """Raise DescriptionError for a raster by which an axis that is to turn has one place only, or none."""
@@ -380,7 +331,7 @@ class SiteReader:
                 with self._at("raster", axis.name):
                     what = "a raster of {text} has less than two places on {axis}"
                     remedy = "Give a smaller step, or leave {axis} out of moves"
-                    raise DescriptionError(what, remedy, text=shown(self._table.raster[axis.name]), axis=axis.name)
+                    raise DescriptionError(what, remedy, text=format_quantity(step, axis.unit), axis=axis.name)
 
     def _room(self, artefact: Artefact | None) -> Room:
         return Room.with_boxes(self._machine, () if artefact is None else artefact.keep_out)

@@ -11,23 +11,27 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
+from pydantic import Field
 
-from axiscal.description.campaign_schema import TargetTable
-from axiscal.description.vectors import span
-from axiscal.document import Document, nearest, shown
+from axiscal.description.fields import Duration, Ends, Spans, Table, Wanted, ends_on, span
+from axiscal.document import Document, QuantityText, nearest, shown
+from axiscal.document.validation import Beside, EachAs, ReadAs
 from axiscal.errors.volume import EVERY_WAY, Counted
-from axiscal.exceptions import DescriptionError, InputError
+from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine import Axis, Machine
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import tip_at
 from axiscal.measurement.charts.room import Room
+from axiscal.measurement.setup import FINEST
 from axiscal.numerics import Array, even_points
-from axiscal.units import Dimension, format_quantity, parse_quantity
+from axiscal.units import Dimension, format_quantity, within
 
+MOST_READINGS = 100_000
+"""Weeks of measuring; whoever says more has slipped."""
 Kind = Literal[
     "positioning", "backlash", "straightness", "pitch", "yaw", "roll", "squareness", "centre", "tilt", "volume"
 ]
@@ -92,22 +96,10 @@ def _rows_of(axes: Sequence[Axis]) -> Iterator[RowName]:
     yield from (RowName("squareness", pair) for pair in combinations(square, 2))
 
 
-def read_wants(texts: Sequence[str], machine: Machine, document: Document) -> tuple[Want, ...]:
-    """Return the rows that are asked for; raises DescriptionError or UnitError at the line of the text."""
-    known = {row.name.casefold(): row for row in rows_of(machine)}
+def _want(_: int, text: str, given: Beside) -> Want:
+    known = {row.name.casefold(): row for row in rows_of(given.context)}
     planes = [row for row in known.values() if row.kind == "squareness"]
     known |= {RowName(row.kind, row.axes[::-1]).name.casefold(): row for row in planes}
-    found = list[Want]()
-    for index, text in enumerate(texts):
-        with document.placed("target", "wants", index):
-            want = _want(text, known, machine)
-            if want.row in [each.row for each in found]:
-                raise DescriptionError("{row} is asked for twice", "Ask for it once", row=shown(want.row.name))
-        found.append(want)
-    return tuple(found)
-
-
-def _want(text: str, known: Mapping[str, RowName], machine: Machine) -> Want:
     plain = " ".join(text.split()).casefold()
     name = max((each for each in known if f"{plain} ".startswith(f"{each} ")), key=len, default=None)
     if name is None:
@@ -116,13 +108,15 @@ def _want(text: str, known: Mapping[str, RowName], machine: Machine) -> Want:
         remedy = said("Perhaps {word} is meant", word=f'"{known[near].name}"') if near else _examples(known)
         raise DescriptionError("{text} is no row of an answer for this machine", remedy, text=shown(text))
     row, rest = known[name], " ".join(text.split())[len(name) :].strip()
-    if not rest:
-        return Want(row)
-    limit = parse_quantity(rest, dimension(row, machine))
-    if not limit > 0:
-        remedy = "Give a limit above zero, or none"
-        raise DescriptionError("{text}: the limit is not above zero", remedy, text=shown(text))
-    return Want(row, limit)
+    return Want(row, within(rest, dimension(row, given.context), FINEST) if rest else None)
+
+
+def _once(wants: list[Want]) -> tuple[Want, ...]:
+    rows = [want.row for want in wants]
+    for row in rows:
+        if rows.count(row) > 1:
+            raise DescriptionError("{row} is asked for twice", "Ask for it once", row=shown(row.name))
+    return tuple(wants)
 
 
 def _examples(known: Mapping[str, RowName]) -> str:
@@ -185,125 +179,6 @@ class Target:
         return not self.accurate and self.readings is self.budget is None
 
 
-def read_target(table: TargetTable, machine: Machine, document: Document) -> Target:
-    """Return the target; raises DescriptionError or UnitError at the line that is wrong."""
-    if table.rms is not None and table.worst is not None and table.worst <= table.rms:
-        rms, worst = format_quantity(table.rms, "um"), format_quantity(table.worst, "um")
-        what = "{worst} for the worst point can never be reached before {rms} RMS, and the first one reached stops"
-        remedy = "Give a worst that is larger than rms, or only one of them"
-        raise _fault(document, what, remedy, "worst", worst=worst, rms=rms)
-    part = None if table.part is None else read_part(table.part, machine, document)
-    if part is not None and table.volume:
-        raise _fault(document, "part and volume exclude one another", "Give one of them", "part")
-    volume = _volume(table, machine, document) if part is None else _around(part, machine, document)
-    if not table.directions:
-        remedy = 'Give one or more of "x", "y", "z", such as directions = ["z"] for a height'
-        raise _fault(document, "no direction is left in which the tool point counts", remedy, "directions")
-    x, y, z = (way in table.directions for way in ("x", "y", "z"))
-    usual = part is not None or (x and y and z)  # where heights alone count, as of a bed, no part is probed
-    aligned = usual if table.aligned is None else table.aligned
-    limits = table.rms, table.worst, table.readings, table.budget
-    wants = read_wants(table.wants, machine, document)
-    expanded = _expanded(table.U, wants, document)
-    criterion = table.criterion or ("rows" if any(want.row.kind != "volume" for want in wants) else "volume")
-    return Target(*limits, volume, criterion, part, aligned, expanded, (x, y, z), wants=wants)
-
-
-def _expanded(stated: float | None, wants: Sequence[Want], document: Document) -> float | None:
-    """Return the U of the volume that the target wants, m, by its own key or by the row "volume"."""
-    wanted = next((want.limit for want in wants if want.row.kind == "volume"), None)
-    if stated is not None and wanted is not None:
-        raise _fault(document, "U and the limit of the row volume are one thing", "Give one of them", "U")
-    return stated if wanted is None else wanted
-
-
-def _around(part: PartVolume, machine: Machine, document: Document) -> tuple[tuple[float, float], ...]:
-    """Return the box of axes around the poses of a part; raises DescriptionError where no pose reaches it."""
-    poses = part.poses(machine, _LOOKED_AT)
-    if len(poses) < _FEWEST:
-        raise _fault(document, "hardly a pose has the tool point in this part", "Place it within the travels", "part")
-    low, high = poses.min(axis=0), poses.max(axis=0)
-    lowest, highest = np.array([axis.travel for axis in machine.axes]).T
-    margin = _MARGIN * (high - low) + _THIN * (highest - lowest)
-    bounds = np.stack([np.maximum(low - margin, lowest), np.minimum(high + margin, highest)], axis=1)
-    return tuple((float(first), float(last)) for first, last in bounds)
-
-
-def coordinate(text: str, axis: Axis) -> float:
-    """Return a position on an axis, m or rad; raises UnitError, or DescriptionError outside the travel."""
-    value = parse_quantity(text, axis.dimension)
-    low, high = axis.travel
-    slack = 1e-9 * axis.length
-    if not low - slack <= value <= high + slack:
-        what = '"{text}" is outside the travel of {axis}'
-        raise DescriptionError(what, "It goes from {travel}", text=text, axis=axis.name, travel=axis.travel_text)
-    return min(max(value, low), high)
-
-
-def _volume(table: TargetTable, machine: Machine, document: Document) -> tuple[tuple[float, float], ...]:
-    bounds = {axis.name: axis.travel for axis in machine.axes}
-    for name, texts in table.volume.items():
-        with document.placed("target", "volume", name):
-            bounds[name] = ends_on(texts, machine.axis(name))
-    return tuple(bounds[axis.name] for axis in machine.axes)
-
-
-def ends_on(texts: Sequence[str], axis: Axis) -> tuple[float, float]:
-    """Return two increasing coordinates within the travel, m or rad; raises DescriptionError or UnitError."""
-    if len(texts) != 2:
-        remedy = "The axis goes from {travel}"
-        raise DescriptionError("{text} has not two ends", remedy, text=shown(texts), travel=axis.travel_text)
-    low, high = (coordinate(text, axis) for text in texts)
-    if not low < high:
-        raise DescriptionError("{text} does not increase", "Give the lower end first", text=shown(texts))
-    return low, high
-
-
-def _fault(document: Document, what: str, remedy: str, key: str, **values: object) -> InputError:
-    return document.fault(DescriptionError(what, remedy, None, None, **values), "target", key)
-
-
-_SHAPE = 'Write { radius = "200 mm", z = ["-100 mm", "100 mm"] } or { x = [...], y = [...], z = [...] }'
-
-
-def read_part(given: Mapping[str, str | list[str]], machine: Machine, document: Document) -> PartVolume:
-    """Return the part; raises DescriptionError or UnitError at the line that is wrong."""
-    turns = {axis.name: axis.travel for axis in machine.axes if axis.rotary}
-    spans: dict[str, Span] = {}
-    radius = None
-    for key, value in given.items():
-        with document.placed("target", "part", key):
-            if key == "radius":
-                radius = _radius(value)
-            elif key in ("x", "y", "z"):
-                spans[key] = span(_listed(value))
-            else:
-                turns[key] = _turn(value, machine.axis(key))
-    if "z" not in spans or (radius is None) != ({"x", "y"} <= set(spans)) or (radius is not None and len(spans) > 1):
-        raise document.fault(DescriptionError("the part has no shape", _SHAPE), "target", "part")
-    width = (-(radius or 0.0), radius or 0.0)
-    return PartVolume((spans.get("x", width), spans.get("y", width), spans["z"]), radius, tuple(turns.values()))
-
-
-def _radius(value: str | list[str]) -> float:
-    radius = parse_quantity(value, "length") if isinstance(value, str) else 0.0
-    if not radius > 0:
-        raise DescriptionError("{text} is no radius", 'Give one such as "200 mm"', text=shown(value))
-    return radius
-
-
-def _turn(value: str | list[str], axis: Axis) -> Span:
-    if not axis.rotary:
-        remedy = "Name x, y, z in the workpiece frame, or a rotary axis"
-        raise DescriptionError("{axis} follows the part", remedy, axis=axis.name)
-    return ends_on(_listed(value), axis)
-
-
-def _listed(value: str | list[str]) -> list[str]:
-    return value if isinstance(value, list) else [value]
-
-
-Span = tuple[float, float]
 POSES = 4000
 _TRIED = 16
 """How many times more places are tried than are wanted before fewer are returned."""
@@ -317,9 +192,9 @@ class PartVolume:
     turns : (rotary axes,) the range in which each turns, rad, in chain order
     """
 
-    spans: tuple[Span, Span, Span]
+    spans: tuple[Ends, Ends, Ends]
     radius: float | None
-    turns: tuple[Span, ...]
+    turns: tuple[Ends, ...]
 
     def poses(self, machine: Machine, count: int = POSES) -> Array:
         """Return up to so many poses within the travels, spread evenly over places of the part and turns, (m, q)."""
@@ -344,3 +219,128 @@ class PartVolume:
             far, turn = self.radius * np.sqrt(unit[:, 0]), 2 * np.pi * unit[:, 1]
             points[:, 0], points[:, 1] = far * np.cos(turn), far * np.sin(turn)
         return tip_at(machine, park, points)
+
+
+Size = float | Ends
+_SIZES = dict[str, QuantityText | list[QuantityText]]
+_SHAPE = 'Write { radius = "200 mm", z = ["-100 mm", "100 mm"] } or { x = [...], y = [...], z = [...] }'
+
+
+def _size(key: str, given: str | list[str], known: Beside) -> Size:
+    """Return the radius of a part, or from where to where it goes along one way, or an axis turns, m or rad."""
+    if key == "radius":
+        if isinstance(given, str):
+            return within(given, "length", FINEST)
+        raise DescriptionError("{text} is no radius", 'Give one such as "200 mm"', text=shown(given))
+    ends = given if isinstance(given, list) else [given]
+    if key in ("x", "y", "z"):
+        return span(ends)
+    axis = known.context.axis(key)
+    if not axis.rotary:
+        remedy = "Name x, y, z in the workpiece frame, or a rotary axis"
+        raise DescriptionError("{axis} follows the part", remedy, axis=axis.name)
+    return ends_on(ends, axis)
+
+
+def _part(given: Mapping[str, Any], known: Beside) -> PartVolume:
+    if known.data.get("volume"):
+        raise DescriptionError("part and volume exclude one another", "Give one of them")
+    radius, along = given.get("radius"), {"x", "y", "z"} & set(given)
+    if along != ({"x", "y", "z"} if radius is None else {"z"}):
+        raise DescriptionError("the part has no shape", _SHAPE)
+    turns = tuple(given.get(axis.name, axis.travel) for axis in known.context.axes if axis.rotary)
+    width = (-(radius or 0.0), radius or 0.0)
+    return PartVolume((given.get("x", width), given.get("y", width), given["z"]), radius, turns)
+
+
+def _readings(number: int) -> int:
+    if number <= 0:
+        raise DescriptionError("{text} is not above zero", "Give something such as readings = 40", text=number)
+    if number > MOST_READINGS:
+        remedy = "Give at most {most}"
+        raise DescriptionError("{text} readings are too many", remedy, text=shown(number), most=MOST_READINGS)
+    return number
+
+
+def _worst(worst: float, known: Beside) -> float:
+    rms = known.data.get("rms")
+    if rms is not None and worst <= rms:
+        what = "{worst} for the worst point can never be reached before {rms} RMS, and the first one reached stops"
+        remedy, sizes = "Give a worst that is larger than rms, or only one of them", (worst, rms)
+        shorter, longer = (format_quantity(each, "um") for each in sizes)
+        raise DescriptionError(what, remedy, worst=shorter, rms=longer)
+    return worst
+
+
+def _expanded(stated: float, known: Beside) -> float:
+    if any(want.row.kind == "volume" and want.limit is not None for want in known.data.get("wants", ())):
+        raise DescriptionError("U and the limit of the row volume are one thing", "Give one of them")
+    return stated
+
+
+def _counted(directions: list[str]) -> Counted:
+    if not directions:
+        remedy = 'Give one or more of "x", "y", "z", such as directions = ["z"] for a height'
+        raise DescriptionError("no direction is left in which the tool point counts", remedy)
+    x, y, z = (way in directions for way in ("x", "y", "z"))
+    return x, y, z
+
+
+class TargetTable(Table):
+    """[target]: when to stop, and over what."""
+
+    rms: Wanted | None = Field(None, examples=['"2 um"'])
+    worst: Annotated[float, ReadAs(Wanted, _worst, by=True)] | None = Field(None, examples=['"4 um"'])
+    wants: Annotated[tuple[Want, ...], ReadAs(Annotated[list[Want], EachAs(list[str], _want)], _once)] = Field(
+        (), examples=['["positioning X 5 um", "backlash X", "volume 20 um"]']
+    )
+    U: Annotated[float, ReadAs(Wanted, _expanded, by=True)] | None = Field(None, examples=['"12 um"'])
+    readings: Annotated[int, ReadAs(int, _readings)] | None = Field(None, examples=["40"])
+    budget: Duration | None = Field(None, examples=['"90 min"'])
+    volume: Spans = Field(default={}, examples=['{ X = ["50 mm", "550 mm"] }'])
+    part: Annotated[PartVolume, ReadAs(Annotated[dict[str, Size], EachAs(_SIZES, _size)], _part, by=True)] | None = (
+        Field(None, examples=['{ radius = "200 mm", z = ["-100 mm", "100 mm"], B = ["-30 deg", "100 deg"] }'])
+    )
+    aligned: bool | None = Field(None, examples=["true"])
+    directions: Annotated[Counted, ReadAs(list[Literal["x", "y", "z"]], _counted)] = Field(
+        EVERY_WAY, examples=['["z"]']
+    )
+    criterion: Literal["volume", "rows", "joint", "worst"] | None = Field(None, examples=['"volume"'])
+    refers_to: Literal["20 degC", "as read"] | None = Field(None, examples=['"20 degC"'])
+    unchecked: Literal["refuse", "allow"] = Field("refuse", examples=['"allow"'])
+
+
+def read_target(table: TargetTable, machine: Machine, document: Document) -> Target:
+    """Return the target; raises DescriptionError for a part that no pose reaches."""
+    if table.part is None:
+        volume = tuple(table.volume.get(axis.name, axis.travel) for axis in machine.axes)
+    else:
+        with document.placed("target", "part"):
+            volume = _around(table.part, machine)
+    usual = table.part is not None or all(table.directions)  # where heights alone count, as of a bed, no part is probed
+    rows, whole = table.wants, next((want.limit for want in table.wants if want.row.kind == "volume"), None)
+    return Target(
+        table.rms,
+        table.worst,
+        table.readings,
+        table.budget,
+        volume,
+        table.criterion or ("rows" if any(want.row.kind != "volume" for want in rows) else "volume"),
+        table.part,
+        usual if table.aligned is None else table.aligned,
+        table.U if whole is None else whole,
+        table.directions,
+        wants=rows,
+    )
+
+
+def _around(part: PartVolume, machine: Machine) -> tuple[tuple[float, float], ...]:
+    """Return the box of axes around the poses of a part; raises DescriptionError where no pose reaches it."""
+    poses = part.poses(machine, _LOOKED_AT)
+    if len(poses) < _FEWEST:
+        raise DescriptionError("hardly a pose has the tool point in this part", "Place it within the travels")
+    low, high = poses.min(axis=0), poses.max(axis=0)
+    lowest, highest = np.array([axis.travel for axis in machine.axes]).T
+    margin = _MARGIN * (high - low) + _THIN * (highest - lowest)
+    bounds = np.stack([np.maximum(low - margin, lowest), np.minimum(high + margin, highest)], axis=1)
+    return tuple((float(first), float(last)) for first, last in bounds)

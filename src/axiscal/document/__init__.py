@@ -2,7 +2,7 @@
 
 from axiscal.document.file import Document
 from axiscal.document.quoting import dotted, meant, nearest, quantity_text, shown
-from axiscal.document.validation import Length, QuantityOf, QuantityText, model_fault, read_model
+from axiscal.document.validation import Length, QuantityOf, QuantityText, read_model
 
 __all__ = [
     "Document",
@@ -11,7 +11,6 @@ __all__ = [
     "QuantityText",
     "dotted",
     "meant",
-    "model_fault",
     "nearest",
     "quantity_text",
     "read_model",

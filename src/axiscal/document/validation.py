@@ -3,22 +3,35 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar, get_args, get_origin
 
 from axiscal.document.file import Document
 from axiscal.document.quoting import dotted, meant, quantity_text, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError, UnitError
 from axiscal.language.spoken import later, put, said
-from axiscal.units import EXAMPLES, Dimension, parse_quantity
+from axiscal.units import EXAMPLES, Dimension, within
 
 if TYPE_CHECKING:
     from pydantic import BaseModel, GetCoreSchemaHandler
     from pydantic.fields import FieldInfo
-    from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError
+    from pydantic_core import CoreSchema, ErrorDetails
 
 ModelT = TypeVar("ModelT", bound="BaseModel")
+
+
+@contextmanager
+def _placing(*keys: str | int) -> Iterator[None]:
+    """Let a pydantic validator raise InputError, which `read_model` places.  keys : below its own place"""
+    from pydantic_core import PydanticCustomError
+
+    try:
+        yield
+    except InputError as fault:
+        kind, said = "unit" if isinstance(fault, UnitError) else "fault", {"what": fault.what, "remedy": fault.remedy}
+        raise PydanticCustomError(kind, "{what}", said | {"keys": keys}) from None
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,15 +39,11 @@ class QuantityOf:
     """Marks a pydantic field as a quantity of one dimension, read to SI; without a dimension its text is kept.
 
     least, most : of its value, SI
-    wrong, remedy : messages: what any other is, with its text as {text}, and what would be right, with an {example}
     """
 
     dimension: Dimension | None
     least: float = -math.inf
     most: float = math.inf
-    wrong: str = ""
-    remedy: str = ""
-    example: str = ""
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
         from pydantic_core import core_schema
@@ -49,14 +58,19 @@ class QuantityOf:
 
     def read(self, value: object) -> float | str:
         """Return the value in SI units, or its text; raises what a pydantic validator may raise."""
-        try:
+        with _placing():
             text = quantity_text(value, self.dimension)
-            found = text if self.dimension is None else parse_quantity(text, self.dimension)
-            if isinstance(found, float) and not self.least <= found <= self.most:
-                raise DescriptionError(self.wrong, self.remedy, text=shown(text), example=self.example)
-        except InputError as fault:
-            raise model_fault(fault) from None
-        return found
+            return text if self.dimension is None else within(text, self.dimension, self.least, self.most)
+
+
+class Beside(Protocol):
+    """What is known where a field is read.  context : as in `read_model`; data : the keys before it in its table"""
+
+    @property
+    def context(self) -> Any: ...
+
+    @property
+    def data(self) -> dict[str, Any]: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,21 +78,32 @@ class ReadAs:
     """Marks a pydantic field that is made of what a file says.
 
     form : the type that the file has; read : makes the value of it, and may raise InputError
+    by : whether `read` is given what is `Beside` as well
     """
 
     form: Any
-    read: Callable[[Any], object]
+    read: Callable[..., object]
+    by: bool = False
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
         from pydantic_core import core_schema
 
-        return core_schema.no_info_after_validator_function(self._made, handler.generate_schema(self.form))
+        return core_schema.with_info_after_validator_function(self._made, handler.generate_schema(self.form))
 
-    def _made(self, said: Any) -> object:
-        try:
-            return self.read(said)
-        except InputError as fault:
-            raise model_fault(fault) from None
+    def _made(self, entries: Any, known: Beside) -> object:
+        with _placing():
+            return self.read(entries, known) if self.by else self.read(entries)
+
+
+class EachAs(ReadAs):
+    """Marks a table, or a list, whose entries are read one by one.  read : of key, entry and what is `Beside`"""
+
+    def _made(self, entries: Any, known: Beside) -> object:
+        made = {}
+        for key, entry in entries.items() if isinstance(entries, dict) else enumerate(entries):
+            with _placing(key):
+                made[key] = self.read(key, entry, known)
+        return made if isinstance(entries, dict) else [*made.values()]
 
 
 Length = Annotated[float, QuantityOf("length")]
@@ -86,16 +111,10 @@ QuantityText = Annotated[str, QuantityOf(None)]
 """A quantity whose dimension is known only later, kept as text."""
 
 
-def model_fault(fault: InputError) -> PydanticCustomError:
-    """Return a failure in the form that a pydantic validator may raise; `read_model` gives it file and line."""
-    from pydantic_core import PydanticCustomError
-
-    kind = "unit" if isinstance(fault, UnitError) else "fault"
-    return PydanticCustomError(kind, "{what}", {"what": fault.what, "remedy": fault.remedy})
-
-
-def read_model(document: Document, model: type[ModelT], error_class: type[InputError] = DescriptionError) -> ModelT:
-    """Return the document as an instance of a pydantic model.
+def read_model(
+    document: Document, model: type[ModelT], error_class: type[InputError] = DescriptionError, context: object = None
+) -> ModelT:
+    """Return the document as an instance of a pydantic model.  context : that its fields are read by
 
     Raises UnitError for a quantity and `error_class` for everything else, at the first fault in the file. The error has
     the line, the offending value and the remedy (from the field's `examples`, or the nearest known key).
@@ -103,9 +122,11 @@ def read_model(document: Document, model: type[ModelT], error_class: type[InputE
     from pydantic import ValidationError
 
     try:
-        return model.model_validate(document.data)
+        return model.model_validate(document.data, context=context)
     except ValidationError as faults:
         details = faults.errors(include_url=False)
+    for detail in details:
+        detail["loc"] += detail.get("ctx", {}).get("keys", ())
     # A misspelt key is also a missing one: the misspelling is what its writer can see.
     misspelt = {detail["loc"][:-1] for detail in details if detail["type"] == "extra_forbidden"}
     wrong = [d for d in details if d["type"] != "missing" or d["loc"][:-1] not in misspelt]

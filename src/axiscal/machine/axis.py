@@ -10,39 +10,15 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Generic, Literal, TypeVar
 
 from axiscal.document import Document, shown
-from axiscal.exceptions import DescriptionError, InputError, UnitError
+from axiscal.exceptions import DescriptionError, InputError
 from axiscal.language.spoken import said
-from axiscal.units import Dimension, format_quantity, parse_quantity
+from axiscal.units import Dimension, format_quantity, within
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
 Keys = tuple[str | int, ...]
 TableT = TypeVar("TableT", bound="BaseModel")
-
-_SHOWN_IN: dict[Dimension, str] = {
-    "length": "mm",
-    "angle": "deg",
-    "speed": "m/min",
-    "rotation_speed": "rpm",
-    "acceleration": "m/s^2",
-    "rotation_acceleration": "deg/s^2",
-}
-
-
-def within(document: Document, keys: Keys, text: str, dimension: Dimension, least: float, most: float) -> float:
-    """Return a quantity in SI units; raises UnitError, or DescriptionError when it is not between two limits."""
-    try:
-        value = parse_quantity(text, dimension)
-    except UnitError as fault:
-        raise document.fault(fault, *keys) from None
-    if least <= value <= most:
-        return value
-    what = "{text} is too small" if value < least else "{text} is too large"
-    what = "{text} is negative" if value < 0 <= least else "{text} is zero" if value == 0 else what
-    low, high = (format_quantity(limit, _SHOWN_IN[dimension]) for limit in (least, most))
-    remedy = "Write a value from {low} to {high}"
-    raise document.fault(DescriptionError(what, remedy, text=shown(text), low=low, high=high), *keys)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,15 +30,16 @@ class Stated(Generic[TableT]):
     keys: Keys
 
     def within(self, key: str, dimension: Dimension, least: float, most: float, index: int = 0) -> float | None:
-        """Return a quantity, or one of a list, in SI units, None where it is not stated; raises as `within`."""
+        """Return a quantity, or one of a list, in SI units, None where it is not stated; raises as `units.within`."""
         found = getattr(self.table, key)
-        place, text = ((key, index), found[index]) if isinstance(found, tuple) else ((key,), found)
-        return None if text is None else within(self.document, (*self.keys, *place), text, dimension, least, most)
+        place, text = ((key, index), found[index]) if isinstance(found, tuple | list) else ((key,), found)
+        with self.document.placed(*self.keys, *place):
+            return None if text is None else within(text, dimension, least, most)
 
     def each(self, key: str, dimension: Dimension, least: float, most: float) -> tuple[float, ...]:
-        """Return all quantities of a list in SI units; raises as `within`."""
-        places = enumerate(getattr(self.table, key))
-        return tuple(within(self.document, (*self.keys, key, k), text, dimension, least, most) for k, text in places)
+        """Return all quantities of a list in SI units; raises as `units.within`."""
+        found = (self.within(key, dimension, least, most, index) for index in range(len(getattr(self.table, key))))
+        return tuple(each for each in found if each is not None)
 
     def misstated(self, key: str, what: str, remedy: str, **values: object) -> InputError:
         """Return a failure placed at a key."""

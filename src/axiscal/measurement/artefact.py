@@ -20,6 +20,7 @@ from axiscal.numerics import Array, rigid
 from axiscal.units import format_quantity
 
 Vector = tuple[float, float, float]
+PLACED, TURNED, SCALE, CONE = 1e-3, 1e-3, 0.5e-6, float(np.radians(100.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,13 +46,13 @@ class Artefact:
 
     name: str
     balls: tuple[Ball, ...]
-    free: Vector
-    cone: float
+    free: Vector = (0.0, 0.0, 1.0)
+    cone: float = CONE
     keep_out: tuple[tuple[tuple[float, float], ...], ...] = ()
-    placed: float = 1e-3
-    turned: float = 1e-3
+    placed: float = PLACED
+    turned: float = TURNED
     calibrated: float | None = None
-    scale: float = 0.5e-6
+    scale: float = SCALE
     mounted: int = 1
     at: Vector = (0.0, 0.0, 0.0)
     turned_by: float = 0.0

@@ -21,7 +21,8 @@ from typing import Any, NamedTuple
 from pydantic import BaseModel, ConfigDict, Field
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.campaign_schema import MOST_READINGS, CampaignTable
+from axiscal.description.campaign_schema import CampaignTable
+from axiscal.description.target import MOST_READINGS
 from axiscal.document import Document, meant, read_model, shown
 from axiscal.document.quoting import toml_document
 from axiscal.exceptions import InputError, StudyError

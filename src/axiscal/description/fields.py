@@ -1,0 +1,219 @@
+"""What keys of campaign.toml may say, read to SI: directions, places on the machine, sizes with their bounds, names."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from typing import Annotated
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+
+from axiscal.document import QuantityText, shown
+from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
+from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import LANGUAGES, later
+from axiscal.machine import Axis
+from axiscal.measurement.setup import FINEST, Vector
+from axiscal.units import parse_quantity
+
+Ends = tuple[float, float]
+At = Callable[..., AbstractContextManager[None]]
+"""Places failures at the keys of a set-up."""
+_PLANES = ("xy", "yz", "zx")
+_SHORTEST = 2e-3
+"""m, of a line."""
+_SAME_WAY = 1e-6
+"""Sine: rounding of two directions that are one."""
+_LETTER = re.compile(r"([+-]?)([xyzXYZ])")
+WAYS = later('Write "x", "-y" or three numbers such as [1, 0, 0], in the workpiece frame')
+
+
+class Table(BaseModel):
+    """A table in which every key is known and no value is bent to fit; it is read by the machine as context."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
+
+
+def unit_vector(value: str | Sequence[float]) -> Vector:
+    """Return a direction; raises DescriptionError."""
+    if isinstance(value, str):
+        found = _LETTER.fullmatch(value)
+        if found is None:
+            raise DescriptionError("{text} is not a direction", WAYS, text=shown(value))
+        sign = -1.0 if found[1] == "-" else 1.0
+        x, y, z = (sign if letter == found[2].lower() else 0.0 for letter in "xyz")
+        return x, y, z
+    largest = max((abs(number) for number in value), default=0)
+    if len(value) != 3 or not 1e-100 < largest < 1e100:
+        raise DescriptionError("{text} is not a direction", WAYS, text=shown(list(value)))
+    x, y, z = (number / math.hypot(*value) for number in value)
+    return x, y, z
+
+
+def spot(given: Sequence[str]) -> Vector:
+    """Return a place, m; raises DescriptionError or UnitError."""
+    if len(given) != 3:
+        remedy = 'Give three lengths such as ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
+        raise DescriptionError("{text} is not a place", remedy, text=shown(list(given)))
+    x, y, z = (parse_quantity(text, "length") for text in given)
+    return x, y, z
+
+
+def span(given: Sequence[str]) -> tuple[float, float]:
+    """Return two lengths that increase, m; raises DescriptionError or UnitError."""
+    ends = [parse_quantity(text, "length") for text in given]
+    if len(ends) != 2 or not ends[0] < ends[1]:
+        raise DescriptionError("{text} does not increase", "Give the lower end first", text=shown(list(given)))
+    return ends[0], ends[1]
+
+
+def line_ends(ends: Sequence[Vector]) -> tuple[Vector, Vector]:
+    """Return both ends of a line, m; raises DescriptionError."""
+    if len(ends) != 2:
+        remedy = 'Give two places such as [["-300 mm", "-250 mm", "0 mm"], ["300 mm", "250 mm", "500 mm"]]'
+        raise DescriptionError("a line has two ends, and here are {count}", remedy, count=len(ends))
+    if math.dist(*ends) < _SHORTEST:
+        raise DescriptionError("the ends of the line are one place", "Give two places that are apart")
+    return ends[0], ends[1]
+
+
+def arc_ends(given: Sequence[str]) -> Ends:
+    """Return from where to where an arc goes, rad; raises DescriptionError or UnitError."""
+    if len(given) != 2:
+        raise DescriptionError("{text} has not two ends", 'Write ["0 deg", "360 deg"]', text=shown(given))
+    low, high = (parse_quantity(text, "angle") for text in given)
+    if not 0 < high - low <= 4 * math.tau:
+        raise DescriptionError("{text} is no arc", "Give the lower end first", text=shown(given))
+    return low, high
+
+
+def plane_ways(given: str | Sequence[str | Sequence[float]]) -> tuple[Vector, Vector]:
+    """Return two directions in a plane, across each other; raises DescriptionError."""
+    if isinstance(given, str) and given not in _PLANES:
+        remedy = 'Write "xy", "yz", "zx" or two directions'
+        raise DescriptionError("{text} is not a plane", remedy, text=shown(given))
+    ways = [np.array(unit_vector(way)) for way in given]
+    if len(ways) != 2 or np.linalg.norm(np.cross(ways[0], ways[1])) < _SAME_WAY:
+        remedy = "Give two directions that are not the same"
+        raise DescriptionError("{text} is not a plane", remedy, text=shown(given))
+    second = ways[1] - (ways[1] @ ways[0]) * ways[0]
+    (x, y, z), (u, v, w) = ways[0].tolist(), (second / np.linalg.norm(second)).tolist()
+    return (x, y, z), (u, v, w)
+
+
+Spot = Annotated[Vector, ReadAs(list[QuantityText], spot)]
+Span = Annotated[Ends, ReadAs(list[QuantityText], span)]
+Direction = Annotated[Vector, ReadAs(str | list[float | int], unit_vector)]
+
+
+def coordinate(text: str, axis: Axis) -> float:
+    """Return a position on an axis, m or rad; raises UnitError, or DescriptionError outside the travel."""
+    value = parse_quantity(text, axis.dimension)
+    low, high = axis.travel
+    slack = 1e-9 * axis.length
+    if not low - slack <= value <= high + slack:
+        what = '"{text}" is outside the travel of {axis}'
+        raise DescriptionError(what, "It goes from {travel}", text=text, axis=axis.name, travel=axis.travel_text)
+    return min(max(value, low), high)
+
+
+def ends_on(texts: Sequence[str], axis: Axis) -> tuple[float, float]:
+    """Return two increasing coordinates within the travel, m or rad; raises DescriptionError or UnitError."""
+    if len(texts) != 2:
+        remedy = "The axis goes from {travel}"
+        raise DescriptionError("{text} has not two ends", remedy, text=shown(texts), travel=axis.travel_text)
+    low, high = (coordinate(text, axis) for text in texts)
+    if not low < high:
+        raise DescriptionError("{text} does not increase", "Give the lower end first", text=shown(texts))
+    return low, high
+
+
+def _coordinate(name: str, text: str, known: Beside) -> float:
+    return coordinate(text, known.context.axis(name))
+
+
+def _ends(name: str, texts: Sequence[str], known: Beside) -> Ends:
+    return ends_on(texts, known.context.axis(name))
+
+
+Coordinates = Annotated[dict[str, float], EachAs(dict[str, QuantityText], _coordinate)]
+Spans = Annotated[dict[str, Ends], EachAs(dict[str, list[QuantityText]], _ends)]
+"""By the name of an axis."""
+LONGEST_NAME = 80
+"""Characters of a name that still fits on a line of a program."""
+_LONGEST = 500
+"""Characters of a text in a report: a paragraph; a matter of taste."""
+_SLOWEST = 1e-3 / 60 * (1 - 1e-9)
+"""1 mm/min, and rounding: programs write whole numbers."""
+
+
+def _name(text: str) -> str:
+    if not text.strip() or text != text.strip() or not text.isprintable() or len(text) > LONGEST_NAME:
+        remedy = "Give it up to {most} printable characters, without blanks at its ends"
+        raise DescriptionError("{text} is not a name", remedy, text=shown(text), most=LONGEST_NAME)
+    return text
+
+
+def _printable(text: str) -> str:
+    if len(text) > _LONGEST or not text.replace("\n", " ").isprintable():
+        remedy = "Write up to {most} characters that can be printed"
+        raise DescriptionError("{text} cannot stand in a report", remedy, text=shown(text), most=_LONGEST)
+    return text
+
+
+def _country(text: str) -> str:
+    if text and not (len(text) == 2 and text.isascii() and text.isalpha()):
+        raise DescriptionError("{text} is no country of two letters", 'Such as country = "DE"', text=shown(text))
+    return text
+
+
+def _language(text: str) -> str:
+    if text and text not in LANGUAGES:
+        known = ", ".join(f'language = "{short}" ({long})' for short, long in LANGUAGES.items())
+        raise DescriptionError("{text} is no language of reports", "There are {known}", text=shown(text), known=known)
+    return text
+
+
+def _active(given: bool | str | list[str]) -> bool | tuple[str, ...]:
+    """Return whether a compensation is active, or its files."""
+    if isinstance(given, bool):
+        return given
+    names = (given,) if isinstance(given, str) else tuple(given)
+    if not names or not all(name.strip() and name.isprintable() for name in names):
+        remedy = 'Write false, true, or the files that are active, such as ["X.comp", "Y.comp"]'
+        raise DescriptionError("compensation_active = {text} names no file", remedy, text=shown(given))
+    return names
+
+
+def _patterns(given: str | list[str]) -> tuple[str, ...]:
+    """Return names of files, or patterns of such."""
+    patterns = (given,) if isinstance(given, str) else tuple(given)
+    wrong = next((each for each in patterns if not each.strip() or not each.isprintable()), None)
+    if wrong is not None:
+        raise DescriptionError("records = {text} names no file", 'Write "records/*.axiscal"', text=shown(wrong))
+    return patterns
+
+
+Name = Annotated[str, ReadAs(str, _name)]
+Printable = Annotated[str, ReadAs(str, _printable)]
+Country = Annotated[str, ReadAs(Printable, _country)]
+Language = Annotated[str, ReadAs(Printable, _language)]
+Patterns = Annotated[tuple[str, ...], ReadAs(str | list[str], _patterns)]
+Active = Annotated[bool | tuple[str, ...], ReadAs(bool | str | list[str], _active)]
+Wanted = Annotated[float, QuantityOf("length", FINEST)]
+Doubt = Annotated[float, QuantityOf("length", 0.0, 0.1)]
+Base = Annotated[float, QuantityOf("length", 0.0)]
+Bar = Annotated[float, QuantityOf("length", 5e-3, 5.0)]
+Scale = Annotated[float, QuantityOf("angle", 0.0, 1e-2)]
+Cone = Annotated[float, QuantityOf("angle", FINEST, math.pi)]
+Placed = Annotated[float, QuantityOf("length", FINEST, 1.0)]
+Turned = Annotated[float, QuantityOf("angle", FINEST, 1.0)]
+Turn = Annotated[float, QuantityOf("angle", -math.tau, math.tau)]
+Duration = Annotated[float, QuantityOf("time", 0.0)]
+Feed = Annotated[float, QuantityOf("speed", _SLOWEST)]
+Warmth = Annotated[float, QuantityOf("temperature_difference", 0.0)]
+Growth = Annotated[float, QuantityOf("expansion", 0.0)]
+"""What keys may say, in SI, with their bounds."""
