@@ -38,8 +38,11 @@ class Stated(Generic[TableT]):
 
     def each(self, key: str, dimension: Dimension, least: float, most: float) -> tuple[float, ...]:
         """Return all quantities of a list in SI units; raises as `units.within`."""
-        found = (self.within(key, dimension, least, most, index) for index in range(len(getattr(self.table, key))))
-        return tuple(each for each in found if each is not None)
+        found = list[float]()
+        for index, text in enumerate(getattr(self.table, key)):
+            with self.document.placed(*self.keys, key, index):
+                found.append(within(text, dimension, least, most))
+        return tuple(found)
 
     def misstated(self, key: str, what: str, remedy: str, **values: object) -> InputError:
         """Return a failure placed at a key."""
