@@ -275,12 +275,12 @@ def test_a_prior_beside_records_of_sisters_is_refused(folder: Path) -> None:
     (folder / "campaign.toml").write_text(text)
     found = read_campaign(folder / "campaign.toml").sisters
     assert found is not None
-    assert found.records == (folder / "more.axiscal",)
+    assert found.files(folder) == (folder / "more.axiscal",)
     (folder / "campaign.toml").write_text(text.replace('"more.axiscal"', '"store:"'))
     stored = read_campaign(folder / "campaign.toml").sisters
     assert stored is not None
-    assert stored.records == (Path("store:"),)
-    with pytest.raises(DescriptionError, match=r"line 4: sisters\.records: .* names another prior"):
+    assert stored.files(folder) == (Path("store:"),)
+    with pytest.raises(DescriptionError, match=r"line 3: sisters: .* names another prior"):
         campaign_from_texts(f'prior = "old.axiscal"\n{text}', "campaign.toml", MACHINE, "machine.toml")
 
 

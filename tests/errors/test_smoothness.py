@@ -86,7 +86,7 @@ def test_the_likelihood_of_rough_curves_and_planes_has_the_slope_that_it_says() 
     [
         ('EXX = { std = "10 um", length = "100 mm", smoothness = 2.0 }', "smoothness = 2.0 is not possible"),
         ('EXX = { std = "10 um", knots = 5, smoothness = 1.5 }', "without a correlation length"),
-        ('C0Y = { std = "10 urad", smoothness = 1.5 }', "C0Y is a constant"),
+        ('C0Y = { std = "10 urad", smoothness = 1.5 }', "C0Y has no smoothness"),
     ],
 )
 def test_a_smoothness_that_means_nothing_is_refused(entry: str, words: str) -> None:

@@ -7,7 +7,6 @@ Who measured what with which instruments: what a report is signed for, and no fi
 
 from __future__ import annotations
 
-import glob
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -30,7 +29,6 @@ from axiscal.machine.motion import Driving
 from axiscal.measurement.instruments.kind import CARRIED
 from axiscal.measurement.setup import Setup, Vector
 from axiscal.record.events import Mounted
-from axiscal.record.log import STORED
 from axiscal.units import format_quantity
 
 
@@ -107,7 +105,7 @@ class CampaignDescription:
     compensation_active: bool | tuple[str, ...] | None = None
     particulars: Particulars = NOTHING_SAID
     usual_doubts: bool = True
-    sisters: SistersNamed | None = None
+    sisters: SistersTable | None = None
     doubt: float | None = None
     controls: tuple[str, ...] = ("linuxcnc",)
 
@@ -208,8 +206,6 @@ def _described(
     usual = table.usual == "on"
     machine = usual_machine(machine, setups) if usual else machine
     source = str(document.path)
-    sisters = sisters_named(table.sisters, document)
-    doubt = None if table.sisters is None else table.sisters.doubt
     return CampaignDescription(
         machine=machine,
         target=target,
@@ -224,8 +220,8 @@ def _described(
         compensation_active=table.compensation_active,
         particulars=read_particulars(table, machine),
         usual_doubts=usual_doubts,
-        sisters=sisters,
-        doubt=doubt,
+        sisters=table.sisters,
+        doubt=None if table.sisters is None else table.sisters.doubt,
         controls=tuple(dict.fromkeys(table.controls)),
     )
 
@@ -246,37 +242,6 @@ def _refuse_budget(target: Target, setups: tuple[Setup, ...], document: Document
         remedy = "Allow more time, or give a shorter setup_time"
         fault = DescriptionError(what, remedy, given=format_quantity(target.budget, "min", 3), needs=needs)
         raise document.fault(fault, "target", "budget")
-
-
-@dataclass(frozen=True, slots=True)
-class SistersNamed:
-    """records : in the order of their names, "store:" for all of the store; type : what their machines are called, None
-    for any; directions : in which sisters may differ together
-    """
-
-    records: tuple[Path, ...]
-    directions: int
-    type: str | None = None
-
-
-def sisters_named(table: SistersTable | None, document: Document) -> SistersNamed | None:
-    """Return the records that [sisters] names beside campaign.toml; None where it names none.
-
-    A record that is opened again carries what they taught, and needs none of them. Raises DescriptionError for two
-    priors.
-    """
-    if table is None or (table.records is None and table.type is None):
-        return None
-    if document.data.get("prior"):
-        what = "[sisters] names records, and `prior` names another prior"
-        raise document.fault(DescriptionError(what, "Leave one of them out"), "sisters", "records")
-    found = set[Path]()
-    for pattern in (STORED,) if table.records is None else table.records:
-        if pattern.startswith(STORED):
-            found.add(Path(pattern))
-        else:
-            found |= {Path(name) for name in glob.glob(str(document.path.parent / pattern))}
-    return SistersNamed(tuple(sorted(found)), table.directions, table.type)
 
 
 def with_mounted(description: CampaignDescription, mounted: Sequence[Mounted]) -> CampaignDescription:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from glob import glob
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field
@@ -49,6 +51,7 @@ from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.instrument import INSTRUMENTS, Instrument
 from axiscal.measurement.instruments.kind import Reads
 from axiscal.measurement.setup import FINEST, Vector
+from axiscal.record.log import STORED
 from axiscal.units import dimension_of, format_quantity, within
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -285,6 +288,23 @@ class SistersTable(Table):
     directions: int = Field(3, ge=0, le=10, examples=["3"])
     doubt: float | None = Field(None, gt=0, lt=1, examples=["0.1"])
 
+    @property
+    def names_some(self) -> bool:
+        """Whether it says whose records teach."""
+        return self.records is not None or self.type is not None
+
+    def files(self, folder: Path) -> tuple[Path, ...]:
+        """Return the records in the order of their names, "store:" for all of the store.  folder : of campaign.toml"""
+        named = (STORED,) if self.records is None else self.records
+        found = ([each] if each.startswith(STORED) else glob(str(folder / each)) for each in named)
+        return tuple(sorted({Path(name) for names in found for name in names}))
+
+
+def _sisters(named: SistersTable, known: Beside) -> SistersTable:
+    if named.names_some and known.data.get("prior"):
+        raise DescriptionError("[sisters] names records, and `prior` names another prior", "Leave one of them out")
+    return named
+
 
 class CampaignTable(Table):
     """The whole of campaign.toml."""
@@ -301,7 +321,9 @@ class CampaignTable(Table):
     tool_eccentricity: Doubt | None = Field(None, examples=['"5 um"'])
     artefacts: list[ArtefactTable] = Field(default=[], examples=["[…]"])
     target: TargetTable = Field(default_factory=lambda: TargetTable.model_validate({}))
-    sisters: SistersTable | None = Field(None, examples=['{ records = "records/*.axiscal" }'])
+    sisters: Annotated[SistersTable, ReadAs(SistersTable, _sisters, by=True)] | None = Field(
+        None, examples=['{ records = "records/*.axiscal" }']
+    )
     programs: ProgramsTable = Field(default_factory=lambda: ProgramsTable.model_validate({}))
     report: ReportTable = Field(default_factory=lambda: ReportTable.model_validate({}))
     setups: list[SetupTable] = Field(examples=["[…]"])

@@ -23,7 +23,6 @@ from axiscal.document import Document, meant, shown
 from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
-from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.instrument import INSTRUMENTS, PRINTER_PROBE, Instrument, model_of
 from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.instruments.distance import of_each
@@ -99,31 +98,28 @@ class _Reader(SiteReader):
         site = self.site()
         with self._at("direction"):
             direction = self._direction(usual, site)
-        station = table.station if site is None or site.station is None else site.station
         with self._at("stations"):
             stations = stations_of(table, usual)
-        with self._at("moves"):
-            moves = self._moves() if site is None else site.moves
         noise = usual.noise if table.noise is None else table.noise
-        material = material_of(table, usual, around.machine, direction, moves, self._at)
+        material = material_of(table, usual, around.machine, direction, site.moves, self._at)
         base = self._base(usual)
-        unknowns = self._unknowns(usual, moves, site)
+        unknowns = self._unknowns(usual, site)
         unknowns = of_each(unknowns, len(stations)) if stations else unknowns
-        rate, said = drift_of(table, usual, moves, unknowns, around.usual_doubts)
+        rate, said = drift_of(table, usual, site.moves, unknowns, around.usual_doubts)
         setup = Setup(
             name=table.name,
             instrument=usual.name,
             direction=direction,
-            moves=moves,
-            park=self._parked(moves) if site is None else site.park,
+            moves=site.moves,
+            park=site.park,
             noise=math.hypot(noise, table.resolution / math.sqrt(12.0)),
             unknowns=(*unknowns, *material.unknowns),
             setup_time=usual.setup_time * self._mountings(site) if table.setup_time is None else table.setup_time,
             settle=usual.settle if table.settle is None else table.settle,
             reading_time=usual.reading_time if table.reading_time is None else table.reading_time,
-            raster=self._raster(moves, base or 0.0) if site is None else (0.0,) * len(self._machine.axes),
+            raster=self._raster(site, base or 0.0),
             approach=table.approach,
-            station=station,
+            station=site.station or table.station,
             stations=stations,
             warmer=material.warmer,
             expansion=material.expansion,
@@ -133,10 +129,10 @@ class _Reader(SiteReader):
             drift=rate,
             drift_said=said,
             resolution=table.resolution,
-            reach=self._reach(moves),
+            reach=self._reach(site.moves),
         )
-        setup = on_square(table, around.artefacts, self._at, setup)
-        setup = seen(table, around.machine, self._at, setup) if site is None else self._sited(setup, site)
+        setup = self._on_square(setup)
+        setup = seen(table, around.machine, self._at, setup) if site.chart is None else self._sited(setup, site)
         with self._at("instrument" if base is None else "base"):
             model_of(setup).check_setup(setup, self._machine)
         return self._complete(dense(table, around.machine, self._at, setup))
@@ -165,17 +161,25 @@ class _Reader(SiteReader):
                 raise DescriptionError(*lack)
         return replace(setup, lacks=lack)
 
-    def _mountings(self, site: Site | None) -> int:
+    def _mountings(self, site: Site) -> int:
         """Return how many times the usual time of mounting is needed: spheres are put up one by one, or on a board."""
-        apart = site is not None and site.artefact is not None and site.artefact.calibrated is None
-        return len(site.balls) if site is not None and apart and site.contact == "retracted" else 1
+        apart = site.artefact is not None and site.artefact.calibrated is None
+        return len(site.balls) if apart and site.contact == "retracted" else 1
 
-    def _direction(self, usual: Instrument, site: Site | None) -> Vector:
-        if site is None or site.direction is None:
-            return _direction(self._table.direction, usual)
-        if self._table.direction is not None and usual.model.reads == "length" and usual.name == "interferometer":
+    def _direction(self, usual: Instrument, site: Site) -> Vector:
+        """Return the direction; of an instrument that needs none, the diagonal, along which readings are planned."""
+        given = self._table.direction
+        if site.direction is not None and usual.name == "interferometer" and given is not None:
             raise DescriptionError("the direction of a laser along a line is that of the line", "Take direction out")
-        return site.direction if self._table.direction is None else _direction(self._table.direction, usual)
+        if site.direction is not None and given is None:
+            return site.direction
+        if usual.model.directed and given is None:
+            what = '"direction" is missing: the {instrument} reads in one direction'
+            raise DescriptionError(what, WAYS, instrument=usual.name)
+        if not usual.model.directed and given is not None:
+            remedy = "Take direction out"
+            raise DescriptionError("a {instrument} has no direction of its own", remedy, instrument=usual.name)
+        return given or (_DIAGONAL, _DIAGONAL, _DIAGONAL)
 
     def _reach(self, moves: tuple[int, ...]) -> tuple[tuple[float, float], ...] | None:
         if not self._table.reach:
@@ -205,37 +209,19 @@ class _Reader(SiteReader):
                 raise DescriptionError(what, remedy, instrument=usual.name)
         return base
 
-    def _moves(self) -> tuple[int, ...]:
-        indices = self._table.moves
-        if indices == ():
-            known = ", ".join(f'"{axis.name}"' for axis in self._machine.axes)
-            remedy = "Name axes, such as moves = [{known}], or leave it out"
-            raise DescriptionError("nothing moves", remedy, known=known)
-        return tuple(range(len(self._machine.axes))) if indices is None else indices
-
-    def _parked(self, moves: tuple[int, ...]) -> tuple[float, ...]:
-        places = [sum(axis.travel) / 2 for axis in self._machine.axes]
-        for name, place in self._table.park.items():
-            index = self._machine.index(name)
-            if index in moves:
-                with self._at("park", name):
-                    what = "{axis} is parked, but it is one of the axes that move"
-                    raise DescriptionError(what, "Take it out here, or take {axis} out of moves", axis=name)
-            places[index] = place
-        return tuple(places)
-
-    def _raster(self, moves: tuple[int, ...], base: float) -> tuple[float, ...]:
+    def _raster(self, site: Site, base: float) -> tuple[float, ...]:
+        """Return the steps of the axes; those of a chart are its own."""
         steps = [0.0] * len(self._machine.axes)
-        for name, step in self._table.raster.items():
+        for name, step in self._table.raster.items() if site.chart is None else ():
             with self._at("raster", name):
-                index = self._moving(name, moves, "{axis} has a raster, but does not move in this set-up")
+                index = self._moving(name, site.moves, "{axis} has a raster, but does not move in this set-up")
                 _refuse_no_multiple(step, self._machine.axes[index], base / 2)
                 steps[index] = step
         return tuple(steps)
 
-    def _unknowns(self, usual: Instrument, moves: tuple[int, ...], site: Site | None) -> tuple[Unknown, ...]:
-        given = self._table.unknowns
-        if site is not None and site.unknowns:
+    def _unknowns(self, usual: Instrument, site: Site) -> tuple[Unknown, ...]:
+        given, moves = self._table.unknowns, site.moves
+        if site.unknowns:
             return site.unknowns if given is None else self._chosen(given, site, usual)
         if given is None:
             turns = any(self._machine.axes[index].rotary for index in moves)
@@ -281,18 +267,18 @@ class _Reader(SiteReader):
             axes = ", ".join(moving) or said("none")
             raise DescriptionError(what, remedy, instrument=usual.name, axes=axes)
 
-
-def _direction(value: Vector | None, usual: Instrument) -> Vector:
-    """Return the direction; of an instrument that needs none, the diagonal, along which its readings are planned."""
-    if not usual.model.directed:
-        if value is not None:
-            remedy = "Take direction out"
-            raise DescriptionError("a {instrument} has no direction of its own", remedy, instrument=usual.name)
-        return _DIAGONAL, _DIAGONAL, _DIAGONAL
-    if value is None:
-        what = '"direction" is missing: the {instrument} reads in one direction'
-        raise DescriptionError(what, WAYS, instrument=usual.name)
-    return value
+    def _on_square(self, setup: Setup) -> Setup:
+        """Return a set-up whose straightedge is a leg of a square: the turn of the square replaces the slope."""
+        if self._table.instrument != "straightedge" or self._table.artefact is None:
+            return setup
+        square = replace(self._named(), mounted=self._table.mounted)
+        if square.balls:
+            with self._at("artefact"):
+                remedy = 'Let the square be an artefact without balls: [[artefacts]] name = "square", turned = "1 mrad"'
+                raise DescriptionError("{square} has balls: a straightedge lies at none", remedy, square=square.name)
+        own = tuple(unknown for unknown in setup.unknowns if unknown.name != "slope")
+        turns = tuple(Unknown(name, square.turned, square.standing) for name in SQUARE)
+        return replace(setup, unknowns=(*own, *turns))
 
 
 def _refuse_no_multiple(step: float, axis: Axis, margin: float) -> None:
@@ -305,23 +291,3 @@ def _refuse_no_multiple(step: float, axis: Axis, margin: float) -> None:
         )
         size = format_quantity(step, axis.unit)
         raise DescriptionError(what, remedy, text=size, axis=axis.name, travel=axis.travel_text)
-
-
-def on_square(table: SetupTable, artefacts: Mapping[str, Artefact], at: At, setup: Setup) -> Setup:
-    """Return a set-up whose straightedge is a leg of a square: the turn of the square replaces the slope.
-
-    Raises DescriptionError for an artefact that is not there, or has balls.
-    """
-    if table.instrument != "straightedge" or table.artefact is None:
-        return setup
-    with at("artefact"):
-        if table.artefact not in artefacts:
-            remedy = meant(table.artefact, artefacts, said("Add it under [[artefacts]], with its name alone"))
-            raise DescriptionError("there is no artefact {artefact}", remedy, artefact=shown(table.artefact))
-        square = replace(artefacts[table.artefact], mounted=table.mounted)
-        if square.balls:
-            remedy = 'Let the square be an artefact without balls: [[artefacts]] name = "square", turned = "1 mrad"'
-            raise DescriptionError("{square} has balls: a straightedge lies at none", remedy, square=square.name)
-    own = tuple(unknown for unknown in setup.unknowns if unknown.name != "slope")
-    turns = tuple(Unknown(name, square.turned, square.standing) for name in SQUARE)
-    return replace(setup, unknowns=(*own, *turns))

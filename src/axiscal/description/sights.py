@@ -6,7 +6,7 @@ Trackers and tracers say by `stations`, `range`, `sight` and `faces` where they 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -182,9 +182,6 @@ def _longest(taken: NDArray[np.bool_]) -> tuple[int, int]:
     return int(starts[best]), int(stops[best] - starts[best])
 
 
-Lack = tuple[str, str]
-"""What is not said, and what to add."""
-
 _ONE_LINE = ("interferometer", "autocollimator")
 _LOOKING = ("tracker", "tracer")
 _KEYS = ("range", "sight", "faces")
@@ -290,56 +287,38 @@ def stations_of(table: SetupTable, usual: Instrument) -> tuple[Vector, ...]:
     return tuple(said)
 
 
-def lack_of(setup: Setup, machine: Machine, reached: Collection[str], chosen: bool) -> Lack | None:
-    """Return what a set-up does not say of where it can be read; None where it says enough.
+_AT_BALL = later('write artefact = "..." and [[artefacts]] with its place')
+_ON_LINE = later("along = [...] with the two ends of a line")
+_WITHIN = later(
+    'name the axis in moves, and where its reference reaches: reach = {{ X = ["150 mm", "450 mm"] }}; or {line}'
+)
+_PLACED = {
+    "ballbar": later('write length = "150 mm", and station or artefact for the centre'),
+    "rtest": _AT_BALL,
+    "sphere": _AT_BALL,
+    "straightedge": _WITHIN,
+    "probe": later("{within}; or an artefact with its balls"),
+}
+"""By instrument: what says where it reads; of others the one axis that moves, or a line."""
+
+
+def lack_of(setup: Setup, machine: Machine, reached: Collection[str], chosen: bool) -> tuple[str, str] | None:
+    """Return what a set-up does not say of where it can be read, and what to add; None where it says enough.
 
     reached : names of the axes whose reach is stated; chosen : the axes that move are named, not all by default
     """
-    if setup.chart is not None or setup.instrument in ("tracker", "tracer"):
-        return None
-    if setup.instrument in ("rtest", "sphere", "ballbar"):
-        return _without_place(setup)
     moving = [machine.axes[k].name for k in setup.moves]
-    unreached = [name for name in moving if name not in reached]
-    if setup.instrument in ("straightedge", "probe"):
-        return _without_reach(setup, unreached) if unreached else None
-    if len(moving) == 1 or (setup.instrument not in _ONE_LINE and (chosen or not unreached)):
+    everywhere = all(name in reached for name in moving)
+    enough = len(moving) == 1 or (setup.instrument not in _ONE_LINE and (chosen or everywhere))
+    if setup.instrument in ("rtest", "sphere", "ballbar"):
+        enough = False
+    elif setup.instrument in ("straightedge", "probe"):
+        enough = everywhere
+    if enough or setup.chart is not None or setup.instrument in _LOOKING:
         return None
-    return _of_many_axes(setup, moving)
-
-
-def _without_place(setup: Setup) -> Lack:
-    if setup.instrument == "ballbar":
-        what = 'a ball bar reads at its own length from a centre, and "{setup}" does not state it'
-        remedy = 'write length = "150 mm", and station or artefact for the centre'
-    elif setup.instrument == "rtest":
-        what, remedy = 'an R-test reads at a ball, and the set-up "{setup}" names none', _AT_BALL
-    else:
-        what, remedy = 'a sphere probe reads at a ball, and the set-up "{setup}" names none', _AT_BALL
-    return said(what, setup=setup.name), said(remedy)
-
-
-_AT_BALL = later('write artefact = "..." and [[artefacts]] with its place')
-
-
-def _of_many_axes(setup: Setup, moving: Sequence[str]) -> Lack:
-    what = 'a {instrument} follows one axis or one line: in "{setup}" {axes} may move'
-    if setup.instrument[0] in "aei":
-        what = 'an {instrument} follows one axis or one line: in "{setup}" {axes} may move'
-    remedy = 'write moves = ["{axis}"], or along = [...] with the two ends of a line'
-    lack = said(what, instrument=setup.instrument, setup=setup.name, axes=" ".join(moving))
-    return lack, said(remedy, axis=moving[0] if moving else "X")
-
-
-def _without_reach(setup: Setup, axes: Sequence[str]) -> Lack:
-    what = 'it is not said where along {axes} the {instrument} of "{setup}" touches'
-    remedy = (
-        'name the axis in moves, and where its reference reaches: reach = {{ X = ["150 mm", "450 mm"] }}; or {line}'
+    what = said(
+        'it is not said where the {instrument} of "{setup}" reads', instrument=setup.instrument, setup=setup.name
     )
-    if setup.instrument == "probe":
-        remedy = (
-            'name the axis in moves, and where its reference reaches: reach = {{ X = ["150 mm", "450 mm"] }}; '
-            "or {line}; or an artefact with its balls"
-        )
-    line = said("along = [...] with the two ends of a line")
-    return said(what, axes=" ".join(axes), instrument=setup.instrument, setup=setup.name), said(remedy, line=line)
+    line, axis = said(_ON_LINE), moving[0] if moving else "X"
+    remedy = _PLACED.get(setup.instrument, later('write moves = ["{axis}"], or {line}'))
+    return what, said(remedy, axis=axis, line=line, within=said(_WITHIN, line=line))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -16,7 +16,7 @@ from axiscal.document import Document, shown
 from axiscal.document.quoting import meant
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import listed, said
-from axiscal.machine import Axis, Machine
+from axiscal.machine import Machine
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
@@ -66,7 +66,7 @@ class Surroundings:
 class Site:
     """The place where a set-up is read, and the unknowns of that; as in `Setup`."""
 
-    chart: Chart
+    chart: Chart | None
     moves: tuple[int, ...]
     park: tuple[float, ...]
     contact: Contact
@@ -92,8 +92,8 @@ class SiteReader:
         parts = zip(TOOL, around.tool, strict=True)
         self._tool = tuple(Unknown(name, std, "tool") for name, std in parts if turns and std > 0)
 
-    def site(self) -> Site | None:
-        """Return where the set-up is read; None where any pose of the axes that move will do.
+    def site(self) -> Site:
+        """Return where the set-up is read; without a chart where any pose of the axes that move will do.
 
         Raises DescriptionError or UnitError.
         """
@@ -101,10 +101,20 @@ class SiteReader:
         if self._table.along is not None:
             return self._line(self._table.along)
         if self._table.instrument == "ballbar":
-            return None if self._table.length is None else self._bar(self._table.length)
+            return self._anywhere() if self._table.length is None else self._bar(self._table.length)
         if self._table.instrument in TOUCHING and self._table.artefact is not None:
             return self._held()
-        return None
+        return self._anywhere()
+
+    def _anywhere(self) -> Site:
+        moves = self._table.moves
+        if moves == ():
+            known = ", ".join(f'"{axis.name}"' for axis in self._machine.axes)
+            with self._at("moves"):
+                remedy = "Name axes, such as moves = [{known}], or leave it out"
+                raise DescriptionError("nothing moves", remedy, known=known)
+        moves = tuple(range(len(self._machine.axes))) if moves is None else moves
+        return Site(None, moves, self._parked(moves), "free")
 
     def _line(self, ends: tuple[Vector, Vector]) -> Site:
         step, park = self._table.raster.get("along", 0.0), self._park()
@@ -133,7 +143,7 @@ class SiteReader:
         return Site(
             chart,
             tuple(sorted(moving)),
-            tuple(self._park(moving)),
+            tuple(self._park([*moving])),
             "held",
             (zero, *owned, *self._tool),
             artefact,
@@ -224,7 +234,7 @@ class SiteReader:
         steps = tuple(self._step(self._machine.axes[k].name) for k in turning)
         self._refuse_one_place(turning, steps)
         coordinates = turns(self._machine, turning, steps)
-        park, room = self._park(set(turning)), self._room(artefact)
+        park, room = self._park(turning), self._room(artefact)
         contact: Contact = "held" if self._table.instrument == "rtest" else "retracted"
         back = 0.0 if contact == "held" else self._table.retract or RETRACT
         free, touching = np.array(artefact.free), (back, self._coming(), self._touching(artefact))
@@ -260,20 +270,24 @@ class SiteReader:
             )
             raise DescriptionError(what, remedy)
 
-    def _artefact(self) -> tuple[Artefact, tuple[int, ...]]:
-        name = self._table.artefact or ""
-        with self._at("artefact"):
-            if name not in self._around.artefacts:
-                known = ", ".join(f'"{each}"' for each in self._around.artefacts) or said("none")
-                remedy = meant(
-                    name, self._around.artefacts, said("Known are {known}; add it under [[artefacts]]", known=known)
-                )
+    def _named(self) -> Artefact:
+        """Return the artefact that the table names; raises DescriptionError where there is none of that name."""
+        name, known = self._table.artefact or "", self._around.artefacts
+        if name not in known:
+            with self._at("artefact"):
+                names = ", ".join(f'"{each}"' for each in known) or said("none")
+                remedy = meant(name, known, said("Known are {known}; add it under [[artefacts]]", known=names))
                 raise DescriptionError("there is no artefact {artefact}", remedy, artefact=shown(name))
-            if not self._around.artefacts[name].balls:
+        return known[name]
+
+    def _artefact(self) -> tuple[Artefact, tuple[int, ...]]:
+        named = self._named()
+        if not named.balls:
+            with self._at("artefact"):
                 remedy = 'Add balls = {{ one = ["0 mm", …] }}'
-                raise DescriptionError("{name} has no ball to be read", remedy, name=shown(name))
+                raise DescriptionError("{name} has no ball to be read", remedy, name=shown(named.name))
         table = self._table
-        artefact = self._around.artefacts[name].put(table.at or (0.0, 0.0, 0.0), table.turn or 0.0, table.mounted)
+        artefact = named.put(table.at or (0.0, 0.0, 0.0), table.turn or 0.0, table.mounted)
         names = [ball.name for ball in artefact.balls]
         wanted = self._table.ball if self._table.ball is not None else names
         wanted = [wanted] if isinstance(wanted, str) else wanted
@@ -301,24 +315,25 @@ class SiteReader:
                 raise DescriptionError(what, remedy, axes=", ".join(linear))
         return self._table.moves
 
-    def _park(self, moving: Sequence[int] | set[int] = ()) -> Array:
-        """Return where the axes stand that do not move: rotary ones at 0, if they can, the others in their middle."""
+    def _park(self, turning: Sequence[int] = ()) -> Array:
+        """Return where the axes stand that do not move, where the linear ones follow: rotary ones at 0, if they can."""
+        linear = (k for k, axis in enumerate(self._machine.axes) if not axis.rotary)
+        return np.array(self._parked({*turning, *linear}, at_zero=True))
 
-        def usual(axis: Axis) -> float:
-            low, high = axis.travel
-            return 0.0 if axis.rotary and low <= 0.0 <= high else (low + high) / 2
-
-        places = np.array([usual(axis) for axis in self._machine.axes])
+    def _parked(self, moves: Collection[int], at_zero: bool = False) -> tuple[float, ...]:
+        """Return where axes stand, amid their travels unless it is said.  at_zero : rotary ones at 0, if they can"""
+        places = [sum(axis.travel) / 2 for axis in self._machine.axes]
+        for k, axis in enumerate(self._machine.axes):
+            if at_zero and axis.rotary and axis.travel[0] <= 0.0 <= axis.travel[1]:
+                places[k] = 0.0
         for name, place in self._table.park.items():
             index = self._machine.index(name)
-            axis = self._machine.axes[index]
-            if index in moving or not axis.rotary:
+            if index in moves:
                 with self._at("park", name):
-                    what = "{name} is parked, but it follows the tool point here"
-                    what = "{name} is parked, but it turns here" if axis.rotary else what
-                    raise DescriptionError(what, "Take it out", name=name)
+                    what = "{axis} is parked, but it is one of the axes that move"
+                    raise DescriptionError(what, "Take it out here, or take {axis} out of moves", axis=name)
             places[index] = place
-        return places
+        return tuple(places)
 
     def _step(self, key: str) -> float:
         return self._table.raster.get(key, 0.0)

@@ -32,7 +32,7 @@ def case_of(description: CampaignDescription) -> Case:
 
     Raises DescriptionError where sisters are named that nobody has learnt from.
     """
-    if not description.prior_text and description.sisters is not None:
+    if not description.prior_text and description.sisters is not None and description.sisters.names_some:
         what = "[sisters] names records, and what they teach is not at hand"
         raise DescriptionError(what, "Read the campaign with `with_sisters`, or name a type with `prior`")
     if not description.prior_text:

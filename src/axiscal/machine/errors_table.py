@@ -5,7 +5,7 @@ Sizes must lie within what a machine can have.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from itertools import pairwise
 
@@ -66,7 +66,7 @@ def read_errors(
             if set(_needed(name)) & (described - axes.keys()):
                 continue
             stated = Stated(document, table, ("errors", key))
-            own = _checked(name, table, axes)
+            own = _checked(name, key, table, axes)
             entry = _of_two(key, name, stated, own) if isinstance(name, PlaneName) else _of_one(name, stated, own[0])
             identity = (name.component, frozenset(name.axes)) if isinstance(name, PlaneName) else name.canonical
             first, before = found.setdefault(identity, (key, entry))
@@ -88,7 +88,7 @@ def _needed(name: ErrorName | PlaneName) -> list[str]:
     return [name.axis] if name.reference is None else [name.axis, name.reference]
 
 
-def _checked(name: ErrorName | PlaneName, table: ErrorTable, axes: Mapping[str, Axis]) -> list[Axis]:
+def _checked(name: ErrorName | PlaneName, key: str, table: ErrorTable, axes: Mapping[str, Axis]) -> list[Axis]:
     """Return the axes of an error; raises DescriptionError where name, keys and axes do not fit each other."""
     needed = _needed(name)
     for wanted in needed:
@@ -103,7 +103,7 @@ def _checked(name: ErrorName | PlaneName, table: ErrorTable, axes: Mapping[str, 
     own = [axes[each] for each in needed]
     if isinstance(name, ErrorName):
         _check_location(name, own[0])
-    _check_keys(name, table)
+    _check_keys(name, key, table)
     return own
 
 
@@ -125,9 +125,23 @@ def _check_location(name: ErrorName, axis: Axis) -> None:
     raise DescriptionError(what, remedy, name=name.canonical, axis=axis.name, possible=possible)
 
 
-def _check_keys(name: ErrorName | PlaneName, table: ErrorTable) -> None:
-    """Raise DescriptionError unless the keys of an entry fit each other and the kind of error."""
-    given = [key for key, value in table if value is not None]
+_ALL = frozenset(ErrorTable.model_fields)
+_CONSTANT = frozenset({"std", "band"})
+_ELSEWHERE = later("Take it out, or give it to {error}")
+_KEYS = {
+    "location": (_CONSTANT, later("It has only std or band")),
+    "reversal": (_CONSTANT, later("Take it out, or give knots as well")),
+    "pitch": (_CONSTANT | {"period", "harmonics", "sure"}, _ELSEWHERE),
+    "step": (_CONSTANT | {"period", "at", "sure"}, _ELSEWHERE),
+    "curve": (_ALL - {"harmonics", "at"}, later("Give it to {error}_pitch or {error}_step")),
+    "plane": (_ALL - {"period"}, later("Take it out; give it to the curve of one axis")),
+}
+"""By kind of error: the keys that it may have, and what would be right for another."""
+
+
+def _check_keys(name: ErrorName | PlaneName, key: str, table: ErrorTable) -> None:
+    """Raise DescriptionError unless the keys of an entry fit each other and the kind of error.  key : as it is named"""
+    given = [key for key in ErrorTable.model_fields if key in table.model_fields_set]
     for one, other, remedy in (
         ("std", "band", later("Keep one of them: the band is four standard deviations")),
         ("knots", "spacing", later("Keep one of them: one gives the other")),
@@ -136,32 +150,28 @@ def _check_keys(name: ErrorName | PlaneName, table: ErrorTable) -> None:
             raise DescriptionError("both {one} and {other} are given", said(remedy), one=one, other=other)
     if "std" not in given and "band" not in given:
         raise DescriptionError("neither std nor band is given", 'Add how large the error may be, such as std = "10 um"')
-    if isinstance(name, PlaneName):
-        if "period" in given:
-            raise DescriptionError(
-                "an error of two axes has no period", "Take it out; give it to the curve of one axis"
-            )
-    else:
-        _check_curve(name, table, given)
+    allowed, remedy = _KEYS[_kind(name, given)]
+    for each in given:
+        value, error = shown(getattr(table, each)), key.partition("_")[0]
+        if each not in allowed:
+            what = "{key} = {value}: {name} has no {key}"
+            raise DescriptionError(what, said(remedy, error=error), key=each, value=value, name=key)
+        if isinstance(name, ErrorName) and isinstance(getattr(table, each), tuple):
+            what = "{key} = {value}: {name} is an error of one axis"
+            remedy = "Write one value; two belong to an error of two axes, such as EZXY"
+            raise DescriptionError(what, remedy, key=each, value=value, name=key)
     for knots in table.knots if isinstance(table.knots, tuple) else (table.knots,):
         if knots is not None and not 2 <= knots <= MOST_KNOTS:
             text, remedy = shown(table.knots), "Write 2 to {most}"
             raise DescriptionError("knots = {text} is not possible", remedy, text=text, most=MOST_KNOTS)
 
 
-def _check_curve(name: ErrorName, table: ErrorTable, given: list[str]) -> None:
-    """Raise DescriptionError for keys that an error of one axis, of its kind, does not have."""
-    extra = [key for key in given if key not in ("std", "band")]
-    curve = name.kind == "motion" or (name.kind == "reversal" and ("knots" in given or "spacing" in given))
-    if extra and not curve:
-        remedy = "Take it out, or give knots as well" if name.kind == "reversal" else "It has only std or band"
-        what = "{key} = {value}: {name} is a constant"
-        raise DescriptionError(what, remedy, key=extra[0], value=shown(getattr(table, extra[0])), name=name.canonical)
-    for key in ("knots", "spacing", "length"):
-        if isinstance(getattr(table, key), tuple):
-            what = "{key} = {value}: {name} is an error of one axis"
-            remedy = "Write one value; two belong to an error of two axes, such as EZXY"
-            raise DescriptionError(what, remedy, key=key, value=shown(list(getattr(table, key))), name=name.canonical)
+def _kind(name: ErrorName | PlaneName, given: Collection[str]) -> str:
+    """Return the row of `_KEYS`: a reversal value with knots is a curve."""
+    if isinstance(name, PlaneName):
+        return "plane"
+    curved = name.kind == "motion" or (name.kind == "reversal" and {"knots", "spacing"} & {*given})
+    return name.shape if curved else name.kind
 
 
 def _of_one(name: ErrorName, stated: Stated[ErrorTable], axis: Axis) -> ErrorEntry:
@@ -170,15 +180,14 @@ def _of_one(name: ErrorName, stated: Stated[ErrorTable], axis: Axis) -> ErrorEnt
     value: Dimension = "angle" if name.angular else "length"
     rest, std = _rest(stated, value), _std(stated, value)
     period = stated.within("period", axis.dimension, _SHORTEST, _LONGEST)
-    harmonics, joints = _shape(name, stated, axis, period)
     entry = replace(
         _side(name.canonical, stated, axis, 0, averaged=True),
         std=std,
         rest=rest,
         rest_estimated=rest is None and table.rest is not None,
         period=period,
-        harmonics=harmonics,
-        joints=joints,
+        harmonics=_harmonics(table, axis, period) if name.shape == "pitch" else 0,
+        joints=_joints(stated, axis) if name.shape == "step" else (),
         smoothness_averaged=table.smoothness == AVERAGED,
         sure=table.sure,
     )
@@ -244,28 +253,6 @@ def _smoothness(table: ErrorTable, averaged: bool) -> float:
         remedy = 'Add over which distance it changes, such as length = "150 mm"'
         raise DescriptionError(what, remedy, text=shown(table.smoothness))
     return SMOOTH if table.smoothness == AVERAGED else float(table.smoothness)
-
-
-def _shape(
-    name: ErrorName, stated: Stated[ErrorTable], axis: Axis, period: float | None
-) -> tuple[int, tuple[float, ...]]:
-    """Return the most waves to a period, 0 for no pitch, and where steps are, m or rad, as an entry states them.
-
-    Raises DescriptionError where name and keys do not fit each other.
-    """
-    table = stated.table
-    if name.shape != "pitch" and table.harmonics is not None:
-        remedy = "Give them to {error}_pitch"
-        raise DescriptionError("{name} has no harmonics", remedy, name=name.canonical, error=name.bare)
-    if name.shape != "step" and table.at is not None:
-        raise DescriptionError("{name} has no joints", "Give at to {error}_step", name=name.canonical, error=name.bare)
-    if name.shape == "curve":
-        return 0, ()
-    for key in ("knots", "spacing", "length", "rest", "smoothness"):
-        if getattr(table, key) is not None:
-            remedy = "Take it out, or give it to {error}"
-            raise DescriptionError("{name} has no {key}", remedy, name=name.canonical, key=key, error=name.bare)
-    return (_harmonics(table, axis, period), ()) if name.shape == "pitch" else (0, _joints(stated, axis))
 
 
 def _harmonics(table: ErrorTable, axis: Axis, period: float | None) -> int:

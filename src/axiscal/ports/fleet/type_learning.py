@@ -125,14 +125,14 @@ def campaign_with_sisters(
 def with_sisters(described: CampaignDescription) -> CampaignDescription:
     """Return a campaign with what its sisters teach as its prior; itself where it names none."""
     named = described.sisters
-    if named is None or described.prior_text:
+    if named is None or not named.names_some or described.prior_text:
         return described
-    if not named.records:
+    found = named.files(Path(described.source).parent)
+    if not found:
         remedy = 'Give a pattern beside the campaign, such as records = "records/*.axiscal", or "store:"'
         raise RecordError("[sisters] names no record that is there", remedy, described.source)
     doubt = DOUBT if described.doubt is None else described.doubt
-    files = gathered(named.records)
-    prior = learnt_type(files, described.machine, named.directions, doubt, named.type)
+    prior = learnt_type(gathered(found), described.machine, named.directions, doubt, named.type)
     return replace(described, prior_text=prior.text())
 
 
