@@ -11,6 +11,7 @@ import pytest
 from hypothesis import settings
 
 from tests import shapes
+from tests.commands import Command, Outcome
 
 if TYPE_CHECKING:
     from tests.web.browser import Browser
@@ -40,6 +41,19 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 
     with Browser(tmp_path_factory.mktemp("chromium")) as running:
         yield running
+
+
+@pytest.fixture
+def command(capsys: pytest.CaptureFixture[str]) -> Command:
+    """A way to give commands; what was written before them is not theirs."""
+    from axiscal.cli.app import run
+
+    def given(*words: object) -> Outcome:
+        capsys.readouterr()
+        status = run([str(word) for word in words])
+        return Outcome(status, *capsys.readouterr())
+
+    return given
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -21,6 +20,7 @@ from axiscal.measurement.setup import Setup, Unknown
 from axiscal.record.accepted import Accepted
 from axiscal.record.copies import carried_text, write_copy
 from axiscal.record.store import Record
+from tests.commands import Command
 from tests.generators.sisters import read_on, slide, write_record
 from tests.generators.texts import setup_text
 
@@ -57,18 +57,16 @@ def values(file: Path) -> list[tuple[str, float]]:
 
 
 def test_a_branch_is_taken_over_once_and_what_it_has_read_since_later(
-    main: Path, branch: Path, capsys: pytest.CaptureFixture[str]
+    main: Path, branch: Path, command: Command
 ) -> None:
     read(main, read_on(1)[6:8], "laser")
     read(branch, read_on(1)[8:11])
     before, there = values(main), values(branch)
     assert run(["adopt", str(main), str(branch)]) == 0
     assert values(main) == before + there[6:]
-    assert run(["adopt", str(main), str(branch)]) == 0
-    assert "has no reading that is not here" in capsys.readouterr().out
+    assert "has no reading that is not here" in command("adopt", main, branch).printed
     read(branch, read_on(1)[11:13])
-    assert run(["adopt", str(main), str(branch), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["taken"] == 2
+    assert command("adopt", main, branch, "--json").document["taken"] == 2
     assert values(main) == before + values(branch)[6:]
     assert values(branch)[:9] == there
     with Campaign.open(main, write=False) as campaign:
@@ -76,7 +74,7 @@ def test_a_branch_is_taken_over_once_and_what_it_has_read_since_later(
 
 
 def test_what_was_taken_back_here_is_said_and_taken_once_more_where_asked(
-    main: Path, branch: Path, capsys: pytest.CaptureFixture[str]
+    main: Path, branch: Path, command: Command, capsys: pytest.CaptureFixture[str]
 ) -> None:
     read(branch, read_on(1)[8:11])
     there = values(branch)
@@ -84,27 +82,24 @@ def test_what_was_taken_back_here_is_said_and_taken_once_more_where_asked(
     for _ in range(2):
         assert run(["undo", str(main)]) == 0
     capsys.readouterr()
-    assert run(["adopt", str(main), str(branch)]) == 0
-    said = " ".join(capsys.readouterr().out.split())
+    said = command("adopt", main, branch).said
     assert "no reading that was not taken over before" in said
     assert "2 readings of it were taken over and taken back here since; --again takes them once more" in said
     assert values(main) == there[:7]
     assert run(["adopt", str(main), str(branch), "--again"]) == 0
     assert values(main) == there
     assert "taken back here" not in capsys.readouterr().out
-    assert run(["adopt", str(main), str(branch), "--again", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = command("adopt", main, branch, "--again", "--json").document
     assert (document["taken"], document["taken_back_here"]) == (0, 0)
 
 
 def test_what_two_have_read_with_one_set_up_is_a_question_for_a_person(
-    main: Path, branch: Path, capsys: pytest.CaptureFixture[str]
+    main: Path, branch: Path, command: Command
 ) -> None:
     read(main, read_on(1)[6:7], "laser")
     read(branch, read_on(1)[7:9], "laser")
     held = main.read_bytes()
-    assert run(["adopt", str(main), str(branch)]) == 1
-    assert "the same set-up, laser" in " ".join(capsys.readouterr().err.split())
+    assert "the same set-up, laser" in command("adopt", main, branch).refusal
     assert main.read_bytes() == held
     assert run(["adopt", str(main), str(branch), "--same-mounting"]) == 0
     assert len(values(main)) == 9
@@ -112,7 +107,7 @@ def test_what_two_have_read_with_one_set_up_is_a_question_for_a_person(
 
 @pytest.mark.parametrize("question", [[], ["--same-mounting"]])
 def test_readings_that_come_back_are_not_counted_twice(
-    main: Path, branch: Path, question: list[str], capsys: pytest.CaptureFixture[str]
+    main: Path, branch: Path, question: list[str], command: Command
 ) -> None:
     read(branch, read_on(1)[8:11])
     own = values(branch)
@@ -120,8 +115,7 @@ def test_readings_that_come_back_are_not_counted_twice(
     third.write_bytes(branch.read_bytes())
     read(third, read_on(1)[11:12], "laser")
     assert run(["adopt", str(main), str(branch)]) == 0
-    assert run(["adopt", str(branch), str(main), *question]) == 0
-    assert "has no reading that is not here" in " ".join(capsys.readouterr().out.split())
+    assert "has no reading that is not here" in command("adopt", branch, main, *question).said
     assert values(branch) == own
     assert run(["adopt", str(main), str(third), "--same-mounting"]) == 0  # which began with those of the branch
     assert values(main) == own + values(third)[9:]
@@ -140,24 +134,18 @@ def test_of_two_that_left_one_branch_nothing_is_lost_and_nothing_counts_twice(ma
 
 
 def test_another_campaign_a_copy_and_an_ended_one_are_sentences(
-    main: Path, branch: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    main: Path, branch: Path, tmp_path: Path, command: Command
 ) -> None:
     other = write_record(tmp_path / "other.axiscal", slide(serial="other"), read_on(2))
-    assert run(["adopt", str(main), str(other)]) == 1
-    assert "no branch of this campaign" in " ".join(capsys.readouterr().err.split())
-    assert run(["adopt", str(main), str(branch)]) == 0
-    assert "no reading that is not here" in " ".join(capsys.readouterr().out.split())
+    assert "no branch of this campaign" in command("adopt", main, other).refusal
+    assert "no reading that is not here" in command("adopt", main, branch).said
     assert run(["undo", str(branch)]) == 0
     read(branch, read_on(1)[8:9])
-    capsys.readouterr()
     with Campaign.open(main) as campaign:
         campaign.finish("done")
-    assert run(["adopt", str(main), str(branch)]) == 1
-    assert "The campaign is finished" in " ".join(capsys.readouterr().err.split())
+    assert "The campaign is finished" in command("adopt", main, branch).refusal
     assert run(["undo", str(main)]) == 0
-    capsys.readouterr()
-    assert run(["adopt", str(main), str(branch)]) == 0
-    said = capsys.readouterr().out
+    said = command("adopt", main, branch).printed
     assert "took back reading 6" in " ".join(said.split())
 
 
@@ -199,17 +187,14 @@ def heir(tmp_path: Path) -> Path:
     return write_record(tmp_path / "main.axiscal", described, read_on(1, again=1)[:6])
 
 
-def test_a_set_up_mounted_anew_has_unknowns_of_its_own_beside_what_is_inherited(
-    heir: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_set_up_mounted_anew_has_unknowns_of_its_own_beside_what_is_inherited(heir: Path, command: Command) -> None:
     branch = heir.with_name("branch.axiscal")
     with Record.open(heir, write=False) as record:
         write_copy(record, branch)
     read(heir, read_on(1, again=1)[6:8], "laser")
     read(branch, [replace(each, value=each.value + 250e-6) for each in read_on(1, again=1)[8:13]], "laser")
     read(branch, read_on(1, again=1)[13:15])
-    assert run(["adopt", str(heir), str(branch)]) == 1
-    assert "--same-mounting, or not, --mounted-anew" in " ".join(capsys.readouterr().err.split())
+    assert "--same-mounting, or not, --mounted-anew" in command("adopt", heir, branch).refusal
     assert run(["adopt", str(heir), str(branch), "--mounted-anew"]) == 0
     with Campaign.open(heir, write=False) as campaign:
         setups, known = campaign.description.setups, campaign.estimate()
@@ -262,15 +247,14 @@ def accept(file: Path, mistake: Accepted) -> None:
 
 
 def test_what_is_taken_over_is_as_it_was_recorded_whatever_either_side_has_accepted(
-    main: Path, branch: Path, capsys: pytest.CaptureFixture[str]
+    main: Path, branch: Path, command: Command
 ) -> None:
     first, more = values(main), [(each.setup, each.value) for each in read_on(1)[6:8]]
     read(branch, read_on(1)[6:8], "laser")
     accept(branch, Accepted("sign", ("laser",), factor=-1.0))
     accept(branch, Accepted("jump", ("laser",), 4, name="laser, before reading 4"))
     assert values(branch)[0] == ("laser, before reading 4", -first[0][1])
-    assert run(["adopt", str(main), str(branch), "--same-mounting"]) == 0
-    assert "took back" not in capsys.readouterr().out
+    assert "took back" not in command("adopt", main, branch, "--same-mounting").printed
     assert [value for _, value in values(main)] == [value for _, value in [*first, *more]]
     with Campaign.open(main) as campaign:
         assert not campaign.state.mounted

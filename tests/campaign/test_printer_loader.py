@@ -20,6 +20,7 @@ from axiscal.cli.app import run
 from axiscal.exceptions import SourceError, TableError
 from axiscal.ports.printers.printer_source import loader_at
 from tests.campaign.test_printer_source import Handler, Server, serving
+from tests.commands import Command
 from tests.tables.test_bed_round_trips import X, Y, bed, duet_map, estimated, klipper_file
 
 INCLUDE = "[include axiscal_mesh.cfg]\n[printer]\nkinematics: cartesian\n"
@@ -216,10 +217,9 @@ def _greets(server: socket.socket) -> None:
     ],
 )
 def test_what_goes_to_no_printer_is_refused_before_a_file_is_written(
-    to: str, where: str, why: str, record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    to: str, where: str, why: str, record: Path, tmp_path: Path, command: Command
 ) -> None:
-    assert run(["export", str(record), "--to", to, "--out", str(tmp_path / "out"), "--load", where]) == 1
-    assert why in " ".join(capsys.readouterr().err.split())
+    assert why in command("export", record, "--to", to, "--out", tmp_path / "out", "--load", where).refusal
     assert not (tmp_path / "out").exists()
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.evaluation.check import Check
 from tests.campaign.test_printer_source import Server, serving
+from tests.commands import Command
 
 pytestmark = pytest.mark.long
 
@@ -63,7 +63,11 @@ def printer() -> Iterator[Levelled]:
 
 
 def test_a_printer_is_measured_corrected_and_checked(
-    printer: Levelled, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    printer: Levelled,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    command: Command,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("AXISCAL_PERSON", "Anna")
@@ -78,18 +82,14 @@ def test_a_printer_is_measured_corrected_and_checked(
     assert run(words) == 2
     words += ["--loaded", "mesh", "--json"]
     assert "--loaded" in capsys.readouterr().err
-    assert run(words) == 0
-    assert json.loads(capsys.readouterr().out)["verdict"] is None
-    assert run(words) == 1
-    assert "does not have the exported mesh in force" in " ".join(capsys.readouterr().err.split())
+    assert command(*words).document["verdict"] is None
+    assert "does not have the exported mesh in force" in command(*words).refusal
     in_force(printer, Path("mesh/bed_mesh.cfg"), record)
-    assert run(words) == 0
-    said: dict[str, Any] = json.loads(capsys.readouterr().out)
+    said: dict[str, Any] = command(*words).document
     assert (said["verdict"], said["decision"], said["person"], said["source"]) == ("pass", "conform", "Anna", source)
     assert said["in_force"] == {"bed_mesh.cfg": hashlib.sha256(Path("mesh/bed_mesh.cfg").read_bytes()).hexdigest()}
     assert said["left_rms_um"] < 0.2 * said["found_rms_um"]
-    assert run([*words[:-1], "--details"]) == 0
-    text = capsys.readouterr().out
+    text = command(*words[:-1], "--details").printed
     assert "By ISO 14253-1 as left: conform." in text
     assert "Read by Anna from moonraker" in text
 

@@ -17,6 +17,7 @@ from axiscal.record.accepted import Accepted
 from axiscal.record.events import Asked, Event, Finished, Noted, Recorded, Skipped, Undone
 from axiscal.record.line_form import MARK, MARKS, START, EventText
 from axiscal.record.store import Record
+from tests.commands import Command
 from tests.reliability.salvaged import CAMPAIGN, MACHINE, Line, lines_of
 
 DESCRIPTION = campaign_from_texts(CAMPAIGN, "campaign.toml", MACHINE, "machine.toml")
@@ -176,7 +177,7 @@ def test_without_its_beginning_a_record_needs_one(beheaded: tuple[Path, EventTex
 
 
 def test_the_command_takes_it_from_a_copy_or_the_description(
-    beheaded: tuple[Path, EventText], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    beheaded: tuple[Path, EventText], tmp_path: Path, command: Command
 ) -> None:
     path, first = beheaded
     copy = tmp_path / "copy.axiscal"
@@ -185,30 +186,25 @@ def test_the_command_takes_it_from_a_copy_or_the_description(
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)
     for beginning in (copy, tmp_path / "campaign.toml"):
         new = tmp_path / f"from-{beginning.stem}.axiscal"
-        assert run(["salvage", str(path), str(new), "--beginning", str(beginning)]) == 0
-        assert "holds 2 readings, from 3 events" in capsys.readouterr().out
-        assert run(["status", str(new)]) == 0
-        assert "2 readings" in capsys.readouterr().out
+        assert "holds 2 readings, from 3 events" in command("salvage", path, new, "--beginning", beginning).printed
+        assert "2 readings" in command("status", new).printed
 
 
 def test_a_damaged_record_names_the_command_and_it_writes_over_nothing(
-    path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    path: Path, tmp_path: Path, command: Command, capsys: pytest.CaptureFixture[str]
 ) -> None:
     made(path, *(recorded(1e-6 * number) for number in range(1, 9)))
     without(path, 5)
     damaged = path.read_bytes()
     new = tmp_path / "mill-salvaged.axiscal"
-    for command in ("status", "copy"):
-        assert run([command, str(path)]) == 1
-        assert f"axiscal data salvage {path} {new};" in " ".join(capsys.readouterr().err.split())
-    assert run(["salvage", str(path), str(new), "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
+    for name in ("status", "copy"):
+        assert f"axiscal data salvage {path} {new};" in command(name, path).refusal
+    said = command("salvage", path, new, "--json").document
     assert (said["readings"], said["events"], len(said["missing"]), said["left_out"]) == (7, 8, 1, [])
     kept = new.read_bytes()
     assert run(["status", str(new), "--details"]) == run(["copy", str(new)]) == 0
     assert ": salvaged from mill.axiscal, 8 events" in capsys.readouterr().out
-    assert run(["salvage", str(path), str(new)]) == 1
-    assert "exists already" in capsys.readouterr().err
+    assert "exists already" in command("salvage", path, new).refusal
     assert (path.read_bytes(), new.read_bytes()) == (damaged, kept)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
@@ -25,6 +24,7 @@ from axiscal.numerics import Array
 from axiscal.present.summarising import Extras, summarise
 from axiscal.record.accepted import Accepted
 from axiscal.record.copies import carried_text
+from tests.commands import Command
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
 MACHINE = machine_text(
@@ -139,19 +139,15 @@ def known(path: Path) -> tuple[list[tuple[str, float]], Agreement]:
 
 
 @pytest.mark.parametrize("name", MISTAKES)
-def test_a_mistake_is_named_accepted_and_taken_back(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_mistake_is_named_accepted_and_taken_back(name: str, tmp_path: Path, command: Command) -> None:
     wrong = MISTAKES[name]
     truth = used(wrong, right())
     u = expanded(recorded(tmp_path / "right.axiscal", truth))
     path = recorded(tmp_path / "mill.axiscal", used(wrong, wrong.readings()))
     before, found = known(path)
     assert (found.contradicts, found.withheld, found.explained[0].mistake) == (True, False, wrong.cause)
-    assert run(["status", str(path), "--details"]) == 0
-    assert f"axiscal step accept {path} {wrong.cause}" in capsys.readouterr().out
-    assert run(["accept", str(path), wrong.cause, "--setup", wrong.setup]) == 0
-    said = capsys.readouterr().out.splitlines()
+    assert f"axiscal step accept {path} {wrong.cause}" in command("status", path, "--details").printed
+    said = command("accept", path, wrong.cause, "--setup", wrong.setup).printed.splitlines()
     assert said[0].startswith("Before: The readings contradict each other")
     count = len(truth) - (wrong.out >= 0)
     assert said[2] == f"Now: {count} of {count} readings agree with the others."
@@ -161,8 +157,7 @@ def test_a_mistake_is_named_accepted_and_taken_back(
     kept = [i for i in range(len(truth)) if i != wrong.out]
     assert [value for _, value in now] == pytest.approx([truth[i].value + step[i] for i in kept], rel=1e-12)
     assert expanded(path) == pytest.approx(u, rel=0.2)
-    assert run(["undo", str(path)]) == 0
-    assert "what was accepted" in capsys.readouterr().out
+    assert "what was accepted" in command("undo", path).printed
     assert known(path) == (before, found)
 
 
@@ -188,7 +183,7 @@ def test_a_jump_gives_the_readings_before_it_a_set_up_of_their_own(tmp_path: Pat
     assert run(["status", str(path), "--details"]) == 0
 
 
-def test_what_is_not_named_is_refused_and_the_record_stays(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_not_named_is_refused_and_the_record_stays(tmp_path: Path, command: Command) -> None:
     good, bad = recorded(tmp_path / "good.axiscal", right()), recorded(tmp_path / "bad.axiscal", times(-1, 1))
     for path, words, what in [
         (good, ["jump"], 'do not name "jump" at more than 20 : 1; they name no mistake'),
@@ -198,8 +193,7 @@ def test_what_is_not_named_is_refused_and_the_record_stays(tmp_path: Path, capsy
         (bad, ["sign"], 'name "sign" of "X", "X again". Say which one with --setup NAME'),
     ]:
         content = path.read_bytes()
-        assert run(["accept", str(path), *words]) == 1
-        assert what in " ".join(capsys.readouterr().err.split())
+        assert what in command("accept", path, *words).refusal
         assert path.read_bytes() == content
 
 
@@ -216,38 +210,31 @@ def test_where_another_process_has_written_since_nothing_is_accepted(tmp_path: P
         assert other.looked_at_again().readings == other.state.written
 
 
-def test_a_finished_campaign_is_taken_back_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_finished_campaign_is_taken_back_first(tmp_path: Path, command: Command) -> None:
     path = recorded(tmp_path / "mill.axiscal", times(1e-3, 1))
     with Campaign.open(path) as campaign:
         campaign.finish("enough")
-    assert run(["accept", str(path), "unit"]) == 1
-    assert "Take the end back with `axiscal step undo`" in " ".join(capsys.readouterr().err.split())
+    assert "Take the end back with `axiscal step undo`" in command("accept", path, "unit").refusal
     assert run(["undo", str(path)]) == 0
     assert run(["accept", str(path), "unit"]) == 0
 
 
-def test_without_a_cause_it_lists_what_is_named_and_writes_nothing(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_without_a_cause_it_lists_what_is_named_and_writes_nothing(tmp_path: Path, command: Command) -> None:
     path = recorded(tmp_path / "mill.axiscal", times(1e-3, 1))
     content = path.read_bytes()
-    assert run(["accept", str(path)]) == 0
-    named, change, then = capsys.readouterr().out.splitlines()
+    named, change, then = command("accept", path).printed.splitlines()
     assert named.startswith('unit, more than a million : 1: all values of "X again" are 0.001 times')
     assert change == '  Accepted: the values of "X again" so far are multiplied by 1000.'
     assert then == f"Accept one: axiscal step accept {path} CAUSE"
-    assert run(["accept", str(path), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["agreement"]["explained"][0]["mistake"] == "unit"
+    assert command("accept", path, "--json").document["agreement"]["explained"][0]["mistake"] == "unit"
     assert path.read_bytes() == content
 
 
-def test_status_report_and_an_heir_know_what_was_accepted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_status_report_and_an_heir_know_what_was_accepted(tmp_path: Path, command: Command) -> None:
     path = recorded(tmp_path / "mill.axiscal", used(MISTAKES["jump"], jumped()))
     assert run(["accept", str(path), "jump"]) == 0
     said = 'the readings of "X again" before reading 19 have a zero of their own'
-    capsys.readouterr()
-    assert run(["status", str(path), "--details"]) == 0
-    assert f"Accepted: {said}" in capsys.readouterr().out
+    assert f"Accepted: {said}" in command("status", path, "--details").printed
     with Campaign.open(path) as campaign:
         found = summarise(campaign, campaign.estimate(ended=True), Extras())
         description, readings = last_campaign(carried_text(path))

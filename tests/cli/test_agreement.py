@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from axiscal.cli import app
+from tests.commands import Command
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
 CAMPAIGN = campaign_text(
@@ -90,17 +91,15 @@ def test_readings_that_nothing_explains_promise_nothing_and_are_all_kept(
 
 
 def test_a_campaign_that_contradicts_itself_is_finished_without_u_and_with_it_where_that_is_wanted(
-    contradicting: Path, capsys: pytest.CaptureFixture[str]
+    contradicting: Path, command: Command
 ) -> None:
     kept, home = contradicting.read_bytes(), contradicting.parent.parent
-    assert app.run(["finish", str(contradicting), "--out", "e"]) == 1
-    told = " ".join(capsys.readouterr().err.split())
+    told = command("finish", contradicting, "--out", "e").refusal
     assert told.endswith("all readings are kept and the report is written.")
     assert told.count("Not known: the readings contradict each other") == 1
     assert contradicting.read_bytes() == kept
     assert json.loads((home / "e" / "result.json").read_text())["U_um"] is None
-    assert app.run(["finish", str(contradicting), "--out", "f", "--anyway", "--details"]) == 0
-    told = capsys.readouterr().out
+    told = command("finish", contradicting, "--out", "f", "--anyway", "--details").printed
     assert "U = k u = " in told
     result = json.loads((home / "f" / "result.json").read_text())
     assert result["U_um"] > 0

@@ -14,6 +14,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
 from axiscal.measurement.simulation import Simulator
+from tests.commands import Command
 
 CAMPAIGN = """machine = "one-axis"
 [target]
@@ -52,15 +53,12 @@ def _table(folder: Path, seed: int, column: str, factor: float, count: int = 20)
 
 
 @pytest.mark.long
-def test_a_source_that_slips_to_mm_is_stopped_and_its_reading_kept(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_source_that_slips_to_mm_is_stopped_and_its_reading_kept(tmp_path: Path, command: Command) -> None:
     script, out = tmp_path / "slip.py", tmp_path / "out"
     script.write_text(INSTRUMENT)
     source = f"exec:{shlex.quote(sys.executable)} {shlex.quote(str(script))}"
     campaign = _campaign(tmp_path, 'rms = "1 um"')
-    assert run(["run", str(campaign), "--source", source, "--out", str(out)]) == 1
-    assert "mm instead of um?" in " ".join(capsys.readouterr().err.split())
+    assert "mm instead of um?" in command("run", campaign, "--source", source, "--out", out).refusal
     assert [path.name for path in out.iterdir()] == ["campaign.axiscal"]
     with Campaign.open(out / "campaign.axiscal") as kept:
         assert len(kept.state.readings) == 6
@@ -69,16 +67,12 @@ def test_a_source_that_slips_to_mm_is_stopped_and_its_reading_kept(
 
 
 @pytest.mark.long
-def test_one_value_typed_in_mm_is_flagged_at_once_and_stays_so(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_one_value_typed_in_mm_is_flagged_at_once_and_stays_so(tmp_path: Path, command: Command) -> None:
     record = str(tmp_path / "m.axiscal")
     assert run(["start", str(_campaign(tmp_path, "readings = 9")), record]) == 0
     for value in ("1.2 um", "-0.7 um", "2.5 mm", "1.9 um", "0.4 um"):
         assert run(["next", record]) == 0
-        capsys.readouterr()
-        assert run(["record", record, value]) == 0
-        assert ("mm instead of um?" in capsys.readouterr().out) == (value == "2.5 mm")
+        assert ("mm instead of um?" in command("record", record, value).printed) == (value == "2.5 mm")
     with Campaign.open(Path(record)) as campaign:
         estimation = campaign.estimate(ended=True)
         assert [doubt.reading for doubt in estimation.outliers] == [2]
@@ -112,12 +106,9 @@ def test_a_reading_of_a_program_is_complained_of_under_the_number_that_the_progr
     assert "eading 117" in (out / "report.html").read_text()
 
 
-def test_a_file_in_the_wrong_unit_is_refused_at_its_first_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_file_in_the_wrong_unit_is_refused_at_its_first_line(tmp_path: Path, command: Command) -> None:
     table = _table(tmp_path, 3, "value_mm", 1.0)
-    assert run(["estimate", str(tmp_path / "c.toml"), str(table), "--out", str(tmp_path / "d")]) == 1
-    said = " ".join(capsys.readouterr().err.split())
+    said = command("estimate", tmp_path / "c.toml", table, "--out", tmp_path / "d").refusal
     assert "r.csv, line " in said
     assert "mm instead of um?" in said
     assert not (tmp_path / "d").exists()

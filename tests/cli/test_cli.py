@@ -9,58 +9,25 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from axiscal.campaign.sources import Answer, Request
 from axiscal.campaign.sources.source import SimulatedSource
-from axiscal.cli import app
 from axiscal.exceptions import SourceError
+from tests.commands import Command
 from tests.generators.begun import begun
 from tests.generators.texts import FOUR_READINGS
 
-
-@dataclass(frozen=True)
-class Outcome:
-    status: int
-    out: str
-    err: str
-
-    @property
-    def document(self) -> Any:
-        """The one JSON document on stdout."""
-        return json.loads(self.out)
-
-    def refused(self, *words: str) -> None:
-        """Check that this is a refusal: status 1, one paragraph on stderr with these words, no traceback."""
-        text = " ".join(self.err.split())
-        assert (self.status, self.out) == (1, ""), self
-        assert text.startswith("axiscal: ")
-        assert "Traceback" not in text
-        assert "\n\n" not in self.err.strip()
-        for word in words:
-            assert word in text
-
-
-Command = Callable[..., Outcome]
 STARTED = ("start", "c.toml", "m.axiscal")
 
 
 @pytest.fixture
-def axiscal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
+def axiscal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -> Command:
     """Run a command in a folder that holds a campaign."""
     (tmp_path / "c.toml").write_text(FOUR_READINGS)
     monkeypatch.chdir(tmp_path)
-
-    def command(*words: str) -> Outcome:
-        status = app.run(words)
-        captured = capsys.readouterr()
-        return Outcome(status, captured.out, captured.err)
-
     return command
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.cli.app import run
+from tests.commands import Command
 from tests.generators.begun import begun
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
@@ -28,48 +29,29 @@ def record(tmp_path: Path) -> Path:
     return tmp_path / "mill.axiscal"
 
 
-def status(path: Path, capsys: pytest.CaptureFixture[str]) -> object:
-    assert run(["status", str(path), "--json"]) == 0
-    return json.loads(capsys.readouterr().out)["readings"]
-
-
-def test_a_copy_holds_all_and_is_replaced_by_a_later_one(
-    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_copy_holds_all_and_is_replaced_by_a_later_one(record: Path, tmp_path: Path, command: Command) -> None:
     for count in (1, 2):
-        assert run(["copy", str(record), "--json"]) == 0
-        document = json.loads(capsys.readouterr().out)
+        document = command("copy", record, "--json").document
         assert document["schema"] == "axiscal-copy/1"
         assert (document["readings"], document["copy"]) == (count, str(tmp_path / "mill.axiscal.copy"))
-        assert status(tmp_path / "mill.axiscal.copy", capsys) == count
+        assert command("status", tmp_path / "mill.axiscal.copy", "--json").document["readings"] == count
         assert run(["next", str(record)]) == run(["record", str(record), "1 um"]) == 0
-        capsys.readouterr()
 
 
-def test_a_folder_receives_a_copy_of_the_same_name(
-    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_folder_receives_a_copy_of_the_same_name(record: Path, tmp_path: Path, command: Command) -> None:
     (tmp_path / "stick").mkdir()
-    assert run(["copy", str(record), str(tmp_path / "stick")]) == 0
-    assert "holds 1 reading" in capsys.readouterr().out
-    assert status(tmp_path / "stick" / "mill.axiscal", capsys) == 1
+    assert "holds 1 reading" in command("copy", record, tmp_path / "stick").printed
+    assert command("status", tmp_path / "stick" / "mill.axiscal", "--json").document["readings"] == 1
 
 
-def test_a_copy_does_not_take_the_place_of_anything_else(
-    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run(["copy", str(record), str(tmp_path / "campaign.toml")]) == 1
-    assert "is here already" in " ".join(capsys.readouterr().err.split())
+def test_a_copy_does_not_take_the_place_of_anything_else(record: Path, tmp_path: Path, command: Command) -> None:
+    assert "is here already" in command("copy", record, tmp_path / "campaign.toml").refusal
     assert (tmp_path / "campaign.toml").read_text() == CAMPAIGN
 
 
-def test_report_tables_and_result_name_the_state_of_the_record(
-    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_report_tables_and_result_name_the_state_of_the_record(record: Path, tmp_path: Path, command: Command) -> None:
     assert run(["finish", str(record), "--out", str(tmp_path / "out")]) == 0
-    capsys.readouterr()
-    assert run(["copy", str(record), "--json"]) == 0
-    copied = json.loads(capsys.readouterr().out)
+    copied = command("copy", record, "--json").document
     found = json.loads((tmp_path / "out" / "result.json").read_text())["record"]
     assert found == {"event": copied["event"], "hash": copied["hash"]}
     assert f"<code>{found['hash']}</code>" in (tmp_path / "out" / "report.html").read_text()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from axiscal.tables import registry
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import CONTROLLERS
 from axiscal.tables.surface import Effect
+from tests.commands import Command
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
 from tests.golden.given import CAMPAIGNS
@@ -42,12 +42,9 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("controller", ["csv", "klipper", "linuxcnc", "sinumerik"])
-def test_files_are_written_with_a_note(
-    record: Path, controller: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_files_are_written_with_a_note(record: Path, controller: str, tmp_path: Path, command: Command) -> None:
     out = tmp_path / "tables"
-    assert run(["export", str(record), "--to", controller, "--out", str(out), "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
+    said = command("export", record, "--to", controller, "--out", out, "--json").document
     assert said["rms_um_after"] < said["rms_um_before"]
     beside = {"README.txt", f"manifest-{controller}.json"}
     assert {Path(name).name for name in said["files"]} | beside == {path.name for path in out.iterdir()}
@@ -84,11 +81,10 @@ def test_each_axis_may_have_a_spacing_of_its_own(record: Path, tmp_path: Path) -
     ],
 )
 def test_what_cannot_be_is_refused_before_writing(
-    record: Path, arguments: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    record: Path, arguments: list[str], message: str, tmp_path: Path, command: Command
 ) -> None:
     out = tmp_path / "tables"
-    assert run(["export", str(record), *arguments, "--out", str(out)]) == 1
-    assert message in " ".join(capsys.readouterr().err.split())
+    assert message in command("export", record, *arguments, "--out", out).refusal
     assert not out.exists()
 
 
@@ -96,13 +92,12 @@ def test_what_cannot_be_is_refused_before_writing(
     ("content", "message"), [(b"\xff\xfe1", "not plain text"), (b"%\n" * 2_100_000, "more than 4 MB"), (b"", "%")]
 )
 def test_a_template_that_is_no_text_is_refused(
-    record: Path, content: bytes, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    record: Path, content: bytes, message: str, tmp_path: Path, command: Command
 ) -> None:
     template, out = tmp_path / "saved.txt", tmp_path / "tables"
     template.write_bytes(content)
     arguments = ["--to", "fanuc", "--template", str(template), "--out", str(out)]
-    assert run(["export", str(record), *arguments]) == 1
-    assert message in " ".join(capsys.readouterr().err.split())
+    assert message in command("export", record, *arguments).refusal
     assert not out.exists()
 
 
@@ -121,18 +116,15 @@ PITCH = "\n".join(
 """Of a FANUC whose second axis has no interval."""
 
 
-def test_an_axis_that_the_files_do_not_move_is_named(
-    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_axis_that_the_files_do_not_move_is_named(record: Path, tmp_path: Path, command: Command) -> None:
     (tmp_path / "saved.txt").write_text(PITCH)
     given = ["--to", "fanuc", "--template", str(tmp_path / "saved.txt"), "--out", str(tmp_path / "out")]
-    assert run(["export", str(record), *given]) == 0
-    assert "The files do not move Y" in " ".join(capsys.readouterr().out.split())
+    assert "The files do not move Y" in command("export", record, *given).said
     assert "Left out: Y (3624 is 0, " in " ".join((tmp_path / "out" / "README.txt").read_text().split())
 
 
 def test_files_that_leave_no_less_are_not_to_be_loaded(
-    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    record: Path, tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made = registry.export
 
@@ -140,11 +132,9 @@ def test_files_that_leave_no_less_are_not_to_be_loaded(
         return replace(made(*given), effect=Effect(3e-6, 3.1e-6))
 
     given = ["export", str(record), "--to", "csv", "--out", str(tmp_path / "out")]
-    assert run(given) == 0
-    assert "load " in capsys.readouterr().out
+    assert "load " in command(*given).printed
     monkeypatch.setattr(registry, "export", worse)
-    assert run(given) == 0
-    said = " ".join(capsys.readouterr().out.split())
+    said = command(*given).said
     assert said.endswith("do not load these files: they leave no less error than there is")
     assert "README.txt there" not in said
 
@@ -157,48 +147,49 @@ def test_files_that_leave_no_less_are_not_to_be_loaded(
     ],
 )
 def test_a_campaign_whose_tables_need_a_file_of_the_control_ends_with_their_export(
-    first: str, exported: str, verified: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    first: str, exported: str, verified: str, tmp_path: Path, command: Command
 ) -> None:
     (tmp_path / "machine.toml").write_text(MACHINE)
     (tmp_path / "campaign.toml").write_text(f"controls = {first}\n{CAMPAIGN}")
     (tmp_path / "readings.csv").write_text("setup,X_mm,Y_mm,Z_mm,value_um\nx,10,20,30,1\ny,200,90,60,2\n")
     out = tmp_path / "out"
-    assert run(["estimate", str(tmp_path / "campaign.toml"), str(tmp_path / "readings.csv"), "--out", str(out)]) == 0
-    said, record = " ".join(capsys.readouterr().out.split()), f"{out}/campaign.axiscal"
+    said, record = (
+        command("estimate", tmp_path / "campaign.toml", tmp_path / "readings.csv", "--out", out).said,
+        f"{out}/campaign.axiscal",
+    )
     assert f"axiscal export {record} --to {exported} axiscal verify {record} --to {verified}" in said
 
 
 def test_tables_made_from_a_file_of_the_control_are_verified_by_it(
-    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    record: Path, tmp_path: Path, command: Command
 ) -> None:
     saved, out = tmp_path / "saved.txt", tmp_path / "tables"
     text = (CAMPAIGNS / "controllers" / "saved-fanuc.txt").read_text()
     saved.write_text(text.replace("A3P241", "A3P250").replace("A3P200", "A3P241"))  # Z lies higher here
     made_from = ["--to", "fanuc", "--template", str(saved)]
-    assert run(["export", str(record), *made_from, "--out", str(out)]) == 0
-    (again,) = (line for line in capsys.readouterr().out.splitlines() if "verify" in line)
+    (again,) = (
+        line for line in command("export", record, *made_from, "--out", out).printed.splitlines() if "verify" in line
+    )
     assert again.split() == ["axiscal", "verify", str(record), *made_from]
-    assert run(["verify", str(record), *made_from, "--source", "sim:3", "--tolerance", "40 um"]) == 0
-    assert f"axiscal verify {record} {' '.join(made_from)}" in capsys.readouterr().out
-    assert run(["verify", str(record), "--to", "csv", "--template", str(saved)]) == 1
-    assert "csv does not take --template" in capsys.readouterr().err
+    assert (
+        f"axiscal verify {record} {' '.join(made_from)}"
+        in command("verify", record, *made_from, "--source", "sim:3", "--tolerance", "40 um").printed
+    )
+    assert "csv does not take --template" in command("verify", record, "--to", "csv", "--template", saved).refusal
 
 
-def test_controllers_are_listed(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["export", str(record), "--to", "list"]) == 0
-    assert capsys.readouterr().out.split() == list(CONTROLLERS)
+def test_controllers_are_listed(record: Path, command: Command) -> None:
+    assert command("export", record, "--to", "list").printed.split() == list(CONTROLLERS)
 
 
-def test_a_control_is_known_in_capitals_too(record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["export", str(record), "--to", "CSV", "--out", str(tmp_path / "tables"), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["controller"] == "csv"
+def test_a_control_is_known_in_capitals_too(record: Path, tmp_path: Path, command: Command) -> None:
+    assert (
+        command("export", record, "--to", "CSV", "--out", tmp_path / "tables", "--json").document["controller"] == "csv"
+    )
 
 
-def test_a_folder_in_place_of_the_record_is_answered_with_the_record(
-    record: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run(["export", str(record.parent), "--to", "csv"]) == 1
-    assert str(record) in "".join(capsys.readouterr().err.split())
+def test_a_folder_in_place_of_the_record_is_answered_with_the_record(record: Path, command: Command) -> None:
+    assert str(record) in "".join(command("export", record.parent, "--to", "csv").refusal.split())
 
 
 def test_a_file_that_cannot_be_written_is_named_by_its_own_name(tmp_path: Path) -> None:
@@ -207,9 +198,7 @@ def test_a_file_that_cannot_be_written_is_named_by_its_own_name(tmp_path: Path) 
     assert caught.value.filename == str(tmp_path / "tables" / "X.csv")
 
 
-def test_the_joints_of_a_gantry_can_be_named_as_in_its_ini_file(
-    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_joints_of_a_gantry_can_be_named_as_in_its_ini_file(record: Path, tmp_path: Path, command: Command) -> None:
     """XYYZ: the same files as with the numbers of each joint."""
     export = ["export", str(record), "--to", "linuxcnc", "--out"]
     assert run([*export, str(tmp_path / "a"), "--coordinates", "XYYZ"]) == 0
@@ -217,13 +206,11 @@ def test_the_joints_of_a_gantry_can_be_named_as_in_its_ini_file(
     first, second = ({file.name: file.read_text() for file in (tmp_path / name).iterdir()} for name in "ab")
     assert first == second
     assert "[JOINT_2]" in first["README.txt"]
-    capsys.readouterr()
     for arguments, said in (
         (["linuxcnc", "--coordinates", "XYYZ", "--number", "Y=1"], "both --number and --coordinates"),
         (["sinumerik", "--coordinates", "XYZ"], "it is for linuxcnc and linuxcnc-volumetric"),
         (["linuxcnc", "--coordinates", "XYQZ"], "no axis"),
         (["linuxcnc", "--coordinates", "XY"], "--coordinates names no joint of Z"),
     ):
-        assert run(["export", str(record), "--out", str(tmp_path / "c"), "--to", *arguments]) == 1
-        assert said in " ".join(capsys.readouterr().err.split())
+        assert said in command("export", record, "--out", tmp_path / "c", "--to", *arguments).refusal
     assert not (tmp_path / "c").exists()

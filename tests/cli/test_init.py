@@ -32,6 +32,7 @@ from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import builtin_names, load_machine
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.present.plan_answer import reach_answer
+from tests.commands import Command
 from tests.generators.machines import random_machine
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -160,12 +161,9 @@ EXX = { std = "10 um" }
     assert "the first layers, where the probe reads" in printer
 
 
-def test_what_is_not_given_is_asked_for(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_not_given_is_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
     monkeypatch.setattr("sys.stdin", io.StringIO("three-axis-mill\n700, 350 300\ninterferometer, ballbar\n15 um\n"))
-    assert app.run(["init", str(tmp_path / "mill")]) == 0
-    assert "6 set-ups offered" in capsys.readouterr().out
+    assert "6 set-ups offered" in command("init", tmp_path / "mill").printed
     campaign = read_campaign(tmp_path / "mill" / "campaign.toml")
     assert campaign.target.expanded == pytest.approx(15e-6)
     assert [axis.length for axis in campaign.machine.axes] == pytest.approx(
@@ -226,11 +224,10 @@ def test_a_dial_and_a_square_see_straightness_and_squareness(tmp_path: Path) -> 
     ],
 )
 def test_what_cannot_be_is_refused_and_nothing_is_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str], said: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command, words: list[str], said: str
 ) -> None:
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
-    assert app.run(["init", str(tmp_path / "new"), *words]) == 1
-    assert said in " ".join(capsys.readouterr().err.split())
+    assert said in command("init", tmp_path / "new", *words).refusal
     assert not (tmp_path / "new").exists()
 
 
@@ -245,13 +242,10 @@ BACKLASH = 0.02
 """ + "".join(f"[AXIS_{name}]\nMIN_LIMIT = 0\nMAX_LIMIT = 400\n" for name in "XYZ")
 
 
-def test_the_first_description_comes_from_the_ini_file_of_a_linuxcnc(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_first_description_comes_from_the_ini_file_of_a_linuxcnc(tmp_path: Path, command: Command) -> None:
     (tmp_path / "machine.ini").write_text(INI)
     words = ["--from", str(tmp_path / "machine.ini"), "--instrument", "interferometer", "--target", "20 um"]
-    assert app.run(["init", str(tmp_path / "mill"), *words, "--chain", "w-Y'-b-X-Z-t"]) == 0
-    assert "the length of the tool" in capsys.readouterr().out
+    assert "the length of the tool" in command("init", tmp_path / "mill", *words, "--chain", "w-Y'-b-X-Z-t").printed
     campaign = read_campaign(tmp_path / "mill" / "campaign.toml")
     assert (campaign.machine.chain, campaign.machine.axis("X").travel) == ("w-Y'-b-X-Z-t", (0.0, 0.4))
     assert campaign.compensation_active == ("../machine.ini",)
@@ -267,14 +261,11 @@ def test_an_ini_file_without_tables_says_that_nothing_was_active(tmp_path: Path)
     assert read_campaign(tmp_path / "mill" / "campaign.toml").compensation_active is False
 
 
-def test_a_chain_that_is_said_says_nothing_of_where_rotary_axes_lie(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_chain_that_is_said_says_nothing_of_where_rotary_axes_lie(tmp_path: Path, command: Command) -> None:
     ini = INI.replace("XYZ", "XYZC") + "[AXIS_C]\nMIN_LIMIT = 0\nMAX_LIMIT = 180\n"
     (tmp_path / "machine.ini").write_text(ini)
     words = ["--from", str(tmp_path / "machine.ini"), "--instrument", "interferometer", "--target", "20 um"]
-    assert app.run(["init", str(tmp_path / "mill"), *words, "--chain", "w-C'-Y'-b-X-Z-t"]) == 0
-    said = capsys.readouterr().out
+    said = command("init", tmp_path / "mill", *words, "--chain", "w-C'-Y'-b-X-Z-t").printed
     assert "where the rotary axes lie" in said
     assert "which axes carry the workpiece" not in said
     text = (tmp_path / "mill" / "machine.toml").read_text()
@@ -283,31 +274,28 @@ def test_a_chain_that_is_said_says_nothing_of_where_rotary_axes_lie(
 
 
 def test_limits_that_an_ini_file_leaves_open_are_asked_for_or_given(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     (tmp_path / "machine.ini").write_text(INI.replace("[AXIS_Z]\nMIN_LIMIT = 0\n", "[AXIS_Z]\n"))
     words = ["--from", str(tmp_path / "machine.ini"), "--instrument", "interferometer", "--target", "20 um"]
     asked = io.StringIO("-300 12.5\n\n")
     monkeypatch.setattr(asked, "isatty", lambda: True)
     monkeypatch.setattr("sys.stdin", asked)
-    assert app.run(["init", str(tmp_path / "asked"), *words]) == 0
-    assert "From where to where does Z move, in mm" in capsys.readouterr().out
+    assert "From where to where does Z move, in mm" in command("init", tmp_path / "asked", *words).printed
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
     assert app.run(["init", str(tmp_path / "given"), *words, "--limits", "z -300 12.5"]) == 0
     for name in ("asked", "given"):
         assert read_campaign(tmp_path / name / "campaign.toml").machine.axis("Z").travel == (-0.3, 0.0125)
     assert app.run(["init", str(tmp_path / "none"), *words]) == 1
     for wrong, said in (("Z", "two limits"), ("Z 1 nan", "two limits"), ("Z 3 1", "comes first"), ("X 0 1", "leave")):
-        assert app.run(["init", str(tmp_path / "none"), *words, "--limits", wrong]) == 1
-        assert said in " ".join(capsys.readouterr().err.split())
+        assert said in command("init", tmp_path / "none", *words, "--limits", wrong).refusal
     assert app.run(["init", str(tmp_path / "none"), "--machine", "one-axis", "--limits", "X 0 1"]) == 2
     assert not (tmp_path / "none").exists()
 
 
 @pytest.mark.parametrize("name", ["machine", "campaign"])
-def test_the_schemas_are_printed_for_editors(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert app.run(["schema", name]) == 0
-    printed = json.loads(capsys.readouterr().out)
+def test_the_schemas_are_printed_for_editors(name: str, command: Command) -> None:
+    printed = command("schema", name).document
     assert printed == {"machine": machine_schema, "campaign": campaign_schema}[name]()
     assert app.run(["schema", "report"]) == 2
 

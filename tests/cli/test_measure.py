@@ -16,6 +16,7 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli import app
+from tests.commands import Command
 from tests.generators.begun import begun
 from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
 
@@ -296,11 +297,10 @@ def test_ctrl_c_ends_with_a_sentence_and_status_one(folder: Path) -> None:
 
 
 def test_the_record_is_asked_for_where_there_are_two(
-    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    folder: Path, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (folder / "other.axiscal").write_bytes((folder / "mill.axiscal").read_bytes())
     monkeypatch.chdir(folder)
-    assert app.run(["status"]) == 1
-    assert "mill.axiscal, other.axiscal" in capsys.readouterr().err
+    assert "mill.axiscal, other.axiscal" in command("status").refusal
     monkeypatch.setenv("AXISCAL_RECORD", str(folder / "mill.axiscal"))
     assert app.run(["status"]) == 0

@@ -17,6 +17,7 @@ from axiscal.planning.gains import candidate_rows
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
+from tests.commands import Command
 from tests.generators.texts import FOUR_READINGS, campaign_text, machine_text, setup_text
 
 MACHINE = machine_text("w-b-X-t", {"X": (0, 10)}, {"EXX": 'std = "1 mm", knots = 7'})
@@ -37,12 +38,9 @@ def campaign(tmp_path: Path) -> Path:
     return path
 
 
-def test_seven_readings_on_seven_knots_are_near_the_best_possible(
-    campaign: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_seven_readings_on_seven_knots_are_near_the_best_possible(campaign: Path, command: Command) -> None:
     """J of seven chosen together is 0.0832 mm² mm; no seven can be below 0.0788 (numbers computed elsewhere)."""
-    assert run(["plan", str(campaign), "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = command("plan", campaign, "--json").document
     assert document["schema"] == "axiscal-plan/1"
     assert document["J"] <= 0.0833e-9
     assert document["bound_J"] == pytest.approx(0.0788e-9, rel=1e-3)
@@ -57,14 +55,12 @@ def test_seven_readings_on_seven_knots_are_near_the_best_possible(
 
 
 @pytest.mark.long
-def test_the_volume_criterion_says_its_bound_in_micrometres(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_volume_criterion_says_its_bound_in_micrometres(campaign: Path, command: Command) -> None:
     campaign.write_text(CAMPAIGN.replace('criterion = "joint"', ""))
-    assert run(["plan", str(campaign), "--readings", "8", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = command("plan", campaign, "--readings", "8", "--json").document
     assert 0 < document["bound_rms_um"] <= document["rms_um"]
     assert document["ratio"] == pytest.approx((document["rms_um"] / document["bound_rms_um"]) ** 2, rel=1e-6)
-    assert run(["plan", str(campaign), "--readings", "8", "--details"]) == 0
-    said = capsys.readouterr().out
+    said = command("plan", campaign, "--readings", "8", "--details").printed
     assert "No plan of" in said
     assert "%" not in said
 
@@ -97,22 +93,20 @@ def test_the_campaign_says_how_programs_go_to_readings(
     assert capsys.readouterr().out.count("Written  ") == 2
 
 
-def test_minutes_count_how_programs_go_to_readings(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_minutes_count_how_programs_go_to_readings(campaign: Path, command: Command) -> None:
     minutes = []
     for programs in ("", '[programs]\nfeed = "10 mm/min"\n'):
         campaign.write_text(CAMPAIGN + programs)
-        assert run(["plan", str(campaign), "--readings", "3", "--json"]) == 0
-        minutes.append(json.loads(capsys.readouterr().out)["minutes"])
+        minutes.append(command("plan", campaign, "--readings", "3", "--json").document["minutes"])
     assert minutes[1] - minutes[0] == pytest.approx(2 * 2 / 10, rel=0.1)  # two ways of 2 mm at 10 mm/min
 
 
 @pytest.mark.parametrize(("line", "said"), [('feed = "0.5"', "has no unit"), ('clearance = "Q=3 mm"', "no axis")])
 def test_what_is_said_of_programs_is_read_before_a_plan_is_made(
-    campaign: Path, line: str, said: str, capsys: pytest.CaptureFixture[str]
+    campaign: Path, line: str, said: str, command: Command
 ) -> None:
     campaign.write_text(f"{CAMPAIGN}[programs]\n{line}\n")
-    assert run(["plan", str(campaign), "--readings", "3", "--gcode", "linuxcnc"]) == 1
-    assert said in " ".join(capsys.readouterr().err.split())
+    assert said in command("plan", campaign, "--readings", "3", "--gcode", "linuxcnc").refusal
 
 
 @pytest.mark.parametrize(
@@ -135,23 +129,15 @@ def test_what_cannot_be_planned_is_said_in_one_paragraph(
     assert printed.out == ""
 
 
-def test_so_many_readings_are_planned_whatever_accuracy_the_campaign_asks_for(
-    campaign: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_so_many_readings_are_planned_whatever_accuracy_the_campaign_asks_for(campaign: Path, command: Command) -> None:
     campaign.write_text(CAMPAIGN.replace("readings = 7", 'rms = "0.6 mm"'))
-    assert run(["plan", str(campaign), "--json"]) == 0
-    assert len(json.loads(capsys.readouterr().out)["points"]) < 9
-    assert run(["plan", str(campaign), "--readings", "9", "--json"]) == 0
-    assert len(json.loads(capsys.readouterr().out)["points"]) == 9
+    assert len(command("plan", campaign, "--json").document["points"]) < 9
+    assert len(command("plan", campaign, "--readings", "9", "--json").document["points"]) == 9
 
 
-def test_a_target_alone_is_planned_within_what_the_campaign_allows(
-    campaign: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run(["plan", str(campaign), "--target", "1 um", "--json"]) == 0
-    assert len(json.loads(capsys.readouterr().out)["points"]) == 7
-    assert run(["plan", str(campaign), "--target", "1 um", "--readings", "3", "--json"]) == 0
-    assert len(json.loads(capsys.readouterr().out)["points"]) == 3
+def test_a_target_alone_is_planned_within_what_the_campaign_allows(campaign: Path, command: Command) -> None:
+    assert len(command("plan", campaign, "--target", "1 um", "--json").document["points"]) == 7
+    assert len(command("plan", campaign, "--target", "1 um", "--readings", "3", "--json").document["points"]) == 3
 
 
 @pytest.mark.parametrize("more", [[], ["--prove"]])
@@ -166,30 +152,30 @@ def test_a_target_that_is_met_before_anything_is_read_needs_a_few_that_check_the
     assert ("meet the target unread" in " ".join(printed.err.split())) == (needed > 0)
 
 
-def test_an_unknown_control_is_refused_before_the_campaign_is_read(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["plan", "nowhere.toml", "--gcode", "fanux"]) == 1
-    assert "Perhaps fanuc is meant" in " ".join(capsys.readouterr().err.split())
+def test_an_unknown_control_is_refused_before_the_campaign_is_read(command: Command) -> None:
+    assert "Perhaps fanuc is meant" in command("plan", "nowhere.toml", "--gcode", "fanux").refusal
 
 
-def test_a_proof_holds_anywhere_in_the_travel(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_proof_holds_anywhere_in_the_travel(campaign: Path, command: Command) -> None:
     """The bound on J of seven readings is 0.0788 mm² mm (a number computed elsewhere), on and off the lattice."""
-    assert run(["plan", str(campaign), "--prove", "--gap", "0.05", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = command("plan", campaign, "--prove", "--gap", "0.05", "--json").document
     assert document["bound_J"] == pytest.approx(0.0788e-9, rel=1e-3)
     assert document["bound_holds_for"] == "every position in the travel"
     assert 0 <= document["proof_gap_percent"] <= 0.05
     assert document["percent_from_best"] == pytest.approx(100 * (document["ratio"] - 1))
-    assert run(["plan", str(campaign), "--prove", "--details"]) == 0
-    said = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("No plan"))
+    said = next(
+        line
+        for line in command("plan", campaign, "--prove", "--details").printed.splitlines()
+        if line.startswith("No plan")
+    )
     assert said.startswith("No plan of 7 readings anywhere in the travel can make J smaller than 7.8")
     assert "% from the best possible; search stopped at a gap of " in said
 
 
 @pytest.mark.long
-def test_a_proof_in_micrometres(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_proof_in_micrometres(campaign: Path, command: Command) -> None:
     campaign.write_text(CAMPAIGN.replace('criterion = "joint"', ""))
-    assert run(["plan", str(campaign), "--prove", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = command("plan", campaign, "--prove", "--json").document
     assert document["percent_from_best"] == pytest.approx(100 * (document["rms_um"] / document["bound_rms_um"] - 1))
     assert document["ratio"] == pytest.approx((document["rms_um"] / document["bound_rms_um"]) ** 2)
     assert document["proof_gap_percent"] <= 0.5
@@ -218,11 +204,12 @@ def test_no_proof_where_boxes_cannot_be_cut(
     assert "..." not in said
 
 
-def test_details_say_how_long_it_would_take_if_all_that_is_stated_were_exact(
-    campaign: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run(["plan", str(campaign), "--target", "4 um", "--details"]) == 0
-    assert re.search(r"^If all that is stated were exact, .*: \d+ min\.$", capsys.readouterr().out, re.M)
+def test_details_say_how_long_it_would_take_if_all_that_is_stated_were_exact(campaign: Path, command: Command) -> None:
+    assert re.search(
+        r"^If all that is stated were exact, .*: \d+ min\.$",
+        command("plan", campaign, "--target", "4 um", "--details").printed,
+        re.M,
+    )
 
 
 @pytest.mark.long
@@ -241,23 +228,18 @@ def test_less_memory_makes_the_same_plan(campaign: Path, monkeypatch: pytest.Mon
     assert little.bound.value == pytest.approx(much.bound.value, rel=1e-6)
 
 
-def test_a_target_out_of_reach_is_said_at_once(
-    campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_target_out_of_reach_is_said_at_once(campaign: Path, tmp_path: Path, command: Command) -> None:
     text = CAMPAIGN.replace("readings = 7", 'rms = "500 um"').replace('criterion = "joint"', "")
     campaign.write_text(text)
-    assert run(["plan", str(campaign), "--target", "2 um"]) == 1
-    said = " ".join(capsys.readouterr().err.split())
+    said = command("plan", campaign, "--target", "2 um").refusal
     assert "1,000 readings leave at least" in said
     assert 'With half the noise in "dial" (50 um)' in said
     (tmp_path / "machine.toml").write_text(MACHINE.replace("knots = 7", 'knots = 7, rest = "3 um"'))
-    assert run(["plan", str(campaign), "--target", "2 um"]) == 1
-    said = " ".join(capsys.readouterr().err.split())
+    said = command("plan", campaign, "--target", "2 um").refusal
     assert "endless readings would leave 3" in said
     assert "finer knots" in said
     campaign.write_text(text.replace('"x"', '"y"'))
-    assert run(["plan", str(campaign), "--target", "5 um"]) == 1
-    said = " ".join(capsys.readouterr().err.split())
+    said = command("plan", campaign, "--target", "5 um").refusal
     assert "Another set-up would help. What cannot be seen" in said
 
 
@@ -273,36 +255,37 @@ def test_a_plan_whose_end_nobody_would_see_is_refused_before_it_begins(
     campaign: Path,
     words: list[str],
     says: str,
-    capsys: pytest.CaptureFixture[str],
+    command: Command,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("axiscal.cli.plan.proposed", lambda *_: pytest.fail("it has begun"))
-    assert run(["plan", str(campaign), *words]) == 1
-    assert says in " ".join(capsys.readouterr().err.split())
+    assert says in command("plan", campaign, *words).refusal
 
 
-def test_a_plan_of_fewer_readings_than_asked_for_says_so(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["plan", str(campaign), "--readings", "12", "--budget", "10.4 min"]) == 0
-    found = re.search(r"(\d+) of (\d+) readings: more do not fit into 10.4 min", capsys.readouterr().out)
+def test_a_plan_of_fewer_readings_than_asked_for_says_so(campaign: Path, command: Command) -> None:
+    found = re.search(
+        r"(\d+) of (\d+) readings: more do not fit into 10.4 min",
+        command("plan", campaign, "--readings", "12", "--budget", "10.4 min").printed,
+    )
     assert found is not None
     planned, asked = map(int, found.groups())
     assert planned < asked == 12
-    assert run(["plan", str(campaign), "--readings", "3"]) == 0
-    assert "of 3 readings" not in capsys.readouterr().out
+    assert "of 3 readings" not in command("plan", campaign, "--readings", "3").printed
 
 
-def test_a_plan_is_drawn_on_the_machine(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_plan_is_drawn_on_the_machine(campaign: Path, command: Command) -> None:
     file = campaign.parent / "where.svg"
-    assert run(["plan", str(campaign), "--picture", str(file)]) == 0
-    assert f"Written  {file}" in capsys.readouterr().out
+    assert f"Written  {file}" in command("plan", campaign, "--picture", file).printed
     words = [text.text for text in ElementTree.parse(file).iter("{http://www.w3.org/2000/svg}text")]
     assert {"X", "indicator"} <= set(words)
     assert any("7 readings" in (each or "") for each in words)
 
 
-def test_a_picture_of_another_kind_is_refused(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["plan", str(campaign), "--picture", str(campaign.parent / "where.html")]) == 1
-    assert "--picture draws an SVG file, and where.html is none" in capsys.readouterr().err
+def test_a_picture_of_another_kind_is_refused(campaign: Path, command: Command) -> None:
+    assert (
+        "--picture draws an SVG file, and where.html is none"
+        in command("plan", campaign, "--picture", campaign.parent / "where.html").refusal
+    )
     assert not (campaign.parent / "where.html").exists()
 
 
@@ -317,14 +300,13 @@ DRIFT = campaign_text(
 @pytest.mark.long
 @pytest.mark.parametrize("text", [MILL, FOUR_READINGS, DRIFT], ids=["mill", "four readings", "drift"])
 def test_places_are_asked_in_the_order_in_which_they_are_printed(
-    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("campaign.toml").write_text(text)
 
     def said(*words: str) -> Any:
-        assert run(words) == 0
-        return json.loads(capsys.readouterr().out)
+        return command(*words).document
 
     planned = said("plan", "campaign.toml", "--json")["points"]
     assert len(planned) >= 3

@@ -10,6 +10,7 @@ import pytest
 
 from axiscal.campaign import campaign as running
 from axiscal.cli.app import run
+from tests.commands import Command
 from tests.generators.begun import begun
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
@@ -47,78 +48,71 @@ def asked(record: Path, capsys: pytest.CaptureFixture[str]) -> str:
     return str(json.loads(capsys.readouterr().out)["question"]["setup"])
 
 
-def said(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    capsys.readouterr()
-    assert run(list(arguments)) == 0
-    return " ".join(capsys.readouterr().out.split())
-
-
 @pytest.mark.parametrize("words", [("1 um", "--at", "X=100"), ("1 apple", "--at", "X=100 mm")])
 def test_what_is_misspelt_is_said_before_anything_is_estimated(
-    record: Path, words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    record: Path, words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     for name in ("estimated", "concluded"):
         monkeypatch.setattr(running, name, None)
-    capsys.readouterr()
-    assert run(["record", str(record), *words, "--setup", "along x"]) == 1
-    assert "unit" in capsys.readouterr().err
+    assert "unit" in command("record", record, *words, "--setup", "along x").refusal
 
 
-def test_leaving_a_set_up_says_what_that_costs(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_leaving_a_set_up_says_what_that_costs(
+    record: Path, command: Command, capsys: pytest.CaptureFixture[str]
+) -> None:
     first = asked(record, capsys)
     run(["record", str(record), "1.0 um"])
     asked(record, capsys)
     other, at = ("along y", "Y=50 mm") if first == "along x" else ("along x", "X=50 mm")
-    told = said(capsys, "record", str(record), "2 um", "--at", at, "--setup", other, "--approach", f"{at[0]}+")
+    told = command("record", record, "2 um", "--at", at, "--setup", other, "--approach", f"{at[0]}+").said
     found = re.search(rf'this leaves "{first}", which costs.*volume ([\d.]+) → ([\d.]+) um', told)
     assert found is not None, told
     before, after = map(float, found.groups())
     assert after > before
 
 
-def test_a_reading_where_it_was_asked_for_leaves_nothing(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_reading_where_it_was_asked_for_leaves_nothing(
+    record: Path, command: Command, capsys: pytest.CaptureFixture[str]
+) -> None:
     asked(record, capsys)
-    assert "this leaves" not in said(capsys, "record", str(record), "1.0 um")
+    assert "this leaves" not in command("record", record, "1.0 um").said
     asked(record, capsys)
-    assert "this leaves" not in said(capsys, "record", str(record), "1.2 um")
+    assert "this leaves" not in command("record", record, "1.2 um").said
 
 
-def test_a_place_without_a_side_says_what_is_supposed(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    told = said(capsys, "record", str(record), "1 um", "--at", "X=120 mm", "--setup", "along x")
+def test_a_place_without_a_side_says_what_is_supposed(record: Path, command: Command) -> None:
+    told = command("record", record, "1 um", "--at", "X=120 mm", "--setup", "along x").said
     assert "nothing is supposed of the side from which X came; the reading counts as less sure, by half the" in told
     assert '--approach "X+"' in told
-    told = said(capsys, "record", str(record), "1 um", "--at", "X=180 mm", "--setup", "along x", "--approach", "X+")
+    told = command("record", record, "1 um", "--at", "X=180 mm", "--setup", "along x", "--approach", "X+").said
     assert "supposed" not in told
 
 
-def test_a_doubtful_reading_is_named_when_it_is_typed(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_doubtful_reading_is_named_when_it_is_typed(record: Path, command: Command) -> None:
     for x in (20, 80, 140, 200, 260):
-        told = said(
-            capsys, "record", str(record), "1 um", "--at", f"X={x} mm", "--setup", "along x", "--approach", "X+"
-        )
+        told = command("record", record, "1 um", "--at", f"X={x} mm", "--setup", "along x", "--approach", "X+").said
         assert "deviations" not in told
-    told = said(capsys, "record", str(record), "60 um", "--at", "X=110 mm", "--setup", "along x", "--approach", "X+")
+    told = command("record", record, "60 um", "--at", "X=110 mm", "--setup", "along x", "--approach", "X+").said
     assert re.search(r" is \d+\.\d standard deviations from what", told)
 
 
 def test_an_earlier_reading_that_a_later_one_contradicts_is_named_with_its_place(
-    record: Path, capsys: pytest.CaptureFixture[str]
+    record: Path, command: Command
 ) -> None:
     told = ""
     for x, value in ((20, 1), (150, 45), (152, 1), (80, 1), (260, 1), (148, 1), (140, 1), (160, 1)):
-        told += said(
-            capsys, "record", str(record), f"{value} um", "--at", f"X={x} mm", "--setup", "along x", "--approach", "X+"
-        )
+        told += command(
+            "record", record, f"{value} um", "--at", f"X={x} mm", "--setup", "along x", "--approach", "X+"
+        ).said
     assert re.search(r"reading 2 is no longer relied on: 45 um at X 150\D|45 um.*is not relied on|deviations", told)
     assert run(["status", str(record)]) == 0
 
 
 @pytest.mark.parametrize("name", ["x.docx", "report", "x.htm.txt"])
 def test_a_page_is_not_written_under_another_kind_of_name(
-    record: Path, name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    record: Path, name: str, tmp_path: Path, command: Command
 ) -> None:
-    assert run(["report", str(record), "--out", str(tmp_path / name)]) == 1
-    assert "the report is an HTML page" in " ".join(capsys.readouterr().err.split())
+    assert "the report is an HTML page" in command("report", record, "--out", tmp_path / name).refusal
     assert not (tmp_path / name).exists()
     assert run(["report", str(record), "--out", str(tmp_path / "x.HTML")]) == 0
 
@@ -133,27 +127,26 @@ def test_a_curve_of_an_axis_that_carries_the_workpiece_says_why_its_sign_is_the_
     assert "Y carries the workpiece" not in said
 
 
-def test_a_note_is_kept_and_shown_also_after_the_end(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["note", str(record), "new ball", "screw X"]) == 0
-    assert "Noted; it is on the disk." in capsys.readouterr().out
-    assert run(["note", str(record), " "]) == 1
-    assert "the note is empty" in capsys.readouterr().err
-    assert run(["status", str(record), "--details"]) == 0
-    assert ": new ball screw X" in capsys.readouterr().out
+def test_a_note_is_kept_and_shown_also_after_the_end(record: Path, command: Command) -> None:
+    assert "Noted; it is on the disk." in command("note", record, "new ball", "screw X").printed
+    assert "the note is empty" in command("note", record, " ").refusal
+    assert ": new ball screw X" in command("status", record, "--details").printed
 
 
-def test_one_command_keeps_a_reading_and_says_the_next_one(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_one_command_keeps_a_reading_and_says_the_next_one(
+    record: Path, command: Command, capsys: pytest.CaptureFixture[str]
+) -> None:
     asked(record, capsys)
-    told = said(capsys, "record", str(record), "1.0 um", "--next")
+    told = command("record", record, "1.0 um", "--next").said
     assert "Kept reading 1" in told
     assert "Reading 2: set-up" in told
-    document = json.loads(said(capsys, "record", str(record), "0.4 um", "--next", "--json"))
+    document = json.loads(command("record", record, "0.4 um", "--next", "--json").said)
     assert (document["reading"], document["next"]["question"]["reading"]) == (2, 3)
-    document = json.loads(said(capsys, "next", str(record), "--json"))
+    document = json.loads(command("next", record, "--json").said)
     assert document["question"]["reading"] == 3
 
 
-def test_what_next_says_to_type_for_three_values_is_taken(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_next_says_to_type_for_three_values_is_taken(tmp_path: Path, command: Command) -> None:
     """The line is given as it stands, with numbers for its letters."""
     sphere = '[[setups]]\nname = "ball"\ninstrument = "sphere"\nartefact = "ball"\nraster = { C = "90 deg" }\n'
     ball = '[[artefacts]]\nname = "ball"\nballs = { one = ["50 mm", "0 mm", "0 mm"] }\n'
@@ -163,7 +156,7 @@ def test_what_next_says_to_type_for_three_values_is_taken(tmp_path: Path, capsys
     (tmp_path / "campaign.toml").write_text(head + ball + sphere)
     record = str(tmp_path / "ball.axiscal")
     assert run(["start", str(tmp_path / "campaign.toml"), record]) == 0
-    line = re.search(r'record \S+ "(X um, Y um, Z um)"', said(capsys, "next", record))
+    line = re.search(r'record \S+ "(X um, Y um, Z um)"', command("next", record).said)
     assert line is not None
     typed = line[1].replace("X", "1").replace("Y", "-2").replace("Z", "0.5")
-    assert "1 reading" in said(capsys, "record", record, typed) + said(capsys, "status", record)
+    assert "1 reading" in command("record", record, typed).said + command("status", record).said

@@ -15,6 +15,7 @@ from axiscal.cli import outputs
 from axiscal.cli.app import run
 from axiscal.document import durable
 from axiscal.present import delivery
+from tests.commands import Command
 from tests.generators.begun import begun
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
@@ -89,11 +90,10 @@ def test_every_folder_of_results_has_a_manifest(folder: Path, words: list[str]) 
 
 
 def test_the_tables_are_those_of_the_controls_that_the_campaign_names(
-    folder: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, command: Command, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (folder / "campaign.toml").write_text(f'controls = ["sinumerik", "klipper", "sinumerik"]\n{CAMPAIGN}')
-    assert run(["estimate", "campaign.toml", "readings.csv", "--out", "survey", "--details"]) == 0
-    shown = capsys.readouterr().out
+    shown = command("estimate", "campaign.toml", "readings.csv", "--out", "survey", "--details").printed
     assert "left with sinumerik" in shown
     assert "No table for klipper" in shown
     assert {each.name for each in (folder / "survey" / "tables").iterdir()} == {"sinumerik", "csv"}
@@ -143,15 +143,14 @@ def test_a_run_goes_on_in_the_record_whose_results_it_wrote(folder: Path) -> Non
 
 
 @pytest.mark.long
-def test_results_written_beside_their_record_say_what_its_status_says(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_results_written_beside_their_record_say_what_its_status_says(folder: Path, command: Command) -> None:
     (folder / "campaign.toml").write_text(CAMPAIGN.replace("readings = 4", 'readings = 8\nrms = "0.001 um"'))
     for words in (["run", "campaign.toml", "--source", "sim:3"], ["finish", "out/campaign.axiscal"]):
         assert run([*words, "--out", "out"]) == 0
-        capsys.readouterr()
-        assert run(["status", "out/campaign.axiscal", "--json"]) == 0
-        said, result = json.loads(capsys.readouterr().out), json.loads((folder / "out" / "result.json").read_text())
+        said, result = (
+            command("status", "out/campaign.axiscal", "--json").document,
+            json.loads((folder / "out" / "result.json").read_text()),
+        )
         assert said["readings"] == 8
         assert float(f"{said['rms_um']:.6g}") == result["rms_um"]  # a result has six digits
         assert not beside(folder / "out")

@@ -13,15 +13,9 @@ from typing import Any
 
 import pytest
 
-from axiscal.cli.app import run
 from axiscal.ports.study.results import FILE
+from tests.commands import Command
 from tests.ports.texts import STUDY, written
-
-
-def _document(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
-    assert run(["study", *words, "--json"]) == 0
-    found: dict[str, Any] = json.loads(capsys.readouterr().out)
-    return found
 
 
 def _rows(folder: Path) -> list[tuple[str, Any, str]]:
@@ -31,11 +25,11 @@ def _rows(folder: Path) -> list[tuple[str, Any, str]]:
 
 @pytest.mark.long
 def test_processes_give_the_bytes_that_one_gives_and_what_is_there_is_not_computed_again(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, command: Command
 ) -> None:
     file, one, two = str(written(tmp_path)), tmp_path / "one", tmp_path / "two"
-    first = _document(capsys, file, "--out", str(one), "--workers", "1")
-    second = _document(capsys, file, "--out", str(two), "--workers", "2")
+    first = command("study", file, "--out", one, "--workers", "1", "--json").document
+    second = command("study", file, "--out", two, "--workers", "2", "--json").document
     assert (first["computed"], first["failed"]) == (4, 0)
     assert {**first, "written": 0} == {**second, "written": 0}
     assert _rows(one) == _rows(two)
@@ -43,51 +37,44 @@ def test_processes_give_the_bytes_that_one_gives_and_what_is_there_is_not_comput
         assert (one / name).read_bytes() == (two / name).read_bytes()
     lines = (one / FILE).read_text().splitlines(keepends=True)
     (one / FILE).write_text("".join(line for line in lines if '\\"machine\\":1}' not in line))
-    again = _document(capsys, file, "--out", str(one), "--resume", "--workers", "1")
+    again = command("study", file, "--out", one, "--resume", "--workers", "1", "--json").document
     assert (again["there_before"], again["computed"]) == (2, 2)
     assert _rows(one) == _rows(two)
 
 
-def test_results_that_are_there_are_neither_doubled_nor_mixed(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_results_that_are_there_are_neither_doubled_nor_mixed(tmp_path: Path, command: Command) -> None:
     file, out = written(tmp_path), tmp_path / "study-results"
-    assert run(["study", str(file), "--workers", "1"]) == 0
-    assert "4 cases computed" in capsys.readouterr().out
+    assert "4 cases computed" in command("study", file, "--workers", "1").printed
     before = _rows(out)
-    assert run(["study", str(file)]) == 1
-    assert "--resume" in capsys.readouterr().err
+    assert "--resume" in command("study", file).refusal
     file.write_text(STUDY.replace("machines = 2", "machines = 3"))
-    assert run(["study", str(file), "--resume"]) == 1
-    assert "has been changed since" in " ".join(capsys.readouterr().err.split())
+    assert "has been changed since" in command("study", file, "--resume").refusal
     assert _rows(out) == before
 
 
-def test_a_case_that_cannot_be_computed_is_a_row_and_status_1(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_case_that_cannot_be_computed_is_a_row_and_status_1(tmp_path: Path, command: Command) -> None:
     hopeless = STUDY.replace("{ readings = 6 }", '{ budget = "1 s" }').replace('["laser"], ', "")
-    assert run(["study", str(written(tmp_path, hopeless)), "--workers", "1"]) == 1
-    assert "2 cases of 2 could not be computed" in " ".join(capsys.readouterr().err.split())
+    assert (
+        "2 cases of 2 could not be computed" in command("study", written(tmp_path, hopeless), "--workers", "1").refusal
+    )
     assert all("that the first reading takes" in error for _, _, error in _rows(tmp_path / "study-results"))
     assert "that the first reading takes" in (tmp_path / "study-results" / "study.html").read_text()
 
 
 def test_a_disk_that_is_full_is_named_with_its_file_and_what_is_kept(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(*given: object) -> None:
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("axiscal.ports.study.results.write_at", full)
-    assert run(["study", str(written(tmp_path)), "--workers", "1"]) == 1
-    said = " ".join(capsys.readouterr().err.split())
+    said = command("study", written(tmp_path), "--workers", "1").refusal
     assert f"{tmp_path / 'study-results' / FILE}: The results cannot be written: No space left on device" in said
     assert "0 of 4 cases are kept; go on with: axiscal study" in said
 
 
-def test_a_dry_run_counts_and_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    found = _document(capsys, str(written(tmp_path)), "--dry-run")
+def test_a_dry_run_counts_and_writes_nothing(tmp_path: Path, command: Command) -> None:
+    found = command("study", written(tmp_path), "--dry-run", "--json").document
     assert (found["cases"], found["ways"], found["failed"]) == (4, 2, None)
     assert found["processor_hours"] > 0
     assert {path.name for path in tmp_path.iterdir()} == {"campaign.toml", "study.toml"}

@@ -13,6 +13,7 @@ import pytest
 from axiscal.campaign.possible import LONGEST_TEXT
 from axiscal.cli.app import run
 from axiscal.cli.printing import ask, complain, say, tell, visible
+from tests.commands import Command
 from tests.generators.texts import FOUR_READINGS
 
 STEERING = "red\x1b[31m bell\x07 back\x08\r \x9b2J turned\u202e\u2028 end"
@@ -50,11 +51,10 @@ def test_bytes_that_are_no_text_are_refused(
     assert run(["status", str(record)]) == 0
 
 
-def test_a_file_whose_name_is_no_text_begins_no_campaign(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_whose_name_is_no_text_begins_no_campaign(record: Path, command: Command) -> None:
     described = record.parent / f"{LATIN}.toml"
     described.write_text(FOUR_READINGS)
-    assert run(["start", str(described), str(record.parent / "other.axiscal")]) == 1
-    assert "rename the file" in " ".join(capsys.readouterr().err.split())
+    assert "rename the file" in command("start", described, record.parent / "other.axiscal").refusal
     assert not list(record.parent.glob("other*"))
 
 
@@ -67,21 +67,16 @@ def test_a_book_is_no_note_and_no_reason(
     assert run([words[0], str(record), *words[1:], "a" * LONGEST_TEXT]) == 0
 
 
-def test_what_is_kept_steers_no_terminal(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_kept_steers_no_terminal(record: Path, command: Command) -> None:
     assert run(["note", str(record), STEERING]) == 0
-    assert run(["skip", str(record), STEERING]) == 0
-    assert WRITTEN in capsys.readouterr().out
-    assert run(["status", str(record), "--details"]) == 0
-    assert capsys.readouterr().out.count(WRITTEN) == 2
-    assert run(["status", str(record), "--json"]) == 0
-    document = capsys.readouterr().out
+    assert WRITTEN in command("skip", record, STEERING).printed
+    assert command("status", record, "--details").printed.count(WRITTEN) == 2
+    document = command("status", record, "--json").printed
     assert WRITTEN in document
     assert [note["text"] for note in json.loads(document)["notes"]] == [STEERING]
 
 
-def test_a_program_whose_reason_is_half_a_character_ends_the_run(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_program_whose_reason_is_half_a_character_ends_the_run(tmp_path: Path, command: Command) -> None:
     (tmp_path / "campaign.toml").write_text(FOUR_READINGS)
     program = tmp_path / "reads.py"
     program.write_text(r"""import sys
@@ -89,8 +84,7 @@ for line in sys.stdin:
     print('{"skip": "half \\ud800"}', flush=True)
 """)
     source, out = f"exec:{sys.executable} {program}", tmp_path / "out"
-    assert run(["run", str(tmp_path / "campaign.toml"), "--source", source, "--out", str(out)]) == 1
-    why = " ".join(capsys.readouterr().err.split())
+    why = command("run", tmp_path / "campaign.toml", "--source", source, "--out", out).refusal
     assert r'"half \xd800" ends in a byte that is no UTF-8, or in half a character' in why
     assert "defect" not in why
     assert run(["status", str(out / "campaign.axiscal")]) == 0

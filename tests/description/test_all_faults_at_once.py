@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from axiscal.cli.app import run
 from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
 from axiscal.machine.description import builtin_names, load_machine, machine_from_text
 from axiscal.machine.questions import questions
+from tests.commands import Command
 from tests.generators.texts import campaign_text, setup_text
 
 GOOD = """chain = "w-X'-b-Y-t"
@@ -77,7 +77,7 @@ def test_an_error_of_an_axis_that_is_wrong_itself_is_no_second_fault() -> None:
     assert len(str(refused.value).splitlines()) == 1
 
 
-def test_set_ups_and_readings_name_all_their_faults(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_set_ups_and_readings_name_all_their_faults(tmp_path: Path, command: Command) -> None:
     (tmp_path / "machine.toml").write_text(GOOD)
     campaign, readings = tmp_path / "campaign.toml", tmp_path / "readings.csv"
     campaign.write_text(
@@ -85,15 +85,12 @@ def test_set_ups_and_readings_name_all_their_faults(tmp_path: Path, capsys: pyte
     )
     readings.write_text("setup,X_mm,Y_mm,value_um\nx,10,10,1\n")
     arguments = ["estimate", str(campaign), str(readings), "--out", str(tmp_path / "out")]
-    assert run(arguments) == 1
-    assert len(lines_of(" ".join(capsys.readouterr().err.split()))) == 2
+    assert len(lines_of(command(*arguments).refusal)) == 2
     campaign.write_text(CAMPAIGN)
     readings.write_text("setup,X_mm,Y_mm,value_um\nx,10,10,1\nx,10,ten,1\nx,20,10,\ny,30,10,many\n")
-    assert run(arguments) == 1
-    assert sorted(lines_of(" ".join(capsys.readouterr().err.split()))) == [3, 4, 5]
+    assert sorted(lines_of(command(*arguments).refusal)) == [3, 4, 5]
     readings.write_text("setup,X_mm,Y_mm,value_um\nx,10,10,1\nx,999,10,1\nz,20,10,2\n")
-    assert run(arguments) == 1
-    assert sorted(lines_of(" ".join(capsys.readouterr().err.split()))) == [3, 4]
+    assert sorted(lines_of(command(*arguments).refusal)) == [3, 4]
 
 
 def test_no_more_than_five_are_said_beside_the_first() -> None:
@@ -119,17 +116,15 @@ def test_no_more_than_five_are_said_beside_the_first() -> None:
     ],
 )
 def test_sizes_that_can_hardly_be_meant_are_asked_about(
-    old: str, new: str, asked: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    old: str, new: str, asked: str, tmp_path: Path, command: Command, capsys: pytest.CaptureFixture[str]
 ) -> None:
     if "km/min" in new:
         new = 'speed = "10000 m/min"'
     (tmp_path / "machine.toml").write_text(GOOD.replace(old, new))
     (tmp_path / "campaign.toml").write_text(LASER)
-    assert run(["machine", "check", str(tmp_path / "machine.toml"), "--json"]) == 0
-    (question,) = json.loads(capsys.readouterr().out)["questions"]
+    (question,) = command("machine", "check", tmp_path / "machine.toml", "--json").document["questions"]
     assert question.startswith(asked)
-    assert run(["machine", "check", str(tmp_path / "machine.toml")]) == 0
-    assert f"Mind: {asked}" in capsys.readouterr().out
+    assert f"Mind: {asked}" in command("machine", "check", tmp_path / "machine.toml").printed
     assert run(["start", str(tmp_path / "campaign.toml"), str(tmp_path / "a.axiscal")]) == 0
     assert f"Mind: {asked}" in capsys.readouterr().err
 
@@ -140,19 +135,16 @@ def test_nothing_is_asked_about_the_built_in_machines(name: str) -> None:
 
 
 def test_a_rotary_axis_of_which_nobody_says_which_way_it_counts_is_asked_about(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, command: Command
 ) -> None:
     asked = "Which way do C and B count?"
-    assert run(["machine", "check", "dmu60"]) == 0
-    assert f"Mind: {asked}" in capsys.readouterr().out
+    assert f"Mind: {asked}" in command("machine", "check", "dmu60").printed
     text = load_machine("dmu60").text.replace("[axes.B]", '[axes.B]\ndirection = "iso"')
     (tmp_path / "machine.toml").write_text(text)
-    assert run(["machine", "check", str(tmp_path / "machine.toml"), "--json"]) == 0
-    (question,) = json.loads(capsys.readouterr().out)["questions"]
+    (question,) = command("machine", "check", tmp_path / "machine.toml", "--json").document["questions"]
     assert question.startswith("Which way does C count?")
     (tmp_path / "machine.toml").write_text(text.replace("[axes.C]", '[axes.C]\ndirection = "reversed"'))
-    assert run(["machine", "check", str(tmp_path / "machine.toml"), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["questions"] == []
+    assert command("machine", "check", tmp_path / "machine.toml", "--json").document["questions"] == []
 
 
 def test_what_is_wrong_alike_in_many_lines_is_said_once() -> None:

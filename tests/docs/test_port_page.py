@@ -14,6 +14,7 @@ from axiscal.exceptions import PortError, TableError
 from axiscal.machine import load_machine
 from axiscal.tables.registry import CONTROLLERS, exporter
 from axiscal.tables.round_trip import drawn_and_known, round_trip
+from tests.commands import Command
 from tests.docs.howtos import DOCS, files
 from tests.generators.texts import campaign_text, setup_text
 
@@ -59,7 +60,7 @@ def test_its_own_tests_pass_and_no_file_is_long(package: Path, tmp_path: Path) -
     own.test_the_files_of_the_gauge_are_read(tmp_path)
 
 
-def test_people_type_its_names(package: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_people_type_its_names(package: Path, tmp_path: Path, command: Command) -> None:
     campaign, out, tables = tmp_path / "campaign.toml", tmp_path / "out", tmp_path / "tables"
     campaign.write_text(CAMPAIGN)
     assert run(["run", str(campaign), "--source", "acme:40", "--out", str(out)]) == 0
@@ -73,9 +74,7 @@ def test_people_type_its_names(package: Path, tmp_path: Path, capsys: pytest.Cap
     gauge = tmp_path / "gauge.txt"
     gauge.write_text("ACME GAUGE 2\nEXX\n" + "".join(f"{x} + {x / 100}\n" for x in range(0, 600, 50)))
     assert run(["estimate", str(campaign), str(gauge), "--out", str(tmp_path / "read")]) == 0
-    capsys.readouterr()
-    assert run(["export", str(out / "campaign.axiscal"), "--to", "list"]) == 0
-    assert capsys.readouterr().out.split() == [*CONTROLLERS, "acme"]
+    assert command("export", out / "campaign.axiscal", "--to", "list").printed.split() == [*CONTROLLERS, "acme"]
 
 
 def test_a_sign_that_is_wrong_is_seen(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:

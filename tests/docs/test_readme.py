@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.cli.app import run
+from tests.commands import Command
 from tests.docs.howtos import DOCS
 
 README = (DOCS.parent / "README.md").read_text(encoding="utf-8")
@@ -30,11 +30,8 @@ def test_it_shows_one_screen_that_ends_in_a_success() -> None:
 
 
 @pytest.mark.long
-def test_the_screen_is_the_demos(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_screen_is_the_demos(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
     monkeypatch.chdir(tmp_path)
-    assert run(["demo", "--out", "demo-out"]) == 0
-    lines = _shape(capsys.readouterr().out)
+    lines = _shape(command("demo", "--out", "demo-out").printed)
     shown = _shape(SCREEN[0])
     assert lines[-len(shown) :] == shown

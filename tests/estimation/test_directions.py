@@ -24,6 +24,7 @@ from axiscal.exceptions import InputError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import even_points
 from axiscal.tables.offer import unknown_rms
+from tests.commands import Command
 
 _EVERY_LINE = 'directions = ["z"]'
 _EVERY = "aligned = false"
@@ -138,14 +139,11 @@ def test_directions_that_are_none_are_refused(line: str) -> None:
 
 
 @pytest.mark.long
-def test_plan_run_and_files_of_a_bed_say_that_the_height_counts(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_plan_run_and_files_of_a_bed_say_that_the_height_counts(tmp_path: Path, command: Command) -> None:
     words = ["--machine", "printer-gantry", "--instrument", "probe", "--target", "60 um"]
     assert app.run(["init", str(tmp_path / "bed"), *words]) == 0
     campaign, out = str(tmp_path / "bed" / "campaign.toml"), tmp_path / "out"
-    assert app.run(["run", campaign, "--source", "sim:3", "--out", str(out), "--details"]) == 0
-    said = capsys.readouterr().out
+    said = command("run", campaign, "--source", "sim:3", "--out", out, "--details").printed
     assert re.search(r"^Expanded uncertainty U along z alone: [\d.]+ um$", said, re.MULTILINE)
     assert "counted along z alone" in said
     result = json.loads((out / "result.json").read_text())

@@ -20,6 +20,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.present.curves import curves
 from axiscal.present.findings import findings
+from tests.commands import Command
 from tests.generators.texts import campaign_text, setup_text
 
 CAMPAIGN = campaign_text(
@@ -123,16 +124,19 @@ def test_readings_that_agree_with_their_neighbour_are_a_fact_and_not_bad() -> No
     assert [doubt.reading for doubt in _estimated(lonely).outliers] == [14]
 
 
-def test_the_record_keeps_a_surprising_reading_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_record_keeps_a_surprising_reading_and_says_so(tmp_path: Path, command: Command) -> None:
     record = tmp_path / "mill.axiscal"
     with Campaign.create(record, _description()) as campaign:
         campaign.adopt(tuple(_readings(3, 20)))
     place = ["--at", "X=500 mm", "--setup", "laser", "--approach", "X+"]
-    assert run(["record", str(record), "900 um", *place]) == 0
-    assert "standard deviations from all that the stated std and the other readings allow" in capsys.readouterr().out
+    assert (
+        "standard deviations from all that the stated std and the other readings allow"
+        in command("record", record, "900 um", *place).printed
+    )
     assert run(["undo", str(record)]) == 0
-    assert run(["record", str(record), "900 um", *place, "--accept"]) == 0
-    assert "standard deviations from all" not in capsys.readouterr().out  # the odds against the model are said still
+    assert (
+        "standard deviations from all" not in command("record", record, "900 um", *place, "--accept").printed
+    )  # the odds against the model are said still
     with Campaign.open(record) as campaign:
         assert campaign.state.readings[-1].accepted
         last = len(campaign.state.readings) - 1

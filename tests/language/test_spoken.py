@@ -10,11 +10,11 @@ from string import Formatter
 import pytest
 from babel.messages.catalog import Message
 
-from axiscal.cli.app import run
 from axiscal.exceptions import Faults, InputError, ReadingError, RecordError
 from axiscal.language.spoken import LANGUAGES, counted, messages, said, speaking
 from axiscal.present.guide.question import Word, answer
 from axiscal.present.whose_language import chosen
+from tests.commands import Command
 from tests.docs import languages
 from tests.generators.begun import begun
 from tests.generators.texts import FOUR_READINGS
@@ -142,15 +142,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_a_refusal_is_in_german(
-    name: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_refusal_is_in_german(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
 
     monkeypatch.chdir(folder)
     monkeypatch.setenv("AXISCAL_LANGUAGE", "de")
     monkeypatch.delenv("AXISCAL_STORE", raising=False)
-    assert run(shlex.split(REFUSED[name])) == 1
-    text = re.sub(r'`[^`]*`|"[^"]*"|\([^()]*\)|\S+\.(?:axiscal|toml|csv)|--\S+', "", capsys.readouterr().err)
+    text = re.sub(
+        r'`[^`]*`|"[^"]*"|\([^()]*\)|\S+\.(?:axiscal|toml|csv)|--\S+', "", command(*shlex.split(REFUSED[name])).refusal
+    )
     text = " ".join(line for line in text.splitlines() if not line.startswith("Mind"))
     assert text.startswith("axiscal: ")
     assert ENGLISH.findall(text) == [], text

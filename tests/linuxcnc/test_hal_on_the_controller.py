@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,7 @@ import pytest
 from axiscal.cli.app import run
 from axiscal.ports.linuxcnc.tables import cross
 from axiscal.tables.table import CompensationTable
+from tests.commands import Command
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
 from tests.linuxcnc.lab import Joint, Session, Settings
@@ -167,17 +167,20 @@ def test_both_joints_of_a_gantry_are_corrected_alike(gantry: Path, tmp_path: Pat
     ],
 )
 def test_a_number_given_twice_is_refused(
-    gantry: Path, numbers: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    gantry: Path, numbers: list[str], message: str, tmp_path: Path, command: Command
 ) -> None:
     given = [word for number in numbers for word in ("--number", number)]
-    assert run(["export", str(gantry), "--to", "linuxcnc", "--out", str(tmp_path / "t"), *given]) == 1
-    assert message in " ".join(capsys.readouterr().err.split())
+    assert message in command("export", gantry, "--to", "linuxcnc", "--out", tmp_path / "t", *given).refusal
     assert not (tmp_path / "t").exists()
 
 
-def test_other_controls_take_one_number(gantry: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_other_controls_take_one_number(gantry: Path, tmp_path: Path, command: Command) -> None:
     given = ["--number", "Y=2", "--number", "Y=3", "--number", "Z=4"]
-    assert run(["export", str(gantry), "--to", "sinumerik", "--out", str(tmp_path / "t"), *given]) == 1
-    assert "Y is given the numbers 2 and 3" in " ".join(capsys.readouterr().err.split())
-    assert run(["export", str(gantry), "--to", "linuxcnc", "--out", str(tmp_path / "t"), *given, "--json"]) == 0
-    assert len(json.loads(capsys.readouterr().out)["files"]) > 2
+    assert (
+        "Y is given the numbers 2 and 3"
+        in command("export", gantry, "--to", "sinumerik", "--out", tmp_path / "t", *given).refusal
+    )
+    assert (
+        len(command("export", gantry, "--to", "linuxcnc", "--out", tmp_path / "t", *given, "--json").document["files"])
+        > 2
+    )

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
 from axiscal.evaluation.standards import evaluate, read_iso230
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.files import read_any
+from tests.commands import Command
 from tests.generators.texts import machine_text
 
 RTL = """HEADER::
@@ -171,10 +171,9 @@ def test_maps_find_their_set_up(tmp_path: Path) -> None:
         placed_readings(read_any(_file(tmp_path, MAP)), _campaign('direction = "x"'), "map")
 
 
-def test_estimate_takes_a_bed_map(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_estimate_takes_a_bed_map(tmp_path: Path, command: Command) -> None:
     (tmp_path / "bed.toml").write_text(BED)
     text = 'machine = "bed.toml"\n[[setups]]\nname = "probe"\ninstrument = "probe"\ndirection = "z"\n'
     text += 'noise = "50 um"\n'  # nodes of a printed bed are no better: with less they contradict every explanation
     campaign = _file(tmp_path, text, name="campaign.toml")
-    assert run(["estimate", str(campaign), str(_file(tmp_path, MESH)), "--out", str(tmp_path / "out")]) == 0
-    assert "6 readings" in capsys.readouterr().out
+    assert "6 readings" in command("estimate", campaign, _file(tmp_path, MESH), "--out", tmp_path / "out").printed

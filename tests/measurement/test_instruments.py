@@ -22,6 +22,7 @@ from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.simulation import Simulator, VirtualMachine
+from tests.commands import Command
 
 STATION = 'station = ["300 mm", "-800 mm", "-300 mm"]'
 
@@ -113,12 +114,11 @@ def test_two_of_three_values_are_refused(tmp_path: Path) -> None:
         read_readings(path)
 
 
-def test_three_values_are_recorded_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_three_values_are_recorded_and_kept(tmp_path: Path, command: Command) -> None:
     record = tmp_path / "mill.axiscal"
     Campaign.create(record, _description('instrument = "rtest"')).close()
     place = ["--at", "X=100 mm Y=200 mm Z=50 mm", "--setup", "0"]
-    assert run(["record", str(record), "1 um, 2 um", *place]) == 1
-    assert "is 2 values, and the instrument gives 3" in capsys.readouterr().err
+    assert "is 2 values, and the instrument gives 3" in command("record", record, "1 um, 2 um", *place).refusal
     assert run(["record", str(record), "1 um, 2 um, -3 um", *place]) == 0
     with Campaign.open(record) as campaign:
         assert campaign.state.readings[-1].values == pytest.approx((1e-6, 2e-6, -3e-6))

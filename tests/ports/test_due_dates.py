@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
@@ -25,6 +24,7 @@ from axiscal.numerics import Array
 from axiscal.ports.fleet.due_dates import due_dates, titles
 from axiscal.ports.fleet.type_learning import learnt_type
 from axiscal.ports.fleet.worn_machine import Aging, Pair, Wearing, aging, worn
+from tests.commands import Command
 from tests.generators.sisters import read_on, shop, slide, write_record
 from tests.generators.texts import machine_text, setup_text
 
@@ -101,7 +101,7 @@ def taught(tmp_path_factory: pytest.TempPathFactory) -> TypePrior:
 
 
 def test_a_machine_measured_by_what_its_type_has_taught_is_not_due_before_it_is(
-    taught: TypePrior, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    taught: TypePrior, tmp_path: Path, command: Command
 ) -> None:
     """Six readings are few without it: by the stated prior such a machine was due on the day of its campaign."""
     few = read_on(7)[::3]
@@ -112,8 +112,7 @@ def test_a_machine_measured_by_what_its_type_has_taught_is_not_due_before_it_is(
     (machine,) = due_dates([tmp_path / "few.axiscal"], began, 8e-6).machines
     assert there < machine.now < 1.3 * 4e-6
     for target, said in ((1.1 * there, "and what is not kept is more"), (0.9 * there, "was not as good")):
-        assert run(["due", str(tmp_path), "--target", f"{1e6 * target:.9f} um"]) == 0
-        assert said in capsys.readouterr().out
+        assert said in command("due", tmp_path, "--target", f"{1e6 * target:.9f} um").printed
 
 
 @pytest.fixture
@@ -154,10 +153,9 @@ def test_machines_of_two_builds_may_have_the_same_number_and_one_that_cannot_be_
     assert [(each.file, each.left_out) for each in found.left_out] == [("mirrored.axiscal", "two places fit")]
 
 
-def test_a_renewed_axis_is_due_at_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_renewed_axis_is_due_at_once(folder: Path, command: Command) -> None:
     before = due_dates(folder.glob("b.axiscal"), DAY, 15e-6).machines[0]
-    assert run(["note", str(folder / "b.axiscal"), "new ball screw", "--renewed", "Q"]) == 1
-    assert "no axis" in capsys.readouterr().err
+    assert "no axis" in command("note", folder / "b.axiscal", "new ball screw", "--renewed", "Q").refusal
     assert run(["note", str(folder / "b.axiscal"), "new ball screw", "--renewed", "X"]) == 0
     after = due_dates(folder.glob("b.axiscal"), DAY, 15e-6).machines[0]
     assert after.renewed == ("X",)
@@ -166,16 +164,14 @@ def test_a_renewed_axis_is_due_at_once(folder: Path, capsys: pytest.CaptureFixtu
         assert campaign.state.notes[-1].text == "new ball screw (renewed: X)"
 
 
-def test_the_command(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command(folder: Path, command: Command) -> None:
     (folder / "torn.axiscal").write_text("no record")
-    command = ["due", str(folder), "--today", "2030-01-01", "--target", "6 um"]
-    assert run([*command, "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    words = ["due", str(folder), "--today", "2030-01-01", "--target", "6 um"]
+    document = command(*words, "--json").document
     assert [each["file"] for each in document["left_out"]] == ["torn.axiscal"]
-    assert run(command) == 0
-    assert "learnt from 1 pair of campaigns" in capsys.readouterr().out
+    assert "learnt from 1 pair of campaigns" in command(*words).printed
     assert run(["due", str(folder / "nowhere")]) == 1
-    assert run([*command[:-1], "4 mrad"]) == 1
+    assert run([*words[:-1], "4 mrad"]) == 1
 
 
 def test_machines_of_one_name_are_told_apart_by_their_records(folder: Path) -> None:
@@ -186,7 +182,7 @@ def test_machines_of_one_name_are_told_apart_by_their_records(folder: Path) -> N
 
 
 @pytest.mark.long
-def test_tables_leave_what_their_control_cannot_hold(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_tables_leave_what_their_control_cannot_hold(folder: Path, command: Command) -> None:
     """Of a slide with reversal a table of both sides leaves nothing, and a height map is none for it at all."""
     files = [folder / "b.axiscal"]
     whole = due_dates(files, DAY, 15e-6).machines[0].now
@@ -194,8 +190,7 @@ def test_tables_leave_what_their_control_cannot_hold(folder: Path, capsys: pytes
     np.testing.assert_allclose(table, whole, rtol=0.05)  # over other poses, a table with its own points
     with pytest.raises(TableError):
         due_dates(files, DAY, 15e-6, "klipper")
-    assert run(["due", str(folder), "--target", "15 um", "--tables", "nobody"]) == 1
-    assert "not a controller" in capsys.readouterr().err
+    assert "not a controller" in command("due", folder, "--target", "15 um", "--tables", "nobody").refusal
 
 
 @pytest.mark.parametrize("asked", ["aligned = false", 'directions = ["x"]', 'directions = ["y"]', ""])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,6 +24,7 @@ from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.ports.fleet.quick_check import QuickCheck, _CrashRows, crashes, showing_crashes
+from tests.commands import Command
 from tests.generators.campaigns import mixed
 from tests.generators.sisters import MACHINE, measured, read_on, slide, write_record
 
@@ -107,7 +107,7 @@ def test_what_a_control_cannot_hold_is_no_alarm_where_its_tables_are_named() -> 
 
 
 def test_the_command_plans_and_judges(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, command: Command, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     record, sheet = write_record(tmp_path / "slide.axiscal", slide(), read_on(1)), tmp_path / "check.csv"
     assert run(["check", str(record), "--plan", str(sheet), "--readings", "6"]) == 0
@@ -118,12 +118,10 @@ def test_the_command_plans_and_judges(
         lines = [",".join([*rows[0]])]
         lines += [",".join([*list(row.values())[:-1], str(far * float(row["X_mm"]) / 500)]) for row in rows]
         sheet.write_text("\n".join(lines))
-        assert run(["check", str(record), str(sheet), "--kept", "0.5", "--json"]) == 0
-        assert json.loads(capsys.readouterr().out)["in_order"] is in_order
+        assert command("check", record, sheet, "--kept", "0.5", "--json").document["in_order"] is in_order
         for language, words in (("en", "In order: |Measure again: "), ("de", "In Ordnung: |Neu messen: ")):
             monkeypatch.setenv("AXISCAL_LANGUAGE", language)
-            assert run(["check", str(record), str(sheet), "--kept", "0.5"]) == 0
-            assert capsys.readouterr().out.startswith(words.split("|")[not in_order])
+            assert command("check", record, sheet, "--kept", "0.5").printed.startswith(words.split("|")[not in_order])
         monkeypatch.setenv("AXISCAL_LANGUAGE", "en")
     for tables, said in (
         ("linuxcnc", ""),
@@ -134,19 +132,17 @@ def test_the_command_plans_and_judges(
         assert said in capsys.readouterr().err
     sheet.write_text("setup,X_mm,approach,value_um\nother,10,X+,1\n")
     assert run(["check", str(record), str(sheet)]) == 1
-    assert run(["check", str(write_record(tmp_path / "empty.axiscal", slide(), []))]) == 1
-    assert "no readings" in capsys.readouterr().err
+    assert "no readings" in command("check", write_record(tmp_path / "empty.axiscal", slide(), [])).refusal
 
 
 @pytest.mark.parametrize(("factor", "words"), [(1e3, "mm instead of um?"), (1e-3, "multiplied by 1000")])
 def test_readings_in_another_unit_are_refused_as_when_they_are_recorded(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], factor: float, words: str
+    tmp_path: Path, command: Command, factor: float, words: str
 ) -> None:
     record, sheet = write_record(tmp_path / "slide.axiscal", slide(), read_on(1)), tmp_path / "check.csv"
     slipped = [replace(each, value=factor * each.value) for each in read_on(1, again=1)]
     sheet.write_text(filled_sheet(slide().machine.axes, slipped))
-    assert run(["check", str(record), str(sheet)]) == 1
-    said = " ".join(capsys.readouterr().err.split())
+    said = command("check", record, sheet).refusal
     assert f"{sheet}, line " in said
     assert words in said
 

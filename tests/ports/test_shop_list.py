@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -19,6 +18,7 @@ from axiscal.exceptions import RecordError
 from axiscal.ports.fleet import shop_list as listing
 from axiscal.ports.fleet.shop_list import _found, brought, shop_list
 from axiscal.ports.fleet.sister_records import read_records
+from tests.commands import Command
 from tests.generators.sisters import read_on, shop, slide, write_record
 
 
@@ -79,7 +79,7 @@ def test_a_name_need_not_be_text(folder: Path) -> None:
     assert name in {each.file.name for each in shop_list(folder).listed}
 
 
-def test_what_is_wrong_with_a_record_is_a_sentence(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_wrong_with_a_record_is_a_sentence(folder: Path, command: Command) -> None:
     (folder / "copy.axiscal").write_bytes((folder / "A.axiscal").read_bytes())
     (folder / "early.axiscal").write_bytes((folder / "B.axiscal").read_bytes())
     note(folder / "B.axiscal", "repaired")
@@ -88,8 +88,7 @@ def test_what_is_wrong_with_a_record_is_a_sentence(folder: Path, capsys: pytest.
     (folder / "none.axiscal").symlink_to(folder / "nowhere")
     with Campaign.create(folder / "empty.axiscal", slide(serial="C")):
         pass
-    assert run(["fleet", str(folder), "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = command("fleet", folder, "--json").document
     why = {each["file"]: each["why"] for each in document["left_out"]}
     assert why["copy.axiscal"] == "it is the same as A.axiscal"
     assert why["early.axiscal"] == "it is an earlier copy of B.axiscal"
@@ -99,8 +98,7 @@ def test_what_is_wrong_with_a_record_is_a_sentence(folder: Path, capsys: pytest.
     listed = {each["record"]: each for each in document["records"]}
     assert set(listed) == {"A.axiscal", "B.axiscal", "empty.axiscal"}
     assert listed["empty.axiscal"]["remarks"] == ["it has no readings"]
-    assert run(["fleet", str(folder)]) == 0
-    said = capsys.readouterr().out
+    said = command("fleet", folder).printed
     assert "Left out: torn.axiscal" in said
     assert "3 records of 3 machines" in said
     assert run(["fleet", str(folder / "nowhere")]) == 1
@@ -194,7 +192,7 @@ def test_what_is_measured_in_the_folder_meanwhile_is_not_lost(
 
 
 def test_one_that_cannot_be_brought_stops_no_other(
-    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, tmp_path: Path, command: Command, capsys: pytest.CaptureFixture[str]
 ) -> None:
     mine = write_record(tmp_path / "mine.axiscal", slide(serial="C"), read_on(3))
     (tmp_path / "bad.axiscal").write_text("x")
@@ -202,5 +200,4 @@ def test_one_that_cannot_be_brought_stops_no_other(
     captured = capsys.readouterr()
     assert "is new, by 17 events" in captured.out
     assert "not a campaign record" in " ".join(captured.err.split())
-    assert run(["bring", str(folder), str(mine), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["brought"][0]["what"] == "there already"
+    assert command("bring", folder, mine, "--json").document["brought"][0]["what"] == "there already"

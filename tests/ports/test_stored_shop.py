@@ -22,6 +22,7 @@ from axiscal.ports.postgres.syncing import Synced, synced
 from axiscal.ports.postgres.tables import prepare
 from axiscal.record.copies import gathered, opened_log, records_of, write_copy
 from axiscal.record.store import Record
+from tests.commands import Command
 from tests.generators.sisters import CAMPAIGN, MACHINE, read_on, shop, slide, write_record
 from tests.record.postgres_server import RunningServer, running_server
 
@@ -86,13 +87,10 @@ def test_a_campaign_names_a_type_in_the_store(folder: Path, tmp_path: Path) -> N
 
 
 @pytest.mark.long
-def test_due_check_and_pages_are_the_same_from_the_store(
-    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_due_check_and_pages_are_the_same_from_the_store(folder: Path, tmp_path: Path, command: Command) -> None:
     said = []
     for source in (str(folder), "store:"):
-        assert run(["due", source, "--target", "4 um", "--today", "2030-01-01", "--json"]) == 0
-        found = json.loads(capsys.readouterr().out)
+        found = command("due", source, "--target", "4 um", "--today", "2030-01-01", "--json").document
         machines = [{**each, "record": None} for each in found["machines"]]
         said.append((sorted(map(json.dumps, machines)), found["kept_at_once"]))
     assert said[0] == said[1]
@@ -182,12 +180,8 @@ def test_a_store_that_goes_away_leaves_nothing_out(
         shop_list(STORE)
 
 
-def test_no_store_and_no_folder_are_sentences(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_no_store_and_no_folder_are_sentences(monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
     monkeypatch.delenv("AXISCAL_STORE")
-    for command in ("due", "fleet"):
-        assert run([command, "store:"]) == 1
-        assert "No store is named" in capsys.readouterr().err
-    assert run(["due", "nowhere"]) == 1
-    assert "This is no folder" in capsys.readouterr().err
+    for name in ("due", "fleet"):
+        assert "No store is named" in command(name, "store:").refusal
+    assert "This is no folder" in command("due", "nowhere").refusal

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import shlex
 import shutil
@@ -20,6 +19,7 @@ from axiscal.planning.helping import Helping
 from axiscal.planning.promise import Alike
 from axiscal.present.plan_answer import PlanAnswer
 from axiscal.present.plan_words import LINES, bound_sentence, plan_screen
+from tests.commands import Command
 from tests.generators.answers import aim
 from tests.golden.given import CAMPAIGNS
 
@@ -143,14 +143,12 @@ QUICK = ("square", "programs")
     "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.long) for name in PLANS]
 )
 def test_the_screen_shows_the_figures_of_the_document(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    name: str, tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(shutil.copytree(CAMPAIGNS / name, tmp_path / name))
     words = ["plan", *shlex.split(PLANS[name])]
-    assert run(words) == 0
-    text = capsys.readouterr().out
-    assert run([*words, "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    text = command(*words).printed
+    document = command(*words, "--json").document
     _within_budgets(text)
 
     readings, minutes = document["readings"], document["minutes"]

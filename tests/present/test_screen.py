@@ -19,6 +19,7 @@ from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.present.guide.progress import contradictions
+from tests.commands import Command
 from tests.generators.answers import aim, answer, answer_row
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, plus, read
 
@@ -142,11 +143,10 @@ def test_of_much_that_is_not_measured_the_rest_is_counted(language: str, more: s
     assert "…" not in text
 
 
-def test_before_the_first_reading_nothing_is_measured(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_before_the_first_reading_nothing_is_measured(tmp_path: Path, command: Command) -> None:
     record = tmp_path / "axis.axiscal"
     Campaign.create(record, CASE.description).close()
-    assert run(["status", str(record)]) == 0
-    text = " ".join(capsys.readouterr().out.split())
+    text = command("status", record).said
     assert text.startswith("NO READINGS YET volume RMS 8.0 of 3 um 0 readings")
     assert "Not measured: positioning X (not read), backlash X (not read), volume (not read)." in text
     assert f"axiscal measure {record}" in text
@@ -177,20 +177,16 @@ def _record(folder: Path) -> Path:
 
 
 @pytest.mark.long
-def test_status_and_finish_show_it_and_its_commands_work(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_status_and_finish_show_it_and_its_commands_work(tmp_path: Path, command: Command) -> None:
     record = _record(tmp_path)
-    assert run(["status", str(record)]) == 0
-    _says(capsys.readouterr().out, "")
-    assert run(["finish", str(record), "--out", str(tmp_path / "out")]) == 0
-    text = capsys.readouterr().out
+    _says(command("status", record).printed, "")
+    text = command("finish", record, "--out", tmp_path / "out").printed
     assert f"Report  {tmp_path}/out/report.pdf" in text
     short = _says(text, str(tmp_path))
-    for command in re.findall(r"^(?:Next)? +axiscal (.+)$", text, re.MULTILINE):
-        words = shlex.split(command, comments=True)  # as a shell takes it
-        assert run(words if "measure" not in words else ["next", str(record)]) == 0, command
-    capsys.readouterr()
-    assert run(["finish", str(record), "--out", str(tmp_path / "out"), "--details"]) == 0
-    long = capsys.readouterr().out
+    for shown in re.findall(r"^(?:Next)? +axiscal (.+)$", text, re.MULTILINE):
+        words = shlex.split(shown, comments=True)  # as a shell takes it
+        assert run(words if "measure" not in words else ["next", str(record)]) == 0, shown
+    long = command("finish", record, "--out", tmp_path / "out", "--details").printed
     assert len(long.split()) > 2 * len(short.split())
     assert "U = k u = " in long
 

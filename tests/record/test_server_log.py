@@ -27,6 +27,7 @@ from axiscal.record.events import Created, Noted, Recorded
 from axiscal.record.line_form import EventText, chained
 from axiscal.record.log import ChainedText, chained_texts
 from axiscal.record.store import Record
+from tests.commands import Command
 from tests.generators.sisters import CAMPAIGN, MACHINE
 from tests.record.postgres_server import END_SESSIONS, RunningServer, cut_off, programs, running_server
 
@@ -37,7 +38,8 @@ READING = Recorded(Reading("laser", (0.1, 0.2), (1, 0), 1e-6))
 _NEXT = "1 + (SELECT max(number) FROM axiscal.events AS e WHERE e.campaign = events.campaign)"
 _INSERT = (
     "INSERT INTO axiscal.events (campaign, number, kind, payload, at, digest) "
-    "SELECT campaign, {number}, kind, {payload}, at, {digest} FROM axiscal.events WHERE number = 1 LIMIT 1"
+    "SELECT campaign, {number}, kind, {payload}, at, {digest} FROM axiscal.events "
+    "WHERE number = 1 ORDER BY at DESC LIMIT 1"
 )
 
 
@@ -187,11 +189,10 @@ ADDRESSES: dict[str, Callable[[RunningServer], str]] = {
 
 @pytest.mark.parametrize("said", ADDRESSES)
 def test_what_is_wrong_with_the_store_is_a_sentence(
-    server: RunningServer, said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    server: RunningServer, said: str, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     monkeypatch.setenv("AXISCAL_STORE", ADDRESSES[said](server))
-    assert run(["status", "store:mill"]) == 1
-    told = " ".join(capsys.readouterr().err.split())
+    told = command("status", "store:mill").refusal
     assert said in told.replace("No store", "no store")
     assert "secret" not in told
     assert "Traceback" not in told
@@ -463,7 +464,7 @@ def test_what_a_measurer_holds_open_stops_nobody(log: ServerLog, server: Running
 
 
 def test_an_entry_that_is_none_is_set_aside_by_the_owner_alone(
-    log: ServerLog, server: RunningServer, address: str, capsys: pytest.CaptureFixture[str]
+    log: ServerLog, server: RunningServer, address: str, command: Command
 ) -> None:
     measurer = as_user(server, "measurer")
     bad = [EventText(AT, "recorded", "{}"), EventText(AT, "noted", '{"text":"behind it"}')]
@@ -472,10 +473,8 @@ def test_an_entry_that_is_none_is_set_aside_by_the_owner_alone(
     with pytest.raises(RecordError, match=r"event 4: .*--quarantine store:.*:4"):
         ServerLog.open(as_user(server, "measurer"), log.entry.id)
     words = ["sync", "--quarantine", f"store:{log.entry.id}:4", "--store"]
-    assert run([*words, server.address(user="measurer")]) == 1
-    assert "may not do that" in " ".join(capsys.readouterr().err.split())
-    assert run([*words, address]) == 0
-    assert "2 events from 4 on set aside" in capsys.readouterr().out
+    assert "may not do that" in command(*words, server.address(user="measurer")).refusal
+    assert "2 events from 4 on set aside" in command(*words, address).printed
     again = ServerLog.open(as_user(server, "measurer"), log.entry.id)
     assert again.state() == before
     assert again.append(READING) == 4

@@ -19,6 +19,7 @@ from axiscal.record.log import signed_until
 from axiscal.record.payload import decode, hand_of
 from axiscal.record.signing import KEY, PERSON, key_file
 from axiscal.record.store import Record
+from tests.commands import Command
 from tests.generators.begun import begun
 from tests.reliability.forged import signed_record
 from tests.reliability.salvaged import CAMPAIGN, MACHINE
@@ -80,18 +81,18 @@ def test_entries_of_before_say_nobody() -> None:
     assert decode("noted", '{"text":"warm"}') == Noted("warm")
 
 
-def test_without_a_key_nothing_is_signed(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_without_a_key_nothing_is_signed(path: Path, command: Command, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["finish", str(path), "--out", str(path.parent / "out")]) == 0
     capsys.readouterr()
-    assert run(["status", str(path), "--details"]) == 0
-    assert "The record is unsigned" in capsys.readouterr().out
+    assert "The record is unsigned" in command("status", path, "--details").printed
     assert main([str(path)]) == 1
     assert "events 1 to" in capsys.readouterr().out
 
 
-def test_a_record_is_signed_and_a_stranger_can_tell(path: Path, key: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["sign", str(path)]) == 0
-    said = capsys.readouterr().out
+def test_a_record_is_signed_and_a_stranger_can_tell(
+    path: Path, key: Path, command: Command, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = command("sign", path).printed
     assert "by Anna on" in said
     assert key.stat().st_mode & 0o777 == 0o600
     assert public(path) in said
@@ -100,8 +101,7 @@ def test_a_record_is_signed_and_a_stranger_can_tell(path: Path, key: Path, capsy
     assert (told.returncode, "All of it is signed" in told.stdout) == (0, True), told.stdout + told.stderr
     assert run(["note", str(path), "warm"]) == 0
     capsys.readouterr()
-    assert run(["status", str(path), "--details"]) == 0
-    assert "unsigned since: 1 event" in capsys.readouterr().out
+    assert "unsigned since: 1 event" in command("status", path, "--details").printed
     assert main([str(path), "--key", public(path)]) == 1
     assert run(["finish", str(path), "--out", str(path.parent / "out")]) == 0
     capsys.readouterr()
@@ -160,12 +160,11 @@ def test_two_people_sign_and_nobody_twice(path: Path, key: Path, monkeypatch: py
     assert found.by.key == otto
 
 
-def test_a_key_that_others_may_read_signs_nothing(path: Path, key: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_key_that_others_may_read_signs_nothing(path: Path, key: Path, command: Command) -> None:
     assert run(["sign", str(path)]) == 0
     assert run(["note", str(path), "warm"]) == 0
     key.chmod(0o644)
-    assert run(["sign", str(path)]) == 1
-    assert "chmod 600" in capsys.readouterr().err
+    assert "chmod 600" in command("sign", path).refusal
     key.chmod(0o600)
     key.write_text("no key")
     with Record.open(path) as record, pytest.raises(RecordError, match="cannot be read"):

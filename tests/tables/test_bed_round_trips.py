@@ -6,7 +6,6 @@ The readers here are twins of the printers' own: Klipper's configfile.py and bed
 from __future__ import annotations
 
 import configparser
-import json
 import re
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from axiscal.cli.app import run
 from axiscal.numerics import Array
 from axiscal.ports.printers.klipper import plain_profile, write_mesh
 from axiscal.tables.surface import Mesh
+from tests.commands import Command
 from tests.generators.begun import begun
 
 AXES = {"X": 300.0, "Y": 240.0, "Z": 100.0}
@@ -182,13 +182,11 @@ def test_what_is_written_is_read_by_estimate_as_the_same_bed(controller: str, tm
     assert np.corrcoef(z.ravel(), bed(x, y).ravel())[0, 1] > 0.999
 
 
-def test_a_high_bed_is_a_tool_too_low(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_high_bed_is_a_tool_too_low(tmp_path: Path, command: Command) -> None:
     record = estimated(tmp_path, klipper_file(X, Y, bed(X, Y)), "printer.cfg")
     poses = tmp_path / "poses.csv"
     poses.write_text("X_mm,Y_mm,Z_mm\n150,120,50\n30,120,50\n")
-    capsys.readouterr()
-    assert run(["predict", str(record), str(poses), "--json"]) == 0
-    top, side = (pose["mean_um"][2] for pose in json.loads(capsys.readouterr().out)["poses"])
+    top, side = (pose["mean_um"][2] for pose in command("predict", record, poses, "--json").document["poses"])
     assert top - side == pytest.approx(-1e3 * np.ptp(bed(np.array([30.0, 150.0]), np.array([120.0]))), abs=3)
 
 
@@ -238,11 +236,9 @@ def test_the_plane_that_was_read_has_its_skew_and_the_others_keep_theirs(tmp_pat
     assert lean == {"S": 1000, "X": pytest.approx(-0.8, rel=0.02)}
 
 
-def test_a_plane_without_z_is_told_where_its_height_can_go(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_plane_without_z_is_told_where_its_height_can_go(tmp_path: Path, command: Command) -> None:
     record = estimated(tmp_path, klipper_file(X, Y, bed(X, Y)), "printer.cfg", "XY")
-    capsys.readouterr()
-    assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "cnc")]) == 1
-    said = capsys.readouterr().err
+    said = command("export", record, "--to", "linuxcnc", "--out", tmp_path / "cnc").refusal
     assert "goes as a height map to klipper, marlin or reprapfirmware" in " ".join(said.split())
     assert "readings first" not in said
 

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.cli.app import run
 from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
 from axiscal.tables.registry import CONTROLLERS, export, exporter, refuse_untaken
 from axiscal.tables.round_trip import drawn_and_known
+from tests.commands import Command
 from tests.generators.texts import machine_text
 from tests.tables.test_controllers import COM, FANUC, OPTIONS, known
 
@@ -124,8 +124,10 @@ def test_isg_names_the_axes_that_count_against_the_kernel(against: str) -> None:
 
 @pytest.mark.parametrize("option", WORDS)
 def test_the_command_line_refuses_it_before_it_looks_for_the_record(
-    option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    option: str, tmp_path: Path, command: Command
 ) -> None:
     controller = next(name for name in CONTROLLERS if option not in exporter(name).takes)
-    assert run(["export", str(tmp_path / "none.axiscal"), "--to", controller, option, *WORDS[option]]) == 1
-    assert f"{controller} does not take {option}. " in " ".join(capsys.readouterr().err.split())
+    assert (
+        f"{controller} does not take {option}. "
+        in command("export", tmp_path / "none.axiscal", "--to", controller, option, *WORDS[option]).refusal
+    )
