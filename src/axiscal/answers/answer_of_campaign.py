@@ -198,7 +198,7 @@ def answer_of(
     aims = Aims.from_case(known.case, known.printed.belief, known.case.yardstick_as_sized, rows)
     coming = campaign.state.coming if campaign.state.finished is None else ()
     verdict = _verdict(known, aims, rows)
-    more, minutes = _more(known, aims) if verdict == "more" and not coming else (0, 0.0)
+    more, minutes = _more(known, aims, rows) if verdict == "more" and not coming else (0, 0.0)
     if coming and verdict in ("measured", "unmeasured", "more"):
         verdict, more, minutes = "more", len(coming), to_unit(campaign.seconds(coming) - campaign.seconds(), "min")
     seconds = known.timed.seconds if campaign.state.clocked is None else campaign.state.clocked
@@ -286,28 +286,30 @@ def _steps(campaign: Campaign, known: Estimation, verdict: Verdict, control: str
 
 def _verdict(known: Estimation, aims: Aims, rows: Sequence[KnownRow]) -> Verdict:
     """Return how it stands: of several accuracies of the volume one is enough, of rows all are wanted."""
+    target = known.stated.description.target
     if not known.readings:
         return "nothing"
     if known.agreement.contradicts:
         return "contradict"
     if not any(aims):
-        wanted = known.stated.description.target.wants
-        return "unmeasured" if wanted and not all(row.measured for row in rows) else "measured"
-    if aims.met:
+        return "unmeasured" if target.wants and not all(row.measured for row in rows) else "measured"
+    if aims.met and not (target.lines and any(row.open for row in rows)):
         return "reached"
     return "unreachable" if aims.hopeless else "more"
 
 
-def _more(known: Estimation, aims: Aims) -> tuple[int, float]:
-    """Return about how many readings are missing, and their minutes."""
+def _more(known: Estimation, aims: Aims, rows: Sequence[KnownRow]) -> tuple[int, float]:
+    """Return about how many readings are missing, one at least, and their minutes."""
     count = len(known.readings)
     left = [_share(aim) for aim in aims.volume if aim.floor < aim.limit]
     shares = [min(left, default=0.0), *(_share(aim) for aim in aims.lines if not aim.unread)]
-    new = [aim.unread for aim in aims.lines if aim.unread]
-    readings = math.ceil(count * max(shares)) + _TARGETS * sum(new)
-    each = float(np.median(np.diff([0.0, *known.timed.ends])))
-    mounting = np.mean([setup.setup_time for setup in known.stated.description.setups])
-    return readings, to_unit(readings * each + float(mounting) * sum(new), "min")
+    new = sum(not line.read for row in rows if row.open for line in row.lines) if aims.lines else 0
+    readings = max(math.ceil(count * max(shares)) + _TARGETS * new, 1)
+    setups, ends = known.stated.description.setups, known.timed.ends
+    mounted = known.stated.description.setup(known.readings[0].setup).setup_time
+    each = float(np.median(np.diff([min(mounted, ends[0]), *ends])))
+    mounting = np.mean([setup.setup_time for setup in setups])
+    return readings, to_unit(readings * each + float(mounting) * new, "min")
 
 
 def _share(aim: Aim) -> float:

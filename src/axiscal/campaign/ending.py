@@ -110,7 +110,7 @@ def _said(target: Target, known: Estimation) -> str | None:
     if not target.lines and first is not None:
         return None if _unread(target, known) else f"{first.wanted.name} {_REACHED}"
     rows = [row for row in known_rows(known.case, known.printed, known.readings) if row.row.kind != "volume"]
-    missing = [row for row in rows if row.reached is False]
+    missing = [row for row in rows if row.open]
     if not missing and (first is not None or not volume):
         return ALL_REACHED
     if not all(row.settled for row in rows):

@@ -54,7 +54,7 @@ def reached(case: Case, limits: Limits, known: Knowledge, readings: Sequence[Rea
     if not volume and limits.of_volume:
         return False
     rows = known_rows(case, known, readings) if limits.rows else ()
-    return all(row.settled for row in rows if row.limit is not None and row.row.kind != "volume")
+    return all(row.settled for row in rows if row.row.kind != "volume")
 
 
 def _within(case: Case, known: Knowledge, limits: Limits) -> bool:

@@ -331,7 +331,7 @@ def _cause(share: float | None) -> str:
     if share is None:
         return later("the tables hold nothing here, and yet the readings changed")
     if abs(share + 1) < _NEAR:
-        return later("the tables were loaded with the wrong sign")
+        return later("the tables were loaded with the wrong sign, or the files of before and after are swapped")
     if abs(share) < _NEAR:
         return later("the tables were not loaded, or it is another machine")
     if abs(share - 1) < _NEAR:

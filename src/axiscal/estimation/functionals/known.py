@@ -63,6 +63,11 @@ class KnownRow:
         return None if self.limit is None else self.measured and self.known <= self.limit
 
     @property
+    def open(self) -> bool:
+        """Whether it is not reached; without a limit: not measured, though readings can."""
+        return self.reached is False or (self.limit is None and self.reachable and not self.measured)
+
+    @property
     def reachable(self) -> bool:
         """Whether endless readings would reach its limit (without a limit: would measure it)."""
         return self.floor <= self.goal

@@ -19,8 +19,7 @@ from axiscal.estimation.agreement_words import agreement_words, change_words
 from axiscal.estimation.judged import Doubt
 from axiscal.language.spoken import counted, decimals, said
 from axiscal.measurement.reading import reading_text, reading_unit
-from axiscal.measurement.reading_rows import blank_readings
-from axiscal.planning.promise import rejected
+from axiscal.planning.promise import foreseen, rejected
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted
 from axiscal.record.events import Recorded, Skipped
@@ -139,7 +138,7 @@ class Progress(AnswerDocument):
         """Return the progress of the campaign by its present plan."""
         known, places = campaign.estimate(), campaign.state.coming
         case, machine, target = campaign.case(), campaign.seconds(), campaign.description.target
-        after = known.printed.read(blank_readings(case.description.setups, places)) if places else known.printed
+        after = foreseen(known.case, known.readings, places) if places else known.printed
         figure: Literal["U", "RMS", "worst"] = "U"
         if target.expanded is None and (target.rms or target.worst) is not None:
             figure = "worst" if target.rms is None else "RMS"
