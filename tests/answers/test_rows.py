@@ -139,6 +139,8 @@ def test_the_control_that_leaves_least_is_advised_and_the_first_of_equals() -> N
         (["positioning X", "backlash X"], False, "NOT ALL MEASURED"),
         (["positioning X", "straightness X in Y"], True, "NOT ALL MEASURED"),
         (["positioning X", "backlash X"], True, "MEASURED"),
+        (["positioning X 30 um", "backlash X"], False, "1 MORE READING, 1 MIN"),
+        (["positioning X 30 um", "backlash X"], True, "TARGET REACHED"),
     ],
 )
 def test_the_first_line_says_where_a_wanted_row_without_a_limit_is_not_measured(
@@ -150,9 +152,9 @@ def test_the_first_line_says_where_a_wanted_row_without_a_limit_is_not_measured(
         campaign.adopt(tuple(_readings(BOTH if both else ONE_SIDE)))
         answer = standing_answer(campaign)
     assert answer_text(answer, "", "c.axiscal").first.verdict == begins
-    assert [row.row for row in answer.rows] == wants
-    assert all(row.measured for row in answer.rows) is (begins == "MEASURED")
-    assert [step.code for step in answer.steps] == ["finish"]
+    assert [row.row for row in answer.rows] == [want.removesuffix(" 30 um") for want in wants]
+    assert all(row.measured for row in answer.rows) is (begins in ("MEASURED", "TARGET REACHED"))
+    assert [step.code for step in answer.steps] == ["measure" if "MORE" in begins else "finish"]
 
 
 def test_one_place_measures_no_positioning() -> None:

@@ -138,6 +138,15 @@ def test_the_volume_and_the_rows_are_wanted_together() -> None:
         assert standing(target, known) == said
 
 
+def test_a_wanted_row_without_a_limit_has_to_be_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    target, known = wanting([Want(POSITIONING, 1.0), Want(BACKLASH)])
+    position, back = known_rows(known.case, known.printed, known.readings)
+    for size, floor, said in ((0.4, 0.1, ALL_REACHED), (0.9, 0.1, None), (0.9, 0.8, ALL_REACHED)):
+        found = replace(back, known=size * back.before, floor=floor * back.before, measured=size < 0.5)
+        monkeypatch.setattr(ending, "known_rows", lambda *_, found=found: (position, found))
+        assert standing(target, known) == said
+
+
 def test_few_readings_close_together_do_not_reach_a_row() -> None:
     """A row with a limit holds as far as its set-up may read, not between the places that were read."""
     target, known = wanting([Want(POSITIONING, 5e-6)], taken=2)

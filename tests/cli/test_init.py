@@ -201,6 +201,7 @@ def test_instruments_are_named_as_people_name_them(language: str) -> None:
             "ballbar",
             "tracker",
         ]
+        assert instruments_of("laser, tracker") == ["interferometer", "tracker"]
 
 
 def test_a_dial_and_a_square_see_straightness_and_squareness(tmp_path: Path) -> None:

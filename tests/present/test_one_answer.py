@@ -109,6 +109,10 @@ def test_what_was_known_before_is_as_the_plan_says_at_every_stage(tmp_path: Path
         plan, progress = coming_answer(campaign), Progress.of(campaign)
         assert plan is not None
         before = {row.row: row.known_before for row in plan.rows}
+        assert progress.promised_um == pytest.approx(
+            next(row.known_to for row in plan.rows if row.row == "volume"), rel=0.01
+        )
+        assert progress.floor_um < progress.promised_um < progress.now_um
         first = summarise(campaign, campaign.estimate(), Extras())
         campaign.adopt(tuple(read(machine(2), 12)))
         assert Progress.of(campaign).before_um == progress.before_um

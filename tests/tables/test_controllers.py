@@ -29,7 +29,7 @@ from axiscal.ports.printers import contents, klipper
 from axiscal.tables.controllers import heidenhain, isg, sinumerik
 from axiscal.tables.controllers.fanuc import PitchParameters, increments
 from axiscal.tables.exporter import ExportOptions
-from axiscal.tables.offer import Draft, spread_poses, tried_out
+from axiscal.tables.offer import Draft, Export, spread_poses, tried_out
 from axiscal.tables.registry import CONTROLLERS, export, exporter
 from axiscal.tables.sampling import axis_tables
 from axiscal.tables.surface import Effect, Skew, effect_of_control, rms, tour
@@ -105,9 +105,15 @@ def known(name: str, seed: int = 3) -> tuple[Estimate, VirtualMachine]:
     return Estimate(model, belief, whole_travel(model)), VirtualMachine(model, curves, {})
 
 
+@cache
 def draft(controller: str, name: str = "small") -> tuple[Estimate, Draft]:
     estimate, _ = known(name)
     return estimate, exporter(controller).make(estimate, OPTIONS.get(controller, ExportOptions()))
+
+
+@cache
+def offered(controller: str, name: str = "small") -> Export:
+    return tried_out(controller, *draft(controller, name))
 
 
 def on_the_truth(estimate: Estimate, truth: VirtualMachine, made: Draft) -> Effect:
@@ -123,9 +129,8 @@ def test_campaign_toml_knows_every_control_by_its_name() -> None:
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_what_is_read_back_corrects_the_true_machine_as_stated(controller: str) -> None:
     estimate, truth = known("small")
-    made = draft(controller)[1]
-    stated = tried_out(controller, estimate, made).effect
-    found = on_the_truth(estimate, truth, made)
+    stated = offered(controller).effect
+    found = on_the_truth(estimate, truth, draft(controller)[1])
     assert found.after < LEAVES[controller] * found.before
     assert found.after == pytest.approx(stated.after, rel=0.1, abs=0.02e-6)
     assert found.before == pytest.approx(stated.before, rel=0.1)
@@ -134,9 +139,8 @@ def test_what_is_read_back_corrects_the_true_machine_as_stated(controller: str) 
 @pytest.mark.parametrize("controller", ["linuxcnc", "linuxcnc-volumetric", "sinumerik", "csv", "isg"])
 def test_five_axes_are_corrected_as_stated(controller: str) -> None:
     estimate, truth = known("dmu60")
-    made = draft(controller, "dmu60")[1]
-    stated = tried_out(controller, estimate, made).effect
-    found = on_the_truth(estimate, truth, made)
+    stated = offered(controller, "dmu60").effect
+    found = on_the_truth(estimate, truth, draft(controller, "dmu60")[1])
     assert found.after < (0.2 if controller.startswith("isg") else 0.6) * found.before
     assert found.after == pytest.approx(stated.after, rel=0.1, abs=1e-9)  # a nanometre is what linearity neglects
 
@@ -165,8 +169,7 @@ def test_nothing_is_written_when_nothing_is_known(controller: str) -> None:
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_the_note_says_what_is_left_and_who_has_tried(controller: str) -> None:
-    estimate, made = draft(controller)
-    readme = tried_out(controller, estimate, made).readme
+    made, readme = draft(controller)[1], offered(controller).readme
     assert ("NOT VERIFIED ON A CONTROL" in readme) is not made.tried
     assert re.search(r"from \d[\d.]* um RMS to \d[\d.e-]* um\. ", readme)
     assert "Left out: " in readme

@@ -50,15 +50,16 @@ def offered_words() -> list[str]:
 
 def instruments_of(text: str) -> list[str]:
     """Return the instruments that a person names, of `OFFERED`; raises DescriptionError for a word that is none."""
-    names, words, found = _by_word(), text.casefold().replace(",", " ").split(), list[str]()
-    while words:
-        count = next((n for n in (3, 2, 1) if _unspaced(words[:n]) in names), 0)
-        if not count:
-            what = "{name} is no instrument whose set-ups can be offered"
-            remedy = "docs/campaign.md shows how others are written. Offered are {known}"
-            raise DescriptionError(what, remedy, name=shown(words[0]), known=", ".join(offered_words()))
-        found.append(names[_unspaced(words[:count])])
-        words = words[count:]
+    names, found = _by_word(), list[str]()
+    for words in (part.split() for part in text.casefold().split(",")):
+        while words:
+            count = next((n for n in (3, 2, 1) if _unspaced(words[:n]) in names), 0)
+            if not count:
+                what = "{name} is no instrument whose set-ups can be offered"
+                remedy = "docs/campaign.md shows how others are written. Offered are {known}"
+                raise DescriptionError(what, remedy, name=shown(words[0]), known=", ".join(offered_words()))
+            found.append(names[_unspaced(words[:count])])
+            del words[:count]
     return [name for name in dict.fromkeys(found) if name]
 
 
@@ -145,7 +146,7 @@ def first_files(begun: Beginning, instruments: Sequence[str], target: str) -> Fi
         parse_quantity(target, "length")
     machine = _with_stylus(begun.text) if "sphere" in instruments else begun.text
     text = first_campaign(machine_from_text(machine), "machine.toml", instruments, target, begun.active)
-    setups = len(campaign_from_texts(text, "campaign.toml", machine, "machine.toml").setups)
+    setups = len(campaign_from_texts(text, said("campaign.toml (not written)"), machine, "machine.toml").setups)
     texts = {
         "machine.toml": f"#:schema ./machine.schema.json\n{machine.rstrip()}\n",
         "campaign.toml": text,

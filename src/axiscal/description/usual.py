@@ -1,6 +1,7 @@
 """What usually goes wrong, the sizes that readings may teach, and a machine with its sizes as learnt.
 
-One table has a row for each cause. Adding a cause is adding a row and what it does to readings.
+One table has a row for each cause. A new one takes a row and a kind here, its columns in `estimation/promise/passing`,
+which `planning/plan/order` turns against each other, and its words in `present/findings`.
 
 Given the logarithms θ of the sizes all causes are Gaussian, y ~ N(0, K(θ)) with K(θ) = Σ_c s_c(θ)² B_c. A size is the
 default, or what somebody stated, times exp(θ); θ is Student-t of four degrees with the row's factor as its scale.

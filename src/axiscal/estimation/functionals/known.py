@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.description.target import RowName
+from axiscal.description.target import RowName, dimension
 from axiscal.estimation.accuracy.expanded import expanded, expanded_floor, reach
 from axiscal.estimation.accuracy.yardstick import attainable
 from axiscal.estimation.belief import Belief
@@ -94,7 +94,7 @@ def known_rows(case: Case, knowledge: Knowledge, readings: Sequence[Reading]) ->
 
 def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool) -> KnownRow:
     """Return how well a belief knows a row.  read : whether any reading was taken"""
-    limit, kind, before = asked.want.limit, asked.want.row.kind, without_readings(asked, case)
+    limit, before = asked.want.limit, without_readings(asked, case)
     if asked.map is None:
         limit, u = case.description.target.expanded, expanded(case.yardstick, belief).space
         floor = expanded_floor(case.yardstick_as_sized).space
@@ -102,7 +102,8 @@ def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool) -> KnownR
     else:
         u = reach(asked.map.spectra(case.errors, belief.factor), belief.degrees)
         floor = reach(asked.map.spectra(case.errors, case.yardstick_as_sized.left))
-        angular, measured = asked.map.angular or kind == "squareness", before > _NOUGHT and u <= _MEASURED * before
+        angular = dimension(asked.want.row, case.description.machine) == "angle"
+        measured = before > _NOUGHT and u <= _MEASURED * before
     return KnownRow(asked.want.row, angular, u, before, floor, limit, bool(measured), asked.lines)
 
 

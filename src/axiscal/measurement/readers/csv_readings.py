@@ -111,7 +111,7 @@ def readings_of(table: CsvTable, bare: bool = False) -> tuple[RawReading, ...]:
 
     bare : lines need no set-up
     """
-    if {column.stem for column in table.columns} & _OF_TEST.keys():
+    if (stems := {column.stem for column in table.columns}) & _OF_TEST.keys() and "setup" not in stems:
         return iso_readings(table)
     table.allow(_LAYOUT | axis_layout(table))
     setup = next(iter(table.all_of("setup")), None) if bare else table.one_of("setup", "setup")

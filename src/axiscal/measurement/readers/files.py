@@ -74,9 +74,18 @@ def read_any(path: str | Path, axes: Sequence[Axis] = (), setups: Sequence[Setup
     if bed_map.is_height_map(file) or bed_map.is_mesh(file):
         return bed_map.height_map(file) if bed_map.is_height_map(file) else bed_map.mesh(file)
     brought: list[FileReader] = all_of(PORTS)
-    reader = next((each for each in brought if each.knows(file)), None)
+    reader = next((each for each in brought if _knows(each, file)), None)
     header = ",".join(heading(axes, columns_of(setups)))
     return readings_of(table_of(file, header)) if reader is None else tuple(reader.read(file))
+
+
+def _knows(reader: FileReader, file: TextFile) -> bool:
+    try:
+        return reader.knows(file)
+    except Exception as fault:
+        what, name = "the reader {name} of another package fails at this file ({why})", type(reader).__qualname__
+        remedy, why = "Repair that package, or uninstall it", f"{type(fault).__name__}: {fault}"
+        raise file.fail(what, remedy, name=name, why=why) from fault
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,24 @@
+"""Every kind that data may have has words: of sizes, of causes that no reading shows, of rows."""
+
+from __future__ import annotations
+
+from typing import get_args
+
+import pytest
+
+from axiscal.answers import answer_words
+from axiscal.description import target, usual
+from axiscal.description.type_b import TYPE_B
+from axiscal.present import findings, sentences
+
+
+@pytest.mark.parametrize(
+    ("words", "kinds"),
+    [
+        (findings._WORDS, get_args(usual.Kind)),
+        (sentences._CAUSES, [row.name for row in TYPE_B]),
+        (answer_words._KINDS, get_args(target.Kind)),
+    ],
+)
+def test_every_kind_has_words(words: dict[str, str], kinds: list[str]) -> None:
+    assert set(words) == set(kinds)
