@@ -40,7 +40,7 @@ def reading(setup: str = "along x", pose: tuple[float, ...] = (0.1, 0.1), value:
         (Recorded(reading(pose=(0.1, 0.1, 0.1))), "3 coordinates, and the machine 2 axes"),
         (Recorded(reading(setup="along w")), 'no set-up "along w"'),
         (Recorded(reading(value=2e3)), "no deviation of a machine"),
-        (Recorded(replace(reading(), others=(1e-6,))), "the interferometer gives 1 value, not 2"),
+        (Recorded(replace(reading(), others=(1e-6,))), "gives 1 values a reading"),
         (Recorded(replace(reading(), std=1e-13)), "1e-13 m or rad is no standard deviation"),
         (Recorded(replace(reading(), time=1e12)), r"1e\+12 s after its beginning"),
         (Recorded(replace(reading(), time=-1e10)), r"-1e\+10 s after its beginning"),

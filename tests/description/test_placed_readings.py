@@ -106,7 +106,7 @@ def test_where_a_ball_is_held_the_slides_follow_and_a_place_beside_it_is_named()
     with pytest.raises(ReadingError, match="its position is not given"):
         placed_pose(setup, machine, {"B": 0.1})
     assert placed_approach(setup, machine, {"C": -1})[machine.index("C")] == -1
-    assert "gives 3 values a reading. Give value_x_um, value_y_um and value_z_um" in refusal(
+    assert "gives 3 values a reading. Give each, in a file as value_x_um, value_y_um and value_z_um" in refusal(
         campaign, setup="nest", position={"B": 0.1, "C": 0.2}
     )
 

@@ -272,7 +272,7 @@ def test_a_sphere_without_a_ball_is_refused_where_readings_are_asked_for_and_ope
 ) -> None:
     path = tmp_path / "campaign.toml"
     path.write_text('machine = "dmu60"\n[target]\nreadings = 9\n[[setups]]\nname = "s"\ninstrument = "sphere"\n')
-    with pytest.raises(DescriptionError, match=r'where the sphere of "s" reads.*with its place'):
+    with pytest.raises(DescriptionError, match=r'where the sphere of "s" reads\. .*with its place'):
         read_campaign(path)
     (setup,) = read_campaign(path, asking=False).setups
     assert setup.lacks is not None

@@ -14,8 +14,7 @@ from axiscal.estimation.functionals.known import refuse_unmade
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
-from axiscal.measurement.instrument import values_of
-from axiscal.measurement.reading import LARGEST, Place, Reading, reading_unit
+from axiscal.measurement.reading import LARGEST, Place, Reading, reading_unit, refuse_other_values
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.record.accepted import Accepted
 from axiscal.record.events import Asked, Created, Event, Mounted, Planned, Recorded
@@ -114,22 +113,11 @@ def refuse_unreadable(setup: Setup, values: Sequence[float], std: float | None) 
             remedy = "Give the reading, or skip it with its reason"
             raise ReadingError("{value} is not a finite number", remedy, value=value)
     refuse_absurd(*values, std or 0.0)
-    _refuse_other_count(setup, len(values))
+    refuse_other_values(setup, len(values))
     if std is not None and not std >= FINEST:
         remedy = "Give one of at least 0.1 nm or 0.1 nrad, or none"
         shown = format_quantity(std, reading_unit(setup))
         raise ReadingError("{std} is no standard deviation", remedy, std=shown)
-
-
-def _refuse_other_count(setup: Setup, count: int) -> None:
-    values = values_of(setup)
-    if count == values:
-        return
-    what = "the {instrument} gives {values} value, not {count}"
-    what = "the {instrument} gives {values} values, not {count}" if values > 1 else what
-    several = "Give one from each station in its order" if setup.stations else "Give the values along x, y and z"
-    remedy = several if values > 1 else "Give one value"
-    raise ReadingError(what, remedy, instrument=setup.instrument, values=values, count=count)
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +188,7 @@ class Possible:
 def _of_values(reading: Reading, setup: Setup) -> str:
     try:
         refuse_absurd(*reading.values, reading.std or 0.0)
-        _refuse_other_count(setup, len(reading.values))
+        refuse_other_values(setup, len(reading.values))
     except ReadingError as absurd:
         return absurd.what
     if reading.std is not None and reading.std < _LEAST:

@@ -26,7 +26,7 @@ from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.readers.csv_table import parse_table, read_approach, read_position, read_text, unshielded
 from axiscal.measurement.readers.touch_log import LISTS, LoggedTouch, TouchLog, plan_code, read_touch_log
-from axiscal.measurement.reading import Reading, reading_unit, value_columns
+from axiscal.measurement.reading import Reading, refuse_other_values
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import TOUCHES, met_from, read_as
 from axiscal.numerics import Array
@@ -226,14 +226,8 @@ def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int])
 
 def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     setup, sign = _setup_of(row, campaign)
-    reads = INSTRUMENTS[setup.instrument].model.reads
-    if row.dimension != reads:
-        what = 'the {instrument} of the set-up "{setup}" reads a length, not an angle'
-        if reads == "angle":
-            what = 'the {instrument} of the set-up "{setup}" reads an angle, not a length'
-        remedy, unit = "Give the value as value_{unit}", reading_unit(setup)
-        raise ReadingError(what, remedy, instrument=setup.instrument, setup=setup.name, unit=unit)
-    _refuse_other_count(row, setup)
+    named = values_of(setup) == 1 or row.by_station == bool(setup.stations)
+    refuse_other_values(setup, 1 + len(row.others) if named else 0, row.dimension)
     _refuse_other_base(row, setup)
     position, approach = row.position, row.approach
     if "" in position:
@@ -313,16 +307,6 @@ def _refuse_other_kind(row: RawReading, axis: Axis) -> None:
             what = "the axis that moves is {axis}, whose position is an angle, and the file gives the other kind"
         remedy = "Give target_deg and deviation_arcsec for a rotary axis, target_mm for a linear one"
         raise ReadingError(what, remedy, axis=axis.name)
-
-
-def _refuse_other_count(row: RawReading, setup: Setup) -> None:
-    values = values_of(setup)
-    if 1 + len(row.others) != values or (values > 1 and row.by_station != bool(setup.stations)):
-        *first, last = value_columns(setup)
-        remedy = "Give {first} and {last}" if first else "Give one value, as value_um"
-        what, name = 'the {instrument} of "{setup}" gives {count} values a reading', setup.name
-        columns = {"first": ", ".join(first), "last": last}
-        raise ReadingError(what, remedy, None, None, instrument=setup.instrument, setup=name, count=values, **columns)
 
 
 def _only_setup(campaign: CampaignDescription) -> Setup:

@@ -67,7 +67,6 @@ OVERRUN_SHARE = 0.01
 
 Counting = Literal["iso", "reversed"]
 """Which way an axis counts: a positive coordinate moves the tool positively relative to the workpiece, or not."""
-COUNTINGS: tuple[Counting, ...] = ("iso", "reversed")
 
 
 def letter_direction(letter: str) -> int:

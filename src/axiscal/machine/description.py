@@ -18,7 +18,7 @@ from axiscal.document import Document, read_model, shown
 from axiscal.document.quoting import meant
 from axiscal.exceptions import ChainError, DescriptionError, Faults, InputError
 from axiscal.language.spoken import said
-from axiscal.machine.axis import COUNTINGS, LINEAR_LETTERS, ROTARY_LETTERS, Axis, Counting, Stated
+from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS, Axis, Stated
 from axiscal.machine.entry import ErrorEntry, PlaneEntry, as_fine_as_is_cheap
 from axiscal.machine.errors_table import read_errors
 from axiscal.machine.machine_schema import AxisTable, MachineFile
@@ -105,12 +105,14 @@ def _axis(document: Document, link: Link, table: AxisTable, faults: Faults) -> A
     speed = faults.tried(stated.within, "speed", "rotation_speed" if turns else "speed", 1e-9, 1e4)
     rate: Dimension = "rotation_acceleration" if turns else "acceleration"
     acceleration = faults.tried(stated.within, "acceleration", rate, 1e-9, 1e6)
-    origin, counting = faults.tried(_origin, stated, axis), faults.tried(_counting, stated)
+    origin = faults.tried(_origin, stated, axis)
     spans = faults.tried(_spans, stated, axis)
     if len(faults.found) > before or spans is None or origin is None:
         return None
     travel, overrun, beyond = spans
-    return Axis.named(axis.name, axis.workpiece_side, travel, speed, acceleration, origin, overrun, beyond, counting)
+    return Axis.named(
+        axis.name, axis.workpiece_side, travel, speed, acceleration, origin, overrun, beyond, table.direction
+    )
 
 
 def _spans(stated: Stated[AxisTable], axis: Axis) -> tuple[Span, float | None, tuple[int, int] | None]:
@@ -118,18 +120,6 @@ def _spans(stated: Stated[AxisTable], axis: Axis) -> tuple[Span, float | None, t
     travel = _travel(stated, axis)
     most = LARGEST_OVERRUN * (travel[1] - travel[0])
     return travel, stated.within("overrun", axis.dimension, LEAST_OVERRUN, most), _turns(stated, axis, travel)
-
-
-def _counting(stated: Stated[AxisTable]) -> Counting | None:
-    """Return which way an axis counts, None where it is not said."""
-    text = stated.table.direction
-    for counting in COUNTINGS:
-        if text == counting:
-            return counting
-    if text is None:
-        return None
-    remedy = 'Write "iso" (ISO 841: counting up moves the tool positively relative to the workpiece) or "reversed"'
-    raise stated.misstated("direction", "{text} is not a direction", remedy, text=shown(text))
 
 
 def _travel(stated: Stated[AxisTable], axis: Axis) -> Span:

@@ -10,6 +10,7 @@ from pydantic_core import PydanticKnownError
 
 from axiscal.document import QuantityText
 from axiscal.document.validation import QuantityOf
+from axiscal.machine.axis import Counting
 
 Twice = tuple[str, str]
 
@@ -62,7 +63,7 @@ class AxisTable(_Table):
         None, examples=['["0 mm", "0 mm", "-150 mm"]']
     )
     limits: tuple[QuantityText, QuantityText] | None = Field(None, examples=['["-720 deg", "1080 deg"]'])
-    direction: StrictStr | None = Field(None, examples=['"reversed"', '"iso"'])
+    direction: Counting | None = Field(None, examples=['"reversed"', '"iso"'])
 
 
 class ErrorTable(_Table):

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import listed, put, said
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
@@ -233,6 +234,23 @@ def value_names(setup: Setup) -> tuple[str, ...]:
 def value_columns(setup: Setup) -> tuple[str, ...]:
     """Return the columns of a file of readings for its values, such as value_um, or value_x_um and two more."""
     return tuple(f"value{'_' * bool(name)}{name}_{reading_unit(setup)}" for name in value_names(setup))
+
+
+def refuse_other_values(setup: Setup, count: int, dimension: str | None = None) -> None:
+    """Raise ReadingError for values that a set-up's instrument does not read.  dimension : where a file says it"""
+    reads, values, instrument = INSTRUMENTS[setup.instrument].model.reads, values_of(setup), setup.instrument
+    if dimension not in (None, reads):
+        what = 'the {instrument} of the set-up "{setup}" reads a length, not an angle'
+        if reads == "angle":
+            what = 'the {instrument} of the set-up "{setup}" reads an angle, not a length'
+        remedy, unit = "Give the value as value_{unit}", reading_unit(setup)
+        raise ReadingError(what, remedy, instrument=instrument, setup=setup.name, unit=unit)
+    if count != values:
+        *first, last = value_columns(setup)
+        what = 'the {instrument} of "{setup}" gives {count} values a reading'
+        remedy = "Give one value, in a file as {last}" if values == 1 else "Give each, in a file as {first} and {last}"
+        columns = {"first": ", ".join(first), "last": last}
+        raise ReadingError(what, remedy, None, None, instrument=instrument, setup=setup.name, count=values, **columns)
 
 
 def columns_of(setups: Iterable[Setup]) -> list[str]:

@@ -16,9 +16,8 @@ from typing import TYPE_CHECKING, Protocol
 from axiscal.exceptions import ReadingError, SourceError
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
-from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.readers.csv_readings import RawReading, read_readings
-from axiscal.measurement.reading import approach_text, reading_unit, shown_approach, shown_pose
+from axiscal.measurement.reading import approach_text, refuse_other_values, shown_approach, shown_pose
 from axiscal.measurement.setup import Setup
 from axiscal.units import format_quantity
 
@@ -146,7 +145,10 @@ class CsvSource:
             remedy = "Give the readings in the order asked, or evaluate them as they are with `axiscal data estimate`"
             found, asked = other
             raise SourceError(what, remedy, self._file, row.line, found=found, reading=request.reading, asked=asked)
-        _refuse_other_dimension(row, request, self._file)
+        try:
+            refuse_other_values(request.setup, 1 + len(row.others), row.dimension)
+        except ReadingError as other_kind:
+            raise other_kind.placed(self._file, row.line) from None
         return Answer(row.value, row.std, row.others)
 
     def close(self) -> None:
@@ -169,12 +171,3 @@ def _other_place(row: RawReading, request: Request) -> tuple[str, str] | None:
         found = " ".join(f"{name}{'+' if side > 0 else '-'}" for name, side in row.approach.items())
         return f"approach {found}", approach_text(request.axes, request.approach) or "none"
     return None
-
-
-def _refuse_other_dimension(row: RawReading, request: Request, file: str) -> None:
-    reads = INSTRUMENTS[request.setup.instrument].model.reads
-    if row.dimension != reads:
-        what = "the row has an angle, but the {instrument} reads a length"
-        what = "the row has a length, but the {instrument} reads an angle" if reads == "angle" else what
-        remedy, unit = "Give the value as value_{unit}", reading_unit(request.setup)
-        raise ReadingError(what, remedy, file, row.line, instrument=request.setup.instrument, unit=unit)
