@@ -175,9 +175,10 @@ def _distances(ends: Ends) -> Ends:
 
 
 class SetupTable(Table):
-    """[[setups]]: one way to mount one instrument; its instrument stands before what is read by it."""
+    """[[setups]]: one way to mount one instrument."""
 
     name: Name = Field(examples=['"laser along X"'])
+    # Before what is read by it: pydantic goes from key to key.
     instrument: Annotated[str, ReadAs(str, _instrument)] = Field(examples=['"interferometer"'])
     direction: Direction | None = Field(None, examples=['"x"'])
     temperature: Annotated[float, QuantityOf("temperature")] | None = Field(None, examples=['"22.5 degC"'])
