@@ -33,18 +33,18 @@ def loaded(control: Exporter, texts: Sequence[str]) -> Loaded:
 
 
 def test_a_mesh_and_a_skew_in_two_files_both_count_in_either_order() -> None:
-    skewed = klipper.write_skew(Skew(0.01, None, -0.004), "a")
+    skewed = klipper.write_skew({"XY": 0.01, "YZ": -0.004}, "a")
     saved = "#*# [skew_correction a]\n#*# xy_skew = 0.003\n#*# xz_skew = 0.0\n#*# yz_skew = -0.001\n"
     flat = klipper.write_mesh(MESH, "default")
     for files in ([skewed, flat], [flat, skewed]):
         found = loaded(klipper.Klipper(), files)
-        assert found.skew.xz is None
-        assert (found.skew.xy, found.skew.yz) == pytest.approx((0.01, -0.004))
+        assert "XZ" not in found.skew
+        assert found.skew == pytest.approx({"XY": 0.01, "YZ": -0.004})
         (mesh,) = found.meshes
         assert mesh.added == pytest.approx(MESH.added, abs=1e-12)
         assert (mesh.x[0], mesh.x[-1], mesh.y[0], mesh.y[-1]) == pytest.approx((-0.03, 0.27, 0.01, 0.19))
     for files in ([saved, flat], [flat, saved], [skewed, saved]):
-        assert loaded(klipper.Klipper(), files).skew == Skew(0.003, 0.0, -0.001)
+        assert loaded(klipper.Klipper(), files).skew == {"XY": 0.003, "XZ": 0.0, "YZ": -0.001}
     with pytest.raises(TableError, match="no mesh and no skew is saved here"):
         loaded(klipper.Klipper(), [flat, "[printer]\n"])
 
@@ -92,11 +92,11 @@ def test_notes_of_a_mesh_name_its_corners_and_its_size() -> None:
 @pytest.mark.parametrize(
     ("skew", "needs", "off"),
     [
-        (Skew(0.01), "SKEW_CORRECTION", "M852 I0 J0 K0"),
-        (Skew(0.01, 0.02, 0.03), "SKEW_CORRECTION, SKEW_CORRECTION_FOR_Z", "M852 I0 J0 K0"),
-        (Skew(None, 0.02), "SKEW_CORRECTION, SKEW_CORRECTION_FOR_Z", "M852 I0 J0 K0"),
-        (Skew(None, None, 0.03), "SKEW_CORRECTION, SKEW_CORRECTION_FOR_Z", "M852 I0 J0 K0"),
-        (Skew(), "", ""),
+        ({"XY": 0.01}, "SKEW_CORRECTION", "M852 I0 J0 K0"),
+        ({"XY": 0.01, "XZ": 0.02, "YZ": 0.03}, "SKEW_CORRECTION, SKEW_CORRECTION_FOR_Z", "M852 I0 J0 K0"),
+        ({"XZ": 0.02}, "SKEW_CORRECTION, SKEW_CORRECTION_FOR_Z", "M852 I0 J0 K0"),
+        ({"YZ": 0.03}, "SKEW_CORRECTION, SKEW_CORRECTION_FOR_Z", "M852 I0 J0 K0"),
+        ({}, "", ""),
     ],
 )
 def test_marlin_is_told_what_it_was_built_with_and_how_to_switch_it_off(skew: Skew, needs: str, off: str) -> None:
@@ -108,12 +108,11 @@ def test_marlin_is_told_what_it_was_built_with_and_how_to_switch_it_off(skew: Sk
         assert ("The firmware needs" in notes) == bool(words)
         codes = ", ".join(code for code in ("M425 F0" if play else "", off) if code)
         assert f"Before measuring again take it off: {codes}." in notes
-        planes = [plane for plane, seen in zip(("XY", "XZ", "YZ"), (skew.xy, skew.xz, skew.yz), strict=True) if seen]
-        assert (f"M852 sets {', '.join(planes)}:" in notes) == bool(planes)
+        assert (f"M852 sets {', '.join(skew)}:" in notes) == bool(skew)
 
 
 def test_commands_of_marlin_are_millimetres_with_columns_along_x() -> None:
-    text = marlin.text_of(Loaded(lost({"X": 12.3e-6, "Z": 4e-6}), (MESH,), Skew(0.012, None, -0.03)))
+    text = marlin.text_of(Loaded(lost({"X": 12.3e-6, "Z": 4e-6}), (MESH,), {"XY": 0.012, "YZ": -0.03}))
     assert "M852 I0.0120000 K-0.0300000\n" in text
     assert "M425 X0.0123 Z0.0040 F1 S0\n" in text
     nodes = {(int(i), int(j)): float(z) for i, j, z in re.findall(r"M421 I(\d+) J(\d+) Z(\S+)", text)}
@@ -122,7 +121,7 @@ def test_commands_of_marlin_are_millimetres_with_columns_along_x() -> None:
     found = marlin.read(text, MACHINE)
     (mesh,) = found.meshes
     assert mesh.added == pytest.approx(MESH.added, abs=5e-8)
-    assert found.skew == Skew(0.012, None, -0.03)
+    assert found.skew == {"XY": 0.012, "YZ": -0.03}
     assert contents.play_of(found) == pytest.approx({"X": 12.3e-6, "Z": 4e-6})
     half = marlin.read("M425 X0.02 F0.5 S3", MACHINE)
     assert contents.play_of(half) == pytest.approx({"X": 1e-5})
@@ -184,7 +183,7 @@ def test_what_is_missing_in_an_old_file_of_marlin_is_said() -> None:
     with pytest.raises(TableError, match="says no height of a point"):
         loaded(marlin.Marlin(), ["M421 I0 J0 Z0\nM421 I1 J0 Z0\nM421 I0 J1 Z0\nM421 I1 J1\n"])
     found = loaded(marlin.Marlin(), ["M852 I0.01 J0 K0\n", "M425 X0.01 F1\n", "M425 Y0.02 F1\n"])
-    assert found.skew == Skew(0.01, 0.0, 0.0)
+    assert found.skew == {"XY": 0.01, "XZ": 0.0, "YZ": 0.0}
     assert {one.axis: (-one.forward[0], -one.reverse[0]) for one in found.tables} == {
         "X": pytest.approx((5e-6, -5e-6)),
         "Y": pytest.approx((1e-5, -1e-5)),
@@ -212,13 +211,13 @@ def test_a_skew_is_the_slope_of_the_mean_of_both_sides_and_is_taken_away_as_prin
     found, (low, high) = skew_of(estimate), np.array(estimate.box).T
     poses = np.random.default_rng(1).uniform(low, high, (40_000, 3))
     deviation = estimate.deviation(poses, np.zeros_like(poses))
-    for moved, over, tangent in (("X", "Y", found.xy), ("X", "Z", found.xz), ("Y", "Z", found.yz)):
+    for moved, over, tangent in (("X", "Y", found["XY"]), ("X", "Z", found["XZ"]), ("Y", "Z", found["YZ"])):
         slope = np.polyfit(poses[:, estimate.machine.index(over)], deviation[:, "XYZ".index(moved)], 1)[0]
         assert tangent == pytest.approx(slope, abs=4e-6)
         assert abs(slope) > 4e-5  # each plane is skewed ten times what the slope may differ by
     x, y, z = (MACHINE.index(name) for name in "XYZ")
     poses = np.array([[0.1, 0.2, 0.3]])[:, np.argsort([x, y, z])]
-    added = skew_control(MACHINE, Skew(0.01, 0.02, -0.03))(poses, np.zeros((1, 3)))
+    added = skew_control(MACHINE, {"XY": 0.01, "XZ": 0.02, "YZ": -0.03})(poses, np.zeros((1, 3)))
     by_name = dict(zip("XYZ", poses[0, [x, y, z]].tolist(), strict=True))
     assert added[0, x] == pytest.approx(-by_name["Y"] * 0.01 - by_name["Z"] * (0.02 + 0.01 * 0.03))
     assert added[0, y] == pytest.approx(by_name["Z"] * 0.03)

@@ -20,7 +20,7 @@ from axiscal.tables.controllers.fanuc import read_records, replace_values
 from axiscal.tables.controllers.isg import read_list, write_list
 from axiscal.tables.exporter import Exporter, ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile
-from axiscal.tables.surface import Mesh, Skew
+from axiscal.tables.surface import Mesh
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.volumetric import SampledError
 from axiscal.units import from_unit
@@ -114,7 +114,7 @@ def test_klipper_mesh(mesh: Mesh) -> None:
 @given(meshes(), SMALL, st.floats(0, 1e-3))
 def test_marlin(mesh: Mesh, tangent: float, play: float) -> None:
     half = np.full(2, play / 2)
-    text = marlin.text_of(Loaded((CompensationTable("X", np.array(X.travel), -half, half),), (mesh,), Skew(xy=tangent)))
+    text = marlin.text_of(Loaded((CompensationTable("X", np.array(X.travel), -half, half),), (mesh,), {"XY": tangent}))
     assert marlin.text_of(marlin.read(text, MACHINE)) == text
 
 

@@ -284,7 +284,7 @@ def test_a_skew_is_the_mean_of_both_directions(monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.setattr(surface, "cross_tables", tables)
     found = surface.skew_of(drawn_and_known(THREE))
-    assert found.seen == {"XY": pytest.approx(2e-4)}
+    assert found == {"XY": pytest.approx(2e-4)}
 
 
 _MACHINE = machine_text(

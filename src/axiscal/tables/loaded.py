@@ -140,7 +140,7 @@ class Loaded:
 
     tables: tuple[CompensationTable, ...] = ()
     meshes: tuple[Mesh, ...] = ()
-    skew: Skew = field(default_factory=Skew)
+    skew: Skew = field(default_factory=dict)
     errors: Mapping[str, SampledError] = field(default_factory=dict)
     others: tuple[Control, ...] = ()
 
@@ -149,7 +149,7 @@ class Loaded:
         parts = [table_control(machine, self.tables), *self.others]
         parts += [mesh_control(machine, mesh) for mesh in self.meshes]
         parts += [tip_control(ErrorModel(machine), self.errors)] if self.errors else []
-        return sum_of(*parts, *([skew_control(machine, self.skew)] if self.skew.seen else []))
+        return sum_of(*parts, *([skew_control(machine, self.skew)] if self.skew else []))
 
     def alone(self, within: bool) -> Loaded:
         """Return the tables of axes over themselves alone, or over others."""
@@ -174,8 +174,7 @@ class Loaded:
 
     def under_skew(self, skew: Skew) -> Skew:
         """Return the tangents with the old ones added, for the planes that were seen."""
-        old = self.skew.seen
-        return Skew(**{plane.lower(): tangent + old.get(plane, 0.0) for plane, tangent in skew.seen.items()})
+        return {plane: tangent + self.skew.get(plane, 0.0) for plane, tangent in skew.items()}
 
     def _summed(
         self, kind: tuple[str, str], table: CompensationTable | None, machine: Machine, most: int, even: bool

@@ -8,7 +8,7 @@ is all they can do.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -301,19 +301,9 @@ def _deviation(estimate: Estimate, axes: tuple[int, int, int], sides: list[Hats]
     return result
 
 
-@dataclass(frozen=True, slots=True)
-class Skew:
-    """Tangents by which Y leans towards X, Z towards X, and Z towards Y; None where no reading has seen the plane."""
-
-    xy: float | None = None
-    xz: float | None = None
-    yz: float | None = None
-
-    @property
-    def seen(self) -> dict[str, float]:
-        """The tangents by plane, "XY", "XZ", "YZ", of the planes that were seen."""
-        planes = {"XY": self.xy, "XZ": self.xz, "YZ": self.yz}
-        return {plane: tangent for plane, tangent in planes.items() if tangent is not None}
+PLANES = ("XY", "XZ", "YZ")
+Skew = Mapping[str, float]
+"""Tangents by plane: by which Y leans towards X, Z towards X, and Z towards Y; none where no reading has seen it."""
 
 
 def skew_of(estimate: Estimate) -> Skew:
@@ -321,24 +311,18 @@ def skew_of(estimate: Estimate) -> Skew:
 
     A plane that no reading has seen has none: a zero would take away what the control holds already.
     """
-    tables = {(table.axis, table.over): table for table in cross_tables(estimate)}
-
-    def slope(axis: str, over: str) -> float | None:
-        table = tables.get((axis, over))
-        if table is None:
-            return None
-        low, high = estimate.box[estimate.machine.index(over)]
-        at = np.linspace(low, high, 1001)
-        values = (table.deviation(at, 1) + table.deviation(at, -1)) / 2
-        return float(np.polynomial.polynomial.polyfit(at - at.mean(), values, 1)[1])
-
-    return Skew(slope("X", "Y"), slope("X", "Z"), slope("Y", "Z"))
+    tables, slopes = {table.axis + table.over: table for table in cross_tables(estimate)}, dict[str, float]()
+    for plane in (plane for plane in PLANES if plane in tables):
+        at = np.linspace(*estimate.box[estimate.machine.index(plane[1])], 1001)
+        line = np.polynomial.polynomial.polyfit(at - at.mean(), tables[plane].deviation(at, 0), 1)
+        slopes[plane] = float(line[1])
+    return slopes
 
 
 def skew_control(machine: Machine, skew: Skew) -> Control:
     """Return the control that takes the skew away."""
     x, y, z = plane_axes(machine)
-    xy, xz, yz = (tangent or 0.0 for tangent in (skew.xy, skew.xz, skew.yz))
+    xy, xz, yz = (skew.get(plane, 0.0) for plane in PLANES)
 
     def control(poses: Array, approaches: Array) -> Array:
         added = np.zeros_like(poses)

@@ -31,7 +31,7 @@ def content_of(estimate: Estimate, options: ExportOptions, points: int | None) -
 
 def in_words(content: Loaded) -> str:
     """Return what files hold, a sentence."""
-    skew, play = content.skew.seen, play_of(content)
+    skew, play = content.skew, play_of(content)
     words = ["height over the plane as a bed mesh"] if content.meshes else []
     words = [" and ".join([*words, f"the skew of {', '.join(skew)}"])] if skew else words
     return "; ".join([*words, f"one backlash for {', '.join(play)}"] if play else words) + "."

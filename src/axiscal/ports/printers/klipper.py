@@ -134,19 +134,19 @@ class Klipper(MapFormat):
         files, notes = dict[str, str](), tuple[str, ...]()
         for mesh in content.meshes:
             files[_MESH], notes = write_mesh(mesh, name), _mesh_notes(mesh, name)
-        if skew.seen:
+        if skew:
             files[_SKEW], notes = write_skew(skew, name), notes + _skew_notes(skew, name)
         steps = {"X": 1e-8, "Y": 1e-8, "Z": float(from_unit(2e-6, "mm"))}
         return Written(files, steps, (*notes, TRIED), in_words(content))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what a printer.cfg has saved, or G-code sets; raises ReadingError, TableError."""
-        meshes, skew = list[Mesh](), Skew()
+        meshes, skew = list[Mesh](), dict[str, float]()
         for file in files:
             text = TextFile(file.name, tuple(file.text.splitlines()))
             meshes += [mesh_of_nodes(saved_mesh(text))] if is_mesh(text) else []
-            found = {plane.lower(): float(value) for plane, value in _SAVED_SKEW.findall(file.text)}
-            skew = Skew(**found) if found else read_skew(file.text) if _PLANE.search(file.text) else skew
+            found = {plane.upper(): float(value) for plane, value in _SAVED_SKEW.findall(file.text)}
+            skew = found or read_skew(file.text) or skew
             if not found and not _PLANE.search(file.text) and not is_mesh(text):
                 remedy = "give the printer.cfg with its saved block"
                 raise TableError("no mesh and no skew is saved here", remedy, file.name)
@@ -172,7 +172,7 @@ def _mesh_notes(mesh: Mesh, name: str) -> tuple[str, ...]:
 def _skew_notes(skew: Skew, name: str) -> tuple[str, ...]:
     return (
         f"[skew_correction] must be in printer.cfg; send {_SKEW} once, then SAVE_CONFIG; load it by SKEW_PROFILE "
-        f"LOAD={name}. It sets {', '.join(skew.seen)}: no reading has seen another plane.",
+        f"LOAD={name}. It sets {', '.join(skew)}: no reading has seen another plane.",
         "Clear the skew before measuring again: SET_SKEW CLEAR=1.",
     )
 
@@ -206,19 +206,19 @@ def holds_heights(held: object, mesh: str) -> bool:
 
 def write_skew(skew: Skew, name: str) -> str:
     """Return the G-code: diagonals AC, BD and side AD of a square that leans by the skew."""
-    words = " ".join(f"{plane}={_lengths(tangent)}" for plane, tangent in skew.seen.items())
+    words = " ".join(f"{plane}={_lengths(tangent)}" for plane, tangent in skew.items())
     return f"SET_SKEW {words}\nSKEW_PROFILE SAVE={name}\n"
 
 
-def read_skew(text: str) -> Skew:
+def read_skew(text: str) -> dict[str, float]:
     """Return the skew that skew_correction.py makes of `SET_SKEW`: all sides follow from the diagonals and AD."""
-    found = {}
+    found = dict[str, float]()
     for plane, *lengths in _PLANE.findall(text):
         ac, bd, ad = map(float, lengths)
         side = math.sqrt(2 * ac * ac + 2 * bd * bd - 4 * ad * ad) / 2
         angle = math.acos((ac * ac - side * side - ad * ad) / (2 * side * ad))
-        found[plane.lower()] = math.tan(math.pi / 2 - angle)
-    return Skew(**found)
+        found[plane] = math.tan(math.pi / 2 - angle)
+    return found
 
 
 def _lengths(tangent: float) -> str:

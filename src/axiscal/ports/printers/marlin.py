@@ -40,18 +40,19 @@ class Marlin(MapFormat):
         mesh, skew, play = next(iter(content.meshes), None), content.skew, play_of(content)
         reach = max(abs(end) for axis in machine.axes for end in axis.travel)
         steps = {"X": _STEP + 2e-7 * reach, "Y": _STEP + 2e-7 * reach, "Z": 2 * _STEP}
-        files = {_FILE: text_of(content)} if mesh or skew.seen or play else {}
+        files = {_FILE: text_of(content)} if mesh or skew or play else {}
         return Written(files, steps, _notes(mesh, skew, play), in_words(content))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what commands made active: a report of M503 or the file of an earlier export; raises TableError."""
-        meshes, skew, play = tuple[Mesh, ...](), Skew(), dict[str, float]()
+        meshes, play = tuple[Mesh, ...](), dict[str, float]()
+        skew: Skew = {}
         for file in files:
             found = read(file.text, machine)
-            if not found.meshes and not found.skew.seen and not found.tables:
+            if not found.meshes and not found.skew and not found.tables:
                 what = "there is no M421, M425 or M852 in this file"
                 raise TableError(what, "send M503, and save what Marlin answers", file.name)
-            meshes, skew = (*meshes, *found.meshes), found.skew if found.skew.seen else skew
+            meshes, skew = (*meshes, *found.meshes), found.skew or skew
             play |= play_of(found)
         return Loaded(lost_motion(machine, play), meshes, skew)
 
@@ -63,9 +64,9 @@ def _points(options: ExportOptions) -> int | None:
 
 
 def _notes(mesh: Mesh | None, skew: Skew, play: Mapping[str, float]) -> tuple[str, ...]:
-    needs = [name for name, used in (("SKEW_CORRECTION", skew.seen), ("BACKLASH_COMPENSATION", play)) if used]
-    needs += ["SKEW_CORRECTION_FOR_Z"] if {"XZ", "YZ"} & skew.seen.keys() else []
-    back = [code for code, used in (("M425 F0", play), ("M852 I0 J0 K0", skew.seen), ("M420 S0", mesh)) if used]
+    needs = [name for name, used in (("SKEW_CORRECTION", skew), ("BACKLASH_COMPENSATION", play)) if used]
+    needs += ["SKEW_CORRECTION_FOR_Z"] if {"XZ", "YZ"} & skew.keys() else []
+    back = [code for code, used in (("M425 F0", play), ("M852 I0 J0 K0", skew), ("M420 S0", mesh)) if used]
     notes = [f"The firmware needs {', '.join(needs)}."] if needs else []
     if mesh is not None:
         notes.append(
@@ -73,8 +74,8 @@ def _notes(mesh: Mesh | None, skew: Skew, play: Mapping[str, float]) -> tuple[st
             f"X{_mm(mesh.x)} and Y{_mm(mesh.y)}; export with --mesh for another size. M420 S1 Z0 switches it on, "
             "without fading. Its values are added to Z: positive where the bed is high."
         )
-    if skew.seen:
-        notes.append(f"M852 sets {', '.join(skew.seen)}: no reading has seen another plane.")
+    if skew:
+        notes.append(f"M852 sets {', '.join(skew)}: no reading has seen another plane.")
     return (
         *notes,
         f"Send {_FILE} once; it ends with M500.",
@@ -84,7 +85,7 @@ def _notes(mesh: Mesh | None, skew: Skew, play: Mapping[str, float]) -> tuple[st
 
 def text_of(content: Loaded) -> str:
     """Return the G-code, mm."""
-    tangents = " ".join(f"{_SKEW[plane]}{tangent:.7f}" for plane, tangent in content.skew.seen.items())
+    tangents = " ".join(f"{_SKEW[plane]}{tangent:.7f}" for plane, tangent in content.skew.items())
     lines = [f"M852 {tangents}"] if tangents else []
     if play := play_of(content):
         words = " ".join(f"{axis}{to_unit(value, 'mm'):.4f}" for axis, value in play.items())
@@ -99,11 +100,11 @@ def text_of(content: Loaded) -> str:
 
 def read(text: str, machine: Machine) -> Loaded:
     """Return what Marlin makes of the commands in a text; raises TableError."""
-    skew, play, heights = Skew(), dict[str, float](), dict[tuple[int, int], float]()
+    skew, play, heights = dict[str, float](), dict[str, float](), dict[tuple[int, int], float]()
     for command in _COMMAND.finditer(text):
         values = {letter: float(number) for letter, number in _WORD.findall(command[2])}
         if command[1] == "M852":
-            skew = Skew(*(values.get(letter) for letter in _SKEW.values()))
+            skew = {plane: values[letter] for plane, letter in _SKEW.items() if letter in values}
         elif command[1] == "M425":
             share = values.pop("F", 1.0)
             play = {axis: share * float(from_unit(v, "mm")) for axis, v in values.items() if axis != "S"}

@@ -15,7 +15,7 @@ from axiscal.measurement.readers.csv_table import TextFile
 from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, play_of
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
-from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
+from axiscal.tables.surface import PLANES, Mesh, Skew, mesh_of_nodes
 from axiscal.units import from_unit, to_unit
 
 _MAP, _CODE = "heightmap.csv", "axiscal.g"
@@ -53,14 +53,14 @@ class RepRapFirmware(MapFormat):
         files, play = dict[str, str](), play_of(content)
         for mesh in content.meshes:
             files[_MAP] = text_of(mesh)
-        if content.skew.seen or play:
+        if content.skew or play:
             files[_CODE] = code_of(content.skew, play)
         steps = {"X": _STEP, "Y": _STEP, "Z": _STEP if "Z" in play else 2e-9}
         return Written(files, steps, _notes(content, play), in_words(content))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what height maps hold, and what G-code sets; raises ReadingError, TableError."""
-        meshes, skew, play = list[Mesh](), Skew(), dict[str, float]()
+        meshes, skew, play = list[Mesh](), dict[str, float](), dict[str, float]()
         for file in files:
             text = TextFile(file.name, tuple(file.text.splitlines()))
             commands = {code: dict(_WORD.findall(words)) for code, words in _COMMAND.findall(file.text)}
@@ -84,14 +84,14 @@ def _notes(content: Loaded, play: Mapping[str, float]) -> tuple[str, ...]:
         ]
         if mesh.added.size > _USUAL:
             notes.append(f"Only a Duet 3 with a main board of SAME70 takes more than {_USUAL} points.")
-    back = [code for code, used in (("M425 X0 Y0 Z0", play), ("M556 S100 X0 Y0 Z0", content.skew.seen)) if used]
+    back = [code for code, used in (("M425 X0 Y0 Z0", play), ("M556 S100 X0 Y0 Z0", content.skew)) if used]
     if back:
         notes.append(
             f'Put {_CODE} into 0:/sys and the line M98 P"{_CODE}" at the end of config.g, in place of every M556 and '
             f"M425 there. Before measuring again take it off: {', '.join(back)}."
         )
-    if content.skew.seen:
-        notes.append(f"M556 sets {', '.join(content.skew.seen)}: no reading has seen another plane.")
+    if content.skew:
+        notes.append(f"M556 sets {', '.join(content.skew)}: no reading has seen another plane.")
     return (*notes, "M425 needs RepRapFirmware 3.5 or later.") if play else tuple(notes)
 
 
@@ -100,17 +100,20 @@ def code_of(skew: Skew, play: Mapping[str, float]) -> str:
 
     The firmware adds: x += X y + Z z, y += Y z, with letters over S; XZ is of the skewed y, so it has a part of XY.
     """
-    xy, yz = skew.xy or 0.0, skew.yz or 0.0
-    leans = {"XY": ("X", -xy), "YZ": ("Y", -yz), "XZ": ("Z", xy * yz - (skew.xz or 0.0))}
-    words = [f"{letter}{_SIDE * lean + 0.0:.6f}" for plane, (letter, lean) in leans.items() if plane in skew.seen]
+    xy, xz, yz = (skew.get(plane, 0.0) for plane in PLANES)
+    leans = {"XY": ("X", -xy), "YZ": ("Y", -yz), "XZ": ("Z", xy * yz - xz)}
+    words = [f"{letter}{_SIDE * lean + 0.0:.6f}" for plane, (letter, lean) in leans.items() if plane in skew]
     lines = [" ".join([f"M556 S{_SIDE:g}", *words])] if words else []
     lost = [f"{axis}{to_unit(value, 'mm'):.4f}" for axis, value in play.items()]
     return "\n".join([*lines, *([" ".join(["M425", *lost])] if lost else [])]) + "\n"
 
 
-def _skew(words: Mapping[str, float]) -> Skew:
-    xy, yz, xz = (-words[letter] / words["S"] if letter in words else None for letter in "XYZ")
-    return Skew(xy, None if xz is None else xz + (xy or 0.0) * (yz or 0.0), yz)
+def _skew(words: Mapping[str, float]) -> dict[str, float]:
+    letters = {"XY": "X", "XZ": "Z", "YZ": "Y"}
+    skew = {plane: -words[letter] / words["S"] for plane, letter in letters.items() if letter in words}
+    if "XZ" in skew:
+        skew["XZ"] += skew.get("XY", 0.0) * skew.get("YZ", 0.0)
+    return skew
 
 
 def text_of(mesh: Mesh) -> str:
