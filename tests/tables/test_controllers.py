@@ -28,8 +28,8 @@ from axiscal.ports.linuxcnc.tables.cross import Wiring
 from axiscal.ports.printers import contents, klipper
 from axiscal.tables.controllers import heidenhain, isg, sinumerik
 from axiscal.tables.controllers.fanuc import PitchParameters, increments
-from axiscal.tables.exporter import ExportOptions
-from axiscal.tables.offer import Draft, Export, spread_poses, tried_out
+from axiscal.tables.exporter import Draft, ExportOptions
+from axiscal.tables.offer import Export, spread_poses, tried_out
 from axiscal.tables.registry import CONTROLLERS, export, exporter
 from axiscal.tables.sampling import axis_tables
 from axiscal.tables.surface import Effect, effect_of_control, rms, tour

@@ -190,11 +190,8 @@ def shown_pose(axes: Sequence[Axis], pose: Sequence[float]) -> dict[str, float]:
 def place_text(axes: Sequence[Axis], pose: Sequence[float], only: Sequence[int] | None = None) -> str:
     """Return a pose as "X = 120 mm, C = 30 deg", of all axes or of some."""
     chosen = range(len(axes)) if only is None else only
-    return listed(", ", [_coordinate(axes[k], shown_coordinate(pose[k], axes[k])) for k in chosen])
-
-
-def _coordinate(axis: Axis, shown: float) -> str:
-    return put("{axis} = {at:.9g} {unit}", axis=axis.name, at=float(shown), unit=axis.unit)
+    at = [(axes[k], float(shown_coordinate(pose[k], axes[k]))) for k in chosen]
+    return listed(", ", [put("{axis} = {at:.9g} {unit}", axis=a.name, at=shown, unit=a.unit) for a, shown in at])
 
 
 def reading_text(axes: Sequence[Axis], setup: Setup, reading: Reading, index: int) -> str:

@@ -38,7 +38,11 @@ def write_programs(
         files[LISTS.format(code)] = "".join(f"{program.name}.csv\n" for program in made)
     files["readings.csv"] = form([reading for program in made for reading in program.readings])
     files["README.txt"] = _readme(made, controller)
-    return [_written(Path(folder) / name, text) for name, text in files.items()]
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    paths = {Path(folder) / name: text for name, text in files.items()}
+    for path, text in paths.items():
+        write_whole(path, text.encode())
+    return list(paths)
 
 
 def _refuse_other_plan(folder: Path, own: str, files: Collection[str]) -> None:
@@ -65,9 +69,3 @@ def _readme(made: Sequence[Program], controller: str) -> str:
     ]
     notes = dict.fromkeys(note for program in made for note in program.notes)
     return "\n".join([*lines, *(f"- {note}" for note in notes)]) + "\n"
-
-
-def _written(path: Path, text: str) -> Path:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(path, text.encode())
-    return path

@@ -24,7 +24,6 @@ from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.description import Machine
 from axiscal.tables.loaded import Loaded, OldFile, read_old, table_control
-from axiscal.tables.offer import Draft
 from axiscal.tables.sampling import MOST_POINTS, Multiples, axis_tables, cross_tables
 from axiscal.tables.surface import Control, sum_of, with_height
 from axiscal.tables.table import CompensationTable
@@ -243,6 +242,24 @@ class Written:
     left_out: str = ""
 
 
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Draft(Written):
+    """Files for a controller, before they are tried.
+
+    control : what the control does with them, as they are read back; wanted : what they are meant to do
+    tables : what the files hold, for the figures; tried : whether a real control of this kind has been seen to take
+    them; about : the estimate they were made of, where it is not the one that was given
+    first : what whoever loads them reads before anything else
+    """
+
+    control: Control
+    wanted: Control
+    tables: tuple[CompensationTable, ...] = ()
+    tried: bool = False
+    about: Estimate | None = None
+    first: tuple[str, ...] = ()
+
+
 def summed(steps: Iterable[tuple[str, float]]) -> dict[str, float]:
     """Return the sums by axis."""
     found = dict[str, float]()
@@ -282,9 +299,10 @@ class Exporter(ABC):
         tables: tuple[CompensationTable, ...] = (),
     ) -> Draft:
         """Return files that were just written, read back, beside what they are meant to do."""
-        said = (written.holds or self.holds, written.left_out or self.left_out, written.notes)
-        held = self.load([OldFile(*file) for file in written.files.items()], machine, options)
-        return Draft(written.files, held.control(machine), wanted, written.steps, tables, *said, self.tried)
+        said = written.notes, written.holds or self.holds, written.left_out or self.left_out
+        held = self.load([OldFile(*file) for file in written.files.items()], machine, options).control(machine)
+        tried = self.tried
+        return Draft(written.files, written.steps, *said, control=held, wanted=wanted, tables=tables, tried=tried)
 
 
 class TableFormat(Exporter):

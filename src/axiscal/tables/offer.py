@@ -16,6 +16,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import uncounted
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
+from axiscal.tables.exporter import Draft
 from axiscal.tables.surface import Control, Effect, effect_of_control, left_by, planes_left, rms, tour
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity, said_quantity, to_unit
@@ -27,31 +28,6 @@ _TRIED, _MACHINES = 400, 500
 _DEFECT = "do not load it: this is a defect of axiscal, please report it"
 _WORTH = 1e-9
 """m: a correction below a nanometre is none."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Draft:
-    """Files for a controller, before they are tried.
-
-    files : name -> text; control : what the control does with them, as they are read back
-    wanted : what they are meant to do; resolution : per axis by which both may differ, m or rad
-    tables : what the files hold, for the figures; holds : what this controller can hold, in a sentence
-    left_out : what it cannot; notes : how to load the files; tried : whether a real control of this kind has been seen
-    to take them; about : the estimate they were made of, where it is not the one that was given
-    first : what whoever loads them reads before anything else
-    """
-
-    files: Mapping[str, str]
-    control: Control
-    wanted: Control
-    resolution: Mapping[str, float]
-    tables: tuple[CompensationTable, ...]
-    holds: str
-    left_out: str
-    notes: tuple[str, ...]
-    tried: bool
-    about: Estimate | None = None
-    first: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -91,7 +67,7 @@ def tried_over_box(estimate: Estimate, draft: Draft) -> Effect:
     tried = estimate.machine, estimate.deviation
     effect = effect_of_control(*tried, draft.control, poses, estimate.box, counted=estimate.counted)
     meant = rms(left_by(*tried, draft.wanted, poses, approaches), estimate.counted)
-    slack = _WORTH + sum(_reach(estimate, name) * step for name, step in draft.resolution.items())
+    slack = _WORTH + sum(_reach(estimate, name) * step for name, step in draft.steps.items())
     if effect.after > min(meant, effect.before) + slack:
         before, after = (format_quantity(value, "um", 3) for value in effect)
         what = "these files would take the error from {before} to {after}"
@@ -190,7 +166,7 @@ def effect_sentence(files: str, effect: Effect, certain: float) -> str:
 def _refuse_differences(estimate: Estimate, draft: Draft, poses: Array, approaches: Array) -> None:
     apart = np.max(np.abs(draft.control(poses, approaches) - draft.wanted(poses, approaches)), axis=0)
     for axis, worst in zip(estimate.machine.axes, apart, strict=True):
-        if not worst <= draft.resolution.get(axis.name, 0.0) + 1e-12:
+        if not worst <= draft.steps.get(axis.name, 0.0) + 1e-12:
             shown = format_quantity(float(worst), "arcsec" if axis.rotary else "um", 3)
             what = "read back, the files move {axis} by {shown} more or less than they should"
             raise TableError(what, _DEFECT, axis=axis.name, shown=shown)

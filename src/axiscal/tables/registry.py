@@ -16,9 +16,9 @@ from axiscal.language.spoken import joined, later
 from axiscal.language.stages import stage
 from axiscal.machine.description import Machine
 from axiscal.numerics.threads import one_thread
-from axiscal.tables.exporter import Exporter, ExportOptions, asked_about, informed, on_top
+from axiscal.tables.exporter import Draft, Exporter, ExportOptions, asked_about, informed, on_top
 from axiscal.tables.loaded import Loaded
-from axiscal.tables.offer import Draft, Export, tried_out, tried_over_box
+from axiscal.tables.offer import Export, tried_out, tried_over_box
 from axiscal.tables.surface import Control
 
 _ABSURD = 1.0

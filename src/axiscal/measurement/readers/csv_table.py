@@ -62,10 +62,6 @@ class TextFile:
         remedy = "write digits with a decimal point"
         raise self.fail("{name} {shown!r} is not a finite number", remedy, line, name=what, shown=shown)
 
-    def numbers(self, texts: Sequence[str], what: str, line: int) -> list[float]:
-        """Return finite numbers; raises ReadingError."""
-        return [self.number(text.strip(), what, line) for text in texts]
-
 
 def content(path: str | Path) -> bytes:
     """Return what stands in a file of readings; raises ReadingError."""

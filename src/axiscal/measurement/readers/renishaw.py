@@ -67,7 +67,7 @@ def _targets(file: TextFile, sections: dict[str, list[tuple[int, str]]]) -> tupl
                 one_way = rest.split()[1:2] == [_ONE_WAY]
             text = rest
         if inside:
-            targets += [from_unit(value, "mm") for value in file.numbers(text.split(), "target", number)]
+            targets += [from_unit(file.number(word, "target", number), "mm") for word in text.split()]
     if not targets:
         raise file.fail("there are no targets", _SHORTENED, lines[0][0] if lines else None)
     if stated is not None and stated[1] != str(len(targets)):

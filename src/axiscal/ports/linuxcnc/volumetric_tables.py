@@ -18,8 +18,8 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import later
 from axiscal.ports.linuxcnc.patching import FILE, HAL_FILE, STATEMENT, hal_text
 from axiscal.tables import vcomp_file
-from axiscal.tables.exporter import ExportOptions, Written
-from axiscal.tables.offer import Draft, spread_poses
+from axiscal.tables.exporter import Draft, ExportOptions, Written
+from axiscal.tables.offer import spread_poses
 from axiscal.tables.vcomp_applying import VcompFile, whole_control
 from axiscal.units import format_quantity
 
@@ -61,7 +61,7 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
         sides = [wanted(poses, way * np.ones_like(poses)) for way in (1.0, -1.0)]
         largest = np.max(np.abs(sides), axis=(0, 1))
         if np.max(largest) <= _NOTHING:
-            return Draft({}, wanted, wanted, {}, (), self.holds, self.left_out, (), tried=True)
+            return Draft({}, {}, (), self.holds, self.left_out, control=wanted, wanted=wanted)
         numbers = vcomp_file.joints_of(options.joints(machine), machine.axes)
         given = [(numbers[axis.name], own) for axis, own in zip(machine.axes, reversal_times(estimate), strict=True)]
         file = vcomp_file.content_of(estimate, given, options.unit, largest, options.origin)

@@ -22,9 +22,9 @@ from axiscal.measurement.readers.csv_table import TextFile
 from axiscal.numerics import Array
 from axiscal.ports.printers.contents import TRIED, content_of, in_words
 from axiscal.tables import vcomp_file
-from axiscal.tables.exporter import ExportOptions, MapFormat, Written
+from axiscal.tables.exporter import Draft, ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile
-from axiscal.tables.offer import Draft, spread_poses
+from axiscal.tables.offer import spread_poses
 from axiscal.tables.surface import Mesh, Skew, mesh_control, mesh_of, mesh_of_nodes, plane_axes, sum_of
 from axiscal.tables.vcomp_applying import whole_control
 from axiscal.units import from_unit, to_unit
@@ -68,7 +68,7 @@ class KlipperVolumetric(vcomp_file.VolumetricFormat):
 
         largest = np.max(np.abs(wanted(*spread_poses(estimate))), axis=0)
         if np.max(largest) <= _NOTHING:
-            return Draft({}, wanted, wanted, {}, (), self.holds, self.left_out, (), self.tried)
+            return Draft({}, {}, (), self.holds, self.left_out, control=wanted, wanted=wanted)
         given = [((k,), 1.0) for k in range(len(machine.axes))]
         file = vcomp_file.content_of(estimate, given, "mm", largest, options.origin)
         axes = tuple(replace(axis, reversals=np.zeros((len(axis.knots) - 1, 0, 4))) for axis in file.axes)

@@ -16,9 +16,8 @@ from axiscal.language.spoken import later, said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.tables.exporter import FLIP, ExportOptions, TableFormat, Written
+from axiscal.tables.exporter import FLIP, Draft, ExportOptions, TableFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile
-from axiscal.tables.offer import Draft
 from axiscal.tables.sampling import backlash, own_table
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity

@@ -27,9 +27,8 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import parse_error_name
 from axiscal.numerics import Array
-from axiscal.tables.exporter import FLIP, Exporter, ExportOptions, Written, summed
+from axiscal.tables.exporter import FLIP, Draft, Exporter, ExportOptions, Written, summed
 from axiscal.tables.loaded import Loaded, OldFile, table_control
-from axiscal.tables.offer import Draft
 from axiscal.tables.sampling import axis_tables, points
 from axiscal.tables.surface import sum_of
 from axiscal.tables.table import CompensationTable

@@ -21,9 +21,8 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.ports.linuxcnc.tables import cross, pivots
 from axiscal.ports.linuxcnc.tables.writer import ROWS, LinuxcncTable, notes, parse, resolution, write
-from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
+from axiscal.tables.exporter import Draft, ExportOptions, TableFormat, Written, summed
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
-from axiscal.tables.offer import Draft
 from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.surface import sum_of
 from axiscal.tables.table import CompensationTable
@@ -70,10 +69,10 @@ class Linuxcnc(TableFormat):
             sum_of(control, pivots.joint_shift(machine, nominal, found))
             for control, found in ((draft.wanted, lies), (draft.control, pivots.read(text, options.unit)))
         )
-        steps = summed([*draft.resolution.items(), *((name, float(from_unit(4e-7, options.unit))) for name in "XYZ")])
+        steps = summed([*draft.steps.items(), *((name, float(from_unit(4e-7, options.unit))) for name in "XYZ")])
         notes = (*draft.notes, _PIVOT_NOTE.format(lies.kinematics, ", ".join(names)))
         files = {**draft.files, _PIVOT_FILE: text}
-        return replace(draft, files=files, control=held, wanted=wanted, resolution=steps, notes=notes)
+        return replace(draft, files=files, control=held, wanted=wanted, steps=steps, notes=notes)
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
         """Return tables of axes over as many turns as they make, and curves of axes over others."""
