@@ -24,6 +24,7 @@ from axiscal.present.drawing.strokes import (
     short_number,
     text_safe,
     text_width,
+    window,
 )
 
 _STRIPS = 40
@@ -248,9 +249,8 @@ def drawn(parts: Sequence[Part], frame: Viewport, within: Array | None = None) -
     over = [_around(part, fitted) for part in marks if isinstance(part, (Arrow, RoundMark))]
     shown = placed(labels, (frame.left, frame.top, frame.left + frame.width, frame.top + frame.height), over)
     inside = "".join([*(_solid(each, fitted) for each in solids), *(_mark(each, fitted) for each in marks)])
-    x, y, width, height = (short_number(each) for each in (frame.left, frame.top, frame.width, frame.height))
-    view = f'x="{x}" y="{y}" width="{width}" height="{height}" viewBox="{x} {y} {width} {height}"'
-    return f"<svg {view}>{inside}</svg>" + "".join(label.svg() for label in shown)
+    cut = window(frame.left, frame.top, frame.width, frame.height, inside)
+    return cut + "".join(label.svg() for label in shown)
 
 
 def _solid(solid: Solid, fitted: Fit) -> str:

@@ -139,6 +139,12 @@ def corners_way(corners: Iterable[Sequence[float]]) -> str:
     return "M" + "L".join(f"{short_number(x)} {short_number(y)}" for x, y in corners)
 
 
+def window(left: float, top: float, width: float, height: float, inside: str) -> str:
+    """Return elements as far as they lie in a frame, pixels."""
+    x, y, across, high = map(short_number, (left, top, width, height))
+    return f'<svg x="{x}" y="{y}" width="{across}" height="{high}" viewBox="{x} {y} {across} {high}">{inside}</svg>'
+
+
 def words(text: str, at: Point, size: float, colour: str, anchor: str = "start", more: str = "") -> str:
     """Return a line of text.  anchor : start, middle or end"""
     place = f'x="{short_number(at[0])}" y="{short_number(at[1])}"'
@@ -292,8 +298,8 @@ def on_paper(svg: str) -> str:
     return _VARIABLE.sub(lambda found: paper[found[1]], svg)
 
 
-def map_image(rows: Sequence[Sequence[float]], scale: ColourScale, low: float, high: float) -> str:
-    """Return a map as a data address of a PNG (ISO/IEC 15948), its first row below.  rows : (m, n)"""
+def map_image(rows: Sequence[Sequence[float]], scale: ColourScale, low: float, high: float, frame: Bounds) -> str:
+    """Return a map as an image in a frame, a PNG (ISO/IEC 15948), its first row below.  rows : (m, n)"""
     finer = _stretched(_stretched(np.array(rows, dtype=float), 0), 1)[::-1]
     shares = [share for share, _ in scale]
     stops = np.array([[int(text[i : i + 2], 16) for i in (1, 3, 5)] for _, text in scale], dtype=float)
@@ -304,7 +310,11 @@ def map_image(rows: Sequence[Sequence[float]], scale: ColourScale, low: float, h
     chunks = b"IHDR" + head, b"IDAT" + zlib.compress(lines, 9), b"IEND"
     framed = (struct.pack(">I", len(each) - 4) + each + struct.pack(">I", zlib.crc32(each)) for each in chunks)
     image = b"\x89PNG\r\n\x1a\n" + b"".join(framed)
-    return f"data:image/png;base64,{base64.b64encode(image).decode('ascii')}"
+    left, top, right, bottom = frame
+    x, y, width, height = map(short_number, (left, top, right - left, bottom - top))
+    address = f"data:image/png;base64,{base64.b64encode(image).decode('ascii')}"
+    size = f'width="{width}" height="{height}" preserveAspectRatio="none"'
+    return f'<image x="{x}" y="{y}" {size} href="{address}"/>'
 
 
 def _stretched(values: Array, axis: int) -> Array:

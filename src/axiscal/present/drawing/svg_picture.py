@@ -32,6 +32,7 @@ from axiscal.present.drawing.strokes import (
     text_safe,
     variables,
     way,
+    window,
     words,
 )
 
@@ -112,19 +113,16 @@ def picture(figure: Figure, width: int, label: str = "") -> str:
         _scale(figure, "y", float(height - margin["b"]), float(margin["t"])),
     )
     left, top = frame.x.start, frame.y.end
-    span = f'x="{short_number(left)}" y="{short_number(top)}" width="{short_number(frame.x.end - left)}"'
-    within = [trace for trace in figure["data"] if trace.get("cliponaxis", True)]
-    beyond = [trace for trace in figure["data"] if not trace.get("cliponaxis", True)]
+    within, beyond = (
+        "".join(part for each in figure["data"] if each.get("cliponaxis", True) is cut for part in _trace(each, frame))
+        for cut in (True, False)
+    )
     parts = [
         f'<svg class="picture" viewBox="0 0 {width} {height}" width="{width}" height="{height}" role="img" ',
         f'aria-label="{text_safe(label)}">',
         *_axes(layout, frame),
-        f'<svg {span} height="{short_number(frame.y.start - top)}" ',
-        f'viewBox="{short_number(left)} {short_number(top)} {short_number(frame.x.end - left)} ',
-        f'{short_number(frame.y.start - top)}"><g class="data">',
-        *(part for trace in within for part in _trace(trace, frame)),
-        "</g></svg>",
-        *(part for trace in beyond for part in _trace(trace, frame)),
+        window(left, top, frame.x.end - left, frame.y.start - top, f'<g class="data">{within}</g>'),
+        beyond,
         *(part for trace in figure["data"] if "colorbar" in trace for part in _colour_bar(trace, frame)),
         "</svg>",
     ]
@@ -175,7 +173,9 @@ def _room(scale: PixelScale, name: str, axis: Figure) -> int:
 
 def _trace(trace: Figure, frame: Frame) -> Iterator[str]:
     if trace["type"] == "heatmap":
-        yield _map(trace, frame)
+        (left, *_, right), (low, *_, high) = trace["x"], trace["y"]
+        corners = *frame.point(left, high), *frame.point(right, low)
+        yield map_image(trace["z"], trace["colorscale"], trace["zmin"], trace["zmax"], corners)
         return
     points = [frame.point(x, y) for x, y in zip(trace["x"], trace["y"], strict=True)]
     mode = trace["mode"]
@@ -213,22 +213,11 @@ def _marks(trace: Figure, points: Sequence[Point]) -> Iterator[str]:
         yield from (mark(point, *look) for point in points)
 
 
-def _map(trace: Figure, frame: Frame) -> str:
-    x, y = (scale.pixel(at) for scale, at in ((frame.x, trace["x"][0]), (frame.y, trace["y"][-1])))
-    across, up = frame.x.pixel(trace["x"][-1]) - x, frame.y.pixel(trace["y"][0]) - y
-    image = map_image(trace["z"], trace["colorscale"], trace["zmin"], trace["zmax"])
-    size = f'width="{short_number(across)}" height="{short_number(up)}" preserveAspectRatio="none"'
-    return f'<image x="{short_number(x)}" y="{short_number(y)}" {size} href="{image}"/>'
-
-
 def _colour_bar(trace: Figure, frame: Frame) -> Iterator[str]:
     low, high, left = trace["zmin"], trace["zmax"], frame.x.end + 10
     scale = PixelScale(low, high, frame.y.start, frame.y.end)
     steps = [[low + (high - low) * k / 16] * 2 for k in range(17)]
-    image = map_image(steps, trace["colorscale"], low, high)
-    place = f'x="{short_number(left)}" y="{short_number(frame.y.end)}"'
-    size = f'width="{_BAR:g}" height="{short_number(frame.y.start - frame.y.end)}" preserveAspectRatio="none"'
-    yield f'<image {place} {size} href="{image}"/>'
+    yield map_image(steps, trace["colorscale"], low, high, (left, frame.y.end, left + _BAR, frame.y.start))
     for at, text in scale.ticks(6):
         yield words(text, (left + _BAR + 4, at + 3.5), _TICK_SIZE - 1, "var(--soft)")
 
