@@ -16,7 +16,6 @@ from axiscal.exceptions import NewerError
 from axiscal.language.spoken import counted, said
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.record.copies import file_name, is_stored, opened_log, write_copy
-from axiscal.record.line_form import EventText
 from axiscal.record.log import rows_of
 from axiscal.record.signing import key_file, make_key
 from axiscal.record.store import Record
@@ -83,7 +82,13 @@ def salvage(
     Example:
       axiscal data salvage mill.axiscal mill-salvaged.axiscal
     """
-    found = salvaged(record, new, None if beginning is None else _first(beginning))
+    first = None
+    if beginning is not None and beginning.suffix == ".toml":  # what would begin now
+        first = rows_of([beginning_of(campaign_with_sisters(beginning))])[0]
+    elif beginning is not None:
+        with Record.open(beginning, write=False) as begun:
+            first = begun.texts()[0].row
+    found = salvaged(record, new, first)
     document = {"record": str(new), "readings": len(found.state.readings), "events": found.entries}
     lists = {"missing": list(found.missing), "left_out": list(found.left)}
     readings = counted("{count} reading", "{count} readings", len(found.state.readings))
@@ -94,14 +99,6 @@ def salvage(
     if found.missing:
         lines.append("Mind: a missing entry may have taken a reading back; look at those before it.")
     say_either(json, "axiscal-salvage/1", document | lists, lines)
-
-
-def _first(file: Path) -> EventText:
-    """Return the entry with which a campaign begins: that of a record, or of a description that would begin now."""
-    if file.suffix != ".toml":
-        with Record.open(file, write=False) as record:
-            return record.texts()[0].row
-    return rows_of([beginning_of(campaign_with_sisters(file))])[0]
 
 
 def sign(record: OwnRecord, json: Json = False) -> None:

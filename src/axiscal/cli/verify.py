@@ -132,7 +132,12 @@ def verify(
         tightest = check.tightest(tolerance)
         judged_by = tolerance or (None if tightest else f"{digits(to_unit(check.tables.U, 'um'))} um")
         again += "" if judged_by is None else f" --tolerance {shlex.quote(judged_by)}"
-        _plan(check, check.planned(points, tolerance=tightest), plan, again, json)
+        places = check.planned(points, tolerance=tightest)
+        (document, planned), sheet = check_plan(check, places), check.sheet(places)
+        if plan is not None:
+            write_whole(plan, sheet.encode())
+        lines = [_wrapped(planned), *ending({said("Next"): _steps(sheet, plan, again)})]
+        say_either(json, "axiscal-verify/1", document, lines)
         return
     answer = check_answer(check.judged(readings, tolerance), len(readings[0]), check.tables.U, taken)
     if json:
@@ -191,22 +196,16 @@ def _opening(
     return lambda: attached_to(host, check.description.machine, in_force), in_force.files
 
 
-def _plan(check: Check, places: Places, plan: Path | None, command: str, json: bool) -> None:
-    """Show the places and what to do next, and write them into the file `plan`.  command : without its last options"""
-    (document, planned), sheet = check_plan(check, places), check.sheet(places)
-    if plan is not None:
-        write_whole(plan, sheet.encode())
-    lines = [_wrapped(planned), *ending({said("Next"): _steps(sheet, plan, command)})]
-    say_either(json, "axiscal-verify/1", document, lines)
-
-
 def _wrapped(lines: Sequence[str]) -> str:
     """Return lines of a terminal, what goes on further in."""
     return "\n".join(textwrap.fill(line, WIDTH, subsequent_indent="  ", break_on_hyphens=False) for line in lines)
 
 
 def _steps(sheet: str, plan: Path | None, command: str) -> list[str]:
-    """Return what to do next: write the places, or fill them in and let them be judged."""
+    """Return what to do next: write the places, or fill them in and let them be judged.
+
+    command : without its last options
+    """
     if plan is None:
         return [f"{command} --plan check.csv"]
     values = [name for name in sheet.splitlines()[0].split(",") if name.startswith("value")]

@@ -177,7 +177,11 @@ def _go_on(staging: Path, folder: Path) -> None:
     manifests = [path for path in staging.iterdir() if path.name.startswith("manifest")]
     if manifests and not (folder / manifests[0].name).exists():  # else it was whole, and nothing of it has been brought
         for old in sorted(_listed(staging / _BEFORE) - _listed(manifests[0])):
-            _remove(folder, old)
+            with contextlib.suppress(FileNotFoundError, NotADirectoryError, IsADirectoryError):
+                (folder / old).unlink()
+            with contextlib.suppress(OSError):  # the folders that held nothing else
+                for parent in list(PurePosixPath(old).parents)[:-1]:
+                    (folder / parent).rmdir()
         for name in _files(staging):
             if staging / name not in (*manifests, staging / _BEFORE):
                 (folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -188,12 +192,3 @@ def _go_on(staging: Path, folder: Path) -> None:
             os.replace(path, folder / path.name)
     sync_folder(folder)
     shutil.rmtree(staging)
-
-
-def _remove(folder: Path, name: str) -> None:
-    """Remove a file of a set that is over, and the folders that held nothing else."""
-    with contextlib.suppress(FileNotFoundError, NotADirectoryError, IsADirectoryError):
-        (folder / name).unlink()
-    with contextlib.suppress(OSError):
-        for parent in list(PurePosixPath(name).parents)[:-1]:
-            (folder / parent).rmdir()

@@ -196,7 +196,9 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
     controller, control = ("", None) if best is None else (best.controller, best.control)
     answer = extras.answer or answer_of(campaign, estimation, {}, anyway=extras.anyway)
     rows = _history(campaign, estimation)
-    linear, expanded = linearity(estimation), _expanded(estimation)
+    linear, found, stated = linearity(estimation), expanded_uncertainty(estimation), estimation.stated
+    space, worst, x, y, z = (to_unit(each, "um") for each in (found.space, found.worst, *found.axes))
+    factor = found.factor(estimation.accuracy.rms)
     target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
     changes = [said("A person accepted: {change}.", change=change_words(each)) for each in campaign.state.accepted]
     accepted, over = [Finding("accepted", None, change) for change in changes], campaign.state.finished is not None
@@ -217,7 +219,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         worst_um=rows[-1].worst_um,
         unseen_rms_um=to_unit(case.yardstick_as_sized.unseen_rms, "um"),
         history=rows,
-        expanded=expanded,
+        expanded=Uncertainty(space, (x, y, z), worst, factor, conditions(stated), counted_along(stated)),
         answer=answer.model_copy(update={"checked": extras.checked}),
         curves=[curve for curve in drawn if not curve.name.endswith("_reversal")],
         reversals=[curve for curve in drawn if curve.name.endswith("_reversal")],
@@ -265,16 +267,6 @@ def _checksums(campaign: Campaign) -> dict[str, str]:
     }
     sums = {name: sha256(text.encode("utf-8", "surrogateescape")).hexdigest() for name, text in texts.items() if text}
     return sums | {campaign.path.name: campaign.state.name}
-
-
-def _expanded(estimation: Estimation) -> Uncertainty:
-    """Return the expanded uncertainties of the headline."""
-    found = expanded_uncertainty(estimation)
-    x, y, z = (to_unit(each, "um") for each in found.axes)
-    factor = found.factor(estimation.accuracy.rms)
-    space, worst = to_unit(found.space, "um"), to_unit(found.worst, "um")
-    along = counted_along(estimation.stated)
-    return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated), along)
 
 
 def record_state(campaign: Campaign) -> RecordState:
