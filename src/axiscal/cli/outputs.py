@@ -42,7 +42,16 @@ def write_outputs(
     readings contradict each other.
     """
 
-    summary = _delivered(campaign, out, replace(extras or Extras(), anyway=anyway), again)
+    whole = f"The results in {out} are whole, those of before or the new ones"
+    again = again or said("write them by: axiscal finish {record} --out {out}", record=campaign.path, out=out)
+    try:
+        summary = deliver(campaign, campaign.estimate(ended=True), out, replace(extras or Extras(), anyway=anyway))
+    except OSError as failure:
+        what, reason = "The results were not written: {reason}", failure.strerror or failure
+        remedy = "Check the permissions and the room on the disk; those of before, if any, stand whole; then {again}"
+        raise RecordError(what, remedy, failure.filename or out, reason=reason, again=again) from failure
+    except KeyboardInterrupt:
+        raise AxiscalError(f"Stopped by Ctrl-C. Every reading is kept. {whole}; {again}") from None
     if as_json:
         say_document(result_json(summary))
     else:
@@ -70,19 +79,6 @@ def tell_details(summary: Summary, out: Path) -> None:
         say(said(U_OF_TABLES))
     for warning in summary.warnings:
         say(said("Mind: {sentence}", sentence=warning.text))
-
-
-def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str) -> Summary:
-    whole = f"The results in {out} are whole, those of before or the new ones"
-    again = again or said("write them by: axiscal finish {record} --out {out}", record=campaign.path, out=out)
-    try:
-        return deliver(campaign, campaign.estimate(ended=True), out, extras)
-    except OSError as failure:
-        what, reason = "The results were not written: {reason}", failure.strerror or failure
-        remedy = "Check the permissions and the room on the disk; those of before, if any, stand whole; then {again}"
-        raise RecordError(what, remedy, failure.filename or out, reason=reason, again=again) from failure
-    except KeyboardInterrupt:
-        raise AxiscalError(f"Stopped by Ctrl-C. Every reading is kept. {whole}; {again}") from None
 
 
 def written_screen(summary: Summary, record: Path, out: Path) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -49,19 +49,12 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
         advised = {step.control for step in answer.steps}
         best = min(files, key=lambda each: (each.controller not in advised, each.expected), default=None)
         summary = summarise(campaign, estimation, replace(extras, tables=offers, best=best, answer=answer))
-        return _delivered(campaign, summary, made, out, language)
-
-
-def _delivered(
-    campaign: Campaign, summary: Summary, made: Mapping[str, Export | str], out: Path, language: str
-) -> Summary:
     home = out / RECORD
     live = home if home.exists() and campaign.path.exists() and home.samefile(campaign.path) else None
-    with result_set(out, live=live) as folder:
+    with speaking("en"), result_set(out, live=live) as folder:
         if live is None:
             campaign.copy(folder / RECORD)
-        warnings = [each.text for each in summary.warnings]
-        told = warnings, summary.agreement_words, summary.record
+        told = [each.text for each in summary.warnings], summary.agreement_words, summary.record
         for name, each in made.items():
             if isinstance(each, Export):
                 write_files(introduced(each, *told), folder / "tables" / name)
