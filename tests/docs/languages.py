@@ -31,7 +31,7 @@ FOLDER = SOURCES / "language" / "translations"
 Message = str | tuple[str, str]
 REFUSALS = {name for name, each in vars(exceptions).items() if isinstance(each, type) and issubclass(each, InputError)}
 _SAYING = ("said", "counted", "later", "stage", "staged")
-_MADE_OF_SAID = (*_SAYING, "put", "listed", "joined", "either_of", "capital", "again", "meant")
+_MADE_OF_SAID = (*_SAYING, "put", "listed", "joined", "capital", "again", "meant")
 _NEVER = datetime(2026, 1, 1, tzinfo=UTC)
 """Files that are made anew from the same messages are the same."""
 _IN_SCRIPT = re.compile(r'\b(?:said|rich)\("((?:[^"\\]|\\.)*)"')

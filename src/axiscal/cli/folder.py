@@ -281,7 +281,15 @@ def check(
         share = aging([]).kept(since.total_seconds() / YEAR)[0] if kept is None else kept
         asked, stated = QuickCheck.from_campaign(campaign, share, tables), campaign.description
     if found is None:
-        _planned(asked, record, readings, plan, json)
+        places = asked.planned(readings)
+        sheet = asked.sheet(places)
+        lines = told = sheet.splitlines()
+        if plan is not None:
+            write_whole(plan, sheet.encode())
+            again = f"axiscal shop check {quote(str(record))} {quote(str(plan))}"
+            filled = said("{count} places are in {plan}: fill in the values.", count=len(places), plan=plan)
+            told = [filled, *ending({said("Next"): [again]})]
+        say_either(json, "axiscal-check/1", {"places": lines, "readings": len(places)}, told)
         return
     placed = placed_readings(read_any(found, stated.machine.axes, stated.setups), stated, found)
     refuse_implausible(placed, stated, found)
@@ -299,15 +307,3 @@ def check(
     if judged.in_order:
         text = "In order: the readings are as the last campaign and its age foretell ({figures})."
     say_either(json, "axiscal-check/1", document, [said(text, least=CHANCE, figures=figures)])
-
-
-def _planned(asked: QuickCheck, record: Path, readings: int, plan: Path | None, as_json: bool) -> None:
-    places = asked.planned(readings)
-    sheet = asked.sheet(places)
-    lines = told = sheet.splitlines()
-    if plan is not None:
-        write_whole(plan, sheet.encode())
-        again = f"axiscal shop check {quote(str(record))} {quote(str(plan))}"
-        filled = said("{count} places are in {plan}: fill in the values.", count=len(places), plan=plan)
-        told = [filled, *ending({said("Next"): [again]})]
-    say_either(as_json, "axiscal-check/1", {"places": lines, "readings": len(places)}, told)

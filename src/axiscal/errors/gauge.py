@@ -17,7 +17,7 @@ from axiscal.errors.iso230 import words
 from axiscal.errors.model import ErrorFunction, ErrorModel, Term
 from axiscal.errors.plane import PlaneError
 from axiscal.errors.volume import VolumeMoments, volume_moments, whole_travel
-from axiscal.language.spoken import capital, counted, either_of, joined, later, listed, put, said
+from axiscal.language.spoken import capital, counted, joined, later, listed, put, said
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import COMPONENTS
@@ -28,6 +28,7 @@ from axiscal.units import said_quantity
 
 _LISTED = 5
 """Sentences that are read; the others are counted."""
+_EITHER = later("{first} or {last}")
 _WHOLE = 0.999
 """All of it, to rounding of the shares."""
 _OPEN = 0.1
@@ -186,7 +187,7 @@ def _twins(model: ErrorModel, curves: list[Aspect], none: str) -> Iterator[Hidde
             "rotation about {about} would, or a tool of another length. The tool point does not depend on it."
         )
         if mine:
-            subject, either = joined([_phrase(a) for a in mine], _LISTED), either_of(about) if about else ""
+            subject, either = joined([_phrase(a) for a in mine], _LISTED), joined(about, form=_EITHER) if about else ""
             text = said(turned if about else alone, axis=axis.name, none=none, subject=subject, about=either)
             yield Hidden(tuple(a.function.name for a in mine), text)
 

@@ -89,11 +89,6 @@ def joined(parts: Sequence[str], most: int = 0, form: str = later("{first} and {
     return said(form, first=listed(", ", parts[:-1]), last=parts[-1])
 
 
-def either_of(parts: Sequence[str]) -> str:
-    """Return parts of which one is meant as they stand in a sentence: "A, B or C"."""
-    return joined(parts, form=later("{first} or {last}"))
-
-
 def capital(text: str) -> str:
     """Return a text with a capital at its beginning, in every language."""
     begun = Said(text[:1].upper() + text[1:])

@@ -150,7 +150,11 @@ def circle_picture(circle: BallBarCircle, width: float) -> str:
         colour, wide = ("var(--soft)", 1.4) if k == 0 else ("var(--grid)", 1.0)
         r = short_number(radius + k * step * scale)
         rings += f'<circle cx="{at}" cy="{at}" r="{r}" fill="none" stroke="{colour}" stroke-width="{wide:g}"/>'
-    spokes = "".join(_spoke(middle, 1.4 * radius, name, k) for k, name in enumerate(circle.plane))
+    spokes, reach = "", 1.4 * radius
+    for name, across, down in zip(circle.plane, (1.0, 0.0), (0.0, -1.0), strict=True):  # to the right and up
+        ends = [(middle - reach * across, middle - reach * down), (middle + reach * across, middle + reach * down)]
+        beside, foot = (reach - text_width(name)) * across + 8 * (1 - across), reach * down + 12 - 18 * across
+        spokes += line(way(ends), "var(--rule)", 1.0) + text(middle + beside, middle + foot, name, "axis")
     shown = [(circle.found, "var(--truth)"), *([] if circle.left is None else [(circle.left, "var(--read)")])]
     turns = np.linspace(0.0, 360.0, 181)
     lines = ""
@@ -168,14 +172,6 @@ def division(circle: BallBarCircle) -> float:
     """Return how much lies between two rings, um: 1, 2 or 5 times a power of ten; five hold all."""
     every = [*circle.read, *circle.found, *(circle.left or ())]
     return rounded_up(max(max(abs(value) for value in every), 1e-3) / 5)
-
-
-def _spoke(middle: float, reach: float, name: str, number: int) -> str:
-    """Return one of the two directions of the plane with its name at its end."""
-    across, down = (1.0, 0.0) if number == 0 else (0.0, -1.0)
-    ends = [(middle - reach * across, middle - reach * down), (middle + reach * across, middle + reach * down)]
-    at = middle + (reach - text_width(name)) * across + 8 * (1 - across), middle + reach * down + 12 - 18 * across
-    return line(way(ends), "var(--rule)", 1.0) + text(at[0], at[1], name, "axis")
 
 
 def _points(turns: Array, values: Array, middle: float, radius: float, scale: float) -> list[Point]:

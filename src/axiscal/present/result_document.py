@@ -77,6 +77,7 @@ EFFECT = ("before_um", "after_um", "expected_um", "U_um")
 _CURVE = "axis position mean std position_unit value_unit std_seen prior_std from_readings"
 _PLANE = "axes position mean std position_unit value_unit prior_std whole_mean whole_std from_readings"
 _HISTORY = "reading setup others rms_um worst_um minutes rejected"
+_MISTAKE = ("mistake", "odds", "setups", "text")
 _VOLUME = "axes parked tcp_mm found_um half_um left_um"
 
 
@@ -85,7 +86,11 @@ def result_json(summary: Summary) -> dict[str, Any]:
     return {
         "schema": "axiscal-result/1",
         **_kept(summary, "machine readings minutes stopped_because"),
-        "agreement": _agreement(summary),
+        "agreement": {
+            **_kept(summary.agreement, "count agreeing c2 p", contradict=summary.agreement.contradicts),
+            "explained": [dict(zip(_MISTAKE, _figures(each, "a mistake"), strict=True)) for each in summary.mistakes],
+            "text": summary.agreement_words,
+        },
         **_expanded(summary),
         **_kept(summary, "unseen_rms_um"),
         "budget": [_kept(row, "rms_um share", source=row.words) for row in summary.budget],
@@ -132,13 +137,6 @@ def _error(error: CurveSummary | PlaneSummary, fields: str) -> dict[str, Any]:
         for row in getattr(error, name) if plane else [getattr(error, name)]:
             rounded(row, f"{name} of {error.name}", size)
     return _kept(error, fields)
-
-
-def _agreement(summary: Summary) -> dict[str, Any]:
-    found = _kept(summary.agreement, "count agreeing c2 p", contradict=summary.agreement.contradicts)
-    names = ("mistake", "odds", "setups", "text")
-    explained = [dict(zip(names, _figures(each, "a mistake"), strict=True)) for each in summary.mistakes]
-    return found | {"explained": explained, "text": summary.agreement_words}
 
 
 def _expanded(summary: Summary) -> dict[str, Any]:
