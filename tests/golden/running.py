@@ -1,4 +1,4 @@
-"""All campaigns in all languages, by two processes."""
+"""All campaigns in all languages, by two processes; a single campaign by one, which loads the package once."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def all_played(chosen: Sequence[str], folder: Path) -> tuple[dict[str, Texts], l
         ((name, language) for name in chosen for language in LANGUAGES), key=lambda job: job[0] not in FIRST
     )
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(2, mp_context=context, initializer=load) as workers:
+    with ProcessPoolExecutor(min(2, len(chosen)), mp_context=context, initializer=load) as workers:
         jobs = {job: workers.submit(_texts, *job, folder.resolve()) for job in ordered}
         answers = {job: answer.result() for job, answer in jobs.items()}
     found = {name: _together({language: answers[name, language][0] for language in LANGUAGES}) for name in chosen}

@@ -27,6 +27,13 @@ def page(tmp_path: Path) -> Iterator[Served]:
         yield running
 
 
+@pytest.fixture(scope="module")
+def still(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """One that is served for all tests that change nothing."""
+    with served(started(tmp_path_factory.mktemp("still"))) as running:
+        yield running
+
+
 def kept(page: Served) -> list[float]:
     """Return the readings on the disk, um."""
     with Campaign.open(page.record, write=False) as campaign:
@@ -134,11 +141,11 @@ def test_undo_and_skip_go_back_and_around(page: Served) -> None:
     assert page.state()["question"]["places"] != place
 
 
-def test_what_is_typed_is_understood_before_it_is_sent(page: Served) -> None:
-    meant = page.call("typed?text=0%2C0021%20mm").document
+def test_what_is_typed_is_understood_before_it_is_sent(still: Served) -> None:
+    meant = still.call("typed?text=0%2C0021%20mm").document
     assert (meant["values"], meant["surprising"], meant["sentence"]) == ([pytest.approx(2.1)], False, "")
-    assert page.call("typed?text=99%20mm").document["surprising"]
-    assert "no word known here" in page.call("typed?text=twelve").document["sentence"]
+    assert still.call("typed?text=99%20mm").document["surprising"]
+    assert "no word known here" in still.call("typed?text=twelve").document["sentence"]
 
 
 @pytest.mark.long
@@ -164,14 +171,14 @@ def test_a_note_answers_nothing_so_who_has_seen_the_state_before_may_still_answe
     assert kept(page) == [1.5]
 
 
-def test_the_set_up_that_is_asked_for_is_drawn_as_wide_as_the_page_wants(page: Served) -> None:
-    answer = page.ask("GET", "/setup.svg?width=640", None, Authorization=f"Bearer {page.token}")
+def test_the_set_up_that_is_asked_for_is_drawn_as_wide_as_the_page_wants(still: Served) -> None:
+    answer = still.ask("GET", "/setup.svg?width=640", None, Authorization=f"Bearer {still.token}")
     assert answer.status == 200
     drawing = ElementTree.fromstring(answer.body)
     assert drawing.get("width") == "640"
     words = [each.text for each in drawing.iter("{http://www.w3.org/2000/svg}text")]
     assert "interferometer" in words
-    refused = page.ask("GET", "/setup.svg?width=20000", None, Authorization=f"Bearer {page.token}")
+    refused = still.ask("GET", "/setup.svg?width=20000", None, Authorization=f"Bearer {still.token}")
     assert (refused.status, refused.document["problem"]) == (422, "malformed")
 
 
@@ -223,9 +230,9 @@ def test_ending_while_it_still_thinks_is_no_fault(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("step", "key"), [("notes", "text"), ("skips", "reason")])
-def test_half_a_character_and_a_book_are_refused(page: Served, step: str, key: str) -> None:
-    after = {"after": page.state()["last"]} if step == "skips" else {}
+def test_half_a_character_and_a_book_are_refused(still: Served, step: str, key: str) -> None:
+    after = {"after": still.state()["last"]} if step == "skips" else {}
     for text in ("half \ud800", "a" * 2001):
-        assert 400 <= page.call(step, **after, **{key: text}).status < 500
-    assert page.state()["notes"] == []
-    assert page.state()["question"]["number"] == 1
+        assert 400 <= still.call(step, **after, **{key: text}).status < 500
+    assert still.state()["notes"] == []
+    assert still.state()["question"]["number"] == 1
