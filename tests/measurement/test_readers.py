@@ -134,7 +134,7 @@ BAD: dict[str, tuple[Reader, str, str, int]] = {
     "iso column missing": (read_readings, "target_mm,direction,deviation_um\n1,+,2\n", "there is no column 'run'", 1),
     "poses without axes": (read_poses, "approach\nX+\n", "no column names an axis", 1),
     "pose incomplete": (read_poses, "X_mm,Y_mm\n1,2\n3,\n", "empty coordinate", 3),
-    "side called direction": (read_readings, "setup,X_mm,direction,value_um\nlaser,1,X+,2\n", "'direction' is not known", 1),
+    "side's name": (read_readings, "setup,X_mm,direction,value_um\nlaser,1,X+,2\n", "'direction' is not known", 1),
     "pose value": (read_poses, "X_mm,value_um\n1,2\n", "'value_um' is not known", 1),
     "truth without values": (read_truth, "error,position_mm\nEXX,1\n", "no column 'value_um'", 1),
     "truth without error": (read_truth, "position_mm,value_um\n1,1\n", "no column 'error'", 1),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import json
 import re
 from dataclasses import fields, is_dataclass, replace
 from html.parser import HTMLParser
@@ -357,7 +356,7 @@ def test_the_layout_check_notices_what_is_wrong(browser: Browser, page: str, tmp
     assert found["holes"]
 
 
-_MEASURE = """
+_MEASURE = """(() => {
 // Strips of the page, as wide as it is and higher than a heading with the room around it, where nothing stands.
 function holes() {
   const seen = (each) => each.checkVisibility(), words = [];
@@ -379,7 +378,6 @@ function holes() {
   }
   return found;
 }
-window.addEventListener("load", () => {
   const inner = document.documentElement.clientWidth, found = {width: innerWidth, beyond: [], overlapping: [], cut: []};
   found.holes = holes();
   for (const each of document.querySelectorAll("main *")) {
@@ -399,20 +397,14 @@ window.addEventListener("load", () => {
           found.overlapping.push(svg.getAttribute("aria-label") + ": " + text + " | " + other);
     });
   }
-  parent.postMessage(JSON.stringify(found), "*");
-});
-"""
+  return found;
+})()"""
 
 
 def _laid_out(browser: Browser, page: str, folder: Path, width: int) -> dict[str, Any]:
-    """Return what lies beyond the page or on something else, in a frame of a width, as the browser lays it out."""
-    free = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", page)
-    (folder / "inner.html").write_text(free.replace("</body>", f"<script>{_MEASURE}</script></body>"), encoding="utf-8")
-    (folder / "outer.html").write_text(
-        "<body><pre id=found></pre><script>addEventListener('message', (e) => {"
-        "document.getElementById('found').textContent = e.data; })</script>"
-        f'<iframe src="inner.html" style="width:{width}px;height:900px;border:0"></iframe></body>'
-    )
-    drawn, _ = browser.drawn((folder / "outer.html").as_uri(), "document.getElementById('found').textContent")
-    found: dict[str, Any] = json.loads(html.unescape(drawn.split('id="found">')[1].split("</pre>")[0]))
+    """Return what lies beyond the page or on something else, as the browser lays it out at a width."""
+    (folder / "report.html").write_text(page, encoding="utf-8")
+    shown = browser.page(width, 900)
+    shown.open((folder / "report.html").as_uri())
+    found: dict[str, Any] = shown.value(_MEASURE)
     return found
