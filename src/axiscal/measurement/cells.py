@@ -55,8 +55,8 @@ def rest_effects(
     at = (poses if foot.shift == 0 else shifted(poses, mounted.moves[0], foot.shift) for foot in standing)
     cells = np.stack([_cells_of(errors, felt, each) for each in at], axis=1)
     reach = effects[..., felt, :][..., None, :] * np.array([foot.weight for foot in standing])[:, None]
-    whole = reach.reshape(*reach.shape[:-3], -1, len(poses))
-    return RestEffects(np.repeat(felt, len(standing)), whole, cells.reshape(-1, len(poses)))
+    every = len(felt) * len(standing), len(poses)
+    return RestEffects(np.repeat(felt, len(standing)), reach.reshape(*reach.shape[:-3], *every), cells.reshape(every))
 
 
 def _cells_of(errors: ErrorModel, functions: NDArray[np.intp], poses: Array) -> NDArray[np.int64]:
