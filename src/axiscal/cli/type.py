@@ -14,7 +14,7 @@ from axiscal.description.campaign import read_campaign
 from axiscal.document.durable import write_whole
 from axiscal.estimation.type_prior import TypePrior, type_prior
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import counted, later, listed, said
+from axiscal.language.spoken import counted, decimals, later, listed, said
 from axiscal.machine import load_machine
 from axiscal.planning.plan.plan import Plan
 from axiscal.ports.fleet.rehearsal import Imagined, error_lines, rehearsed, summary_sentences
@@ -133,7 +133,7 @@ def _show(prior: TypePrior, saved: Sequence[str], written: Path | None, as_json:
     for line in error_lines(prior):
         unit, share = "urad" if line.angular else "um", f"{line.share:.0%} ± {line.share_std:.0%}"
         std = [format_quantity(each, unit, 3) for each in (line.stated, line.known)]
-        rows.append(f"{line.name:14} {std[0]:>12} {std[1]:>12} {line.factor:>13.2f} {share:>12}")
+        rows.append(decimals(f"{line.name:14} {std[0]:>12} {std[1]:>12} {line.factor:>13.2f} {share:>12}"))
         errors[line.name] = {
             "unit": unit,
             "stated_std": to_unit(line.stated, unit),
