@@ -49,9 +49,12 @@ def rest_effects(
     levers : (..., terms, m) what a unit of each error adds; poses, approaches : (m, q); among : indices of terms
     """
     effects = errors.effects(levers, approaches) if len(among) else levers
-    if mounted.base is not None:  # a base without length is refused where its way has a rest
-        among = [i for i in among if mounted.base and np.any(effects[..., i, :])]
-    felt, standing = np.array(among, dtype=np.intp), feet_of(mounted)
+    if mounted.base is None:  # as nearly always, and at every look of a plan
+        functions = np.array(among, dtype=np.intp)
+        return RestEffects(functions, effects[..., functions, :], _cells_of(errors, functions, poses))
+    # a base without length is refused where its way has a rest
+    felt = np.array([i for i in among if mounted.base and np.any(effects[..., i, :])], dtype=np.intp)
+    standing = feet_of(mounted)
     at = (poses if foot.shift == 0 else shifted(poses, mounted.moves[0], foot.shift) for foot in standing)
     cells = np.stack([_cells_of(errors, felt, each) for each in at], axis=1)
     reach = effects[..., felt, :][..., None, :] * np.array([foot.weight for foot in standing])[:, None]
