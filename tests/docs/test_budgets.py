@@ -29,7 +29,7 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(61_876, 50_000),
+    "lines of src": Budget(61_877, 50_000),
     "files of src": Budget(325, 325),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(24, 15),

@@ -72,11 +72,14 @@ def _test_readings(skip: int | None = None) -> tuple[list[Reading], PositioningT
     return [r for i, r in enumerate(readings) if i != skip], PositioningTest(targets, up, down)
 
 
-def test_readings_that_are_a_test_after_iso_230_2_get_its_figures() -> None:
+@pytest.mark.parametrize("name", ["X", "U"])
+def test_readings_that_are_a_test_after_iso_230_2_get_its_figures(name: str) -> None:
+    """Also of an axis of the second set, as the tailstock of a lathe."""
     readings, test = _test_readings()
-    (block,) = iso230_blocks(_described(CAMPAIGN), readings)
+    machine = MACHINE.replace("X-t", f"{name}-t").replace("axes.X", f"axes.{name}").replace("EXX", f"EX{name}")
+    (block,) = iso230_blocks(campaign_from_texts(CAMPAIGN, "c.toml", machine, "m"), readings)
     wanted = evaluate(test)
-    assert block.axis == "X"
+    assert block.axis == name
     for name in ("A", "E", "R", "B", "M"):
         assert block.figures[name] == pytest.approx(1e6 * wanted.figures[name], rel=1e-9)
 

@@ -29,6 +29,7 @@ from axiscal.estimation.type_prior import is_type_text
 from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate
 from axiscal.language.spoken import later, resaid, said, speaking
 from axiscal.language.stages import stage
+from axiscal.machine.axis import letter_direction
 from axiscal.machine.questions import questions, which_way
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.reading import (
@@ -126,8 +127,8 @@ def _positions(description: CampaignDescription, setup: Setup) -> bool:
     """Whether a set-up reads the one axis that it moves along or about itself."""
     if len(setup.moves) != 1 or setup.chart is not None:
         return False
-    axis, name = description.machine.axes[setup.moves[0]], description.machine.axes[setup.moves[0]].name[0]
-    own = "ABC".index(name) if axis.rotary else "XYZ".index(name)
+    axis = description.machine.axes[setup.moves[0]]
+    own = letter_direction(axis.letter)
     reads = "angle" if axis.rotary else "length"
     return INSTRUMENTS[setup.instrument].model.reads == reads and abs(setup.direction[own]) > _ALONG
 
