@@ -305,10 +305,10 @@ def _more(known: Estimation, aims: Aims, rows: Sequence[KnownRow]) -> tuple[int,
     shares = [min(left, default=0.0), *(_share(aim) for aim in aims.lines if not aim.unread)]
     new = sum(not line.read for row in rows if row.open for line in row.lines) if aims.lines else 0
     readings = max(math.ceil(count * max(shares)) + _TARGETS * new, 1)
-    setups, ends = known.stated.description.setups, known.timed.ends
-    mounted = known.stated.description.setup(known.readings[0].setup).setup_time
+    described, ends = known.stated.description, known.timed.ends
+    mounted = described.setup(known.readings[0].setup).setup_time
     each = float(np.median(np.diff([min(mounted, ends[0]), *ends])))
-    mounting = np.mean([setup.setup_time for setup in setups])
+    mounting = np.mean([setup.setup_time for setup in described.setups])
     return readings, to_unit(readings * each + float(mounting) * new, "min")
 
 

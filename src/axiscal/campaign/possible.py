@@ -34,9 +34,7 @@ _SLACK = 1e-6
 
 def versions() -> dict[str, str]:
     """Return the versions of axiscal and of what it computes with, by name."""
-    import numpy
-
-    return {"axiscal": version("axiscal"), "numpy": numpy.__version__, "python": platform.python_version()}
+    return {"axiscal": version("axiscal"), "numpy": version("numpy"), "python": platform.python_version()}
 
 
 def described(record: EventLog) -> CampaignDescription:

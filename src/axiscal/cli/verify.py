@@ -145,10 +145,9 @@ def verify(
     elif details:
         say(_wrapped(check_details(answer)))
     else:
-        coming = [said("load the exported files again, then")] if answer.faulty else []
-        coming.append(f"{again} --plan check.csv")
-        if answer.verdict == "pass":
-            coming = [f"axiscal shop due {shlex.quote(str(record.parent))}"]
+        loading = [said("load the exported files again, then")] if answer.faulty else []
+        due = f"axiscal shop due {shlex.quote(str(record.parent))}"
+        coming = [due] if answer.verdict == "pass" else [*loading, f"{again} --plan check.csv"]
         say("\n".join([*check_screen(answer), *ending({said("Next"): coming})]))
 
 

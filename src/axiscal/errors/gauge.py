@@ -28,7 +28,7 @@ from axiscal.units import said_quantity
 
 _LISTED = 5
 """Sentences that are read; the others are counted."""
-_EITHER = later("{first} or {last}")
+EITHER = later("{first} or {last}")
 _WHOLE = 0.999
 """All of it, to rounding of the shares."""
 _OPEN = 0.1
@@ -187,7 +187,7 @@ def _twins(model: ErrorModel, curves: list[Aspect], none: str) -> Iterator[Hidde
             "rotation about {about} would, or a tool of another length. The tool point does not depend on it."
         )
         if mine:
-            subject, either = joined([_phrase(a) for a in mine], _LISTED), joined(about, form=_EITHER) if about else ""
+            subject, either = joined([_phrase(a) for a in mine], _LISTED), joined(about, form=EITHER) if about else ""
             text = said(turned if about else alone, axis=axis.name, none=none, subject=subject, about=either)
             yield Hidden(tuple(a.function.name for a in mine), text)
 

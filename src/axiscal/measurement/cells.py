@@ -55,7 +55,7 @@ def rest_effects(
     # a base without length is refused where its way has a rest
     felt = np.array([i for i in among if mounted.base and np.any(effects[..., i, :])], dtype=np.intp)
     standing = feet_of(mounted)
-    at = (poses if foot.shift == 0 else shifted(poses, mounted.moves[0], foot.shift) for foot in standing)
+    at = (shifted(poses, mounted.moves[0], foot.shift) for foot in standing)
     cells = np.stack([_cells_of(errors, felt, each) for each in at], axis=1)
     reach = effects[..., felt, :][..., None, :] * np.array([foot.weight for foot in standing])[:, None]
     every = len(felt) * len(standing), len(poses)

@@ -12,9 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.errors.gauge import Hidden, unseen_factor
+from axiscal.errors.gauge import EITHER, Hidden, unseen_factor
 from axiscal.estimation.accuracy.yardstick import Yardstick
-from axiscal.language.spoken import later, said
+from axiscal.language.spoken import joined, later, said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.observation import Observation
@@ -112,7 +112,7 @@ def _subject(observation: Observation) -> str:
     kinds = ([along], later("of another length (known to {std})")), (across, later("that sits aside (known to {std})"))
     stds = [([u.std for u in observation.unknowns if u.name in names], text) for names, text in kinds]
     tools = [said(text, std=said_quantity(max(found), "um", 3)) for found, text in stds if found]
-    return said("A tool {kinds} looks like rotary axes that lie elsewhere", kinds=f" {said('or')} ".join(tools))
+    return said("A tool {kinds} looks like rotary axes that lie elsewhere", kinds=joined(tools, form=EITHER))
 
 
 def _remedy(observation: Observation) -> str:

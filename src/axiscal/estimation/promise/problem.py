@@ -300,8 +300,7 @@ class _Builder:
         else:
             entries = {entry.name: entry for entry in self.observation.errors.machine.errors}
             for term in self.observation.errors.terms:
-                whole: Kind = "std" if isinstance(term, ErrorFunction) else "together"
-                size_at[term.columns] = self.sizes.index("reversal" if term.kind == "reversal" else whole, term.name)
+                size_at[term.columns] = self.sizes.index(_kind(term), term.name)
                 entry = entries.get(term.name)
                 if isinstance(term, ErrorFunction) and entry is not None and _has_length(term, entry):
                     by_kind.setdefault((term.basis.size, entry.smoothness), []).append((term, entry))
@@ -333,6 +332,10 @@ class _Builder:
 
 MOST_NUMBERS = 300
 """Numbers of readings up to which their covariance is smaller than that of the unknowns."""
+
+
+def _kind(term: Term) -> Kind:
+    return "reversal" if term.kind == "reversal" else "std" if isinstance(term, ErrorFunction) else "together"
 
 
 def _has_length(term: ErrorFunction, entry: ErrorEntry) -> bool:
