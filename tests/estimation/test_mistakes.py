@@ -25,6 +25,7 @@ from axiscal.estimation.promise.agreement import (
     _units,
     agreement,
 )
+from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Weighed
 from axiscal.estimation.promise.posterior import sized as weighed_of
 from axiscal.estimation.promise.posterior import sorted_out
@@ -46,7 +47,7 @@ def _learning(kind: str, sizes: tuple[str, ...] = ()) -> tuple[Problem, Weighed]
     if not sizes:
         return problem, found
     thetas, space = np.array([-0.4, 0.1, 0.3])[:, None] * np.ones(len(problem.sizes)), space_of(problem)
-    given = tuple(each for theta in thetas if (each := space.given(theta)) is not None)
+    given = tuple(Considered(each) for theta in thetas if (each := space.given(theta)) is not None)
     return problem, replace(found, thetas=thetas, weights=np.array([0.2, 0.5, 0.3]), given=given)
 
 
@@ -55,7 +56,7 @@ class _Without:
 
     def __init__(self, problem: Problem, found: Weighed) -> None:
         self.values, self.weights = problem.values, found.weights
-        self.covariances = [Dense(problem).covariance(theta) for theta in found.thetas]
+        self.covariances = [Dense(problem).judging(theta) for theta in found.thetas]
 
     def odds(self, values: Array, places: int = 1, columns: Array | float = 0.0) -> tuple[float, float]:
         """Return the log odds of 1 % before, the sizes integrated out, and how probable a worse agreement is then."""
@@ -170,7 +171,7 @@ def test_an_axis_that_counts_the_other_way_is_as_probable_as_its_covariance(size
     problem, weighed = _learning("axis", sizes)
     other = _other(problem, rows=problem.rows * np.where(np.arange(problem.rows.shape[1]) % 2, 1.1, -0.7))
     (found,) = _against(problem, weighed, [(("C",), other)])
-    covariances = [Dense(other).covariance(theta) for theta in weighed.thetas]
+    covariances = [Dense(other).judging(theta) for theta in weighed.thetas]
     _agrees(found, _Without(problem, weighed).odds_of(problem.values, covariances))
     assert (found.mistake.mistake, found.mistake.axes) == ("direction", ("C",))
 

@@ -13,6 +13,7 @@ from scipy.special import gamma, kv
 
 from axiscal.description.usual import Sizes
 from axiscal.estimation.located import absorbed
+from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.numbers import Numbers
 from axiscal.estimation.promise.problem import Curves, Problem
 from axiscal.estimation.promise.spaces import parts_of
@@ -130,7 +131,7 @@ def test_a_reading_left_out_is_left_out(drawn: tuple[Problem, Array]) -> None:
     problem, theta = drawn
     dense = Dense(problem)
     for space in _both(problem):
-        given_here, every = _given(space, theta), parts_of(problem.reading)
+        given_here, every = Considered(_given(space, theta)), parts_of(problem.reading)
         found = [one for part in every for one in zip(part, *given_here.left_out(part), strict=True)]
         assert len(found) == len(np.unique(problem.reading))
         for mine, weighted, block in found:

@@ -16,11 +16,12 @@ from axiscal.description.type_b import TYPE_B, TypeB
 from axiscal.description.usual import Sizes, sizes_of
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import reach
+from axiscal.estimation.promise.causes import contributions
+from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.numbers import Numbers
-from axiscal.estimation.promise.passing import contributions
 from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.promise.problem import Problem, problem
-from axiscal.estimation.promise.unknowns import Unknowns
+from axiscal.estimation.promise.unknowns import Space, Unknowns
 from axiscal.exceptions import InputError
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
@@ -356,27 +357,43 @@ def _problem(count: int) -> Problem:
     return problem(observation, readings, NOBODY, usual=False)
 
 
-def test_the_posterior_is_that_of_k_with_the_columns_and_the_lines_are_what_it_holds_of_them() -> None:
-    """(1 − G H) P (1 − G H)ᵀ + G R Gᵀ is the covariance of the same estimate had its instruments been perfect."""
+@pytest.mark.parametrize("room", [Numbers, Unknowns])
+def test_the_mean_is_that_without_the_columns_and_the_covariance_has_what_they_do_to_it(room: type[Space]) -> None:
+    """Dense: G of K without B, C + G B (G B)ᵀ; readings are judged by the inverse of K + B Bᵀ as it stands."""
     observation, places = observed(described(LASER + STATED)), np.linspace(0.02, 0.98, 9)
     _, readings = drawn(observation, places, 0.0, 1)
-    found = [*causes(observation, readings, usual=False).values()]
-    columns = np.array([each.column for each in found]).T
-    covariance, gained, rows = dense(observation, places, columns)
+    columns = np.array([each.column for each in causes(observation, readings, usual=False).values()]).T
+    covariance, gained, rows = dense(observation, places, np.zeros((9, 0)))
     made = problem(observation, readings, NOBODY, usual=False)
-    root = along(observation)
-    for space in (Numbers(made), Unknowns(made)):
-        given = space.given(np.zeros(0))
-        assert given is not None
-        assert given.posterior().covariance == pytest.approx(covariance, rel=1e-4, abs=1e-16)
-        moved = root @ given.gain(columns / made.noise[:, None])[: root.shape[1]]
-        lines = np.linalg.norm(moved, axis=0)
-        assert lines == pytest.approx(np.linalg.norm(root @ (gained @ columns)[: root.shape[1]], axis=0), rel=1e-5)
-        left = np.eye(len(gained)) - gained @ rows
-        noise = observation.setups[0].noise ** 2
-        perfect = left @ observation.prior_covariance() @ left.T + noise * gained @ gained.T
-        grown = (covariance - perfect)[: root.shape[1], : root.shape[1]]
-        assert np.sum(lines**2) == pytest.approx(np.trace(root @ grown @ root.T), rel=1e-5)
+    given = room(made).given(np.zeros(0))
+    assert given is not None
+    found, moved = Considered(given), gained @ columns
+    values = np.array([each.value for each in readings])
+    assert found.posterior().mean == pytest.approx(gained @ values, rel=1e-6, abs=1e-12)
+    assert found.posterior().covariance == pytest.approx(covariance + moved @ moved.T, rel=1e-4, abs=1e-16)
+    noise = observation.setups[0].noise
+    kept = rows @ observation.prior_covariance() @ rows.T + noise**2 * np.eye(9)
+    inverse = np.linalg.inv((kept + columns @ columns.T) / noise**2)
+    assert found.precision(np.eye(9)) == pytest.approx(inverse, rel=1e-6, abs=1e-9)
+    assert found.square == pytest.approx(made.values @ inverse @ made.values, rel=1e-6)
+    weighted, blocks = found.left_out(np.arange(9)[:, None])
+    assert weighted[:, 0] == pytest.approx(inverse @ made.values, rel=1e-6, abs=1e-9)
+    assert blocks[:, 0, 0] == pytest.approx(np.diagonal(inverse), rel=1e-6)
+    dets = np.linalg.slogdet(kept / noise**2)[1] + np.linalg.slogdet(inverse)[1]
+    gained_squares = made.values @ np.linalg.inv(kept / noise**2) @ made.values - found.square
+    assert found.density - found.value == pytest.approx(0.5 * (gained_squares + dets), rel=1e-5)
+
+
+def test_two_lasers_that_differ_by_their_scales_agree() -> None:
+    """Without noise of their own they differ by 3 ppm, of which each may have 1.5: it is no contradiction."""
+    again = LASER.replace('name = "laser"', 'name = "again"').replace('"interferometer"', '"tracker"')
+    again = again.replace('direction = "x"', 'station = ["-1 m", "0 mm", "0 mm"]')
+    observation = observed(described(LASER + again))
+    places = np.linspace(0.02, 0.98, 12)
+    _, one = drawn(observation, places, 0.0, 4)
+    other = [replace(r, setup="again", value=r.value + 3e-6 * (r.pose[0] - 0.5), others=(0.0, 0.0)) for r in one]
+    with_b = sorted_out(problem(observation, [*one, *other], NOBODY)).posterior()
+    assert not with_b.agreement.contradicts
 
 
 def test_the_gain_is_by_what_the_mean_moves() -> None:
@@ -402,8 +419,8 @@ def test_a_gain_moves_no_mean_and_teaches_no_size() -> None:
     noise = 1e-6 * np.random.default_rng(1).standard_normal(40)
     sizes = sizes_of(dial.machine, dial.setups, "roughly", usual=True, inherited=False)
     made = problem(observation, read_at(places, curve + noise, "s"), sizes)
-    assert made.held.shape == (40, 1)
-    found, without = sorted_out(made).posterior(), sorted_out(replace(made, held=np.zeros((40, 0)))).posterior()
+    assert made.type_b.shape == (40, 1)
+    found, without = sorted_out(made).posterior(), sorted_out(replace(made, type_b=np.zeros((40, 0)))).posterior()
     assert found.sizes == without.sizes
     np.testing.assert_array_equal(found.mean, without.mean)
     shape = along(observation)

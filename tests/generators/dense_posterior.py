@@ -6,7 +6,7 @@ Readings are linear in unknowns, and all are Gaussian once the logarithms θ of 
     log L(θ) = −½ yᵀK⁻¹y − ½ log |K|                        Rasmussen and Williams 2006, eq. 2.30, less a constant
     u | y, θ ~ N(C Zᵀ K⁻¹ y,  C − C Zᵀ K⁻¹ Z C)             eq. 2.25 and 2.26
 
-A cause b that follows from what was read is no column of Z: with m_θ = G y the covariance gains (G b)(G b)ᵀ.
+A cause b of type B is no column of Z: with m_θ = G y the covariance gains (G b)(G b)ᵀ. Readings are judged by K + B Bᵀ.
 
 The sizes are not known, so draws of θ with weights w, Σ w = 1, stand for them:
 
@@ -63,6 +63,10 @@ class Dense:
         rows = self.problem.rows
         return np.asarray(rows @ self.prior_covariance(theta) @ rows.T + np.diag(self.sigma(theta) ** 2))
 
+    def judging(self, theta: Array) -> Array:
+        """Return K(θ) + B Bᵀ, (m, m)."""
+        return np.asarray(self.covariance(theta) + self.problem.type_b @ self.problem.type_b.T)
+
     def log_likelihood(self, theta: Array) -> float:
         """Return log L(θ)."""
         return log_density(self.problem.values, np.zeros(len(self.problem.values)), self.covariance(theta))
@@ -79,16 +83,16 @@ class Dense:
         return problem.mean + turn @ mean[last], turn @ covariance[last, last] @ turn.T
 
     def counted(self, theta: Array) -> Normal:
-        """Return the same with causes that follow from what was read: by what m moves if the values do."""
+        """Return the same with causes of type B: by what m moves if the values do."""
         (mean, covariance), moved = self.unknowns(theta), list[Array]()
-        for cause in self.problem.held.T:
+        for cause in self.problem.type_b.T:
             other = Dense(replace(self.problem, values=self.problem.values + cause))
             moved.append(other.unknowns(theta)[0] - mean)
         return mean, covariance + sum((np.outer(each, each) for each in moved), np.zeros_like(covariance))
 
     def expected(self, theta: Array, reading: int) -> Normal:
         """Return what the other readings expect of one, at θ."""
-        covariance, mine = self.covariance(theta), self.problem.reading == reading
+        covariance, mine = self.judging(theta), self.problem.reading == reading
         seen = covariance[np.ix_(mine, ~mine)] @ np.linalg.inv(covariance[np.ix_(~mine, ~mine)])
         return seen @ self.problem.values[~mine], covariance[np.ix_(mine, mine)] - seen @ covariance[
             np.ix_(~mine, mine)

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.passing import Contribution, contributions
+from axiscal.estimation.promise.causes import Contribution, contributions
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading_rows import Seen, places_of, seen
 from axiscal.measurement.setup import Unknown

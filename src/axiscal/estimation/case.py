@@ -20,7 +20,7 @@ from axiscal.estimation.accuracy.unseen import seen_as_one, tool_doubt
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.promise.passing import contributions
+from axiscal.estimation.promise.causes import contributions
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.machine.description import Machine
 from axiscal.measurement.artefact import reads_as

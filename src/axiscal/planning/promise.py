@@ -17,9 +17,10 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.promise.passing import Contribution, contributions
+from axiscal.estimation.promise.causes import Contribution, contributions
+from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.problem import Problem, problem
-from axiscal.estimation.promise.unknowns import Given, space_of
+from axiscal.estimation.promise.unknowns import space_of
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
 from axiscal.measurement.reading import Place, Reading
@@ -70,7 +71,7 @@ class Blank(NamedTuple):
     case: Case
     readings: tuple[Reading, ...]
     posed: Problem
-    found: Given
+    found: Considered
 
     @property
     def knowledge(self) -> Knowledge:
@@ -86,7 +87,7 @@ def blank_problem(case: Case, readings: Sequence[Reading]) -> Blank:
     found = space_of(posed).given(np.zeros(len(posed.sizes)))
     if found is None:
         raise PlanError("the stated sizes differ by more than 15 digits", "Look at the std of errors and unknowns")
-    return Blank(case, together, posed, found)
+    return Blank(case, together, posed, Considered(found))
 
 
 def unseen_parts(blank: Blank) -> list[tuple[Contribution, Array]]:
@@ -94,12 +95,11 @@ def unseen_parts(blank: Blank) -> list[tuple[Contribution, Array]]:
 
     Those causes are left out whose effect follows from the values that are read.
     """
-    case, readings, posed, found = blank
-    at = places_of(case.observation.setups, readings)
-    every = contributions(case.observation, at, usual=case.description.usual)
-    causes = [each for each in every if not each.row.of_values]
-    moved = found.gain(posed.rows[:, : len(causes)])  # their columns come first
-    return list(zip(causes, moved.T, strict=True))
+    observation = blank.case.observation
+    at, values = places_of(observation.setups, blank.readings), [each.values for each in blank.readings]
+    every = contributions(observation, at, values, blank.case.description.usual)
+    moved = blank.found.given.type_b.gains.T
+    return [(each, by) for each, by in zip(every, moved, strict=True) if not each.row.of_values]
 
 
 @dataclass(frozen=True, slots=True)

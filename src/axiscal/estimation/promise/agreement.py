@@ -25,6 +25,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Weighed
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.unknowns import space_of
@@ -277,7 +278,8 @@ def _against(problem: Problem, found: Weighed, turned: Iterable[Turned]) -> Iter
         space, gains, squares = space_of(other), np.full(len(found.given), -np.inf), np.zeros(len(found.given))
         for draw, given in enumerate(found.given):
             if (there := space.given(found.thetas[draw])) is not None:
-                gains[draw], squares[draw] = there.value - given.value, given.square - there.square
+                turned_so = Considered(there)
+                gains[draw], squares[draw] = turned_so.density - given.density, given.square - turned_so.square
         yield _tried(problem, found, gains, squares, Explained("direction", 0.0, (), axes=axes))
 
 

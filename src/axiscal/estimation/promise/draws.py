@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.usual import Sizes
+from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.unknowns import Given, Space
 from axiscal.numerics import Array, even_points
 from axiscal.numerics.from_scipy import normal_quantile, normal_share
@@ -66,7 +67,7 @@ class Mode:
     taught: NDArray[np.intp]
     covariance: Array
     value: float
-    stated: Given
+    stated: Considered
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +80,7 @@ class Draws:
     sizes: Sizes
     x: Array
     log_proposal: Array
-    stated: Given
+    stated: Considered
 
     @property
     def thetas(self) -> Array:
@@ -98,7 +99,7 @@ class Weighed:
 
     thetas: Array
     weights: Array
-    given: tuple[Given, ...]
+    given: tuple[Considered, ...]
     log_evidence: float
     every: Array
     drawn: Draws
@@ -119,11 +120,11 @@ def _valued(found: Given | None, x: Array) -> float:
     return -np.inf if found is None else found.value - 0.5 * float(x @ x)
 
 
-def as_stated(space: Space) -> Given:
+def as_stated(space: Space) -> Considered:
     """Return everything at the sizes as stated."""
     found = space.given(np.zeros(len(space.problem.sizes)))
     assert found is not None, "a covariance with noise is positive definite"
-    return found
+    return Considered(found)
 
 
 def mode(space: Space) -> Mode:
@@ -132,8 +133,8 @@ def mode(space: Space) -> Mode:
     x = np.zeros(len(sizes))
     found = as_stated(space)
     if not len(x):
-        return Mode(x, np.zeros(0, dtype=np.intp), np.zeros((0, 0)), _valued(found, x), found)
-    value, gradient, information = _pull(sizes, found, x)
+        return Mode(x, np.zeros(0, dtype=np.intp), np.zeros((0, 0)), _valued(found.given, x), found)
+    value, gradient, information = _pull(sizes, found.given, x)
     told = np.diagonal(information)
     taught = np.flatnonzero((told > 1 + _TAUGHT) | (0.5 * gradient**2 / told > _SAID))
     damped, among = _DAMPED, np.ix_(taught, taught)
@@ -238,7 +239,7 @@ def weighed(space: Space, drawn: Draws) -> Weighed:
     weights = np.minimum(weights, weights.mean() * np.sqrt(len(weights)))
     weights /= weights.sum()
     kept = np.flatnonzero(weights > _NOTHING)
-    found = tuple(each for each in (given[i] for i in kept) if each is not None)
+    found = tuple(Considered(each) for each in (given[i] for i in kept) if each is not None)
     own = weights[kept] / weights[kept].sum()
     log_stated = drawn.stated.value - float(drawn.log_proposal[-1] + np.log(len(weights))) - evidence
     return Weighed(thetas[kept], own, found, evidence, weights, drawn, log_stated)

@@ -10,7 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.spaces import Answered, Slope, factors_of, raw_cells, turned, variances_of
+from axiscal.estimation.promise.spaces import (
+    Answered,
+    Slope,
+    TypeB,
+    factors_of,
+    raw_cells,
+    turned,
+    variances_of,
+)
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
 
@@ -149,6 +157,14 @@ class InNumbers:
     def gain(self, columns: Array) -> Array:
         """Return G B, (answered, c) m and rad: by what the mean m = G y moves.  columns : B (m, c), over the noise"""
         return self.space.problem.raw(self._shown.T @ self.precision(columns), self.theta, self.roots)
+
+    @cached_property
+    def type_b(self) -> TypeB:
+        """What causes of type B do."""
+        problem = self.space.problem
+        spread = self.precision(problem.type_b)
+        gains = problem.raw(self._shown.T @ spread, self.theta, self.roots)
+        return TypeB(gains, problem.type_b.T @ spread, spread.T @ problem.values)
 
     def cell_means(self) -> Array:
         """Return the means of the rests of the cells that were visited, (c,) m or rad."""

@@ -1,34 +1,29 @@
-"""What only readings suffer: drift, growth, reversals that are not there yet, and causes that no reading shows.
+"""What only readings suffer: drift, growth, and reversals that are not there yet.
 
 A zero drifts by a line, Brownian motion over the time T of its set-up, and Matérn-1/2 in time with 6 min. The Brownian
 motion has Karhunen-Loève functions √2 sin((k − ½)π t/T)/((k − ½)π), k = 1…20, which leave 0.5 % of its variance. A
 linear axis grows by the coordinate over its travel times Matérn-3/2 in time with 0.4 T, linear between ten nodes. Of a
 reversal exp(−d/100 mm) may be missing, d the way since the axis turned. Without what usually goes wrong a zero wanders
 as stated (`measurement.cells`).
-
-Causes of type B have columns for readings as they came; see `type_b`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.type_b import TYPE_B, Read, TypeB
 from axiscal.description.usual import CYCLE, DRIFT, GROWTH, WAY, Kind, Sizes, needs_a_way
 from axiscal.errors.prior import matern
 from axiscal.machine.entry import ROUGH
 from axiscal.measurement.cells import Course, wandering
-from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Places, Reading
-from axiscal.measurement.reading_rows import numbers_of_setups, times_of
+from axiscal.measurement.reading_rows import times_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root
@@ -249,66 +244,3 @@ def _of_axes(observation: Observation, mine: _Mine, numbers: int) -> Iterator[tu
         for number, share in enumerate(axis):
             columns[mine.first + number] = share[:, None] * functions
         yield "growth", columns
-
-
-@dataclass(frozen=True, eq=False)
-class Contribution:
-    """One cause that is there.
-
-    owner : the set-up or instrument whose readings share it, "" for all; stated : whether its size is no default
-    effects : what one standard deviation does to each number of the readings, (m,) m or rad
-    """
-
-    row: TypeB
-    owner: str
-    stated: bool
-    effects: Array
-
-
-def contributions(
-    observation: Observation, places: Places, values: Sequence[tuple[float, ...]] | None = None, usual: bool = True
-) -> list[Contribution]:
-    """Return the type B contributions, causes without effect left out.
-
-    values : of each reading, m or rad; None before they are read; usual : with sizes that nobody stated
-    """
-    found, each = dict[tuple[str, str], Contribution](), numbers_of_setups(observation.setups)[places.setups]
-    first = np.cumsum(each) - each
-    for mine, read in _by_setup(observation, places, values):
-        for row in TYPE_B:
-            stated = row.name in dict(read.setup.stated)
-            if not row.met(read.setup) or not (usual or stated):
-                continue
-            owners = {"set-up": read.setup.name, "instrument": read.setup.instrument, "machine": ""}
-            owner = owners[row.shared]
-            before = found.get((row.name, owner), Contribution(row, owner, True, np.zeros(each.sum())))
-            for number, effect in enumerate(row.column(read)):
-                before.effects[first[mine] + number] += effect
-            found[row.name, owner] = replace(before, stated=stated and before.stated)
-    return [each for each in found.values() if np.any(each.effects)]
-
-
-def _by_setup(
-    observation: Observation, places: Places, values: Sequence[tuple[float, ...]] | None
-) -> Iterator[tuple[NDArray[np.intp], Read]]:
-    """Yield the readings of each set-up, and which of all they are, (r,)."""
-    for index, chosen in places.by_setup():
-        setup, model = observation.setups[index], model_of(observation.setups[index])
-        nominal = Nominal(observation.machine, places.poses[chosen], setup.moves, None, places.approaches[chosen])
-        ways = np.stack([model.direction_of(setup, along, nominal) for along in directions_of(setup)])
-        mine = np.arange(len(places))[chosen]
-        shown = np.zeros(ways.shape[:2]) if values is None else np.array([values[i] for i in mine], dtype=float).T
-        yield mine, Read(setup, nominal, ways, shown)
-
-
-def type_b_columns(
-    observation: Observation, readings: Sequence[Reading], places: Places, numbers: int, usual: bool = True
-) -> tuple[Passing, Array]:
-    """Return the columns of `contributions`, and apart from them those that follow from what was read, (m, h).
-
-    numbers : m, of all readings. No reading teaches their sizes.
-    """
-    found = contributions(observation, places, [each.values for each in readings], usual)
-    columns = np.column_stack([np.zeros((numbers, 0)), *(each.effects for each in found)])
-    held = np.array([each.row.of_values for each in found], dtype=bool)
-    return Passing(columns[:, ~held], np.full(int(np.sum(~held)), -1, dtype=np.intp)), columns[:, held]

@@ -32,10 +32,11 @@ from numpy.typing import NDArray
 
 from axiscal.description.usual import BAD, Kind
 from axiscal.estimation.promise.agreement import BAD_SHARE, MOST_BAD, SEVERAL, Agreement, Turned, agreement
+from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Draws, Weighed, as_stated, draws, mode, redrawn, weighed
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
 from axiscal.estimation.promise.spaces import parts_of
-from axiscal.estimation.promise.unknowns import Given, space_of
+from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 
@@ -258,16 +259,13 @@ def _moments(judged: Sequence[_Judged], volume: Array) -> _Moments:
     judged : readings whose answers count alike; volume : G of the first unknowns
     """
     weights = np.concatenate([each.found.weights for each in judged]) / len(judged)
-    givens = [(each.problem.held, given) for each in judged for given in each.found.given]
+    givens = [given for each in judged for given in each.found.given]
     size, counts = judged[0].problem.answered, len(volume)
     means, squares, total = np.empty((len(givens), size)), np.empty(len(givens)), np.zeros((size, size))
     over = np.zeros_like(total)
     over[:counts, :counts] = volume
-    for i, (held, given) in enumerate(givens):
+    for i, given in enumerate(givens):
         means[i], covariance = given.posterior()
-        if held.size:
-            moved = given.gain(held)
-            covariance += moved @ moved.T
         squares[i] = np.vdot(over, covariance)
         covariance *= weights[i]
         total += covariance
@@ -276,7 +274,7 @@ def _moments(judged: Sequence[_Judged], volume: Array) -> _Moments:
     aparts = means - about - shift
     total += (aparts.T * weights) @ aparts
     squares += np.sum((aparts[:, :counts] @ volume) * aparts[:, :counts], axis=1)
-    cells = np.sum([w * given.cell_means() for w, (_, given) in zip(weights, givens, strict=True)], axis=0)
+    cells = np.sum([w * given.cell_means() for w, given in zip(weights, givens, strict=True)], axis=0)
     mean = float(weights @ squares)
     varied = float(weights @ (squares - mean) ** 2)
     degrees = 4 + 2 * mean**2 / varied if varied > (_ALL_ALIKE * mean) ** 2 else np.inf
@@ -361,7 +359,7 @@ def _of_draws(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[
     return [LeftOut(*one) for one in zip(residual, spread, odds.tolist(), np.sqrt(squares).tolist(), strict=True)]
 
 
-def _of_draw(problem: Problem, given: Given, theta: Array, part: NDArray[np.intp]) -> tuple[Array, Array, Array]:
+def _of_draw(problem: Problem, given: Considered, theta: Array, part: NDArray[np.intp]) -> tuple[Array, Array, Array]:
     """Return residuals (r, k), covariances (r, k, k) and log ratios of bad over good (r,) of readings at one draw."""
     weighted, blocks = given.left_out(part)
     covariances: Array = np.asarray(np.linalg.inv(blocks), dtype=float)

@@ -18,7 +18,8 @@ from axiscal.description.usual import Kind, Sizes
 from axiscal.errors.model import ErrorFunction, Term
 from axiscal.errors.plane import PlaneError
 from axiscal.errors.prior import distances, matern, matern_by_length
-from axiscal.estimation.promise.passing import passing_columns, type_b_columns
+from axiscal.estimation.promise.causes import type_b_columns
+from axiscal.estimation.promise.passing import passing_columns
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
@@ -131,7 +132,7 @@ class Problem:
     answered : number of the columns that are answered, the last ones; mean : (answered,) before any reading
     unknowns : number of those of set-ups, the last of these
     cells : (term, cell) of the columns of rests, from column `first_cell` on
-    held : (m, h) over the noise, what else one standard deviation of a cause does: it moves no mean and teaches no size
+    type_b : (m, c) over the noise, what one standard deviation of each cause of type B does
     """
 
     rows: Array
@@ -150,7 +151,7 @@ class Problem:
     cells: tuple[tuple[int, int], ...]
     first_cell: int
     cell_roots: tuple[Array, ...]
-    held: Array
+    type_b: Array
 
     @property
     def first(self) -> int:
@@ -159,7 +160,7 @@ class Problem:
 
     def only(self, kept: NDArray[np.bool_]) -> Problem:
         """Return the problem with some of its numbers.  kept : (m,)"""
-        names = ("rows", "values", "noise", "reading", "setup", "groups", "held")
+        names = ("rows", "values", "noise", "reading", "setup", "groups", "type_b")
         return replace(self, **{name: getattr(self, name)[kept] for name in names})
 
     def raw(self, whitened: Array, theta: Array, roots: Sequence[Array]) -> Array:
@@ -193,10 +194,9 @@ def problem(
     """
     places = places_of(observation.setups, readings)
     reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
-    type_b, held = type_b_columns(observation, readings, places, len(reading), usual)
-    passing = [type_b, passing_columns(observation, readings, places, reading, sizes, usual)]
-    blocks, size_at = [each.columns for each in passing], [each.size_at for each in passing]
-    start = sum(block.shape[1] for block in blocks)
+    type_b = type_b_columns(observation, readings, places, len(reading), usual)
+    passing = passing_columns(observation, readings, places, reading, sizes, usual)
+    start = passing.columns.shape[1]
     cells = _cells(observation, places, len(reading), start)
     opened = with_cells(observation, cells)
     found = rows_at(opened, places)
@@ -215,17 +215,17 @@ def problem(
     columns = [opened.cells[cell] for cell in cells]
     rests = by_blocks(found.rows[:, columns], first_cell_roots)
     rest_size = sizes.indices("rest", [observation.errors.terms[term].name for term, _ in cells])
-    rows = np.hstack([*blocks, rests, own])
+    rows = np.hstack([passing.columns, rests, own])
     rows /= noise[:, None]
     mean = np.zeros(answered)
     if inherited is not None:
         mean[: len(inherited.mean)] = inherited.mean
     values = (values - found.rows[:, :answered] @ mean) / noise
-    at = np.concatenate([*size_at, rest_size, own_size]).astype(np.intp)
+    at = np.concatenate([passing.size_at, rest_size, own_size]).astype(np.intp)
     return Problem(
         rows, values, noise, reading, setups, groups, sizes, at, curves, roots, answered,
         len(observation.unknowns), mean, tuple(cells), start,
-        tuple(first_cell_roots), held / noise[:, None],
+        tuple(first_cell_roots), type_b / noise[:, None],
     )  # fmt: skip
 
 

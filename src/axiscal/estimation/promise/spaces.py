@@ -40,6 +40,17 @@ class Answered(NamedTuple):
     covariance: Array
 
 
+class TypeB(NamedTuple):
+    """What causes of type B do at one set of sizes, with B (m, c) of one standard deviation each.
+
+    gains : G B (answered, c) m and rad; fisher : N = BᵀK⁻¹B (c, c); pulled : BᵀK⁻¹y (c,)
+    """
+
+    gains: Array
+    fisher: Array
+    pulled: Array
+
+
 def parts_of(reading: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     """Return the numbers of the readings that have as many of them, (r, k) each.  reading : (m,) ascending"""
     _, first, counts = np.unique(reading, return_index=True, return_counts=True)

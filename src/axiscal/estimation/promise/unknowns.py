@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
 from axiscal.estimation.promise.spaces import (
     Answered,
     Slope,
+    TypeB,
     factors_of,
     raw_cells,
     times_roots,
@@ -37,6 +39,9 @@ class Unknowns:
         self.squares = [mine.rows.T @ mine.rows for mine in each]
         self.products = [mine.rows.T @ mine.values for mine in each]
         self.totals = [float(mine.values @ mine.values) for mine in each]
+        self.causes = [
+            (mine.rows.T @ mine.type_b, mine.type_b.T @ mine.type_b, mine.type_b.T @ mine.values) for mine in each
+        ]
 
     def weights(self, theta: Array) -> Array:
         """Return 1/σ² of each group, (g,)."""
@@ -85,7 +90,7 @@ class InUnknowns:
         right = np.zeros((1, len(self.root)))
         for weight, each in zip(weights, space.products, strict=True):
             right += weight * each
-        half = solution(self.root, turned(space.problem, right, self.theta, self.roots)[0])
+        self.half = half = solution(self.root, turned(space.problem, right, self.theta, self.roots)[0])
         self.solved = back_solution(self.root, half)
         scales = np.append(self.theta, 0.0)[space.groups]
         self.square = float(weights @ np.array(space.totals) - half @ half)
@@ -163,6 +168,19 @@ class InUnknowns:
         half = problem.raw(inverse_of_product(self.root[first:, first:]), self.theta, self.roots)
         covariance = problem.raw(half.T, self.theta, self.roots)
         return Answered(problem.mean + problem.raw(self.solved[first:], self.theta, self.roots), covariance)
+
+    @cached_property
+    def type_b(self) -> TypeB:
+        """What causes of type B do, from products that no number of readings makes dear."""
+        space, problem = self.space, self.space.problem
+        weights = space.weights(self.theta)
+        rows, fisher, pulled = (
+            np.sum([weight * one for weight, one in zip(weights, each, strict=True)], axis=0)
+            for each in zip(*space.causes, strict=True)
+        )
+        half = solution(self.root, turned(problem, rows.T, self.theta, self.roots).T)
+        gains = problem.raw(back_solution(self.root, half)[problem.first :], self.theta, self.roots)
+        return TypeB(gains, fisher - half.T @ half, pulled - half.T @ self.half)
 
     def cell_means(self) -> Array:
         """Return the means of the rests of the cells that were visited."""
