@@ -1,0 +1,75 @@
+"""Causes of type B that are there, and what one standard deviation of each does to the readings; see `type_b`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.description.type_b import TYPE_B, Read, TypeB
+from axiscal.measurement.instrument import model_of
+from axiscal.measurement.instruments.kind import Nominal
+from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.reading import Places, Reading
+from axiscal.measurement.reading_rows import numbers_of_setups
+from axiscal.numerics import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Contribution:
+    """One cause that is there.
+
+    owner : the set-up or instrument whose readings share it, "" for all; stated : whether its size is no default
+    effects : what one standard deviation does to each number of the readings, (m,) m or rad
+    """
+
+    row: TypeB
+    owner: str
+    stated: bool
+    effects: Array
+
+
+def contributions(
+    observation: Observation, places: Places, values: Sequence[tuple[float, ...]] | None = None, usual: bool = True
+) -> list[Contribution]:
+    """Return the type B contributions, causes without effect left out.
+
+    values : of each reading, m or rad; None before they are read; usual : with sizes that nobody stated
+    """
+    found, each = dict[tuple[str, str], Contribution](), numbers_of_setups(observation.setups)[places.setups]
+    first = np.cumsum(each) - each
+    for mine, read in _by_setup(observation, places, values):
+        for row in TYPE_B:
+            stated = row.name in dict(read.setup.stated)
+            if not row.met(read.setup) or not (usual or stated):
+                continue
+            owners = {"set-up": read.setup.name, "instrument": read.setup.instrument, "machine": ""}
+            owner = owners[row.shared]
+            before = found.get((row.name, owner), Contribution(row, owner, True, np.zeros(each.sum())))
+            for number, effect in enumerate(row.column(read)):
+                before.effects[first[mine] + number] += effect
+            found[row.name, owner] = replace(before, stated=stated and before.stated)
+    return [each for each in found.values() if np.any(each.effects)]
+
+
+def _by_setup(
+    observation: Observation, places: Places, values: Sequence[tuple[float, ...]] | None
+) -> Iterator[tuple[NDArray[np.intp], Read]]:
+    """Yield the readings of each set-up, and which of all they are, (r,)."""
+    for index, chosen in places.by_setup():
+        setup, model = observation.setups[index], model_of(observation.setups[index])
+        nominal = Nominal(observation.machine, places.poses[chosen], setup.moves, None, places.approaches[chosen])
+        ways = np.stack([model.direction_of(setup, along, nominal) for along in directions_of(setup)])
+        mine = np.arange(len(places))[chosen]
+        shown = np.zeros(ways.shape[:2]) if values is None else np.array([values[i] for i in mine], dtype=float).T
+        yield mine, Read(setup, nominal, ways, shown)
+
+
+def type_b_columns(
+    observation: Observation, readings: Sequence[Reading], places: Places, numbers: int, usual: bool = True
+) -> Array:
+    """Return what one standard deviation of each contribution does to all numbers, (numbers, c) m or rad."""
+    found = contributions(observation, places, [each.values for each in readings], usual)
+    return np.column_stack([np.zeros((numbers, 0)), *(each.effects for each in found)])
