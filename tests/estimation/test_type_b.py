@@ -420,7 +420,10 @@ def test_a_gain_moves_no_mean_and_teaches_no_size() -> None:
     sizes = sizes_of(dial.machine, dial.setups, "roughly", usual=True, inherited=False)
     made = problem(observation, read_at(places, curve + noise, "s"), sizes)
     assert made.type_b.shape == (40, 1)
-    found, without = sorted_out(made).posterior(), sorted_out(replace(made, type_b=np.zeros((40, 0)))).posterior()
+    found, without = (
+        sorted_out(made).posterior(),
+        sorted_out(replace(made, type_b=np.zeros((40, 0)), causes=())).posterior(),
+    )
     assert found.sizes == without.sizes
     np.testing.assert_array_equal(found.mean, without.mean)
     shape = along(observation)

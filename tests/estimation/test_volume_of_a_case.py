@@ -73,7 +73,7 @@ def test_lengths_are_shown_in_micrometres_and_turns_in_microradians() -> None:
 
 def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
     """By the gain K of all readings: V (I − KH) B with B Bᵀ the part of the prior, noise by V K of its readings."""
-    case = mixed()
+    case = mixed('usual = "off"\nsure = "exactly"')
     known = concluded(case, drawn(case, 30))
     observation, size = known.knowledge.observation, case.errors.size
     numbers = seen(observation, known.readings)

@@ -64,8 +64,10 @@ class Dense:
         return np.asarray(rows @ self.prior_covariance(theta) @ rows.T + np.diag(self.sigma(theta) ** 2))
 
     def judging(self, theta: Array) -> Array:
-        """Return K(θ) + B Bᵀ, (m, m)."""
-        return np.asarray(self.covariance(theta) + self.problem.type_b @ self.problem.type_b.T)
+        """Return K(θ) + B Bᵀ, (m, m), of causes that do not follow from what was read."""
+        pairs = zip(self.problem.causes, self.problem.type_b.T, strict=True)
+        apart = [column for cause, column in pairs if not cause.row.of_values]
+        return np.asarray(self.covariance(theta) + sum(np.outer(each, each) for each in apart))
 
     def log_likelihood(self, theta: Array) -> float:
         """Return log L(θ)."""

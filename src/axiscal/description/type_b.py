@@ -1,10 +1,7 @@
 """Type B: what an instrument or a temperature is off by although no reading shows it (GUM 4.3).
 
-A row of `TYPE_B` is one cause. It has one unknown w ~ N(0, 1) for all readings that share it. Its column b is the
-effect of one standard deviation on each number that is read. So K gains b bᵀ, and common readings do not average it
-away:
-
-    y = H z + Σ b w + v
+A row of `TYPE_B` is one cause. Its column b is the effect of one standard deviation on each number that is read; all
+readings that share the cause have it in common. It moves no estimate, and U has what it does to the estimate.
 """
 
 from __future__ import annotations
@@ -71,8 +68,7 @@ class TypeB:
     applies : whether a set-up has it; covered : unknowns of a set-up that hold it already
     longer : added to the size for each metre of a bar
     least : m, what an indicator shows between two of its numbers, or one and nought, is off by as much at least
-    of_values : it follows from what was read. A column of K that is like the values would explain them, whatever they
-        are, so that it moves no mean and teaches no size: U has what one standard deviation does to the mean.
+    of_values : it follows from what was read, so that it cannot judge the readings
     """
 
     name: str

@@ -262,22 +262,17 @@ _SHARE = 0.02
 """Share of an offset or a slope that has to be hidden before it is named."""
 
 
-def unseen_factor(factor: Array, rows: Array, causes: Array | None = None) -> Array:
+def unseen_factor(factor: Array, rows: Array) -> Array:
     """Return F (n, r) with F Fᵀ the covariance that a million readings would leave.
 
     factor : (n, q) with the prior covariance = factor factorᵀ
     rows : (m, n) allowed readings, spread evenly, each divided by its noise
-    causes : (m, c) what one standard deviation of other unknowns does to them
-    F = factor R⁻¹ with RᵀR = 1 + seenᵀ seen, of what a million readings show in the prior's metric. Its first q columns
-    are F without causes.
+    F = factor R⁻¹ with RᵀR = 1 + seenᵀ seen, of what a million readings show in the prior's metric.
     """
     if not len(rows):
         return factor
-    shown = rows @ factor if causes is None else np.hstack([rows @ factor, causes])
-    right = np.zeros((shown.shape[1], len(factor)))
-    right[: factor.shape[1]] = factor.T
-    triangle = triangle_over(np.ones(len(right)), shown * np.sqrt(MANY_READINGS / len(rows)))
-    return solution(triangle.T, right).T
+    triangle = triangle_over(np.ones(factor.shape[1]), rows @ factor * np.sqrt(MANY_READINGS / len(rows)))
+    return solution(triangle.T, factor.T).T
 
 
 def machine_check(machine: Machine) -> tuple[str, ...]:

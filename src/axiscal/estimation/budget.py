@@ -1,12 +1,12 @@
-"""Where the uncertainty of the tool point comes from: the budget of an estimate.
+"""Where the uncertainty of the tool point comes from: the budget of an estimate, a sum of squares.
 
-The error of an estimate is linear in all unknowns x and in the noise v of y = H x + v. With C the covariance after the
-readings, P the prior covariance of x and R that of v,
+The error of an estimate is linear in all unknowns x, in the noise v of y = H x + v and in causes b of type B. With the
+gain G of the readings
 
-    x − x̂ = G (x − x₀) − C Hᵀ R⁻¹ v,    G = I − C Hᵀ R⁻¹ H = C P⁻¹,    C = C P⁻¹ C + C Hᵀ R⁻¹ H C
+    x̂ − x = −(1 − G H)(x − x₀) + G v + Σ G b_j w_j,    u² = Σ of the mean squares of these over the volume
 
-(Joseph's form; Bierman, Factorization Methods, 1977). Independent sources add: each block of P and of R has its
-covariance, and with it a mean square over the volume.
+(Joseph's form; Bierman, Factorization Methods, 1977; GUM 5.1). The draws of the sizes differ in G, and each term is its
+mean over them. "sizes" is by how much their estimates differ.
 """
 
 from __future__ import annotations
@@ -16,13 +16,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.description.usual import Kind
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.causes import Contribution, contributions
-from axiscal.measurement.observation import Observation
-from axiscal.measurement.reading_rows import Seen, places_of, seen
+from axiscal.estimation.promise.causes import Contribution
+from axiscal.estimation.promise.posterior import Drawn
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
+
+_PASSING: dict[Kind, str] = {"drift": "drift", "cycle": "drift", "growth": "growth", "way": "way"}
 
 
 class BudgetShare(NamedTuple):
@@ -40,78 +42,47 @@ class BudgetShare(NamedTuple):
 
 @one_thread()
 def budget(known: Estimation) -> list[BudgetShare]:
-    """Return the shares of the RMS standard uncertainty over the volume; their squares add up to its square.
-
-    They are at the sizes as learnt. "sizes" is what the posterior has more; where it has less they add up to more.
-    """
-    if not known.readings:
-        return _before(known)
-    spread, numbers = _spread(known), seen(known.knowledge.observation, known.readings)
-    read = known, spread, numbers
-    shares = [*_of_readings(*read), *_of_unknowns(known, spread), *_of_type_b(*read)]
-    missing = known.accuracy.rms**2 - sum(share.rms**2 for share in shares)
-    return [*shares, BudgetShare("sizes", "", float(np.sqrt(max(missing, 0.0))))]
-
-
-def _before(known: Estimation) -> list[BudgetShare]:
+    """Return the shares of the RMS standard uncertainty over the volume; their squares add up to its square."""
     yardstick = known.case.yardstick
-    detail, unseen = yardstick.moments.rest, yardstick.unseen_rms**2
-    prior = max(known.accuracy.rms**2 - detail - unseen, 0.0)
-    return [BudgetShare(kind, "", float(np.sqrt(each)))
-            for kind, each in (("detail", detail), ("prior", prior), ("unseen", unseen))]  # fmt: skip
+    if known.posterior is None:
+        parts = {"detail": yardstick.moments.rest, "unseen": yardstick.unseen_rms**2}
+        parts["prior"] = max(known.accuracy.rms**2 - sum(parts.values()), 0.0)
+        return [BudgetShare(kind, "", float(np.sqrt(each))) for kind, each in parts.items()]
+    figures = np.zeros((yardstick.root.matrix.shape[0], len(known.posterior.mean)))
+    figures[:, : yardstick.root.unknowns] = yardstick.root.matrix
+    squares, whole = dict.fromkeys(_OF_ALL, 0.0), known.accuracy.rms**2
+    for drawn in known.posterior.draws:
+        for source, square in _squares(known, drawn, figures):
+            squares[source] = squares.get(source, 0.0) + known.agreement.inflation * square
+    squares[_PRIOR] -= yardstick.root.criterion(known.printed.belief.factor) - (whole - yardstick.moments.rest)
+    squares[_UNSEEN] = float(np.clip(known.case.yardstick_as_sized.unseen_rms**2, 0.0, max(squares[_PRIOR], 0.0)))
+    squares[_PRIOR] -= squares[_UNSEEN]
+    squares["detail", "", None] += yardstick.moments.rest
+    squares["sizes", "", None] = whole - sum(squares.values())
+    return [BudgetShare(kind, setup, float(np.sqrt(max(each, 0.0))), cause)
+            for (kind, setup, cause), each in squares.items()]  # fmt: skip
 
 
-def _of_readings(known: Estimation, spread: Array, numbers: Seen) -> Iterator[BudgetShare]:
-    """Yield what the noise of each set-up's readings leaves: C Hᵀ R⁻¹ H C of these."""
-    setups, precision = known.knowledge.observation.setups, known.absorbed.precisions(numbers)
-    owner = places_of(setups, known.readings).setups[numbers.reading]
-    for k, setup in enumerate(setups):
-        mine = owner == k
-        if np.any(mine):
-            passed = (spread @ numbers.rows[mine].T) * np.sqrt(precision[mine])
-            yield BudgetShare("instrument", setup.name, float(np.linalg.norm(passed)))
+_Source = tuple[str, str, Contribution | None]
+_PRIOR: _Source = ("prior", "", None)
+_UNSEEN: _Source = ("unseen", "", None)
+_OF_ALL: tuple[_Source, ...] = tuple((kind, "", None) for kind in (
+    "set-up", "drift", "growth", "way", "temperature", "artefact", "detail", "prior",
+))  # fmt: skip
 
 
-def _of_type_b(known: Estimation, spread: Array, numbers: Seen) -> Iterator[BudgetShare]:
-    """Yield the shift of the estimate by one standard deviation of each type B cause b: V C Hᵀ R⁻¹ b."""
-    observation = known.knowledge.observation
-    places, values = places_of(observation.setups, known.readings), [each.values for each in known.readings]
-    causes = contributions(observation, places, values, known.case.description.usual)
-    if causes:
-        columns = np.column_stack([each.effects for each in causes])
-        moved = spread @ (numbers.rows.T @ (known.absorbed.precisions(numbers)[:, None] * columns))
-        for cause, rms in zip(causes, np.linalg.norm(moved, axis=0).tolist(), strict=True):
-            yield BudgetShare("type B", "", rms, cause)
-
-
-def _spread(known: Estimation) -> Array:
-    """Return V C, (r, size): V is what all unknowns do to the tool over the volume."""
-    factor = known.knowledge.belief.factor
-    return known.case.yardstick.root.times(factor) @ factor.T
-
-
-def _of_unknowns(known: Estimation, spread: Array) -> Iterator[BudgetShare]:
-    """Yield what each kind of unknown leaves: V C P⁻¹ C Vᵀ of its block of P."""
-    case, observation = known.case, known.knowledge.observation
-    own = case.errors.size
-    found = dict.fromkeys(("set-up", "drift", "temperature", "artefact", "detail"), 0.0)
-    for column, (kind, variance) in enumerate(_sources(observation), start=own):
-        found[kind] += float(spread[:, column] @ spread[:, column]) / variance if variance > 0 else 0.0
-    yardstick = case.yardstick_as_sized
-    found["detail"] += yardstick.moments.rest
-    whitened = np.linalg.lstsq(case.prior.factor[:own], spread[:, :own].T)[0]
-    errors = float(np.sum(whitened**2)) - yardstick.root.criterion(yardstick.unseen)
-    found |= {"prior": max(errors, 0.0), "unseen": yardstick.unseen_rms**2}
-    yield from (BudgetShare(kind, "", float(np.sqrt(each))) for kind, each in found.items())
-
-
-def _sources(observation: Observation) -> list[tuple[str, float]]:
-    """Return kind and prior variance of every column beyond the errors."""
-    kinds = [(_kind(unknown), unknown.std**2) for unknown in observation.unknowns]
-    rest = observation.bare.rest_variances(observation)
-    start = observation.errors.size + len(kinds)
-    drifts = {column for course in observation.courses.values() for column in course.columns}
-    return kinds + [("drift" if start + k in drifts else "detail", float(each)) for k, each in enumerate(rest)]
+def _squares(known: Estimation, drawn: Drawn, figures: Array) -> Iterator[tuple[_Source, float]]:
+    """Yield what each source leaves of figures of the answered unknowns, m².  figures : F (k, answered)"""
+    problem, observation = drawn.problem, known.knowledge.observation
+    found, causes = drawn.sources(figures)
+    for index in np.unique(problem.setup).tolist():
+        yield ("instrument", observation.setups[index].name, None), float(found.numbers[problem.setup == index].sum())
+    kinds = [_PASSING[kind] for kind in problem.passing] + ["detail"] * len(problem.cells)
+    kinds += ["prior"] * (problem.answered - problem.unknowns) + [_kind(unknown) for unknown in observation.unknowns]
+    for kind, square in zip(kinds, found.columns.tolist(), strict=True):
+        yield (kind, "", None), square
+    for cause, square in zip(problem.causes, causes.tolist(), strict=True):
+        yield ("type B", "", cause), square
 
 
 def _kind(unknown: Unknown) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import POSES, Target
 from axiscal.description.usual import Kind, Sizes, rescaled_machine, sizes_of
-from axiscal.errors.gauge import Hidden, hidden, unseen_factor
+from axiscal.errors.gauge import MANY_READINGS, Hidden, hidden, unseen_factor
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import MovedErrors, VolumeMoments, of_rests, volume_moments
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
@@ -316,11 +316,16 @@ class Case:
 
     @property
     def _left(self) -> Array:
-        """F (errors, r) with F Fᵀ what endless readings leave of errors; its first columns without type B errors."""
+        """F (errors, r) with F Fᵀ what endless readings leave of errors; its last columns are what type B does to them.
+
+        With F of the unseen alone the gain of many readings is F Fᵀ Hᵀ R⁻¹.
+        """
         causes = contributions(self.observation, self._allowed, usual=self.description.usual)
         rows, noise = self._allowed_rows()
-        columns = np.array([each.effects / noise for each in causes]).reshape(len(causes), len(rows))
-        return unseen_factor(self.prior.factor, rows, columns.T)[: self.errors.size]
+        unseen = unseen_factor(self.prior.factor, rows)
+        shown = [rows.T @ (each.effects / noise) * (MANY_READINGS / len(rows)) for each in causes]
+        moved = [unseen @ (unseen.T @ each) for each in shown]
+        return np.column_stack([unseen, *moved])[: self.errors.size]
 
 
 def _located_by(setup: Setup, unknowns: set[str]) -> tuple[str, ...] | None:

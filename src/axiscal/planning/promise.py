@@ -17,7 +17,7 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.promise.causes import Contribution, contributions
+from axiscal.estimation.promise.causes import Contribution
 from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.unknowns import space_of
@@ -95,11 +95,8 @@ def unseen_parts(blank: Blank) -> list[tuple[Contribution, Array]]:
 
     Those causes are left out whose effect follows from the values that are read.
     """
-    observation = blank.case.observation
-    at, values = places_of(observation.setups, blank.readings), [each.values for each in blank.readings]
-    every = contributions(observation, at, values, blank.case.description.usual)
     moved = blank.found.given.type_b.gains.T
-    return [(each, by) for each, by in zip(every, moved, strict=True) if not each.row.of_values]
+    return [(each, by) for each, by in zip(blank.posed.causes, moved, strict=True) if not each.row.of_values]
 
 
 @dataclass(frozen=True, slots=True)

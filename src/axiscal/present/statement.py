@@ -5,7 +5,6 @@ u = √(Σ u_i²),    U = k u
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -24,8 +23,6 @@ from axiscal.units import said_quantity, to_unit
 
 _HOUR, _MANY = 3600.0, 3
 """s; and names in a clause, a matter of taste."""
-_ROUNDED = 1.002
-"""Half of the last of three digits, at most."""
 
 _HEADINGS = (
     (later("row"), later("where"), later("read"), later("largest found"), later("known before"), later("at best")),
@@ -116,13 +113,9 @@ def _figures(summary: Summary) -> Iterator[tuple[str, str]]:
 
 def _sum(summary: Summary) -> str:
     """Return how u and U follow from the sources."""
-    u, found = summary.rms_um, summary.expanded
-    whole = math.sqrt(sum(row.rms_um**2 for row in summary.budget))
+    u, found = quantity(summary.rms_um, "um"), summary.expanded
     words = "u = √(sum of squares) = {u}. U = k u = {k} · {u} = {expanded}."
-    if whole > _ROUNDED * u:
-        words = "√(sum of squares) = {whole} at the sizes as learnt. Averaged over sizes u = {u}. U = k u = {expanded}."
-    return said(words, u=quantity(u, "um"), whole=quantity(whole, "um"), k=figure(found.factor),
-                expanded=quantity(found.space, "um"))  # fmt: skip
+    return said(words, u=u, k=figure(found.factor), expanded=quantity(found.space, "um"))
 
 
 def _error(caption: str, error: CurveSummary | PlaneSummary | ConstantSummary, unit: str) -> list[str]:

@@ -147,12 +147,14 @@ def iso230_block(axis: str, found: Positioning) -> Iso230:
 _WORDS = {
     "set-up": later("Set-ups: zeros, slopes and places of the instruments, which are estimated along with the machine"),
     "drift": later("Drift: zeros that wander while it is read"),
+    "growth": later("Axes that grow while they are read"),
+    "way": later("Reversals that need a way"),
     "temperature": later("Temperature of the measured material and its expansion"),
     "artefact": later("Artefacts: calibrated lengths, and where they stand"),
     "detail": later("Detail of the machine that the curves do not follow"),
     "prior": later("The machine's errors as far as these readings leave them open"),
     "unseen": later("What no reading with the allowed set-ups can see"),
-    "sizes": later("Sizes learnt from the readings, and a model that may be wrong"),
+    "sizes": later("Sizes of the errors, as far as the readings leave them open"),
 }
 _DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangular": later("rectangular")}
 _WORTH = 5e-4

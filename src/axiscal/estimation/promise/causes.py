@@ -12,7 +12,7 @@ from axiscal.description.type_b import TYPE_B, Read, TypeB
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.observation import Observation, directions_of
-from axiscal.measurement.reading import Places, Reading
+from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import numbers_of_setups
 from axiscal.numerics import Array
 
@@ -65,11 +65,3 @@ def _by_setup(
         mine = np.arange(len(places))[chosen]
         shown = np.zeros(ways.shape[:2]) if values is None else np.array([values[i] for i in mine], dtype=float).T
         yield mine, Read(setup, nominal, ways, shown)
-
-
-def type_b_columns(
-    observation: Observation, readings: Sequence[Reading], places: Places, numbers: int, usual: bool = True
-) -> Array:
-    """Return what one standard deviation of each contribution does to all numbers, (numbers, c) m or rad."""
-    found = contributions(observation, places, [each.values for each in readings], usual)
-    return np.column_stack([np.zeros((numbers, 0)), *(each.effects for each in found)])

@@ -5,7 +5,8 @@ Let G be the gain of the model without them, B (m, c) what one standard deviatio
     m = G y,    Var[F u] = F (C + G B (G B)ᵀ) Fᵀ
 
 (Schmidt's consider form; GUM 4.3: knowledge from elsewhere, which these readings cannot improve). K + B Bᵀ judges the
-readings, since two instruments may differ by their scales. With N = BᵀK⁻¹B (Woodbury)
+readings, since two instruments may differ by their scales. There B lacks the causes that follow from what was read: a
+column that is like the values explains them, whatever they are. With N = BᵀK⁻¹B (Woodbury)
 
     (K + B Bᵀ)⁻¹ = K⁻¹ − K⁻¹B (1 + N)⁻¹ BᵀK⁻¹
 """
@@ -61,19 +62,24 @@ class Considered:
     @cached_property
     def _within(self) -> Array:
         """(1 + N)⁻¹, (c, c)."""
-        fisher = self.given.type_b.fisher
+        judging = self.problem.judging
+        fisher = self.given.type_b.fisher[np.ix_(judging, judging)]
         return np.asarray(np.linalg.inv(fisher + np.eye(len(fisher))), dtype=float)
 
     @cached_property
     def _spread(self) -> Array:
         """K⁻¹B, (m, c)."""
-        return self.given.precision(self.problem.type_b)
+        return self.given.precision(self.problem.type_b[:, self.problem.judging])
+
+    @property
+    def _pulled(self) -> Array:
+        """BᵀK⁻¹y, (c,)."""
+        return self.given.type_b.pulled[self.problem.judging]
 
     @property
     def square(self) -> float:
         """yᵀ(K + B Bᵀ)⁻¹y."""
-        pulled = self.given.type_b.pulled
-        return float(self.given.square - pulled @ self._within @ pulled)
+        return float(self.given.square - self._pulled @ self._within @ self._pulled)
 
     @property
     def density(self) -> float:
@@ -84,7 +90,7 @@ class Considered:
     def precision(self, columns: Array) -> Array:
         """Return (K + B Bᵀ)⁻¹X, (m, n).  columns : X (m, n), over the noise"""
         result: Array = self.given.precision(columns)
-        if self.problem.type_b.size:
+        if self.problem.judging.any():
             result = result - self._spread @ (self._within @ (self._spread.T @ columns))
         return result
 
@@ -94,8 +100,8 @@ class Considered:
         part : (r, k) numbers of readings
         """
         weighted, blocks = self.given.left_out(part)
-        if not self.problem.type_b.size:
+        if not self.problem.judging.any():
             return weighted, blocks
         mine = self._spread[part]
         shared = mine @ self._within
-        return weighted - shared @ self.given.type_b.pulled, blocks - shared @ mine.transpose(0, 2, 1)
+        return weighted - shared @ self._pulled, blocks - shared @ mine.transpose(0, 2, 1)

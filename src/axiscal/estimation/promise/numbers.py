@@ -13,6 +13,7 @@ from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.spaces import (
     Answered,
     Slope,
+    Sources,
     TypeB,
     factors_of,
     raw_cells,
@@ -157,6 +158,17 @@ class InNumbers:
     def gain(self, columns: Array) -> Array:
         """Return G B, (answered, c) m and rad: by what the mean m = G y moves.  columns : B (m, c), over the noise"""
         return self.space.problem.raw(self._shown.T @ self.precision(columns), self.theta, self.roots)
+
+    def sources(self, figures: Array) -> Sources:
+        """Return what each source of variance leaves of figures of the answered unknowns.  figures : F (k, answered)"""
+        problem = self.space.problem
+        own = problem.raw(figures.T, self.theta, self.roots, back=True).T
+        shown = turned(problem, problem.rows, self.theta, self.roots)
+        passed = self.precision(shown[:, problem.first :] @ own.T).T
+        left = -passed @ shown
+        left[:, problem.first :] += own
+        noise = variances_of(problem, self.theta)
+        return Sources(np.sum(left**2, axis=0), np.sum(passed**2, axis=0) * noise)
 
     @cached_property
     def type_b(self) -> TypeB:

@@ -47,10 +47,15 @@ _SINGLE = 1e-9
 
 
 class Passing(NamedTuple):
-    """columns : (m, q) of all numbers, m or rad, sizes as usual; size_at : (q,) number of each one's θ, −1 for none."""
+    """What only readings suffer.
+
+    columns : (m, q) of all numbers, m or rad, sizes as usual; size_at : (q,) number of each one's θ, −1 for none
+    kinds : (q,) cause of each
+    """
 
     columns: Array
     size_at: NDArray[np.intp]
+    kinds: tuple[Kind, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +86,8 @@ def passing_columns(
     reading : (m,) the reading of each number, ascending; readings have their times
     usual : with what usually goes wrong; else zeros wander as stated and nothing besides
     """
-    times, parts, size_at = np.nan_to_num(times_of(readings)), list[Array](), list[int]()
+    times, parts = np.nan_to_num(times_of(readings)), list[Array]()
+    size_at, kinds = list[int](), list[Kind]()
     for index, chosen in places.by_setup():
         which = np.arange(len(places))[chosen]
         first = np.searchsorted(reading, which)
@@ -91,14 +97,16 @@ def passing_columns(
         for kind, made in chain(*made_of) if usual else _as_stated(mine, len(reading)):
             parts.append(made)
             size_at += [sizes.index(kind, setup.name)] * made.shape[1]
+            kinds += [kind] * made.shape[1]
         turns = turning(observation, index, mine.poses, mine.approaches) if usual else []
         parts.append(np.zeros((len(reading), len(turns))))
         for column, turn in zip(parts[-1].T, turns, strict=True):
             for number, missing in enumerate(turn.missing(mine.poses, np.argsort(mine.clock, kind="stable"))):
                 column[mine.first + number] = missing
             size_at.append(sizes.index("way", turn.name))
+            kinds.append("way")
     columns = np.hstack(parts) if parts else np.zeros((len(reading), 0))
-    return Passing(columns, np.array(size_at, dtype=np.intp))
+    return Passing(columns, np.array(size_at, dtype=np.intp), tuple(kinds))
 
 
 def _length(clock: Array) -> float:

@@ -35,7 +35,7 @@ from axiscal.estimation.promise.agreement import BAD_SHARE, MOST_BAD, SEVERAL, A
 from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Draws, Weighed, as_stated, draws, mode, redrawn, weighed
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
-from axiscal.estimation.promise.spaces import parts_of
+from axiscal.estimation.promise.spaces import Sources, parts_of
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
@@ -84,7 +84,7 @@ class Posterior:
     sizes : exp θ by kind and owner, of lengths the geometric mean, of others the root mean square
     surely : share of the sizes of errors that is there with 99 %, the least of all; effective : number of draws
     bad : readings that were taken out, in this order, by index; agreement : of the others
-    left_out : of each reading that stayed
+    left_out : of each reading that stayed; draws : of which it is the mean
     """
 
     mean: Array
@@ -97,6 +97,29 @@ class Posterior:
     bad: dict[int, LeftOut]
     agreement: Agreement
     left_out: dict[int, LeftOut]
+    draws: tuple[Drawn, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """Readings with the draws of the sizes that they teach.  thetas : (n, k); weights : (n,)"""
+
+    problem: Problem
+    thetas: Array
+    weights: Array
+
+    def sources(self, figures: Array) -> tuple[Sources, Array]:
+        """Return what each source leaves of figures in the mean over the draws, and each cause of type B, (c,).
+
+        figures : F (k, answered), of the answered unknowns
+        """
+        space, found = space_of(self.problem), list[tuple[Array, Array, Array]]()
+        for theta in self.thetas:
+            if (given := space.given(theta)) is not None:
+                moved = figures @ given.type_b.gains
+                found.append((*given.sources(figures), np.sum(moved**2, axis=0)))
+        columns, numbers, causes = (self.weights @ np.array(each) for each in zip(*found, strict=True))
+        return Sources(columns, numbers), causes
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +182,8 @@ class Sorted:
         agreed = agreement(mine, found, z, out, ((axes, other.only(kept)) for axes, other in turned), every)
         known = dict(zip(self.problem.cells, moments.cells.tolist(), strict=True))
         of_sizes = self.sizes, _surely(mine, found), found.effective
-        return Posterior(*moments[:3], known, *of_sizes, self.bad, agreed, left)
+        drawn = tuple(Drawn(each.problem, each.found.thetas, each.found.weights / len(judged)) for each in judged)
+        return Posterior(*moments[:3], known, *of_sizes, self.bad, agreed, left, drawn)
 
 
 @one_thread()

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from axiscal.description.usual import Kind, Sizes
 from axiscal.errors.model import ErrorFunction, Term
 from axiscal.errors.plane import PlaneError
 from axiscal.errors.prior import distances, matern, matern_by_length
-from axiscal.estimation.promise.causes import type_b_columns
+from axiscal.estimation.promise.causes import Contribution, contributions
 from axiscal.estimation.promise.passing import passing_columns
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
@@ -132,7 +133,8 @@ class Problem:
     answered : number of the columns that are answered, the last ones; mean : (answered,) before any reading
     unknowns : number of those of set-ups, the last of these
     cells : (term, cell) of the columns of rests, from column `first_cell` on
-    type_b : (m, c) over the noise, what one standard deviation of each cause of type B does
+    passing : kinds of the first columns, of what only readings suffer
+    type_b : (m, c) over the noise, what one standard deviation of each cause of type B does; causes : these
     """
 
     rows: Array
@@ -151,31 +153,39 @@ class Problem:
     cells: tuple[tuple[int, int], ...]
     first_cell: int
     cell_roots: tuple[Array, ...]
+    passing: tuple[Kind, ...]
     type_b: Array
+    causes: tuple[Contribution, ...]
 
     @property
     def first(self) -> int:
         """The first column that is answered."""
         return int(self.rows.shape[1]) - self.answered
 
+    @cached_property
+    def judging(self) -> NDArray[np.bool_]:
+        """Which causes of type B judge the readings: those that do not follow from what was read, (c,)."""
+        return np.array([not cause.row.of_values for cause in self.causes], dtype=bool)
+
     def only(self, kept: NDArray[np.bool_]) -> Problem:
         """Return the problem with some of its numbers.  kept : (m,)"""
         names = ("rows", "values", "noise", "reading", "setup", "groups", "type_b")
         return replace(self, **{name: getattr(self, name)[kept] for name in names})
 
-    def raw(self, whitened: Array, theta: Array, roots: Sequence[Array]) -> Array:
-        """Return answered unknowns in m and rad from whitened ones, (answered, ...).
+    def raw(self, whitened: Array, theta: Array, roots: Sequence[Array], *, back: bool = False) -> Array:
+        """Return answered unknowns in m and rad from whitened ones, (answered, ...): L D u.
 
-        whitened : (answered, ...); roots : of the curves at θ
+        whitened : (answered, ...); roots : of the curves at θ; back : D Lᵀ instead, of what multiplies unknowns
         """
         first, result = self.first, whitened.copy()
         for start, root in self.roots:
             part = slice(start - first, start - first + len(root))
-            result[part] = root @ whitened[part]
+            result[part] = (root.T if back else root) @ whitened[part]
         for curves, lower in zip(self.curves, roots, strict=True):
             flat = whitened[curves.columns - first]
             shape = (*flat.shape[:2], -1)
-            result[curves.columns - first] = (lower @ flat.reshape(shape)).reshape(flat.shape)
+            own = lower.transpose(0, 2, 1) if back else lower
+            result[curves.columns - first] = (own @ flat.reshape(shape)).reshape(flat.shape)
         factor = np.exp(np.append(theta, 0.0)[self.size_at[first:]])
         return np.asarray(factor.reshape(-1, *[1] * (result.ndim - 1)) * result)
 
@@ -194,7 +204,8 @@ def problem(
     """
     places = places_of(observation.setups, readings)
     reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
-    type_b = type_b_columns(observation, readings, places, len(reading), usual)
+    causes = contributions(observation, places, [each.values for each in readings], usual)
+    type_b = np.column_stack([np.zeros((len(reading), 0)), *(each.effects for each in causes)])
     passing = passing_columns(observation, readings, places, reading, sizes, usual)
     start = passing.columns.shape[1]
     cells = _cells(observation, places, len(reading), start)
@@ -225,7 +236,7 @@ def problem(
     return Problem(
         rows, values, noise, reading, setups, groups, sizes, at, curves, roots, answered,
         len(observation.unknowns), mean, tuple(cells), start,
-        tuple(first_cell_roots), type_b / noise[:, None],
+        tuple(first_cell_roots), passing.kinds, type_b / noise[:, None], tuple(causes),
     )  # fmt: skip
 
 

@@ -51,6 +51,13 @@ class TypeB(NamedTuple):
     pulled: Array
 
 
+class Sources(NamedTuple):
+    """Mean squares of figures F that the prior of each column leaves, (p,), and the noise of each number, (m,)."""
+
+    columns: Array
+    numbers: Array
+
+
 def parts_of(reading: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     """Return the numbers of the readings that have as many of them, (r, k) each.  reading : (m,) ascending"""
     _, first, counts = np.unique(reading, return_index=True, return_counts=True)

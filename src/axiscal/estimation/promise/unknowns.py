@@ -14,6 +14,7 @@ from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
 from axiscal.estimation.promise.spaces import (
     Answered,
     Slope,
+    Sources,
     TypeB,
     factors_of,
     raw_cells,
@@ -168,6 +169,17 @@ class InUnknowns:
         half = problem.raw(inverse_of_product(self.root[first:, first:]), self.theta, self.roots)
         covariance = problem.raw(half.T, self.theta, self.roots)
         return Answered(problem.mean + problem.raw(self.solved[first:], self.theta, self.roots), covariance)
+
+    def sources(self, figures: Array) -> Sources:
+        """Return what each source of variance leaves of figures of the answered unknowns."""
+        problem = self.space.problem
+        own = np.zeros((problem.rows.shape[1], len(figures)))
+        own[problem.first :] = problem.raw(figures.T, self.theta, self.roots, back=True)
+        left = back_solution(self.root, solution(self.root, own))
+        passed = np.zeros(len(problem.values))
+        for piece in np.array_split(np.arange(len(passed)), 1 + len(passed) // _AT_ONCE):
+            passed[piece] = np.sum((self._rows(piece)[0] @ left) ** 2, axis=1)
+        return Sources(np.sum(left**2, axis=1), passed)
 
     @cached_property
     def type_b(self) -> TypeB:
