@@ -35,8 +35,8 @@ def test_spheres_do_not_see_how_long_a_metre_is() -> None:
     case = case_of(0)
     first = case.hidden[0]
     assert SCALE in first.text
-    assert "1.9 um of the 2.6 um" in first.text
-    assert first.effect == pytest.approx(1.9e-6, abs=0.06e-6)
+    assert "3.1 um of the 3.6 um" in first.text
+    assert first.effect == pytest.approx(3.1e-6, abs=0.06e-6)
 
 
 def test_an_aligned_part_fills_the_volume_and_no_more() -> None:

@@ -85,7 +85,7 @@ def test_squareness_is_the_angle_between_the_paths(pair: str, ways: tuple[int, i
         direction = np.linalg.svd(plane - plane.mean(axis=0))[2][0]
         main.append(direction * np.sign(direction[ways.index(way)]))
     angle = np.pi / 2 - np.arccos(main[0] @ main[1])
-    assert _found(asked, machine) == pytest.approx([angle], abs=2e-9)
+    assert _found(asked, machine) == pytest.approx([angle], abs=5e-9)  # times the scale, in the second order
     assert abs(angle) > 1e-6
 
 

@@ -76,12 +76,17 @@ class Dense:
     def unknowns(self, theta: Array) -> Normal:
         """Return the posterior of the answered unknowns at θ, m and rad."""
         problem, prior = self.problem, self.prior_covariance(theta)
-        seen = prior @ problem.rows.T @ np.linalg.inv(self.covariance(theta))
-        mean, covariance = seen @ problem.values, prior - seen @ problem.rows @ prior
+        half = np.linalg.solve(
+            np.linalg.cholesky(self.covariance(theta)), np.column_stack([problem.rows, problem.values])
+        )
+        half, values = half[:, :-1] @ prior, half[:, -1]  # an open zero leaves no digits to an inverse
+        mean, covariance = half.T @ values, prior - half.T @ half
         turn, last = np.eye(len(mean)), slice(problem.first, None)
         for start, root in problem.roots:
             turn[start : start + len(root), start : start + len(root)] = root
-        turn = turn[last, last]
+        turn = turn[problem.own :, last]
+        for number, scale in enumerate(problem.scales):
+            turn[scale.part, number] = scale.ramp
         return problem.mean + turn @ mean[last], turn @ covariance[last, last] @ turn.T
 
     def counted(self, theta: Array) -> Normal:

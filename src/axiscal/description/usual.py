@@ -69,6 +69,10 @@ LENGTH = Cause(
     "length of an error", "-", 1.0, "length as stated", 2.5,
     "0.09, 0.25, 0.76 of the travel at 16, 50, 84 % of the same curves",
 )  # fmt: skip
+SCALE = Cause(
+    "scale of a linear axis", "coordinate", 30e-6, "um/m", 3.0,
+    "a ground screw of class C5 has 23 um in 300 mm, two kelvins are 23 um/m",
+)  # fmt: skip
 ROUGH = Cause(
     "error, rough", "cells of 2 % of the travel, half of the variance in cells of 6 %", 0.085,
     "std of the error", 3.0, "0.048, 0.085, 0.20 of the same curves; maps 0.066, 0.096, 0.13",
@@ -106,7 +110,7 @@ BAD = Cause(
 )  # fmt: skip
 
 
-Kind = Literal["std", "length", "rest", "reversal", "together", "drift", "cycle", "growth", "way", "noise"]
+Kind = Literal["std", "length", "scale", "rest", "reversal", "together", "drift", "cycle", "growth", "way", "noise"]
 _FARTHEST = 7.0
 """Of |θ|, a factor of a thousand: beyond it lies nothing but overflow."""
 _LARGEST: dict[Kind, float] = {"noise": math.log(BAD.size / NOISE.size), "cycle": math.log(BAD.size / CYCLE.size)}
@@ -227,6 +231,8 @@ def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[PlaneEntry]
 def _as_usual(entry: ErrorEntry, axis: Axis) -> ErrorEntry:
     if entry.constant or entry.harmonics or entry.joints:
         return entry
+    if entry.scale is None and not axis.rotary and entry.name == axis.positioning_error:
+        entry = replace(entry, scale=SCALE.size)
     if entry.length is None:
         knots = entry.knot_count(axis)  # as they are: a length alone would ask for others
         entry = replace(entry, length=_LENGTH * axis.length, knots=knots, spacing=None)
@@ -268,7 +274,7 @@ def needs_a_way(kind: str, axis: Axis) -> bool:
 def _of_errors(machine: Machine, sure: Sure) -> Iterator[Size]:
     """Yield the factors on sizes and lengths of errors."""
     kinds: tuple[tuple[Kind, float], ...] = (
-        ("std", SURE["roughly"]), ("length", LENGTH.factor), ("reversal", REVERSAL.factor)
+        ("std", SURE["roughly"]), ("length", LENGTH.factor), ("scale", SCALE.factor), ("reversal", REVERSAL.factor)
     )  # fmt: skip
     for kind, most in kinds:
         groups = dict[tuple[float, tuple[bool, ...]], list[str]]()
@@ -289,6 +295,8 @@ def _alike(entry: ErrorEntry, kind: Kind, machine: Machine) -> tuple[bool, ...] 
     rotary = machine.axis(entry.axis).rotary
     if entry.kind != ("reversal" if kind == "reversal" else "motion"):
         return None
+    if kind == "scale":
+        return (rotary,) if entry.scale else None
     if kind == "length":
         return (rotary,) if entry.length is not None else None
     return (rotary, entry.parts.angular, entry.harmonics > 0)
@@ -328,6 +336,7 @@ def _rescaled(entry: ErrorEntry, axis: Axis, sizes: Mapping[tuple[Kind, str], fl
     return replace(
         entry,
         std=entry.std * sizes.get((kind, entry.name), 1.0),
+        scale=None if entry.scale is None else entry.scale * sizes.get(("scale", entry.name), 1.0),
         length=length,
         rest=entry.first_rest * sizes.get(("rest", entry.name), 1.0),
         knots=knots,

@@ -36,7 +36,8 @@ def covariance(entry: ErrorEntry, spline: Spline) -> Array:
 
     Independent control points (B&H eq. 16) without a correlation length, else Matérn-5/2 or -3/2 at the knots. On a
     cyclic spline the distance is the chord of the circle, which keeps the kernel positive definite. In a wave, cosine
-    and sine of k turns a period have s²/k², k = 1…K. Each step has s², the mean level of steps none.
+    and sine of k turns a period have s²/k², k = 1…K. Each step has s², the mean level of steps none. A scale adds the
+    coordinate times one unknown.
     """
     if entry.harmonics:
         turns = 2 * np.pi * np.arange(spline.size) / spline.size
@@ -49,8 +50,18 @@ def covariance(entry: ErrorEntry, spline: Spline) -> Array:
         steps: Array = entry.std**2 * centred @ centred.T
         return steps
     if entry.length is None or spline.size == 1:
-        return entry.std**2 * np.eye(spline.size)
-    return entry.std**2 * matern(distances(spline) / entry.length, entry.smoothness)
+        curve = np.eye(spline.size)
+    else:
+        curve = matern(distances(spline) / entry.length, entry.smoothness)
+    along = (entry.scale or 0.0) * ramp(spline)
+    return entry.std**2 * curve + np.outer(along, along)
+
+
+def ramp(spline: Spline) -> Array:
+    """Return the control values of a strain of one about the middle of the travel, (size,) m."""
+    low, high = spline.knots[[0, -1]]
+    result: Array = spline.control_positions - (low + high) / 2
+    return result
 
 
 def distances(spline: Spline) -> Array:

@@ -51,7 +51,7 @@ def data_equation(observation: Observation, readings: Sequence[Reading], others:
     posed = problem(observation, readings, NONE_VARY, usual=False)
     count = observation.errors.size
     rows = rows_at(observation, places_of(observation.setups, readings)).rows[:, :count] / posed.noise[:, None]
-    beside = np.delete(posed.rows, slice(posed.first, posed.first + count), axis=1)
+    beside = np.delete(posed.rows, slice(posed.first, posed.own + count), axis=1)
     if others is not None:
         beside = np.hstack([rows @ others, beside])
     lower = lower_root(np.eye(len(rows)) + beside @ beside.T)

@@ -186,6 +186,7 @@ class ErrorEntry:
     fine : knots of which nothing is said are as close as a rough curve needs them
     sure : how well std and length are known; None for what the campaign says of all
     smoothness_averaged : an older file leaves the smoothness open; knots are as close as a rough curve needs them
+    scale : of a positioning error, the strain by which the linear axis may be longer; None where none is said
     """
 
     name: str
@@ -202,6 +203,7 @@ class ErrorEntry:
     fine: bool = False
     smoothness_averaged: bool = False
     sure: Sure | None = None
+    scale: float | None = None
 
     @property
     def parts(self) -> ErrorName:

@@ -36,6 +36,8 @@ from axiscal.units import Dimension
 MOST_PRODUCTS = 1600
 """Control values of one plane: 40 x 40; an update with more takes seconds."""
 LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-12
+_LARGEST_SCALE = 0.1
+"""A tenth of what an axis shows: more is another unit."""
 """m or rad."""
 AVERAGED = "estimate"
 """What is said of a rest that is to be learnt; in older files of a smoothness, too."""
@@ -104,6 +106,9 @@ def _checked(name: ErrorName | PlaneName, key: str, table: ErrorTable, axes: Map
     if isinstance(name, ErrorName):
         _check_location(name, own[0])
     _check_keys(name, key, table)
+    if table.scale is not None and (own[0].rotary or key != own[0].positioning_error):
+        remedy = "Give it to the position error of a linear axis, such as EXX"
+        raise DescriptionError("scale = {value}: {name} is no length", remedy, value=shown(table.scale), name=key)
     return own
 
 
@@ -134,7 +139,7 @@ _KEYS = {
     "pitch": (_CONSTANT | {"period", "harmonics", "sure"}, _ELSEWHERE),
     "step": (_CONSTANT | {"period", "at", "sure"}, _ELSEWHERE),
     "curve": (_ALL - {"harmonics", "at"}, later("Give it to {error}_pitch or {error}_step")),
-    "plane": (_ALL - {"period"}, later("Take it out; give it to the curve of one axis")),
+    "plane": (_ALL - {"period", "scale"}, later("Take it out; give it to the curve of one axis")),
 }
 """By kind of error: the keys that it may have, and what would be right for another."""
 
@@ -190,6 +195,7 @@ def _of_one(name: ErrorName, stated: Stated[ErrorTable], axis: Axis) -> ErrorEnt
         joints=_joints(stated, axis) if name.shape == "step" else (),
         smoothness_averaged=table.smoothness == AVERAGED,
         sure=table.sure,
+        scale=stated.within("scale", "angle", 0.0, _LARGEST_SCALE),
     )
     entry.knot_count(axis)
     return entry

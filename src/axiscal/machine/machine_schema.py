@@ -80,6 +80,7 @@ class ErrorTable(_Table):
     sure: Literal["roughly", "well", "exactly"] | None = Field(None, examples=['"well"'])
     harmonics: int | None = Field(None, examples=["2"])
     at: list[QuantityText] | None = Field(None, examples=['["500 mm", "1000 mm"]'])
+    scale: QuantityText | None = Field(None, examples=['"30 um/m"'])
 
 
 class MachineFile(_Table):

@@ -217,6 +217,7 @@ _FAR_FROM_STATED = 3.0
 _WORDS: dict[Kind, str] = {
     "std": later("size"),
     "length": later("length over which it varies"),
+    "scale": later("scale of the axes"),
     "rest": later("detail"),
     "reversal": later("reversal"),
     "together": later("what two axes do together"),

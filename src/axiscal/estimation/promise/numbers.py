@@ -40,18 +40,21 @@ class Numbers:
         self._curved = [problem.rows[:, curves.columns].transpose(1, 0, 2).copy() for curves in problem.curves]
         self._roots = np.zeros((problem.answered,) * 2)
         for start, root in problem.roots:
-            part = slice(start - problem.first, start - problem.first + len(root))
+            part = slice(start - problem.own, start - problem.own + len(root))
             self._roots[part, part] = root @ root.T
 
     def prior_covariance(self, theta: Array, roots: Sequence[Array]) -> Array:
         """Return the prior covariance of the answered unknowns, (answered, answered) m² and rad²."""
-        factors = factors_of(self.problem, theta)[self.problem.first :]
+        every = factors_of(self.problem, theta)
+        factors = every[self.problem.own :]
         result: Array = self._roots * factors
         result *= factors[:, None]
         for curves, lower in zip(self.problem.curves, roots, strict=True):
-            at = curves.columns - self.problem.first
+            at = curves.columns - self.problem.own
             sized = lower * factors[at][:, :, None]
             result[at[:, :, None], at[:, None, :]] = sized @ sized.transpose(0, 2, 1)
+        for scale, factor in zip(self.problem.scales, every[self.problem.first :], strict=False):
+            result[scale.part, scale.part] += factor**2 * np.outer(scale.ramp, scale.ramp)
         return result
 
     def _shown(self, theta: Array, roots: Sequence[Array]) -> list[Array]:
@@ -162,7 +165,7 @@ class InNumbers:
     def sources(self, figures: Array) -> Sources:
         """Return what each source of variance leaves of figures of the answered unknowns.  figures : F (k, answered)"""
         problem = self.space.problem
-        own = problem.raw(figures.T, self.theta, self.roots, back=True).T
+        own = problem.whitened(figures.T, self.theta, self.roots).T
         shown = turned(problem, problem.rows, self.theta, self.roots)
         passed = self.precision(shown[:, problem.first :] @ own.T).T
         left = -passed @ shown

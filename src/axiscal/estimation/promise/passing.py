@@ -150,7 +150,7 @@ def growing(observation: Observation, index: int, poses: Array) -> list[Array]:
     machine, levers, found = observation.machine, None, list[Array]()
     for k in observation.setups[index].moves:
         axis = machine.axes[k]
-        term = next((i for i, t in enumerate(observation.errors.terms) if t.name == f"E{axis.name}{axis.name}"), None)
+        term = next((i for i, t in enumerate(observation.errors.terms) if t.name == axis.positioning_error), None)
         if term is None or axis.rotary:
             continue
         levers = observation.levers(index, poses) if levers is None else levers

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from axiscal.description.usual import Kind, Sizes
 from axiscal.errors.model import ErrorFunction, Term
 from axiscal.errors.plane import PlaneError
-from axiscal.errors.prior import distances, matern, matern_by_length
+from axiscal.errors.prior import covariance, distances, matern, matern_by_length, ramp
 from axiscal.estimation.promise.causes import Contribution, contributions
 from axiscal.estimation.promise.passing import passing_columns
 from axiscal.machine.entry import ErrorEntry
@@ -118,6 +118,14 @@ class PlaneUnknowns:
         return first * factor, second * factor
 
 
+@dataclass(frozen=True, eq=False)
+class Scale:
+    """The scale of a linear axis: part : of the answered unknowns; ramp : (n,) m, what one standard deviation adds."""
+
+    part: slice
+    ramp: Array
+
+
 Bent = Curves | PlaneUnknowns
 """Columns whose prior depends on a length."""
 
@@ -130,6 +138,7 @@ class Problem:
     setup : (m,) index of its set-up; groups : (m,) number of the θ of its noise, −1 where that is exact
     size_at : (p,) number of the θ of each column, −1 for none; curves : the columns whose prior has a length
     roots : of blocks of answered columns whose prior has none: where it begins, and F (q, q)
+    scales : of the columns before the answered ones, which are scales of axes
     answered : number of the columns that are answered, the last ones; mean : (answered,) before any reading
     unknowns : number of those of set-ups, the last of these
     cells : (term, cell) of the columns of rests, from column `first_cell` on
@@ -147,6 +156,7 @@ class Problem:
     size_at: NDArray[np.intp]
     curves: tuple[Bent, ...]
     roots: tuple[tuple[int, Array], ...]
+    scales: tuple[Scale, ...]
     answered: int
     unknowns: int
     mean: Array
@@ -159,8 +169,8 @@ class Problem:
 
     @property
     def first(self) -> int:
-        """The first column that is answered."""
-        return int(self.rows.shape[1]) - self.answered
+        """The first column of which answered unknowns are made."""
+        return int(self.rows.shape[1]) - self.answered - len(self.scales)
 
     @cached_property
     def judging(self) -> NDArray[np.bool_]:
@@ -172,22 +182,47 @@ class Problem:
         names = ("rows", "values", "noise", "reading", "setup", "groups", "type_b")
         return replace(self, **{name: getattr(self, name)[kept] for name in names})
 
-    def raw(self, whitened: Array, theta: Array, roots: Sequence[Array], *, back: bool = False) -> Array:
+    @property
+    def own(self) -> int:
+        """The first column that is answered; scales of axes stand before it."""
+        return self.first + len(self.scales)
+
+    def raw(self, whitened: Array, theta: Array, roots: Sequence[Array]) -> Array:
         """Return answered unknowns in m and rad from whitened ones, (answered, ...): L D u.
 
-        whitened : (answered, ...); roots : of the curves at θ; back : D Lᵀ instead, of what multiplies unknowns
+        whitened : (scales + answered, ...); roots : of the curves at θ
         """
-        first, result = self.first, whitened.copy()
+        sized = self._sized(whitened, theta)
+        result = self._rooted(sized[len(self.scales) :], roots)
+        for scale, each in zip(self.scales, sized[: len(self.scales)], strict=True):
+            result[scale.part] += scale.ramp.reshape(-1, *[1] * (result.ndim - 1)) * each
+        return result
+
+    def whitened(self, figures: Array, theta: Array, roots: Sequence[Array]) -> Array:
+        """Return what figures of answered unknowns are of whitened ones: D Lᵀ f, (scales + answered, ...).
+
+        figures : (answered, ...), m and rad
+        """
+        back = self._rooted(figures, [lower.transpose(0, 2, 1) for lower in roots], turned=True)
+        scales = [(scale.ramp @ figures[scale.part])[None] for scale in self.scales]
+        return self._sized(np.concatenate([*scales, back]), theta)
+
+    def _sized(self, whitened: Array, theta: Array) -> Array:
+        """Return D u, with the size of each column.  whitened : (scales + answered, ...)"""
+        factors = np.exp(np.append(theta, 0.0)[self.size_at[self.first :]])
+        return np.asarray(factors.reshape(-1, *[1] * (whitened.ndim - 1)) * whitened)
+
+    def _rooted(self, own: Array, roots: Sequence[Array], *, turned: bool = False) -> Array:
+        """Return L u of answered columns.  own : (answered, ...); turned : roots that do not vary count as Lᵀ"""
+        result = own.copy()
         for start, root in self.roots:
-            part = slice(start - first, start - first + len(root))
-            result[part] = (root.T if back else root) @ whitened[part]
+            part = slice(start - self.own, start - self.own + len(root))
+            result[part] = (root.T if turned else root) @ own[part]
         for curves, lower in zip(self.curves, roots, strict=True):
-            flat = whitened[curves.columns - first]
+            flat = own[curves.columns - self.own]
             shape = (*flat.shape[:2], -1)
-            own = lower.transpose(0, 2, 1) if back else lower
-            result[curves.columns - first] = (own @ flat.reshape(shape)).reshape(flat.shape)
-        factor = np.exp(np.append(theta, 0.0)[self.size_at[first:]])
-        return np.asarray(factor.reshape(-1, *[1] * (result.ndim - 1)) * result)
+            result[curves.columns - self.own] = (lower @ flat.reshape(shape)).reshape(flat.shape)
+        return result
 
 
 def problem(
@@ -222,19 +257,21 @@ def problem(
     names = [setup.name for setup in observation.setups]
     groups = np.where(np.isnan(stated), sizes.indices("noise", names)[setups], -1)
     answered = observation.errors.size + len(observation.unknowns)
-    own, own_size, curves, roots = builder.errors(found.rows, start + len(cells))
+    scales, scale_size = builder.scales()
+    own, own_size, curves, roots = builder.errors(found.rows, start + len(cells) + len(scales))
     columns = [opened.cells[cell] for cell in cells]
     rests = by_blocks(found.rows[:, columns], first_cell_roots)
     rest_size = sizes.indices("rest", [observation.errors.terms[term].name for term, _ in cells])
-    rows = np.hstack([passing.columns, rests, own])
+    longer = [found.rows[:, scale.part] @ scale.ramp for scale in scales]
+    rows = np.column_stack([passing.columns, rests, *longer, own])
     rows /= noise[:, None]
     mean = np.zeros(answered)
     if inherited is not None:
         mean[: len(inherited.mean)] = inherited.mean
     values = (values - found.rows[:, :answered] @ mean) / noise
-    at = np.concatenate([passing.size_at, rest_size, own_size]).astype(np.intp)
+    at = np.concatenate([passing.size_at, rest_size, scale_size, own_size]).astype(np.intp)
     return Problem(
-        rows, values, noise, reading, setups, groups, sizes, at, curves, roots, answered,
+        rows, values, noise, reading, setups, groups, sizes, at, curves, roots, scales, answered,
         len(observation.unknowns), mean, tuple(cells), start,
         tuple(first_cell_roots), passing.kinds, type_b / noise[:, None], tuple(causes),
     )  # fmt: skip
@@ -296,6 +333,15 @@ class _Builder:
         ]
         return [term.rest * (_cell_root(term, mine) if self.usual else np.eye(len(mine))) for term, mine in of_term]
 
+    def scales(self) -> tuple[tuple[Scale, ...], NDArray[np.intp]]:
+        """Return the scales of axes, and the number of the θ of each; none where a belief was inherited."""
+        if self.inherited is not None:
+            return (), np.zeros(0, dtype=np.intp)
+        stated = {entry.name: entry.scale for entry in self.observation.errors.machine.errors if entry.scale}
+        terms = [term for term in self.observation.errors.functions if term.name in stated]
+        scales = tuple(Scale(term.columns, stated[term.name] * ramp(term.basis)) for term in terms)
+        return scales, self.sizes.indices("scale", [term.name for term in terms])
+
     def errors(
         self, rows: Array, start: int
     ) -> tuple[Array, NDArray[np.intp], tuple[Bent, ...], tuple[tuple[int, Array], ...]]:
@@ -319,7 +365,7 @@ class _Builder:
                     columns = np.arange(term.columns.start, term.columns.stop)[None] + start
                     curves.append(PlaneUnknowns(columns, term, np.array([length])))
                 else:
-                    roots.append((term.columns.start, unique_root(term.covariance)))
+                    roots.append((term.columns.start, unique_root(_without_scale(term, entry))))
         stds = [unknown.std for unknown in self.observation.unknowns]
         roots += [(self.observation.errors.size + i, np.array([[std]])) for i, std in enumerate(stds)]
         for at, root in roots:
@@ -343,6 +389,13 @@ class _Builder:
 
 MOST_NUMBERS = 300
 """Numbers of readings up to which their covariance is smaller than that of the unknowns."""
+
+
+def _without_scale(term: Term, entry: ErrorEntry | None) -> Array:
+    """Return the prior of the control values of an error, (size, size), without the scale of its axis."""
+    if entry is None or not entry.scale or not isinstance(term, ErrorFunction):
+        return term.covariance
+    return covariance(replace(entry, scale=None), term.basis)
 
 
 def _kind(term: Term) -> Kind:

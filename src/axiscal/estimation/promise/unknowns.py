@@ -174,7 +174,7 @@ class InUnknowns:
         """Return what each source of variance leaves of figures of the answered unknowns."""
         problem = self.space.problem
         own = np.zeros((problem.rows.shape[1], len(figures)))
-        own[problem.first :] = problem.raw(figures.T, self.theta, self.roots, back=True)
+        own[problem.first :] = problem.whitened(figures.T, self.theta, self.roots)
         left = back_solution(self.root, solution(self.root, own))
         passed = np.zeros(len(problem.values))
         for piece in np.array_split(np.arange(len(passed)), 1 + len(passed) // _AT_ONCE):
