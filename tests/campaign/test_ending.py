@@ -130,7 +130,7 @@ def test_all_rows_with_a_limit_have_to_be_reached_by_the_u_that_the_screen_shows
 
 
 def test_the_volume_and_the_rows_are_wanted_together() -> None:
-    few = 8  # endless readings would leave a tenth less
+    few = 10  # endless readings would leave a tenth less
     _, known = wanting([Want(POSITIONING, 1.0)], taken=few)
     (row,), u = answered(known, {}), expanded_uncertainty(known).space
     for volume, limit, said in ((1.01, 1.01, ALL_REACHED), (0.99, 1.01, None), (1.01, 0.99, None)):
@@ -197,8 +197,8 @@ def test_before_the_first_reading_it_is_said_whether_any_can_and_which_set_up_wo
     assert found is not None
     said = reach_text(found)
     assert said.startswith("Out of reach: endless readings leave volume ")
-    assert 'With "ball bar in xy" as well it comes nearer: ' in said
-    assert re.search(r"\d+ readings in [0-9.]+ min", said)
+    assert 'With "ball bar in xy" as well, ' in said
+    assert re.search(r"\d+ readings reach it in [0-9.]+ min", said)
 
 
 def test_sizes_that_meet_a_target_unread_are_checked_by_a_few_readings() -> None:
