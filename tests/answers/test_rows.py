@@ -73,7 +73,10 @@ def test_backlash_read_from_both_sides_is_measured_over_the_places_read_from_bot
     assert len(row.lines[0].both) == 10
     poses = np.array([[x] for x, _ in ONE_SIDE])
     true = np.mean(DRAWN.deviation(poses, np.ones_like(poses)) - DRAWN.deviation(poses, -np.ones_like(poses)), axis=0)
-    assert abs(row.found - abs(true[0])) <= row.known
+    ((direction, value, known_to),) = row.signed
+    assert direction == "X"
+    assert abs(value - true[0]) <= known_to == pytest.approx(row.known, rel=1e-12)
+    assert abs(value) > 3 * abs(value - true[0])  # so that a turned sign fails
     assert row.found**2 == pytest.approx(_of(known, "backlash X")[0] ** 2 + (row.known / BAND) ** 2, rel=1e-3)
 
 

@@ -25,8 +25,8 @@ from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, plus, 
 
 WORDS = 60
 """Beside the rows."""
-NUMBERS = 3
-"""In a row, beside the columns of what is left."""
+NUMBERS, SIGNED = 3, 4
+"""In a row, beside the columns of what is left; where they have signs."""
 STEPS = [NextStep(code="load", control="linuxcnc-volumetric"), NextStep(code="verify")]
 MISTAKE = 'the zero of "laser along X" jumped before reading 14 ("laser along X", X = 120 mm, from +). Take it again'
 CONTRADICTING = f"The readings contradict each other (p = 1e-09): {MISTAKE}; or {MISTAKE}"
@@ -76,7 +76,8 @@ def _within_budgets(text: str) -> None:
     assert sum(bool(re.search(r"[^\W\d_]{2}", word)) for line in beside_rows for word in line.split()) <= WORDS, text
     for row in rows:
         beside = row.partition("±")[0] + row.partition("±")[2].split("   ")[0]
-        assert len(re.findall(r"[0-9]+(?:[.,][0-9]+)?", beside)) <= NUMBERS, row
+        most = SIGNED if re.search("[+−][0-9]", row) else NUMBERS
+        assert len(re.findall(r"[0-9]+(?:[.,][0-9]+)?", beside)) <= most, row
         assert not re.search(r"[1-9][0-9]*[.,]?[0-9]*[1-9][0-9]*[.,]?[0-9]*[1-9]", row), row
 
 

@@ -102,10 +102,25 @@ class PlannedRow(AnswerDocument):
     measured: bool
 
 
+class SignedNumber(AnswerDocument):
+    """A number with its sign, in the unit of its row, and U of it alone.
+
+    direction : the axis, both axes of a squareness, x, y or z of a centre, or about which of them, as A, B or C, a tilt
+    """
+
+    direction: str
+    value: float
+    U: float
+
+
 class AnswerRow(PlannedRow):
-    """A row, in `unit`: fields as of `AnsweredRow`.  one_more : U after one reading from the other side"""
+    """A row, in `unit`: fields as of `AnsweredRow`.
+
+    signed : its numbers where it is one number or one vector; one_more : U after one reading from the other side
+    """
 
     found: float
+    signed: Sequence[SignedNumber]
     largest: float
     left: Mapping[str, float]
     one_more: float | None = None

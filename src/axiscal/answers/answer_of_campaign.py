@@ -24,6 +24,7 @@ from axiscal.answers.answer import (
     AnswerRow,
     NextStep,
     ResultAnswer,
+    SignedNumber,
     StepCode,
     Verdict,
     coordinate,
@@ -39,7 +40,15 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import AxisLine
-from axiscal.estimation.functionals.known import KnownRow, known_row, known_rows, with_one_more, without_readings
+from axiscal.estimation.functionals.known import (
+    KnownRow,
+    Signed,
+    known_row,
+    known_rows,
+    signed_numbers,
+    with_one_more,
+    without_readings,
+)
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
@@ -69,6 +78,7 @@ class AnsweredRow(KnownRow):
     found, largest : RMS and largest size of the error over the places, with what is not known of it
     stated : U before the first reading, as a plan says it: of the machine as described
     left : RMS that the tables of each control leave, by its name; none of rotations
+    signed : its numbers that have a sign
     then : U of a row that is not measured, after one reading from the other side; None where that tells no more
     """
 
@@ -76,6 +86,7 @@ class AnsweredRow(KnownRow):
     largest: float
     stated: float
     left: Mapping[str, float]
+    signed: tuple[Signed, ...]
     then: float | None = None
 
 
@@ -128,6 +139,7 @@ def _answered(asked: AskedRow, known: Estimation, controls: Mapping[str, Control
         largest=float(np.sqrt(np.max(squares(at)))),
         stated=without_readings(asked, known.stated),
         left={name: float(np.sqrt(np.mean(squares(each)))) for name, each in left.items()},
+        signed=() if functional is None else signed_numbers(functional, at, errors, belief),
     )
 
 
@@ -168,7 +180,7 @@ class Aims(NamedTuple):
 
 
 def _aim(row: KnownRow, most: float) -> Aim:
-    now, limit, floor = (to_unit(size, _unit(row)) for size in (row.known, most, row.floor))
+    now, limit, floor = (to_unit(size, row.unit) for size in (row.known, most, row.floor))
     return Aim(
         name=row.row.name,
         now=now,
@@ -177,7 +189,7 @@ def _aim(row: KnownRow, most: float) -> Aim:
         measured=row.measured,
         reachable=row.reachable,
         unread=sum(not line.read for line in row.lines),
-        unit=_unit(row),
+        unit=row.unit,
     )
 
 
@@ -319,10 +331,6 @@ def _share(aim: Aim) -> float:
     return max((aim.now**2 - aim.floor**2) / (aim.limit**2 - aim.floor**2) - 1, 0.0)
 
 
-def _unit(row: KnownRow) -> str:
-    return "urad" if row.angular else "um"
-
-
 def _digits(value: float) -> float:
     return number(value, "a figure of the answer")
 
@@ -334,7 +342,7 @@ def known_figures(row: KnownRow, before: float) -> dict[str, Any]:
         "row": row.row.name,
         "kind": row.row.kind,
         "axes": row.row.axes,
-        "unit": _unit(row),
+        "unit": row.unit,
         **{name: None if size is None else _shown(row, size) for name, size in sizes.items()},
         "reached": row.reached,
         "measured": row.measured,
@@ -342,13 +350,14 @@ def known_figures(row: KnownRow, before: float) -> dict[str, Any]:
 
 
 def _shown(row: KnownRow, size: float) -> float:
-    return _digits(to_unit(size, _unit(row)))
+    return _digits(to_unit(size, row.unit))
 
 
 def _row(row: AnsweredRow, axes: Sequence[Axis]) -> AnswerRow:
     return AnswerRow(
         **known_figures(row, row.stated),
         found=_shown(row, row.found),
+        signed=[SignedNumber(direction=name, value=_shown(row, at), U=_shown(row, u)) for name, at, u in row.signed],
         largest=_shown(row, row.largest),
         left={name: _shown(row, size) for name, size in row.left.items()},
         one_more=None if row.then is None else _shown(row, row.then),

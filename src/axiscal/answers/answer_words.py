@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple, TypeVar
 
 from axiscal.answers.answer import Aim, AnswerRow, NextStep, PlannedRow, ResultAnswer, TablesChecked, Verdict
+from axiscal.answers.signs import signed_text, signs_sentence
 from axiscal.description.target import Kind
 from axiscal.language.spoken import counted, ending, joined, later, listed, put, said
 from axiscal.tables.registry import exporter
@@ -86,7 +87,8 @@ def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str 
     agreement : said of readings that contradict or are not used; record, results : paths, or ""; cut : for a terminal
     """
     groups = measured_rows(answer, ROOM)
-    found = [_agreement(answer, agreement), _unmeasured(answer, cut), _checked(answer.checked)]
+    signs = "" if cut else signs_sentence(groups)  # a terminal has room where few rows are
+    found = [signs, _agreement(answer, agreement), _unmeasured(answer, cut), _checked(answer.checked)]
     return AnswerText(
         _first_line(answer),
         table_lines(groups, controls_of(groups)) if groups else [],
@@ -154,17 +156,28 @@ def controls_of(groups: Sequence[Sequence[AnswerRow]]) -> list[str]:
     return list(dict.fromkeys(name for group in groups for row in group for name in row.left))
 
 
-def table_lines(groups: Sequence[Sequence[AnswerRow]], controls: Sequence[str]) -> list[list[str]]:
-    """Return the heading and a line for each group of rows: its name, found, U, what each control leaves."""
+def table_lines(
+    groups: Sequence[Sequence[AnswerRow]], controls: Sequence[str], *, signs: bool = True
+) -> list[list[str]]:
+    """Return the heading and a line for each group of rows: its name, found, U, what each control leaves.
+
+    signs : rows that have signs are shown with them, else their sizes
+    """
     lefts = [said("left with {control}", control=name) if number == 0 else name for number, name in enumerate(controls)]
     lines = [["", said("found"), "U (95 %)", *lefts]]
     for rows in groups:
-        unit, (low, high) = rows[0].unit, (digits(pick(row.found for row in rows)) for pick in (min, max))
-        found = put("{found} {unit}", found=high if low == high else put("{low}-{high}", low=low, high=high), unit=unit)
+        unit, found = rows[0].unit, (signed_text(rows) if signs else "") or _range(rows)
         left = [max((row.left[name] for row in rows if name in row.left), default=None) for name in controls]
         sizes = ("–" if size is None else put("{size} {unit}", size=digits(size), unit=unit) for size in left)
         lines.append([row_names(rows), found, known_text(rows), *sizes])
     return lines
+
+
+def _range(rows: Sequence[AnswerRow]) -> str:
+    """Return the sizes found of rows, from the smallest to the largest."""
+    low, high = (digits(pick(row.found for row in rows)) for pick in (min, max))
+    sizes = high if low == high else put("{low}-{high}", low=low, high=high)
+    return put("{found} {unit}", found=sizes, unit=rows[0].unit)
 
 
 def row_name(kind: Kind, axes: Sequence[Sequence[str]]) -> str:
@@ -312,8 +325,10 @@ def screen(answer: ResultAnswer, agreement: str, record: str, results: str, repo
     first, below = first_lines(text.first), [line for sentence in text.sentences for line in wrapped(sentence)]
     last = [*below, *ending({said("Next"): text.commands, said("Report"): [report] if report else []})]
     room = LINES - len(first) - len(last) - 1
+    groups = measured_rows(answer, room)
+    signs = wrapped(signs_sentence(groups)) if len(groups) < room else []
     advised = next((step.control for step in answer.steps if step.control), "")
-    return "\n".join([*first, *_table(measured_rows(answer, room), room, advised), *last])
+    return "\n".join([*first, *_table(groups, room, advised), *signs, *last])
 
 
 def first_lines(line: FirstLine) -> list[str]:
@@ -335,11 +350,9 @@ def _table(groups: Sequence[Sequence[AnswerRow]], room: int, advised: str) -> It
         hidden = sum(map(len, groups[room - 2 : -1]))
         groups = [*groups[: room - 2], groups[-1]]
     controls = sorted(controls_of(groups), key=lambda name: name == advised)[-_LEFT:]
-    lines = columns(table_lines(groups, controls))
-    while controls and max(map(len, lines)) > WIDTH:
-        controls = controls[1:]
-        lines = columns(table_lines(groups, controls))
-    yield from lines
+    tried = [*((controls[count:], True) for count in range(_LEFT)), (controls[-1:], False), ([], False)]
+    shown = (columns(table_lines(groups, names, signs=signs)) for names, signs in tried)
+    yield from next((lines for lines in shown if max(map(len, lines)) <= WIDTH), [])
     if hidden:
         yield counted("  … and {count} row in result.json", "  … and {count} rows in result.json", hidden)
 

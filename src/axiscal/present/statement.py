@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from axiscal.answers.answer import AnswerLine
 from axiscal.answers.answer_words import AnswerText, answer_text, digits, row_name
+from axiscal.answers.signs import signed_text
 from axiscal.estimation.accuracy.expanded import BAND, LEVEL
 from axiscal.estimation.case import Case
 from axiscal.language.spoken import counted, later, listed, put, quoted, said
@@ -137,7 +138,8 @@ def _error(caption: str, error: CurveSummary | PlaneSummary | ConstantSummary, u
 def _rows(summary: Summary) -> Iterator[list[str]]:
     """Yield where each row holds, how it was read, and how well it was known and can be."""
     for row in summary.answer.rows:
-        sizes = [spelt(f"{digits(size)} {row.unit}") for size in (row.largest, row.known_before, row.floor)]
+        largest, before, best = (f"{digits(size)} {row.unit}" for size in (row.largest, row.known_before, row.floor))
+        found, *sizes = map(spelt, (signed_text([row]) or largest, before, best))
         where = list[str]()
         for line in row.lines:
             low, high = map(coordinate, line.ends)
@@ -145,7 +147,7 @@ def _rows(summary: Summary) -> Iterator[list[str]]:
             others = ", ".join(f"{axis} {coordinate(value)}" for axis, value in line.at.items())
             where.append(said("{along} at {others}", along=along, others=others) if others else along)
         places = said(" and ").join(_places(line) for line in row.lines)
-        yield [row_name(row.kind, [row.axes]), "; ".join(where), places, sizes[0], f"± {sizes[1]}", f"± {sizes[2]}"]
+        yield [row_name(row.kind, [row.axes]), "; ".join(where), places, found, *(f"± {size}" for size in sizes)]
 
 
 def _places(line: AnswerLine) -> str:

@@ -9,21 +9,24 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from axiscal.description.target import RowName, dimension
+from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import expanded, expanded_floor, reach
 from axiscal.estimation.accuracy.yardstick import attainable
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, printed
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
-from axiscal.estimation.functionals.functional import AxisLine
+from axiscal.estimation.functionals.functional import AxisLine, Functional
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.learnt import posterior_of
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 
 _NOUGHT = 1e-12
@@ -51,6 +54,11 @@ class KnownRow:
     limit: float | None
     measured: bool
     lines: tuple[AxisLine, ...]
+
+    @property
+    def unit(self) -> str:
+        """The unit in which the row is shown."""
+        return "urad" if self.angular else "um"
 
     @property
     def described(self) -> bool:
@@ -82,6 +90,25 @@ class KnownRow:
         """U at which it is reached, or measured where no limit is given; of the volume inf where none is."""
         measured = math.inf if self.row.kind == "volume" else _MEASURED * self.before
         return min(math.inf if self.limit is None else self.limit, measured)
+
+
+class Signed(NamedTuple):
+    """A number of a row with its sign, m or rad.  direction : its name; known : U of it alone"""
+
+    direction: str
+    value: float
+    known: float
+
+
+def signed_numbers(functional: Functional, row: Array, errors: ErrorModel, belief: Belief) -> tuple[Signed, ...]:
+    """Return the numbers of a row that have a sign and that some error makes; none of a curve.
+
+    row : (k,) as estimated
+    """
+    spectra = [each.spectra(errors, belief.factor) for each in functional.alone()]
+    known = [reach(each, belief.degrees) for each in spectra]
+    each = zip(functional.directions, row.tolist(), known, strict=False)
+    return tuple(Signed(*parts) for parts in each if max(map(abs, parts[1:])) > _NOUGHT)
 
 
 @one_thread()
