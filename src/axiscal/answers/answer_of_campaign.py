@@ -42,7 +42,7 @@ from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import AxisLine
 from axiscal.estimation.functionals.known import (
     KnownRow,
-    Signed,
+    SignedSize,
     known_row,
     known_rows,
     signed_numbers,
@@ -86,7 +86,7 @@ class AnsweredRow(KnownRow):
     largest: float
     stated: float
     left: Mapping[str, float]
-    signed: tuple[Signed, ...]
+    signed: tuple[SignedSize, ...]
     then: float | None = None
 
 

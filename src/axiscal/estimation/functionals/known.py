@@ -92,7 +92,7 @@ class KnownRow:
         return min(math.inf if self.limit is None else self.limit, measured)
 
 
-class Signed(NamedTuple):
+class SignedSize(NamedTuple):
     """A number of a row with its sign, m or rad.  direction : its name; known : U of it alone"""
 
     direction: str
@@ -100,7 +100,7 @@ class Signed(NamedTuple):
     known: float
 
 
-def signed_numbers(functional: Functional, row: Array, errors: ErrorModel, belief: Belief) -> tuple[Signed, ...]:
+def signed_numbers(functional: Functional, row: Array, errors: ErrorModel, belief: Belief) -> tuple[SignedSize, ...]:
     """Return the numbers of a row that have a sign and that some error makes; none of a curve.
 
     row : (k,) as estimated
@@ -108,7 +108,7 @@ def signed_numbers(functional: Functional, row: Array, errors: ErrorModel, belie
     spectra = [each.spectra(errors, belief.factor) for each in functional.alone()]
     known = [reach(each, belief.degrees) for each in spectra]
     each = zip(functional.directions, row.tolist(), known, strict=False)
-    return tuple(Signed(*parts) for parts in each if max(map(abs, parts[1:])) > _NOUGHT)
+    return tuple(SignedSize(*parts) for parts in each if max(map(abs, parts[1:])) > _NOUGHT)
 
 
 @one_thread()
