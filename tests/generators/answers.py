@@ -58,7 +58,9 @@ def answer_row(
         reached=None,
         measured=measured,
         one_more=0.84 if row.kind == "backlash" and not measured else None,
-        lines=[
+        lines=[]
+        if row.kind == "volume"
+        else [
             AnswerLine(setup="laser", axis="X", ends=(0.0, 100.0), at={"Y": 0.0}, places={"+": 4, "-": 0, "both": 0})
         ],
     )

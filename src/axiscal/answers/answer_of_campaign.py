@@ -30,7 +30,8 @@ from axiscal.answers.answer import (
     coordinate,
     number,
 )
-from axiscal.answers.answer_words import digits, row_name
+from axiscal.answers.answer_words import digits
+from axiscal.answers.row_words import row_name
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import count_reached
 from axiscal.estimation.accuracy.expanded import known_to, reach
@@ -38,17 +39,9 @@ from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.functionals.asked import AskedRow, asked_rows
-from axiscal.estimation.functionals.functional import AxisLine
-from axiscal.estimation.functionals.known import (
-    KnownRow,
-    SignedSize,
-    known_row,
-    known_rows,
-    signed_numbers,
-    with_one_more,
-    without_readings,
-)
+from axiscal.estimation.functionals.asked import AskedRow, asked_rows, offset_each
+from axiscal.estimation.functionals.functional import AxisLine, SignedSize, signed_numbers
+from axiscal.estimation.functionals.known import KnownRow, known_row, known_rows, with_one_more, without_readings
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
@@ -111,7 +104,7 @@ def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[Answer
 
 def _answered(asked: AskedRow, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
     """Return a row along lines, or that of the volume."""
-    estimate, errors, belief, functional = known.estimate(), known.case.errors, known.printed.belief, asked.map
+    estimate, errors, belief, functional = known.estimate(), known.case.errors, known.printed.belief, asked.own
     shown: Callable[[Array], Array]
     if functional is None:
         where, dimensions = places(estimate), sum(estimate.counted)
@@ -214,6 +207,7 @@ def answer_of(
     if coming and verdict in ("measured", "unmeasured", "more"):
         verdict, more, minutes = "more", len(coming), to_unit(campaign.seconds(coming) - campaign.seconds(), "min")
     seconds = known.timed.seconds if campaign.state.clocked is None else campaign.state.clocked
+    offset = offset_each(known.stated.description)
     axes, withheld = known.stated.description.machine.axes, known.agreement.withheld and not anyway
     return ResultAnswer(
         verdict=verdict,
@@ -229,6 +223,7 @@ def answer_of(
         clocked=campaign.state.clocked is not None,
         withheld=withheld,
         steps=list(_steps(campaign, known, verdict, best_control(rows, list(controls)), written)),
+        offset=None if offset is None else _digits(to_unit(offset, "um")),
     )
 
 
@@ -335,8 +330,8 @@ def _digits(value: float) -> float:
     return number(value, "a figure of the answer")
 
 
-def known_figures(row: KnownRow, before: float) -> dict[str, Any]:
-    """Return the figures of `PlannedRow`.  before : U before the first reading, m or rad"""
+def known_figures(row: KnownRow, before: float, axes: Sequence[Axis]) -> dict[str, Any]:
+    """Return the figures of `PlannedRow`.  before : U before the first reading, m or rad; axes : of the machine"""
     sizes = {"known_to": row.known, "known_before": before, "floor": row.floor, "limit": row.limit}
     return {
         "row": row.row.name,
@@ -346,6 +341,7 @@ def known_figures(row: KnownRow, before: float) -> dict[str, Any]:
         **{name: None if size is None else _shown(row, size) for name, size in sizes.items()},
         "reached": row.reached,
         "measured": row.measured,
+        "lines": [_line(line, axes) for line in row.lines],
     }
 
 
@@ -355,13 +351,12 @@ def _shown(row: KnownRow, size: float) -> float:
 
 def _row(row: AnsweredRow, axes: Sequence[Axis]) -> AnswerRow:
     return AnswerRow(
-        **known_figures(row, row.stated),
+        **known_figures(row, row.stated, axes),
         found=_shown(row, row.found),
         signed=[SignedNumber(direction=name, value=_shown(row, at), U=_shown(row, u)) for name, at, u in row.signed],
         largest=_shown(row, row.largest),
         left={name: _shown(row, size) for name, size in row.left.items()},
         one_more=None if row.then is None else _shown(row, row.then),
-        lines=[_line(line, axes) for line in row.lines],
     )
 
 

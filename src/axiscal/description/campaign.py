@@ -207,6 +207,9 @@ def _described(
     setups = read_setups(table.setups, around)
     driving = Driving(**dict(table.programs))
     setups = tuple(replace(setup, driving=driving) for setup in setups)
+    only = machine.only
+    if only is not None and target.part is None and machine.axes[only].name not in table.target.volume:
+        target = _along_the_line(target, machine, only, setups)
     if target_needed and target.empty:
         remedy = 'Add at least one of rms = "2 um", worst = "4 um", readings = 40, budget = "90 min" under [target]'
         raise DescriptionError("nothing would ever stop this campaign", remedy, document.path, document.line("target"))
@@ -232,6 +235,13 @@ def _described(
         doubt=None if table.sisters is None else table.sisters.doubt,
         controls=tuple(dict.fromkeys(table.controls)),
     )
+
+
+def _along_the_line(target: Target, machine: Machine, only: int, setups: Sequence[Setup]) -> Target:
+    """Return a target over the line that set-ups can read, of a machine that describes one axis alone."""
+    spans = [setup.span(machine.axes[only], only) for setup in setups if only in setup.moves] or [target.volume[only]]
+    ends = min(low for low, _ in spans), max(high for _, high in spans)
+    return replace(target, volume=(*target.volume[:only], ends, *target.volume[only + 1 :]))
 
 
 def _tool(table: CampaignTable, usual_doubts: bool) -> Vector:

@@ -16,13 +16,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import ABOUT, ANGLES, Kind
 from axiscal.errors.model import ErrorModel
+from axiscal.estimation.accuracy.expanded import reach
+from axiscal.estimation.belief import Belief
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
@@ -32,6 +34,8 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 
+NOUGHT = 1e-12
+"""m or rad: rounding. No error that the machine describes makes such a number."""
 _ABOUT = {"pitch": (1, 0, 0), "yaw": (2, 2, 1), "roll": (0, 1, 2)}
 """About which direction an axis along x, y, z pitches, yaws and rolls."""
 
@@ -95,6 +99,25 @@ class Functional:
                 cells = term.cells(term.coordinates(self.poses))
                 parts += [term.rest * effect[:, cells == cell].sum(axis=1)[:, None] for cell in np.unique(cells)]
         return np.hstack(parts)
+
+
+class SignedSize(NamedTuple):
+    """A number of a row with its sign, m or rad.  direction : its name; known : U of it alone"""
+
+    direction: str
+    value: float
+    known: float
+
+
+def signed_numbers(functional: Functional, row: Array, errors: ErrorModel, belief: Belief) -> tuple[SignedSize, ...]:
+    """Return the numbers of a row that have a sign and that some error makes; none of a curve.
+
+    row : (k,) as estimated
+    """
+    spectra = [each.spectra(errors, belief.factor) for each in functional.alone()]
+    known = [reach(each, belief.degrees) for each in spectra]
+    each = zip(functional.directions, row.tolist(), known, strict=False)
+    return tuple(SignedSize(*parts) for parts in each if max(map(abs, parts[1:])) > NOUGHT)
 
 
 def direction_of(kind: Kind, axis: Axis, across: str = "") -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from axiscal.answers.answer import SignedNumber
-from axiscal.answers.signs import signed_text, signs_sentence
+from axiscal.answers.row_words import signed_text, signs_sentence
 from axiscal.description.target import RowName
 from axiscal.language.spoken import speaking
 from axiscal.machine import load_machine
