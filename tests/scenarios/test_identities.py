@@ -48,10 +48,10 @@ def golden() -> tuple[Result, ...]:
     return tuple(Result(str(path.relative_to(EXPECTED)), found) for path, found in each if found["U_um"] is not None)
 
 
-def _listed(numbers: Any) -> list[float]:
-    """Return the numbers of a list; golden results keep some of a long one."""
-    found: list[float] = numbers["values"] if isinstance(numbers, dict) else numbers
-    return found
+def _listed(found: Any) -> list[Any]:
+    """Return a list, of a long one in a golden result what is kept of it."""
+    kept: list[Any] = found["values"] if isinstance(found, dict) else found
+    return kept
 
 
 def _near(first: float, second: float, slack: float = ROUNDED) -> bool:
