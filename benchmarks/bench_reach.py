@@ -27,7 +27,7 @@ from axiscal.numerics.threads import one_thread
 from axiscal.planning.gains.covariance import Covariance
 from benchmarks.rests_as_noise import left_with_rests_as_noise
 
-_TOOL = 'tool_length = "{tool}"\ntool_eccentricity = "0 um"\n'
+_TOOL = 'tool_length = "{tool}"\ntool_eccentricity = "0 um"\ntool_certificate = "assumed"\n'
 _HEAD = f'machine = "dmu60"\nusual = "off"\n{_TOOL}[target]\nreadings = 1\n{{target}}\n[[artefacts]]\nname = "balls"\n'
 _BALLS = (
     'balls.low = ["200 mm", "0 mm", "-80 mm"]\n'

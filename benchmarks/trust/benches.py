@@ -135,7 +135,7 @@ drift = "0 um/h"
 BENCHES = {
     "axis": Bench(_AXIS, _LASER, 24, 4000),
     "plate": Bench(_PLATE, _PROBE, 24, 400),
-    "five axes": Bench(_FIVE, _NEST, 24, 400, 'tool_length = "TOOL"\n'),
+    "five axes": Bench(_FIVE, _NEST, 24, 400, 'tool_length = "TOOL"\ntool_certificate = "drawn"\n'),
 }
 _USUAL: Changes = (("STD", "10 um"), ("LENGTH", "200 mm"), ("NOISE", "0.5 um"), ("TOOL", "5 um"))
 

@@ -21,6 +21,7 @@ from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.tables.offer import unknown_rms
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine
 
 DRAWN = machine(5)
@@ -73,7 +74,10 @@ def test_backlash_read_from_both_sides_is_measured_over_the_places_read_from_bot
     assert len(row.lines[0].both) == 10
     poses = np.array([[x] for x, _ in ONE_SIDE])
     true = np.mean(DRAWN.deviation(poses, np.ones_like(poses)) - DRAWN.deviation(poses, -np.ones_like(poses)), axis=0)
-    assert abs(row.found - abs(true[0])) <= row.known
+    ((direction, value, known_to),) = row.signed
+    assert direction == "X"
+    assert abs(value - true[0]) <= known_to == pytest.approx(row.known, rel=1e-12)
+    assert abs(value) > 3 * abs(value - true[0])  # so that a turned sign fails
     assert row.found**2 == pytest.approx(_of(known, "backlash X")[0] ** 2 + (row.known / BAND) ** 2, rel=1e-3)
 
 
@@ -95,8 +99,8 @@ def test_a_control_that_corrects_what_is_known_leaves_what_is_not() -> None:
     for row in answered(known, {"all": control, "none": nothing}):
         assert row.left["none"] == pytest.approx(row.found, rel=1e-9)
         assert row.left["all"] < row.found
-        if len(row.lines):
-            assert row.left["all"] == pytest.approx(row.known / BAND, rel=0.1)
+        unknown = row.known / BAND if row.row.kind == "backlash" else unknown_rms(known.estimate())
+        assert row.left["all"] == pytest.approx(unknown, rel=1e-3)
 
 
 def test_the_volume_is_known_to_the_u_of_the_report() -> None:
@@ -122,7 +126,7 @@ def test_the_case_of_another_set_up_that_was_not_read_adds_no_row() -> None:
     second = replace(SETUP, name="again")
     case = Case(replace(CASE.description, setups=(SETUP, second)))
     known = concluded(case, _readings(BOTH))
-    assert [line.setup for row in answered(known, {}) for line in row.lines] == ["laser", "laser"]
+    assert [line.setup for row in answered(known, {}) for line in row.lines] == ["laser"] * 3
 
 
 def test_the_control_that_leaves_least_is_advised_and_the_first_of_equals() -> None:

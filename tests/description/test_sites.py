@@ -53,9 +53,9 @@ def test_a_grid_is_its_balls_in_rows() -> None:
 
 def test_the_unknowns_of_a_site_that_are_named_keep_whose_they_are() -> None:
     (usual,) = described(BAR).setups
-    (named,) = described(BAR + 'unknowns = { tool_z = "7 um" }\n').setups
+    (named,) = described(BAR + 'unknowns = { tool_z = "70 um" }\n').setups
     owners = {unknown.name: unknown.owner for unknown in usual.unknowns}
-    assert [(each.name, each.std, each.owner) for each in named.unknowns] == [("tool_z", 7e-6, owners["tool_z"])]
+    assert [(each.name, each.std, each.owner) for each in named.unknowns] == [("tool_z", 7e-5, owners["tool_z"])]
 
 
 def test_a_plane_of_two_directions_and_the_cone_of_an_artefact_hold_for_a_bar() -> None:

@@ -84,7 +84,7 @@ def test_squareness_is_the_angle_between_the_paths(pair: str, ways: tuple[int, i
         plane = went[:, ways]
         direction = np.linalg.svd(plane - plane.mean(axis=0))[2][0]
         main.append(direction * np.sign(direction[ways.index(way)]))
-    angle = np.pi / 2 - np.arccos(main[0] @ main[1])
+    angle = np.arccos(main[0] @ main[1]) - np.pi / 2
     assert _found(asked, machine) == pytest.approx([angle], abs=5e-9)  # times the scale, in the second order
     assert abs(angle) > 1e-6
 
@@ -102,22 +102,24 @@ FIVE = setup_text(
 )
 
 
-def test_a_shifted_rotary_axis_is_found_where_it_is_and_a_leaning_one_by_how_much() -> None:
-    rows, _ = _asked('"centre of C", "tilt of C"', "dmu60", FIVE)
+@pytest.mark.parametrize(("axis", "ways", "abouts"), [("C", "XY", "AB"), ("B", "XZ", "AC")])
+def test_a_shifted_rotary_axis_is_found_where_it_is_and_a_leaning_one_which_way(
+    axis: str, ways: str, abouts: str
+) -> None:
+    rows, _ = _asked(f'"centre of {axis}", "tilt of {axis}"', "dmu60", FIVE)
     errors = ErrorModel(load_machine("dmu60"))
-    values = {"X0C": 12e-6, "Y0C": -5e-6, "A0C": 30e-6, "B0C": 40e-6}
-    coefficients = np.zeros(errors.size)
-    for name, value in values.items():
-        coefficients[errors.names[name].columns] = value
-    for name, size in (("centre of C", np.hypot(12e-6, 5e-6)), ("tilt of C", np.hypot(30e-6, 40e-6))):
-        functional = _map(rows[name])
-        only = {"centre of C": ("A0C", "B0C"), "tilt of C": ("X0C", "Y0C")}[name]
-        alone = coefficients.copy()
-        for other in only:
-            alone[errors.names[other].columns] = 0.0
-        deviation = deviation_of(errors, alone, functional.poses, functional.sides)
+    for kind, wanted in (
+        ("centre", dict(zip(ways, (12e-6, -5e-6), strict=True))),
+        ("tilt", dict(zip(abouts, (30e-6, -40e-6), strict=True))),
+    ):
+        functional, coefficients = _map(rows[f"{kind} of {axis}"]), np.zeros(errors.size)
+        for name, value in wanted.items():
+            coefficients[errors.names[f"{name}0{axis}"].columns] = value
+        deviation = deviation_of(errors, coefficients, functional.poses, functional.sides)
         found = functional.row(deviation.rotation if functional.angular else deviation.displacement)
-        assert np.linalg.norm(found) == pytest.approx(size, rel=1e-3)
+        assert dict(zip(functional.directions, found.tolist(), strict=True)) == pytest.approx(wanted, rel=1e-3)
+        alone = [each.rows(errors)[0] for each in functional.alone()]
+        np.testing.assert_array_equal(alone, functional.rows(errors))
 
 
 @pytest.mark.parametrize("name", ["positioning X", "pitch X"])

@@ -46,8 +46,9 @@ class Known:
 
     def estimation(self) -> Estimation:
         """Return it as one."""
-        case = SimpleNamespace(errors=self.errors, description=SimpleNamespace(machine=self.errors.machine))
-        return cast("Estimation", SimpleNamespace(case=case, printed=SimpleNamespace(belief=self.belief)))
+        described = SimpleNamespace(machine=self.errors.machine, setups=(), usual=False)
+        case, printed = SimpleNamespace(errors=self.errors, description=described), SimpleNamespace(belief=self.belief)
+        return cast("Estimation", SimpleNamespace(case=case, printed=printed, readings=()))
 
 
 def known(seed: int = 1) -> Known:

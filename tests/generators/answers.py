@@ -5,9 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from axiscal.answers.answer import Aim, AnswerLine, AnswerRow, ResultAnswer
-from axiscal.description.target import RowName, dimension
+from axiscal.answers.answer import Aim, AnswerLine, AnswerRow, ResultAnswer, SignedNumber
+from axiscal.description.target import Kind, RowName, dimension
 from axiscal.machine import Machine
+
+_SIGNED: dict[Kind, tuple[str, ...]] = {
+    "backlash": ("X",),
+    "squareness": ("XY",),
+    "centre": ("X", "Y"),
+    "tilt": ("A", "B"),
+}
 
 
 def answer(**changes: Any) -> ResultAnswer:
@@ -41,6 +48,7 @@ def answer_row(
         axes=row.axes,
         unit=unit,
         found=234.5,
+        signed=[SignedNumber(direction=name, value=-234.5, U=128.9) for name in _SIGNED.get(row.kind, ())],
         largest=400.0,
         known_to=128.9,
         known_before=300.0,
@@ -50,7 +58,9 @@ def answer_row(
         reached=None,
         measured=measured,
         one_more=0.84 if row.kind == "backlash" and not measured else None,
-        lines=[
+        lines=[]
+        if row.kind == "volume"
+        else [
             AnswerLine(setup="laser", axis="X", ends=(0.0, 100.0), at={"Y": 0.0}, places={"+": 4, "-": 0, "both": 0})
         ],
     )

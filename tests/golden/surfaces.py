@@ -7,6 +7,7 @@ import math
 import re
 import subprocess
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -78,6 +79,9 @@ def differing(shown: Shown, rows: Sequence[Row], answer: Mapping[str, Any]) -> I
         yield f"{len(shown.cells) - 1} lines of {len(wanted)}"
     for (_, *cells), figures in zip(shown.cells[1:], wanted, strict=False):
         for cell, values in zip(cells, figures, strict=True):
+            if isinstance(values, Signed):
+                yield from values.differing(cell)
+                continue
             found = numbers(cell)
             several = values[: max(len(found), 1)] if "-" not in cell else values  # ends of a range that look alike
             if len(found) != len(several) or not all(map(_is_shown, several, found)):
@@ -89,7 +93,22 @@ def differing(shown: Shown, rows: Sequence[Row], answer: Mapping[str, Any]) -> I
             yield f"{shown.first}: {number}"
 
 
-def _wanted(rows: Sequence[Row], lines: Sequence[Sequence[str]]) -> list[list[list[float]]]:
+class Signed(list[Row]):
+    """Numbers of rows that have a sign."""
+
+    def differing(self, cell: str) -> Iterator[str]:
+        """Yield the cell where it does not show them: rounded to a sixth of U, alone several with U of each."""
+        words = [word.rstrip(",;") for word in cell.split()]
+        told = [(before, _number(word)) for before, word in pairwise(["", *words]) if re.match(r"[+−]?[0-9]", word)]
+        bands = [size for before, size in told if before == "±"]
+        sizes = [size for before, size in told if before != "±"]
+        near = [abs(size - each["value"]) <= each["U"] / 6 for size, each in zip(sizes, self, strict=False)]
+        known = [abs(band - each["U"]) <= each["U"] / 6 for band, each in zip(bands, self, strict=False)]
+        if len(sizes) != len(self) or len(bands) not in (0, len(self)) or not all([*near, *known]):
+            yield f"{cell}: {list(self)}"
+
+
+def _wanted(rows: Sequence[Row], lines: Sequence[Sequence[str]]) -> list[list[list[float] | Signed]]:
     """Return the figures of each line of a table by the rows of a document: found, known to, and left by each control.
 
     lines : of the table, which says how rows stand together, and which controls it has room for
@@ -109,19 +128,25 @@ def numbers(cell: str) -> list[float]:
     return [float(each.replace(",", ".")) for each in re.findall(r"\d+(?:[.,]\d+)?", cell)]
 
 
+def _number(word: str) -> float:
+    return float(word.replace(",", ".").replace("−", "-"))
+
+
 def _is_shown(value: float, number: float) -> bool:
     """Return whether a value is shown by a number of two or of three digits; on their edge processors differ."""
     near = (value * turn for turn in (1 - 3e-5, 1.0, 1 + 3e-5))
     return any(abs(float(f"{each:.{digits}e}") - number) < 1e-9 * (1 + number) for each in near for digits in (1, 2))
 
 
-def _figures(rows: Sequence[Row], controls: Sequence[str]) -> list[list[float]]:
+def _figures(rows: Sequence[Row], controls: Sequence[str]) -> list[list[float] | Signed]:
     """Return the figures of a line: the range found, the largest U with a limit, the largest that is left."""
-    found = [row["found"] for row in rows]
+    sizes = [row["found"] for row in rows]
+    signed = Signed(each for row in rows for each in row.get("signed", []))  # none in a document of an earlier version
+    found: list[float] | Signed = signed or [min(sizes), max(sizes)]
     worst = max(rows, key=lambda row: float(row["known_to"]))
     limit = [worst["limit"]] if len(rows) == 1 and worst["limit"] is not None else []
     lefts = [[row["left"][name] for row in rows if name in row["left"]] for name in controls]
-    return [[min(found), max(found)], [worst["known_to"], *limit], *([max(left)] if left else [] for left in lefts)]
+    return [found, [worst["known_to"], *limit], *([max(left)] if left else [] for left in lefts)]
 
 
 def _by_kind(rows: Sequence[Row]) -> Iterator[list[Row]]:

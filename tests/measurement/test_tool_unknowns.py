@@ -201,11 +201,16 @@ def _length_found(known: Estimation) -> tuple[float, float]:
     return float(belief.mean[column]), float(np.linalg.norm(belief.factor[column]))
 
 
+_SOURCE = 'tool_certificate = "presetter"\n'
+
+
 @pytest.mark.parametrize(
     ("tool", "stds"),
     [
         ("", {"tool_x": 5e-6, "tool_y": 5e-6, "tool_z": 1e-4}),
-        ('tool_length = "2 um"\n', {"tool_x": 2e-6, "tool_y": 2e-6, "tool_z": 2e-6}),
+        (f'tool_length = "2 um"\n{_SOURCE}', {"tool_x": 2e-6, "tool_y": 2e-6, "tool_z": 2e-6}),
+        ('tool_length = "2 um"\n', {"tool_x": 5e-6, "tool_y": 5e-6, "tool_z": 1e-4}),
+        ('tool_length = "30 um"\n', {"tool_x": 5e-6, "tool_y": 5e-6, "tool_z": 3e-5}),
         ('tool_length = "0 um"\n', {}),
         ('tool_length = "0 um"\ntool_eccentricity = "9 um"\n', {"tool_x": 9e-6, "tool_y": 9e-6}),
     ],
@@ -213,6 +218,17 @@ def _length_found(known: Estimation) -> tuple[float, float]:
 def test_how_well_the_tool_is_known_is_stated_once_for_all_that_touch(tool: str, stds: Mapping[str, float]) -> None:
     (setup,) = _at_spheres(_TABLE, tool).setups
     assert {u.name: u.std for u in setup.unknowns if "tool" in u.name} == pytest.approx(stds)
+
+
+def test_a_tool_that_is_stated_without_a_source_is_named_in_one_line_with_what_stays() -> None:
+    stated = 'tool_length = "5 um"\ntool_eccentricity = "1 um"\n'
+    lines = [each.words for each in _at_spheres(_TABLE, stated).unsourced]
+    assert lines == [
+        'tool_eccentricity = "1 um" has no source, so 5 um stays. Name one: tool_certificate = "presetter, 2026-03".',
+        'tool_length = "5 um" has no source, so 100 um stays. Name one: tool_certificate = "presetter, 2026-03".',
+    ]
+    assert _at_spheres(_TABLE, stated + _SOURCE).unsourced == ()
+    assert _at_spheres(_TABLE, 'tool_length = "0 um"\n').unsourced == ()
 
 
 @pytest.mark.parametrize(

@@ -44,6 +44,7 @@ def planned_row(row: RowName, machine: Machine) -> PlannedRow:
         limit=100.0,
         reached=False,
         measured=row.kind != "yaw",
+        lines=[],
     )
 
 

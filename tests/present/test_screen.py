@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.answers.answer import Aim, NextStep, ResultAnswer, TablesChecked, Verdict
+from axiscal.answers.answer import Aim, AnswerLine, NextStep, ResultAnswer, TablesChecked, Verdict
 from axiscal.answers.answer_words import LINES, WIDTH, screen
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
@@ -25,8 +25,8 @@ from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, plus, 
 
 WORDS = 60
 """Beside the rows."""
-NUMBERS = 3
-"""In a row, beside the columns of what is left."""
+NUMBERS, SIGNED = 3, 4
+"""In a row, beside the columns of what is left; where they have signs."""
 STEPS = [NextStep(code="load", control="linuxcnc-volumetric"), NextStep(code="verify")]
 MISTAKE = 'the zero of "laser along X" jumped before reading 14 ("laser along X", X = 120 mm, from +). Take it again'
 CONTRADICTING = f"The readings contradict each other (p = 1e-09): {MISTAKE}; or {MISTAKE}"
@@ -76,7 +76,9 @@ def _within_budgets(text: str) -> None:
     assert sum(bool(re.search(r"[^\W\d_]{2}", word)) for line in beside_rows for word in line.split()) <= WORDS, text
     for row in rows:
         beside = row.partition("±")[0] + row.partition("±")[2].split("   ")[0]
-        assert len(re.findall(r"[0-9]+(?:[.,][0-9]+)?", beside)) <= NUMBERS, row
+        beside = re.sub(r"\b[X-Z] [0-9]+", "", beside)  # where a line is
+        most = SIGNED if re.search("[+−][0-9]", row) else NUMBERS
+        assert len(re.findall(r"[0-9]+(?:[.,][0-9]+)?", beside)) <= most, row
         assert not re.search(r"[1-9][0-9]*[.,]?[0-9]*[1-9][0-9]*[.,]?[0-9]*[1-9]", row), row
 
 
@@ -124,6 +126,27 @@ def test_a_row_says_found_known_and_left() -> None:
     assert re.search(r"positioning X +10 um +± 4\.87 of 5 um +0\.61 um", text)
     with speaking("de"):
         assert re.search(r"Positionierung X +10 um +± 4,87 von 5 um", _screen(found))
+
+
+LINE = AnswerLine(
+    setup="laser", axis="X", ends=(0, 900), at={"Y": 200.0, "Z": 100.0}, places={"+": 9, "-": 9, "both": 9}
+)
+
+
+@pytest.mark.parametrize(
+    ("language", "name"), [("en", "X on the line Y 200, Z 100"), ("de", "X auf der Linie Y 200, Z 100")]
+)
+def test_a_volume_that_is_a_line_is_called_so(language: str, name: str) -> None:
+    volume = answer_row(RowName("volume"), MILL).model_copy(update={"lines": [LINE]})
+    found = answer(verdict="reached", rows=[POSITIONING, volume], aims=[aim("U", 8.14, 20.0, 1.0)], offset=3.92)
+    with speaking(language):
+        text = _screen(found)
+    _within_budgets(text)
+    assert re.search(rf"{name} +230 um +± 130 um", text)
+    assert f"{name} U 8" in text.splitlines()[0] + text.splitlines()[1]
+    assert "100 mm" in text
+    assert "3.9 um" in text.replace(",", ".")
+    assert "100 mm" not in _screen(found.model_copy(update={"offset": None}))
 
 
 def test_what_is_not_measured_is_named_with_its_reason() -> None:

@@ -6,7 +6,7 @@ from typing import get_args
 
 import pytest
 
-from axiscal.answers import answer_words
+from axiscal.answers import row_words
 from axiscal.description import target, usual
 from axiscal.description.type_b import TYPE_B
 from axiscal.present import findings, sentences
@@ -17,7 +17,7 @@ from axiscal.present import findings, sentences
     [
         (findings._WORDS, get_args(usual.Kind)),
         (sentences._CAUSES, [row.name for row in TYPE_B]),
-        (answer_words._KINDS, get_args(target.Kind)),
+        (row_words._KINDS, get_args(target.Kind)),
     ],
 )
 def test_every_kind_has_words(words: dict[str, str], kinds: list[str]) -> None:

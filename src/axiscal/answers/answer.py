@@ -87,6 +87,7 @@ class AnswerLine(AnswerDocument):
 class PlannedRow(AnswerDocument):
     """How well a row is known, in `unit`: fields as of `estimation.functionals.known.KnownRow`.
 
+    lines : of the volume none, unless displacements of one axis are all that is described
     known_to, known_before : U now, or after a plan, and before the first reading, as stated
     """
 
@@ -100,16 +101,31 @@ class PlannedRow(AnswerDocument):
     limit: float | None
     reached: bool | None
     measured: bool
+    lines: Sequence[AnswerLine]
+
+
+class SignedNumber(AnswerDocument):
+    """A number with its sign, in the unit of its row, and U of it alone.
+
+    direction : the axis, both axes of a squareness, x, y or z of a centre, or about which of them, as A, B or C, a tilt
+    """
+
+    direction: str
+    value: float
+    U: float
 
 
 class AnswerRow(PlannedRow):
-    """A row, in `unit`: fields as of `AnsweredRow`.  one_more : U after one reading from the other side"""
+    """A row, in `unit`: fields as of `AnsweredRow`.
+
+    signed : its numbers where it is one number or one vector; one_more : U after one reading from the other side
+    """
 
     found: float
+    signed: Sequence[SignedNumber]
     largest: float
     left: Mapping[str, float]
     one_more: float | None = None
-    lines: Sequence[AnswerLine]
 
 
 class Aim(AnswerDocument):
@@ -210,6 +226,7 @@ class ResultAnswer(AnswerDocument):
     minutes : of the clock where clocked, else of the plan
     withheld : readings contradict each other, and no mistake explains it: there are no rows
     checked : None where nobody has checked the tables
+    offset : um, 95 %, by which U grows for each 100 mm beside the line that was read; None where the volume is known
     """
 
     verdict: Verdict
@@ -226,3 +243,4 @@ class ResultAnswer(AnswerDocument):
     withheld: bool
     steps: Sequence[NextStep]
     checked: TablesChecked | None = None
+    offset: float | None = None

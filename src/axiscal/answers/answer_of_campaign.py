@@ -24,12 +24,14 @@ from axiscal.answers.answer import (
     AnswerRow,
     NextStep,
     ResultAnswer,
+    SignedNumber,
     StepCode,
     Verdict,
     coordinate,
     number,
 )
-from axiscal.answers.answer_words import digits, row_name
+from axiscal.answers.answer_words import digits
+from axiscal.answers.row_words import row_name
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import count_reached
 from axiscal.estimation.accuracy.expanded import known_to, reach
@@ -37,8 +39,8 @@ from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.functionals.asked import AskedRow, asked_rows
-from axiscal.estimation.functionals.functional import AxisLine
+from axiscal.estimation.functionals.asked import AskedRow, asked_rows, offset_each
+from axiscal.estimation.functionals.functional import AxisLine, SignedSize, signed_numbers
 from axiscal.estimation.functionals.known import KnownRow, known_row, known_rows, with_one_more, without_readings
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError, TableError
@@ -69,6 +71,7 @@ class AnsweredRow(KnownRow):
     found, largest : RMS and largest size of the error over the places, with what is not known of it
     stated : U before the first reading, as a plan says it: of the machine as described
     left : RMS that the tables of each control leave, by its name; none of rotations
+    signed : its numbers that have a sign
     then : U of a row that is not measured, after one reading from the other side; None where that tells no more
     """
 
@@ -76,6 +79,7 @@ class AnsweredRow(KnownRow):
     largest: float
     stated: float
     left: Mapping[str, float]
+    signed: tuple[SignedSize, ...]
     then: float | None = None
 
 
@@ -100,7 +104,7 @@ def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[Answer
 
 def _answered(asked: AskedRow, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
     """Return a row along lines, or that of the volume."""
-    estimate, errors, belief, functional = known.estimate(), known.case.errors, known.printed.belief, asked.map
+    estimate, errors, belief, functional = known.estimate(), known.case.errors, known.printed.belief, asked.own
     shown: Callable[[Array], Array]
     if functional is None:
         where, dimensions = places(estimate), sum(estimate.counted)
@@ -128,6 +132,7 @@ def _answered(asked: AskedRow, known: Estimation, controls: Mapping[str, Control
         largest=float(np.sqrt(np.max(squares(at)))),
         stated=without_readings(asked, known.stated),
         left={name: float(np.sqrt(np.mean(squares(each)))) for name, each in left.items()},
+        signed=() if functional is None else signed_numbers(functional, at, errors, belief),
     )
 
 
@@ -168,7 +173,7 @@ class Aims(NamedTuple):
 
 
 def _aim(row: KnownRow, most: float) -> Aim:
-    now, limit, floor = (to_unit(size, _unit(row)) for size in (row.known, most, row.floor))
+    now, limit, floor = (to_unit(size, row.unit) for size in (row.known, most, row.floor))
     return Aim(
         name=row.row.name,
         now=now,
@@ -177,7 +182,7 @@ def _aim(row: KnownRow, most: float) -> Aim:
         measured=row.measured,
         reachable=row.reachable,
         unread=sum(not line.read for line in row.lines),
-        unit=_unit(row),
+        unit=row.unit,
     )
 
 
@@ -202,6 +207,7 @@ def answer_of(
     if coming and verdict in ("measured", "unmeasured", "more"):
         verdict, more, minutes = "more", len(coming), to_unit(campaign.seconds(coming) - campaign.seconds(), "min")
     seconds = known.timed.seconds if campaign.state.clocked is None else campaign.state.clocked
+    offset = offset_each(known.stated.description)
     axes, withheld = known.stated.description.machine.axes, known.agreement.withheld and not anyway
     return ResultAnswer(
         verdict=verdict,
@@ -217,6 +223,7 @@ def answer_of(
         clocked=campaign.state.clocked is not None,
         withheld=withheld,
         steps=list(_steps(campaign, known, verdict, best_control(rows, list(controls)), written)),
+        offset=None if offset is None else _digits(to_unit(offset, "um")),
     )
 
 
@@ -319,40 +326,37 @@ def _share(aim: Aim) -> float:
     return max((aim.now**2 - aim.floor**2) / (aim.limit**2 - aim.floor**2) - 1, 0.0)
 
 
-def _unit(row: KnownRow) -> str:
-    return "urad" if row.angular else "um"
-
-
 def _digits(value: float) -> float:
     return number(value, "a figure of the answer")
 
 
-def known_figures(row: KnownRow, before: float) -> dict[str, Any]:
-    """Return the figures of `PlannedRow`.  before : U before the first reading, m or rad"""
+def known_figures(row: KnownRow, before: float, axes: Sequence[Axis]) -> dict[str, Any]:
+    """Return the figures of `PlannedRow`.  before : U before the first reading, m or rad; axes : of the machine"""
     sizes = {"known_to": row.known, "known_before": before, "floor": row.floor, "limit": row.limit}
     return {
         "row": row.row.name,
         "kind": row.row.kind,
         "axes": row.row.axes,
-        "unit": _unit(row),
+        "unit": row.unit,
         **{name: None if size is None else _shown(row, size) for name, size in sizes.items()},
         "reached": row.reached,
         "measured": row.measured,
+        "lines": [_line(line, axes) for line in row.lines],
     }
 
 
 def _shown(row: KnownRow, size: float) -> float:
-    return _digits(to_unit(size, _unit(row)))
+    return _digits(to_unit(size, row.unit))
 
 
 def _row(row: AnsweredRow, axes: Sequence[Axis]) -> AnswerRow:
     return AnswerRow(
-        **known_figures(row, row.stated),
+        **known_figures(row, row.stated, axes),
         found=_shown(row, row.found),
+        signed=[SignedNumber(direction=name, value=_shown(row, at), U=_shown(row, u)) for name, at, u in row.signed],
         largest=_shown(row, row.largest),
         left={name: _shown(row, size) for name, size in row.left.items()},
         one_more=None if row.then is None else _shown(row, row.then),
-        lines=[_line(line, axes) for line in row.lines],
     )
 
 

@@ -11,8 +11,17 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple, TypeVar
 
-from axiscal.answers.answer import Aim, AnswerRow, NextStep, PlannedRow, ResultAnswer, TablesChecked, Verdict
-from axiscal.description.target import Kind
+from axiscal.answers.answer import (
+    Aim,
+    AnswerRow,
+    NextStep,
+    PlannedAnswer,
+    PlannedRow,
+    ResultAnswer,
+    TablesChecked,
+    Verdict,
+)
+from axiscal.answers.row_words import row_names, said_row, signed_text, signs_sentence
 from axiscal.language.spoken import counted, ending, joined, later, listed, put, said
 from axiscal.tables.registry import exporter
 
@@ -27,18 +36,6 @@ _NEAR = 0.1
 """Share of a limit within which a number has three digits."""
 ROOM = 12
 """Rows beside each other; where there are more, those of one kind stand together."""
-_KINDS: dict[Kind, str] = {
-    "positioning": later("positioning {axes}"),
-    "backlash": later("backlash {axes}"),
-    "straightness": later("straightness {axes}"),
-    "pitch": later("pitch {axes}"),
-    "yaw": later("yaw {axes}"),
-    "roll": later("roll {axes}"),
-    "squareness": later("squareness {axes}"),
-    "centre": later("centre of {axes}"),
-    "tilt": later("tilt of {axes}"),
-    "volume": later("volume"),
-}
 _ENDS: dict[Verdict, str] = {
     "measured": later("MEASURED"),
     "unmeasured": later("NOT ALL MEASURED"),
@@ -49,9 +46,9 @@ _ENDS: dict[Verdict, str] = {
 }
 VERDICTS = {"pass": later("PASS"), "fail": later("FAIL"), "undecided": later("UNDECIDED")}
 _AIMS = {
-    "rms": later("volume RMS {now} of {limit} {unit}"),
+    "rms": later("{volume} RMS {now} of {limit} {unit}"),
     "worst": later("worst place {now} of {limit} {unit}"),
-    "U": later("volume U {now} of {limit} {unit}"),
+    "U": later("{volume} U {now} of {limit} {unit}"),
 }
 
 
@@ -86,7 +83,8 @@ def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str 
     agreement : said of readings that contradict or are not used; record, results : paths, or ""; cut : for a terminal
     """
     groups = measured_rows(answer, ROOM)
-    found = [_agreement(answer, agreement), _unmeasured(answer, cut), _checked(answer.checked)]
+    signs = "" if cut else signs_sentence(groups)  # a terminal has room where few rows are
+    found = [signs, _agreement(answer, agreement), _unmeasured(answer, cut), _beside(answer), _checked(answer.checked)]
     return AnswerText(
         _first_line(answer),
         table_lines(groups, controls_of(groups)) if groups else [],
@@ -107,7 +105,7 @@ def _first_line(answer: ResultAnswer) -> FirstLine:
     taken = counted("{count} reading", "{count} readings", answer.readings)
     minutes = minutes_text(answer.minutes)
     time = said("{minutes} min" if answer.clocked else "{minutes} min by the plan", minutes=minutes)
-    aims = "" if answer.verdict == "contradict" else aims_text(answer.aims)
+    aims = "" if answer.verdict == "contradict" else aims_text(answer)
     return FirstLine(verdict, aims, put("{taken}, {time}", taken=taken, time=time))
 
 
@@ -116,8 +114,9 @@ def minutes_text(minutes: float, *, coming: bool = False) -> str:
     return put("{minutes:.0f}", minutes=math.ceil(minutes) if coming else max(minutes, 1.0) if minutes else 0.0)
 
 
-def aims_text(aims: Sequence[Aim]) -> str:
+def aims_text(answer: ResultAnswer | PlannedAnswer) -> str:
     """Return the figure that decides: what no reading reaches, else what is missing, else the nearest."""
+    aims = answer.aims
     volume = [aim for aim in aims if aim.name in _AIMS]
     best = [min(volume, key=lambda aim: aim.now / aim.limit)] if volume else []
     each = [*best, *(aim for aim in aims if aim.name not in _AIMS)]
@@ -126,21 +125,20 @@ def aims_text(aims: Sequence[Aim]) -> str:
     missing = [aim for aim in each if not aim.reached]
     hopeless = [aim for aim in missing if not aim.reachable]
     farthest = max(hopeless or missing or each, key=lambda aim: aim.now / aim.limit)
-    text = aim_text(farthest)
+    text = aim_text(farthest, answer.rows)
     if len(each) == 1:
         return text
     met = said("{met} of {count} limits", met=len(each) - len(missing), count=len(each))
     return put("{met}: {text}", met=met, text=text) if missing else met
 
 
-def aim_text(aim: Aim) -> str:
-    """Return how well a wanted accuracy is known, with its limit."""
+def aim_text(aim: Aim, rows: Sequence[PlannedRow]) -> str:
+    """Return how well a wanted accuracy is known, with its limit.  rows : of the answer"""
     sizes = {"now": digits(aim.now, aim.limit), "limit": limit_text(aim.limit), "unit": aim.unit}
     if aim.name in _AIMS:
-        return said(_AIMS[aim.name], **sizes)
-    kind, _, axes = aim.name.partition(" ")
-    words = next(words for each, words in _KINDS.items() if each == kind)
-    return said("{name} {now} of {limit} {unit}", name=said(words, axes=axes.removeprefix("of ")), **sizes)
+        volume = next((row_names([row]) for row in rows if row.kind == "volume"), said_row("volume"))
+        return said(_AIMS[aim.name], volume=volume, **sizes)
+    return said("{name} {now} of {limit} {unit}", name=said_row(aim.name), **sizes)
 
 
 def measured_rows(answer: ResultAnswer, room: int) -> list[list[AnswerRow]]:
@@ -154,33 +152,28 @@ def controls_of(groups: Sequence[Sequence[AnswerRow]]) -> list[str]:
     return list(dict.fromkeys(name for group in groups for row in group for name in row.left))
 
 
-def table_lines(groups: Sequence[Sequence[AnswerRow]], controls: Sequence[str]) -> list[list[str]]:
-    """Return the heading and a line for each group of rows: its name, found, U, what each control leaves."""
+def table_lines(
+    groups: Sequence[Sequence[AnswerRow]], controls: Sequence[str], *, signs: bool = True
+) -> list[list[str]]:
+    """Return the heading and a line for each group of rows: its name, found, U, what each control leaves.
+
+    signs : rows that have signs are shown with them, else their sizes
+    """
     lefts = [said("left with {control}", control=name) if number == 0 else name for number, name in enumerate(controls)]
     lines = [["", said("found"), "U (95 %)", *lefts]]
     for rows in groups:
-        unit, (low, high) = rows[0].unit, (digits(pick(row.found for row in rows)) for pick in (min, max))
-        found = put("{found} {unit}", found=high if low == high else put("{low}-{high}", low=low, high=high), unit=unit)
+        unit, found = rows[0].unit, (signed_text(rows) if signs else "") or _range(rows)
         left = [max((row.left[name] for row in rows if name in row.left), default=None) for name in controls]
         sizes = ("–" if size is None else put("{size} {unit}", size=digits(size), unit=unit) for size in left)
         lines.append([row_names(rows), found, known_text(rows), *sizes])
     return lines
 
 
-def row_name(kind: Kind, axes: Sequence[Sequence[str]]) -> str:
-    """Return a kind with the axes of all rows; of several straightnesses the axes that move."""
-    if kind == "straightness" and len(axes) == 1:
-        text = said("{axis} in {other}", axis=axes[0][0], other=axes[0][1])
-    elif kind == "straightness":
-        text = listed(" ", list(dict.fromkeys(each[0] for each in axes)))
-    else:
-        text = listed(" ", ["".join(each) for each in axes])
-    return said(_KINDS[kind], axes=text)
-
-
-def row_names(rows: Sequence[PlannedRow]) -> str:
-    """Return the name of rows of one kind."""
-    return row_name(rows[0].kind, [row.axes for row in rows])
+def _range(rows: Sequence[AnswerRow]) -> str:
+    """Return the sizes found of rows, from the smallest to the largest."""
+    low, high = (digits(pick(row.found for row in rows)) for pick in (min, max))
+    sizes = high if low == high else put("{low}-{high}", low=low, high=high)
+    return put("{found} {unit}", found=sizes, unit=rows[0].unit)
 
 
 def known_text(rows: Sequence[PlannedRow]) -> str:
@@ -241,6 +234,15 @@ def _why(rows: Sequence[AnswerRow]) -> str:
 def _within(size: float, unit: str) -> str:
     """Return a size that no line is broken in."""
     return put("±\xa0{size}\xa0{unit}", size=digits(size), unit=unit)
+
+
+def _beside(answer: ResultAnswer) -> str:
+    """Return what pitch and yaw that nobody described add beside the line that was read; "" for nothing."""
+    if answer.offset is None or not any(row.measured for row in answer.rows):
+        return ""
+    return said(
+        "U is that of this line: each 100 mm beside it adds ± {size} um (pitch and yaw).", size=digits(answer.offset)
+    )
 
 
 def _checked(checked: TablesChecked | None) -> str:
@@ -312,8 +314,10 @@ def screen(answer: ResultAnswer, agreement: str, record: str, results: str, repo
     first, below = first_lines(text.first), [line for sentence in text.sentences for line in wrapped(sentence)]
     last = [*below, *ending({said("Next"): text.commands, said("Report"): [report] if report else []})]
     room = LINES - len(first) - len(last) - 1
+    groups = measured_rows(answer, room)
+    signs = wrapped(signs_sentence(groups)) if len(groups) < room else []
     advised = next((step.control for step in answer.steps if step.control), "")
-    return "\n".join([*first, *_table(measured_rows(answer, room), room, advised), *last])
+    return "\n".join([*first, *_table(groups, room, advised), *signs, *last])
 
 
 def first_lines(line: FirstLine) -> list[str]:
@@ -335,11 +339,9 @@ def _table(groups: Sequence[Sequence[AnswerRow]], room: int, advised: str) -> It
         hidden = sum(map(len, groups[room - 2 : -1]))
         groups = [*groups[: room - 2], groups[-1]]
     controls = sorted(controls_of(groups), key=lambda name: name == advised)[-_LEFT:]
-    lines = columns(table_lines(groups, controls))
-    while controls and max(map(len, lines)) > WIDTH:
-        controls = controls[1:]
-        lines = columns(table_lines(groups, controls))
-    yield from lines
+    tried = [*((controls[count:], True) for count in range(_LEFT)), (controls[-1:], False), ([], False)]
+    shown = (columns(table_lines(groups, names, signs=signs)) for names, signs in tried)
+    yield from next((lines for lines in shown if max(map(len, lines)) <= WIDTH), [])
     if hidden:
         yield counted("  … and {count} row in result.json", "  … and {count} rows in result.json", hidden)
 

@@ -60,7 +60,7 @@ def progress_line(milestone: Milestone, target: Target) -> str:
 
 def tell_unasked(description: CampaignDescription) -> None:
     """Ask what the descriptions leave open: sizes that can hardly be meant, a compensation that may be active."""
-    open_yet = unasked(description), unused_artefacts(description.text)
+    open_yet = unasked(description), unused_artefacts(description.text), *(each.words for each in description.unsourced)
     for question in (*questions(description.machine), *open_yet):
         if question:
             tell_mind(question)

@@ -18,7 +18,7 @@ from axiscal.description.artefacts import read_artefacts
 from axiscal.description.campaign_schema import CampaignTable, ReportTable, SistersTable
 from axiscal.description.setups import at_each_place, read_setups
 from axiscal.description.sites import Surroundings
-from axiscal.description.stated_type_b import refers_to_20
+from axiscal.description.stated_type_b import Unsourced, refers_to_20, unsourced
 from axiscal.description.target import Target, read_target
 from axiscal.description.usual import usual_machine
 from axiscal.document import Document, read_model, shown
@@ -26,7 +26,7 @@ from axiscal.exceptions import DescriptionError
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
 from axiscal.machine.entry import Sure
 from axiscal.machine.motion import Driving
-from axiscal.measurement.instruments.kind import CARRIED
+from axiscal.measurement.instruments.kind import CARRIED, TRUED
 from axiscal.measurement.setup import Setup, Vector
 from axiscal.record.events import Mounted
 from axiscal.units import format_quantity
@@ -68,8 +68,6 @@ def read_particulars(table: CampaignTable, machine: Machine) -> Particulars:
 _PRINTERS = {"klipper", "marlin", "reprapfirmware"}
 _SCALES: dict[str | None, Sure] = {None: "roughly", "stated": "well", "estimate": "roughly"}
 """What campaigns said before there was `sure`."""
-_TRUED = 5e-6
-"""m: what is set in the spindle to be read is made to run true with a dial (an assumption)."""
 _ONCE_USUAL = 5e-6
 """m: of the tool's length in records that do not say which doubts are usual (an assumption of then)."""
 
@@ -90,6 +88,7 @@ class CampaignDescription:
     particulars : who measured, with which instruments, for the report
     usual_doubts : what nothing is stated of is doubted as is usual: zeros wander, the tool is not quite as stated
     controls : those whose files a finished campaign gets, the first one first
+    unsourced : what is stated of the tool without a source, and does not count
     """
 
     machine: Machine
@@ -108,6 +107,7 @@ class CampaignDescription:
     sisters: SistersTable | None = None
     doubt: float | None = None
     controls: tuple[str, ...] = ("linuxcnc",)
+    unsourced: tuple[Unsourced, ...] = ()
 
     def setup(self, name: str) -> Setup:
         """Return the set-up of that name; raises DescriptionError when there is none."""
@@ -207,6 +207,10 @@ def _described(
     setups = read_setups(table.setups, around)
     driving = Driving(**dict(table.programs))
     setups = tuple(replace(setup, driving=driving) for setup in setups)
+    setups, tools = unsourced(setups) if usual_doubts and not table.tool_certificate else (setups, ())
+    only = machine.only
+    if only is not None and target.part is None and machine.axes[only].name not in table.target.volume:
+        target = _along_the_line(target, machine, only, setups)
     if target_needed and target.empty:
         remedy = 'Add at least one of rms = "2 um", worst = "4 um", readings = 40, budget = "90 min" under [target]'
         raise DescriptionError("nothing would ever stop this campaign", remedy, document.path, document.line("target"))
@@ -231,12 +235,20 @@ def _described(
         sisters=table.sisters,
         doubt=None if table.sisters is None else table.sisters.doubt,
         controls=tuple(dict.fromkeys(table.controls)),
+        unsourced=tools,
     )
+
+
+def _along_the_line(target: Target, machine: Machine, only: int, setups: Sequence[Setup]) -> Target:
+    """Return a target over the line that set-ups can read, of a machine that describes one axis alone."""
+    spans = [setup.span(machine.axes[only], only) for setup in setups if only in setup.moves] or [target.volume[only]]
+    ends = min(low for low, _ in spans), max(high for _, high in spans)
+    return replace(target, volume=(*target.volume[:only], ends, *target.volume[only + 1 :]))
 
 
 def _tool(table: CampaignTable, usual_doubts: bool) -> Vector:
     """Return how well it is known where the tool's point sits, std along its x, y, z, m."""
-    usual, trued = (CARRIED, _TRUED) if usual_doubts else (_ONCE_USUAL, 0.0)
+    usual, trued = (CARRIED, TRUED) if usual_doubts else (_ONCE_USUAL, 0.0)
     length = usual if table.tool_length is None else table.tool_length
     aside = min(length, trued) if table.tool_eccentricity is None else table.tool_eccentricity
     return aside, aside, length

@@ -320,6 +320,7 @@ class CampaignTable(Table):
     kept: float = Field(0.9, ge=0, le=1, examples=["0.9"])
     tool_length: Doubt | None = Field(None, examples=['"5 um"'])
     tool_eccentricity: Doubt | None = Field(None, examples=['"5 um"'])
+    tool_certificate: Printable = Field("", examples=['"presetter, 2026-03-02"'])
     artefacts: list[ArtefactTable] = Field(default=[], examples=["[…]"])
     target: TargetTable = Field(default_factory=lambda: TargetTable.model_validate({}))
     sisters: Annotated[SistersTable, ReadAs(SistersTable, _sisters, by=True)] | None = Field(

@@ -14,16 +14,54 @@ from axiscal.description.fields import At
 from axiscal.description.type_b import WITH_LIGHT
 from axiscal.document import Document
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import said
 from axiscal.machine import Machine
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.instrument import Instrument, model_of
-from axiscal.measurement.instruments.kind import Nominal
+from axiscal.measurement.instruments.kind import CARRIED, TOOL, TRUED, Nominal
 from axiscal.measurement.setup import STEEL, SaidOfDrift, Setup, Unknown, Vector
+from axiscal.units import format_quantity
 
 _REFERENCE = 293.15
 """20 degC (ISO 1), K."""
 _ALONG = 0.99
 """Cosine; growth along an axis is meant where the direction is within 8 deg of it, and no set-up is between."""
+
+
+_TOLD = 2e-5
+"""m: whoever knows a tool better than a presetter in daily use has measured it."""
+
+
+class Unsourced(NamedTuple):
+    """How well somebody states to know a tool without a source, and what stays instead, m.  key : of campaign.toml"""
+
+    key: str
+    stated: float
+    usual: float
+
+    @property
+    def words(self) -> str:
+        """A sentence for whoever stated it."""
+        what = '{given} has no source, so {usual} stays. Name one: tool_certificate = "presetter, 2026-03".'
+        stated, usual = (format_quantity(size, "um") for size in (self.stated, self.usual))
+        return said(what, given=f'{self.key} = "{stated}"', usual=usual)
+
+
+def unsourced(setups: Sequence[Setup]) -> tuple[tuple[Setup, ...], tuple[Unsourced, ...]]:
+    """Return set-ups whose tool is known as is usual where it is stated better, and what was stated."""
+    kept, found = list[Setup](), dict[str, Unsourced]()
+    for setup in setups:
+        unknowns = list[Unknown]()
+        for unknown in setup.unknowns:
+            shared, along = unknown.owner == "tool", unknown.name == TOOL[2]
+            usual = TRUED if shared and not along else CARRIED
+            if unknown.name in TOOL and 0 < unknown.std < min(usual, _TOLD):
+                key = unknown.name if not shared else "tool_length" if along else "tool_eccentricity"
+                found[key] = Unsourced(key, unknown.std, usual)
+                unknown = replace(unknown, std=usual)
+            unknowns.append(unknown)
+        kept.append(replace(setup, unknowns=tuple(unknowns)))
+    return tuple(kept), tuple(found.values())
 
 
 class Material(NamedTuple):

@@ -10,6 +10,7 @@ import numpy as np
 
 from axiscal.errors.volume import deviation_of
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.functionals.asked import beside_the_line
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.csv_table import RawPose
@@ -63,7 +64,8 @@ def tcp_prediction(estimation: Estimation, poses: Array, approaches: Array) -> t
             open_side = approaches[:, function.axis] == 0
             loose += np.where(open_side, square / 4, 0.0)[:, None] * lever**2
     mean = deviation_of(errors, belief.mean[: errors.size], poses, approaches).displacement
-    return mean, np.sqrt(known + loose)
+    beside = beside_the_line(estimation.case.description, estimation.readings, poses)
+    return mean, np.sqrt(known + loose + beside**2)
 
 
 def _placed(raw: RawPose, machine: Machine, file: Path) -> tuple[list[float], list[float]]:

@@ -316,6 +316,14 @@ class Machine:
         return *(entry.name for entry in self.errors), *(entry.name for entry in self.planes)
 
     @property
+    def only(self) -> int | None:
+        """The one linear axis of which displacements alone are described; None where more is, or an axis turns."""
+        names = [entry.parts for entry in self.errors]
+        axes = {name.axis for name in names}
+        more = len(axes) != 1 or self.planes or any(name.angular for name in names)
+        return None if more or any(axis.rotary for axis in self.axes) else self.index(*axes)
+
+    @property
     def zero(self) -> tuple[float, ...]:
         """The pose called machine zero: every axis at 0, or at the end of its travel nearest to it, m or rad."""
         return tuple(min(max(0.0, axis.travel[0]), axis.travel[1]) for axis in self.axes)

@@ -9,7 +9,8 @@ import numpy as np
 from pydantic import Field
 
 from axiscal.answers.answer import AnswerDocument, TablesChecked, finite
-from axiscal.answers.answer_words import VERDICTS, digits, row_name, wrapped
+from axiscal.answers.answer_words import VERDICTS, digits, wrapped
+from axiscal.answers.row_words import row_name
 from axiscal.evaluation.check import Check, Taken
 from axiscal.evaluation.datums import GUARD
 from axiscal.evaluation.table_checks import WORKS, Judgement, Verdict

@@ -17,9 +17,9 @@ from axiscal.answers.answer_words import (
     digits,
     first_lines,
     known_text,
-    row_names,
     wrapped,
 )
+from axiscal.answers.row_words import row_names
 from axiscal.description.type_b import MEASURED_TEMPERATURE
 from axiscal.language.spoken import counted, ending, listed, put, said
 from axiscal.planning.helping import helping_words
@@ -46,22 +46,22 @@ def plan_screen(answer: PlannedAnswer, campaign: str, files: Sequence[str] = ())
 
 def plan_text(answer: PlannedAnswer, campaign: str) -> AnswerText:
     """Return a plan in words; arguments as of `plan_screen`."""
-    reach = "" if answer.reach is None else reach_text(answer.reach)
+    reach = "" if answer.reach is None else reach_text(answer.reach, answer.rows)
     sentences = [_mounted(answer), _fewer(answer), reach or _mostly(answer) or _alike(answer)]
     found = [sentence for sentence in sentences if sentence]
     coming = list(commands_of(answer.steps, campaign, readings=answer.readings))
     return AnswerText(_first(answer), _cells(answer.rows, ROOM), found, coming)
 
 
-def reach_text(reach: ReachAnswer) -> str:
-    """Return what cannot be reached with these set-ups, and which would help."""
-    missed = listed(", ", [aim_text(aim.model_copy(update={"now": aim.floor})) for aim in reach.missed])
+def reach_text(reach: ReachAnswer, rows: Sequence[PlannedRow] = ()) -> str:
+    """Return what cannot be reached with these set-ups, and which would help.  rows : of the plan"""
+    missed = listed(", ", [aim_text(aim.model_copy(update={"now": aim.floor}), rows) for aim in reach.missed])
     text = said("Out of reach: endless readings leave {missed}.", missed=missed)
     return text if reach.helps is None else put("{text} {helps}", text=text, helps=helping_words(reach.helps))
 
 
 def _first(answer: PlannedAnswer) -> FirstLine:
-    minutes, aims = put("{minutes:.0f}", minutes=answer.minutes), aims_text(answer.aims)
+    minutes, aims = put("{minutes:.0f}", minutes=answer.minutes), aims_text(answer)
     if answer.verdict == "unreachable":
         readings = counted("{count} reading", "{count} readings", answer.readings)
         spent = put("{readings}, {time}", readings=readings, time=said("{minutes} min", minutes=minutes))

@@ -329,7 +329,7 @@ def certificate(summary: Summary) -> bytes:
         "figure": lambda value: f"{number(value, 'a figure of the certificate'):.6g}",
         "half": lambda std: BAND * std,
     }
-    templates.globals |= {"unsaid": _UNSAID, "band": BAND, "level": LEVEL, "level_percent": f"{LEVEL:.0%}", "zip": zip}
+    templates.globals |= {"unsaid": _UNSAID, "band": BAND, "level": LEVEL, "level_percent": f"{LEVEL:.0%}"}
     known = "" if summary.record is None else summary.record.hash
     text = templates.get_template("certificate.xml").render(
         s=summary,

@@ -9,7 +9,8 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from axiscal.answers.answer import AnswerLine
-from axiscal.answers.answer_words import AnswerText, answer_text, digits, row_name
+from axiscal.answers.answer_words import AnswerText, answer_text, digits
+from axiscal.answers.row_words import row_names, signed_text
 from axiscal.estimation.accuracy.expanded import BAND, LEVEL
 from axiscal.estimation.case import Case
 from axiscal.language.spoken import counted, later, listed, put, quoted, said
@@ -102,7 +103,7 @@ def _figures(summary: Summary) -> Iterator[tuple[str, str]]:
     k = said("{k}: {level:.0%} of all draws and places lie within k u", k=figure(found.factor), level=LEVEL)
     yield said("Factor k"), spelt(k)
     yield said("Expanded uncertainty U {where}", where=where), quantity(found.space, "um")
-    for axis, value in zip("xyz", found.axes, strict=True):
+    for axis, value in found.ways:
         yield said("U along {way}", way=axis), put("± {size}", size=quantity(value, "um"))
     yield said("U {where}, worst place", where=where), quantity(found.worst, "um")
     if summary.unseen_rms_um > 0:
@@ -130,7 +131,8 @@ def _error(caption: str, error: CurveSummary | PlaneSummary | ConstantSummary, u
 def _rows(summary: Summary) -> Iterator[list[str]]:
     """Yield where each row holds, how it was read, and how well it was known and can be."""
     for row in summary.answer.rows:
-        sizes = [spelt(f"{digits(size)} {row.unit}") for size in (row.largest, row.known_before, row.floor)]
+        largest, before, best = (f"{digits(size)} {row.unit}" for size in (row.largest, row.known_before, row.floor))
+        found, *sizes = map(spelt, (signed_text([row]) or largest, before, best))
         where = list[str]()
         for line in row.lines:
             low, high = map(coordinate, line.ends)
@@ -138,7 +140,7 @@ def _rows(summary: Summary) -> Iterator[list[str]]:
             others = ", ".join(f"{axis} {coordinate(value)}" for axis, value in line.at.items())
             where.append(said("{along} at {others}", along=along, others=others) if others else along)
         places = said(" and ").join(_places(line) for line in row.lines)
-        yield [row_name(row.kind, [row.axes]), "; ".join(where), places, sizes[0], f"± {sizes[1]}", f"± {sizes[2]}"]
+        yield [row_names([row]), "; ".join(where), places, found, *(f"± {size}" for size in sizes)]
 
 
 def _places(line: AnswerLine) -> str:
@@ -153,6 +155,8 @@ def conditions(case: Case) -> str:
     """Return what an expanded uncertainty holds for: tool, volume, temperature, and the errors that are described."""
     machine, setups = case.description.machine, case.description.setups
     volume = said("the part") if case.description.target.part is not None else said("the volume")
+    if machine.only is not None and len(machine.axes) > 1:
+        volume = said("the line of {axis} that was read", axis=machine.axes[machine.only].name)
     along = counted_along(case)
     alone = [] if along == "xyz" else [said("counted along {way} alone", way=listed(" ", list(along)))]
     at_20 = case.description.target.refers_to == "20 degC"

@@ -229,7 +229,11 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         constants=constants(estimation),
         planes=planes(estimation),
         observability=observability(case),
-        questions=[*questions(description.machine), *which_way(description.machine)],
+        questions=[
+            *questions(description.machine),
+            *which_way(description.machine),
+            *(each.words for each in description.unsourced),
+        ],
         warnings=[*extras.warnings, *accepted, *findings(estimation, ended=over), *not_gaussian(linear)],
         tables=extras.tables,
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),

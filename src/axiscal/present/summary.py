@@ -15,6 +15,8 @@ from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
 from axiscal.present.drawn_by_standards import BallBarCircle, PositioningCurve
 from axiscal.present.volume_error import BentVolume, PlaneSummary, VolumeError
 
+_NOUGHT = 1e-6
+"""um: rounding."""
 Position = Mapping[str, float]
 """Axis name to coordinate, mm or deg."""
 
@@ -201,6 +203,11 @@ class Uncertainty:
     factor: float
     conditions: str = ""
     along: str = "xyz"
+
+    @property
+    def ways(self) -> list[tuple[str, float]]:
+        """Directions along which a described error moves the tool, each with its uncertainty."""
+        return [(way, size) for way, size in zip("xyz", self.axes, strict=True) if size > _NOUGHT]
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import ABOUT, ANGLES, RowName, Want
+from axiscal.description.usual import OFFSET
+from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.functionals.functional import (
     AxisLine,
     Functional,
@@ -16,19 +20,29 @@ from axiscal.estimation.functionals.functional import (
     seen_by,
     through_the_volume,
 )
+from axiscal.machine import Machine
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
 
 _LETTERS = "XYZ"
+EACH = 0.1
+"""m, of which a person can think; U grows in proportion."""
 
 
 @dataclass(frozen=True, eq=False)
 class AskedRow:
-    """A row with the lines it is about; map : None of the volume."""
+    """A row with the lines it is about; map : None of the volume; whole : its figures are those of the volume."""
 
     want: Want
     lines: tuple[AxisLine, ...] = ()
     map: Functional | None = None
+    whole: bool = False
+
+    @property
+    def own(self) -> Functional | None:
+        """The map that its figures follow from; None where they are those of the volume."""
+        return None if self.whole else self.map
 
 
 def asked_rows(description: CampaignDescription, readings: Sequence[Reading], *, whole: bool = False) -> list[AskedRow]:
@@ -86,9 +100,12 @@ def _answered(lines: dict[RowName, AxisLine]) -> Iterator[RowName]:
 
 
 def _asked(want: Want, description: CampaignDescription, lines: dict[RowName, AxisLine]) -> AskedRow:
-    row, machine = want.row, description.machine
+    row, machine, only = want.row, description.machine, _only_line(description, lines)
     if row.kind == "volume":
-        return AskedRow(want)
+        return AskedRow(want, () if only is None else (only,), whole=True)
+    if only is not None and row == RowName("positioning", (machine.axes[only.axis].name,)) and _one_way(machine):
+        own = direction_of(row.kind, machine.axes[only.axis])
+        return AskedRow(want, (only,), functional(row.kind, [only], machine, [own]), whole=True)
     if row.kind == "squareness":
         names = [row.axes, row.axes[::-1]]
         ways = [letter_direction(machine.axis(name).letter) for name in reversed(row.axes)]
@@ -97,6 +114,44 @@ def _asked(want: Want, description: CampaignDescription, lines: dict[RowName, Ax
         ways = [] if row.kind in ABOUT else [direction_of(row.kind, machine.axis(row.axes[0]), *row.axes[1:])]
         chosen = [_line(description, lines, row)]
     return AskedRow(want, tuple(chosen), functional(row.kind, chosen, machine, ways))
+
+
+def _only_line(description: CampaignDescription, lines: dict[RowName, AxisLine]) -> AxisLine | None:
+    """Return the line through the volume where the machine describes displacements of one axis alone, else None."""
+    only = description.machine.only
+    if only is None:
+        return None
+    through = through_the_volume(description, only)
+    read = max((line for line in lines.values() if line.axis == only), key=lambda line: line.read, default=through)
+    return replace(read, poses=read.poses_at(through.positions.tolist()))
+
+
+def _one_way(machine: Machine) -> bool:
+    """Return whether the only errors are along the axis that they belong to: its positioning is all there is."""
+    axis = machine.axes[machine.only or 0]
+    return {entry.parts.component for entry in machine.errors} == {letter_direction(axis.letter)}
+
+
+def offset_each(description: CampaignDescription) -> float | None:
+    """Return by how much U grows for each `EACH` beside the line that was read, m; None where the volume is known."""
+    machine = description.machine
+    told = description.usual and machine.only is not None and len(machine.axes) > 1
+    return BAND * OFFSET.size * EACH if told else None
+
+
+def beside_the_line(description: CampaignDescription, readings: Sequence[Reading], poses: Array) -> Array:
+    """Return what pitch and yaw that nobody described add, (m, 3) m, one standard deviation, noughts without usual.
+
+    poses : (m, q). It is their distance from the line that was read times `OFFSET`, along the axis that was read.
+    """
+    found = np.zeros((len(poses), 3))
+    line = _only_line(description, _lines(description, readings, whole=False)) if description.usual else None
+    if line is not None:
+        away = poses - line.poses[0]
+        away[:, line.axis] = 0.0
+        own = letter_direction(description.machine.axes[line.axis].letter)
+        found[:, own] = OFFSET.size * np.linalg.norm(away, axis=1)
+    return found
 
 
 def _line(description: CampaignDescription, lines: dict[RowName, AxisLine], row: RowName) -> AxisLine:

@@ -4,24 +4,27 @@
     backlash      mean of d from + less d from −, over the places read from both sides, else over the line
     straightness  d across the axis, less its best-fit line
     pitch ...     rotation of the tool about a direction, less its mean
-    squareness    slope of the best-fit line of each path towards the other axis, added
-    centre, tilt  e of the best fit d ≈ c + T e, T the turn of the tool relative to the workpiece, e across the axis
+    squareness    angle between the best-fit lines of both paths, less 90 degrees
+    centre, tilt  e of the best fit d ≈ c − T e, T the turn of the tool on the workpiece since the axis stood at zero
 
+e is where the line of a rotary axis lies, and which way it leans, across the axis in the workpiece frame at its zero.
 Centre and tilt follow ISO 230-7 and ISO 10791-6; the tilt fits rotations instead of displacements.
 A line is where an axis was read, or is to be read, while the others stand still.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import ABOUT, ANGLES, Kind
 from axiscal.errors.model import ErrorModel
+from axiscal.estimation.accuracy.expanded import reach
+from axiscal.estimation.belief import Belief
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
@@ -31,6 +34,8 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 
+NOUGHT = 1e-12
+"""m or rad: rounding. No error that the machine describes makes such a number."""
 _ABOUT = {"pitch": (1, 0, 0), "yaw": (2, 2, 1), "roll": (0, 1, 2)}
 """About which direction an axis along x, y, z pitches, yaws and rolls."""
 
@@ -40,14 +45,25 @@ class Functional:
     """A linear map of deviations of the tool.
 
     poses, sides : (m, q) where; weights : (k, m, 3) of displacements along, or of rotations about, x, y, z
-    angular : it is about rotations; dimensions : d, so many numbers are one vector
+    angular : it is about rotations
+    directions : names of its d numbers with a sign, which are one vector; none of a curve, d = 1
     """
 
     poses: Array
     sides: Array
     weights: Array
     angular: bool = False
-    dimensions: int = 1
+    directions: tuple[str, ...] = ()
+
+    @property
+    def dimensions(self) -> int:
+        """d: so many numbers are one vector."""
+        return len(self.directions) or 1
+
+    def alone(self) -> Iterator[Functional]:
+        """Yield the row of each number that has a sign."""
+        for number, name in enumerate(self.directions):
+            yield replace(self, weights=self.weights[[number]], directions=(name,))
 
     def row(self, deviations: Array) -> Array:
         """Return the row of deviations (m, 3): (k,), m or rad."""
@@ -85,6 +101,25 @@ class Functional:
         return np.hstack(parts)
 
 
+class SignedSize(NamedTuple):
+    """A number of a row with its sign, m or rad.  direction : its name; known : U of it alone"""
+
+    direction: str
+    value: float
+    known: float
+
+
+def signed_numbers(functional: Functional, row: Array, errors: ErrorModel, belief: Belief) -> tuple[SignedSize, ...]:
+    """Return the numbers of a row that have a sign and that some error makes; none of a curve.
+
+    row : (k,) as estimated
+    """
+    spectra = [each.spectra(errors, belief.factor) for each in functional.alone()]
+    known = [reach(each, belief.degrees) for each in spectra]
+    each = zip(functional.directions, row.tolist(), known, strict=False)
+    return tuple(SignedSize(*parts) for parts in each if max(map(abs, parts[1:])) > NOUGHT)
+
+
 def direction_of(kind: Kind, axis: Axis, across: str = "") -> int:
     """Return along, or about, which direction x, y, z a row of an axis looks.  across : the other axis of two"""
     own = letter_direction(axis.letter)
@@ -100,8 +135,9 @@ def functional(kind: Kind, lines: Sequence[AxisLine], machine: Machine, ways: Se
     if kind in ABOUT:
         return _turning(lines[0], machine, angular=kind == "tilt")
     (line,), (way,) = lines, ways
-    found = _ALONG_ONE[kind](line, way)
-    return replace(found, angular=kind in ANGLES or machine.axes[line.axis].rotary)
+    found, axis = _ALONG_ONE[kind](line, way), machine.axes[line.axis]
+    names = (axis.name,) if len(found.weights) == 1 else ()
+    return replace(found, angular=kind in ANGLES or axis.rotary, directions=names)
 
 
 def _positioning(line: AxisLine, way: int) -> Functional:
@@ -125,23 +161,29 @@ def _angle(line: AxisLine, way: int) -> Functional:
 
 
 def _squareness(lines: Sequence[AxisLine], machine: Machine, ways: Sequence[int]) -> Functional:
-    """Return the slopes of both paths over where the tool goes, added.  ways : of each line along the other's axis"""
+    """Return the slopes of both paths over where the tool goes, added, with the other sign.
+
+    ways : of each line along the other's axis
+    """
     weights = list[Array]()
     for line, way, along in zip(lines, ways, reversed(ways), strict=True):
         fit: Array = np.asarray(np.linalg.pinv(_ramp(frames(machine, line.poses).tcp[:, along])), dtype=float)
-        weights.append(_towards(fit[1:], way))
-    poses = np.vstack([line.poses for line in lines])
-    return Functional(poses, np.zeros_like(poses), np.concatenate(weights, axis=1))
+        weights.append(_towards(-fit[1:], way))
+    poses, names = np.vstack([line.poses for line in lines]), "".join(machine.axes[line.axis].name for line in lines)
+    return Functional(poses, np.zeros_like(poses), np.concatenate(weights, axis=1), directions=(names,))
 
 
 def _turning(line: AxisLine, machine: Machine, *, angular: bool) -> Functional:
-    """Return e of the best fit d ≈ c + T e, two numbers across the axis."""
-    tools = frames(machine, line.poses).tool
-    turns = tools @ tools[0].T
-    across = np.linalg.svd(np.sum(turns - turns.transpose(0, 2, 1), axis=0))[2][:2].T
+    """Return e of the best fit d ≈ c − T e across the axis: a number along, or about, each of x, y, z that has one."""
+    zero = line.poses_at([0.0])
+    turns = frames(machine, line.poses).tool @ frames(machine, zero).tool[0].T
+    across = np.linalg.svd(turns.mean(axis=0) - turns[0])[2][:2].T
     columns = np.concatenate([np.broadcast_to(np.eye(3), turns.shape), turns @ across], axis=2).reshape(-1, 5)
-    weights: Array = np.asarray(np.linalg.pinv(columns), dtype=float)[3:].reshape(2, -1, 3)
-    return Functional(line.poses, np.zeros_like(line.poses), weights, angular, dimensions=2)
+    fit: Array = np.asarray(np.linalg.pinv(columns), dtype=float)[3:]
+    weights = -(across @ fit).reshape(3, -1, 3)
+    told = np.linalg.norm(across, axis=1) > _SQUARE
+    names = tuple(name for name, has in zip("ABC" if angular else "XYZ", told, strict=True) if has)
+    return Functional(line.poses, np.zeros_like(line.poses), weights[told], angular, names)
 
 
 _ALONG_ONE: dict[Kind, Callable[[AxisLine, int], Functional]] = {
@@ -184,6 +226,8 @@ _ALONG = 0.999
 """Cosine of 2.5 degrees: a set-up that reads further off a direction of the workpiece reads something else."""
 _SAME = 1e-6
 """m or rad: two readings at one place."""
+_SQUARE = 1e-6
+"""rad: a direction nearer than that to square to a plane has no part in it."""
 
 Seen = tuple[Literal["length", "angle"], int]
 """Whether a set-up reads lengths or angles, and along, or about, which direction x, y, z of the workpiece frame."""

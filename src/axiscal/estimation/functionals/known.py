@@ -19,15 +19,13 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, printed
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
-from axiscal.estimation.functionals.functional import AxisLine
+from axiscal.estimation.functionals.functional import NOUGHT, AxisLine
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.learnt import posterior_of
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.threads import one_thread
 
-_NOUGHT = 1e-12
-"""m or rad: rounding. No error that the machine describes makes such a row."""
 _MEASURED = 0.5
 """Of the U before the first reading: a row that is known no better is not measured."""
 
@@ -53,9 +51,14 @@ class KnownRow:
     lines: tuple[AxisLine, ...]
 
     @property
+    def unit(self) -> str:
+        """The unit in which the row is shown."""
+        return "urad" if self.angular else "um"
+
+    @property
     def described(self) -> bool:
         """Whether an error of the description makes the row or somebody set it a limit."""
-        return self.limit is not None or self.before > _NOUGHT
+        return self.limit is not None or self.before > NOUGHT
 
     @property
     def reached(self) -> bool | None:
@@ -94,16 +97,15 @@ def known_rows(case: Case, knowledge: Knowledge, readings: Sequence[Reading]) ->
 
 def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool) -> KnownRow:
     """Return how well a belief knows a row.  read : whether any reading was taken"""
-    limit, before = asked.want.limit, without_readings(asked, case)
-    if asked.map is None:
-        limit, u = case.description.target.expanded, expanded(case.yardstick, belief).space
-        floor = expanded_floor(case.yardstick_as_sized).space
-        angular, measured = False, read
+    before, own, target = without_readings(asked, case), asked.own, case.description.target
+    limit = target.expanded if asked.map is None else asked.want.limit
+    if own is None:
+        u, floor = expanded(case.yardstick, belief).space, expanded_floor(case.yardstick_as_sized).space
     else:
-        u = reach(asked.map.spectra(case.errors, belief.factor), belief.degrees)
-        floor = reach(asked.map.spectra(case.errors, case.yardstick_as_sized.left))
-        angular = dimension(asked.want.row, case.description.machine) == "angle"
-        measured = before > _NOUGHT and u <= _MEASURED * before
+        u = reach(own.spectra(case.errors, belief.factor), belief.degrees)
+        floor = reach(own.spectra(case.errors, case.yardstick_as_sized.left))
+    angular = dimension(asked.want.row, case.description.machine) == "angle"
+    measured = read if asked.map is None else before > NOUGHT and u <= _MEASURED * before
     return KnownRow(asked.want.row, angular, u, before, floor, limit, bool(measured), asked.lines)
 
 
@@ -112,7 +114,7 @@ def refuse_unmade(case: Case) -> None:
     described, target = case.description, case.description.target
     for asked in asked_rows(described, ()):
         wanted = target.wants or (asked.map is None and target.accurate)
-        if wanted and (_off_at_corners(case) if asked.map is None else without_readings(asked, case)) <= _NOUGHT:
+        if wanted and (_off_at_corners(case) if asked.own is None else without_readings(asked, case)) <= NOUGHT:
             what = "{row} is wanted, and no error of {machine} makes it"
             remedy, machine = "Describe that error there, or ask for something else", described.machine_source
             raise DescriptionError(what, remedy, described.source, row=asked.want.row.name, machine=machine)
@@ -128,9 +130,9 @@ def _off_at_corners(case: Case) -> float:
 
 def without_readings(asked: AskedRow, case: Case) -> float:
     """Return U of a row at the sizes of a case, m or rad."""
-    if asked.map is None:
+    if asked.own is None:
         return expanded(case.yardstick, case.prior).space
-    return reach(asked.map.spectra(case.errors, case.prior.factor))
+    return reach(asked.own.spectra(case.errors, case.prior.factor))
 
 
 _SOON = 10.0

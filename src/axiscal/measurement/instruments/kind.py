@@ -28,6 +28,8 @@ TOOL = ("tool_x", "tool_y", "tool_z")
 """By how much the tool in the spindle is another than the machine states: eccentricity, and less length along z."""
 CARRIED = 1e-4
 """m, std along each of them where nothing is said (an assumption)."""
+TRUED = 5e-6
+"""m: what is set in the spindle to be read is made to run true with a dial (an assumption)."""
 TOOL_READS: Mapping[str, Reads] = MappingProxyType(dict.fromkeys(TOOL, "length"))
 
 

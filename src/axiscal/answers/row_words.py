@@ -1,0 +1,94 @@
+"""Rows in words: their names, and numbers that have a sign, such as "Y +121 ± 3, Z −69 ± 3 um"."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from axiscal.answers.answer import AnswerLine, AnswerRow, PlannedRow, SignedNumber
+from axiscal.description.target import Kind
+from axiscal.language.spoken import later, listed, put, said
+
+_KINDS: dict[Kind, str] = {
+    "positioning": later("positioning {axes}"),
+    "backlash": later("backlash {axes}"),
+    "straightness": later("straightness {axes}"),
+    "pitch": later("pitch {axes}"),
+    "yaw": later("yaw {axes}"),
+    "roll": later("roll {axes}"),
+    "squareness": later("squareness {axes}"),
+    "centre": later("centre of {axes}"),
+    "tilt": later("tilt of {axes}"),
+    "volume": later("volume"),
+}
+_ABOVE: dict[Kind, str] = {
+    "squareness": later("squareness + above 90 degrees"),
+    "backlash": later("backlash from + less from −"),
+    "tilt": later("tilt A, B, C about x, y, z"),
+}
+"""What the sign of a kind means; docs/conventions.md has the rest."""
+_TWO = 0.3
+"""Of a power of ten: below it U has two digits, so that rounding moves it by 5 % at most, else one (GUM 7.2.6)."""
+
+
+def row_name(kind: Kind, axes: Sequence[Sequence[str]]) -> str:
+    """Return a kind with the axes of all rows; of several straightnesses the axes that move."""
+    if kind == "straightness" and len(axes) == 1:
+        text = said("{axis} in {other}", axis=axes[0][0], other=axes[0][1])
+    elif kind == "straightness":
+        text = listed(" ", list(dict.fromkeys(each[0] for each in axes)))
+    else:
+        text = listed(" ", ["".join(each) for each in axes])
+    return said(_KINDS[kind], axes=text)
+
+
+def row_names(rows: Sequence[PlannedRow]) -> str:
+    """Return the name of rows of one kind; of a volume that is a line, that."""
+    if rows[0].kind == "volume" and any(line.at for line in rows[0].lines):
+        return _line_name(rows[0].lines[0])
+    return row_name(rows[0].kind, [row.axes for row in rows])
+
+
+def said_row(name: str) -> str:
+    """Return a row as a person reads it.  name : as a person writes it"""
+    kind, _, axes = name.partition(" ")
+    words = next(words for each, words in _KINDS.items() if each == kind)
+    return said(words, axes=axes.removeprefix("of "))
+
+
+def _line_name(line: AnswerLine) -> str:
+    at = [put("{axis} {value:.6g}", axis=axis, value=value) for axis, value in line.at.items()]
+    return said("{axis} on the line {at}", axis=line.axis, at=listed(", ", at))
+
+
+def signed_text(rows: Sequence[AnswerRow]) -> str:
+    """Return the numbers of rows of one kind, each of a vector that stands alone with its own U; "" without a sign."""
+    named = any(each.direction != "".join(row.axes) for row in rows for each in row.signed)
+    bands = len(rows) == 1 < len(rows[0].signed)
+    texts = [listed(", ", [_number(each, named=named, band=bands) for each in row.signed]) for row in rows]
+    numbers = listed("; " if named else ", ", texts)
+    return put("{numbers} {unit}", numbers=numbers, unit=rows[0].unit) if any(texts) else ""
+
+
+def signs_sentence(groups: Sequence[Sequence[AnswerRow]]) -> str:
+    """Return what is above zero in groups of rows, "" where that goes without saying."""
+    kinds = [kind for kind in _ABOVE if any(row.kind == kind and row.signed for rows in groups for row in rows)]
+    return said("Signs: {kinds}.", kinds=listed("; ", [said(_ABOVE[kind]) for kind in kinds])) if kinds else ""
+
+
+def _number(number: SignedNumber, *, named: bool, band: bool) -> str:
+    places = _places(number.U or number.value)
+    value = round(number.value, places)
+    sign = "−" if value < 0 else "+" if value > 0 else ""
+    text = put(f"{{value:.{max(places, 0)}f}}", value=abs(value))
+    known = put(f"{{known:.{max(places, 0)}f}}", known=round(number.U, places)) if band else ""
+    parts = [number.direction if named else "", f"{sign}{text}", f"± {known}" if known else ""]
+    return listed(" ", [part for part in parts if part])
+
+
+def _places(size: float) -> int:
+    """Return after how many decimals a number ends that is known to a size; negative: before the point."""
+    if size == 0:
+        return 0
+    power = math.floor(math.log10(abs(size)))
+    return int(abs(size) < 10 ** (power + 1) * _TWO) - power

@@ -1,0 +1,91 @@
+"""A machine of which displacements of one axis alone are described knows the line that was read, and no volume."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+
+import numpy as np
+import pytest
+
+from axiscal.answers.answer_of_campaign import AnsweredRow, answered
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.description.usual import OFFSET
+from axiscal.estimation.accuracy.expanded import BAND
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import Estimation, expanded_uncertainty
+from axiscal.estimation.functionals.asked import EACH, beside_the_line, offset_each
+from axiscal.estimation.prediction import tcp_prediction
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator
+from tests.generators.texts import machine_text, setup_text
+
+ALONG = {"EXX": 'std = "10 um", length = "200 mm"', "EXX_reversal": "3 um"}
+ACROSS, TURNING = {"EYX": "5 um"}, {"ECX": "20 urad"}
+PARKED = {"Y": "200 mm", "Z": "100 mm"}
+
+
+@cache
+def _known(others: tuple[str, ...] = (), usual: str = "on", volume: str = "") -> Estimation:
+    errors = ALONG | {name: text for each in (ACROSS, TURNING) for name, text in each.items() if name in others}
+    machine = machine_text("w-b-X-Y-Z-t", {"X": (0, 1000), "Y": (0, 500), "Z": (0, 400)}, errors)
+    setup = setup_text(
+        "laser", "interferometer", direction="x", moves=["X"], park=PARKED, reach={"X": ["100 mm", "900 mm"]}
+    )
+    text = f'machine = "m"\nusual = "{usual}"\n[target]\nreadings = 20\n{volume}\n{setup}'
+    described = campaign_from_texts(text, "c.toml", machine, "m")
+    drawn, rng = Simulator(described.machine, described.setups).drawn(3), np.random.default_rng(1)
+    at = [((x, 0.2, 0.1), (side, 0, 0)) for side in (1, -1) for x in np.linspace(0.1, 0.9, 9)[::side].tolist()]
+    readings = [
+        Reading("laser", *place, drawn.read_all(described.setups[0], *place, rng)[0], time=10.0 * number)
+        for number, place in enumerate(at)
+    ]
+    return concluded(Case(described), readings)
+
+
+def _rows(known: Estimation) -> Mapping[str, AnsweredRow]:
+    return {row.row.kind: row for row in answered(known, {})}
+
+
+@pytest.mark.parametrize("volume", ["", 'volume = { X = ["300 mm", "700 mm"] }'])
+def test_positioning_is_the_volume_where_nothing_else_is_described(volume: str) -> None:
+    known = _known(volume=volume)
+    rows = _rows(known)
+    for figure in ("known", "before", "stated", "floor", "found", "largest"):
+        assert getattr(rows["positioning"], figure) == getattr(rows["volume"], figure)
+    assert rows["volume"].known == expanded_uncertainty(known).space
+    ends = rows["positioning"].lines[0].positions[[0, -1]].tolist()
+    assert ends == ([0.1, 0.9] if not volume else [0.3, 0.7])
+    assert [row.lines[0].read for row in (rows["positioning"], rows["volume"])] == [9, 9]
+    assert rows["volume"].lines[0].poses[0, 1:].tolist() == [0.2, 0.1]
+
+
+def test_across_the_axis_there_is_more_than_positioning_on_the_same_line() -> None:
+    rows = _rows(_known(("EYX",)))
+    assert rows["volume"].known > rows["positioning"].known
+    assert len(rows["volume"].lines) == 1
+
+
+def test_a_turning_axis_is_known_beside_its_line() -> None:
+    known = _known(("ECX",))
+    assert _rows(known)["volume"].lines == ()
+    assert offset_each(known.stated.description) is None
+
+
+def test_beside_the_line_pitch_and_yaw_are_added_to_what_is_predicted() -> None:
+    known = _known()
+    poses = np.array([[0.5, 0.2, 0.1], [0.5, 0.5, 0.1], [0.5, 0.2, 0.4], [0.5, 0.5, 0.5]])
+    std = tcp_prediction(known, poses, np.zeros_like(poses))[1]
+    on, *beside = std[:, 0] ** 2
+    away = np.array([0.3, 0.3, 0.5])
+    np.testing.assert_allclose(np.array(beside) - on, (20e-6 * away) ** 2, rtol=1e-9)
+    np.testing.assert_array_equal(std[:, 1:], 0.0)
+    each = offset_each(known.stated.description)
+    assert each == pytest.approx(BAND * OFFSET.size * EACH)
+
+
+def test_without_what_usually_goes_wrong_nothing_is_added() -> None:
+    known = _known(usual="off")
+    assert offset_each(known.stated.description) is None
+    assert not beside_the_line(known.case.description, known.readings, np.ones((2, 3))).any()
