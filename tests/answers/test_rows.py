@@ -50,7 +50,7 @@ def _rows(known: Estimation) -> dict[str, AnsweredRow]:
 
 
 def test_rows_follow_from_the_set_ups_and_end_with_the_volume() -> None:
-    assert list(_rows(_known(True))) == ["positioning X", "backlash X", "volume"]
+    assert list(_rows(_known(True))) == ["positioning X", "scale X", "backlash X", "volume"]
 
 
 def test_backlash_read_from_one_side_is_not_measured_and_one_reading_would_do() -> None:
@@ -99,7 +99,7 @@ def test_a_control_that_corrects_what_is_known_leaves_what_is_not() -> None:
     for row in answered(known, {"all": control, "none": nothing}):
         assert row.left["none"] == pytest.approx(row.found, rel=1e-9)
         assert row.left["all"] < row.found
-        unknown = row.known / BAND if row.row.kind == "backlash" else unknown_rms(known.estimate())
+        unknown = row.known / BAND if row.signed else unknown_rms(known.estimate())
         assert row.left["all"] == pytest.approx(unknown, rel=1e-3)
 
 
@@ -126,7 +126,7 @@ def test_the_case_of_another_set_up_that_was_not_read_adds_no_row() -> None:
     second = replace(SETUP, name="again")
     case = Case(replace(CASE.description, setups=(SETUP, second)))
     known = concluded(case, _readings(BOTH))
-    assert [line.setup for row in answered(known, {}) for line in row.lines] == ["laser"] * 3
+    assert [line.setup for row in answered(known, {}) for line in row.lines] == ["laser"] * 4
 
 
 def test_the_control_that_leaves_least_is_advised_and_the_first_of_equals() -> None:

@@ -63,7 +63,7 @@ def test_a_rotary_axis_has_a_centre_and_is_positioned_by_angles() -> None:
 
 def test_every_row_is_understood_by_its_own_name() -> None:
     names = [row.name for row in rows_of(MILL)]
-    assert len(names) == len(set(names)) == 3 + 3 + 6 + 9 + 3 + 1
+    assert len(names) == len(set(names)) == 3 + 3 + 3 + 6 + 9 + 3 + 1
     wants = _target(f"wants = [{', '.join(map(repr, names))}]").wants
     assert [want.row for want in wants] == rows_of(MILL)
 

@@ -171,7 +171,7 @@ def test_before_the_first_reading_nothing_is_measured(tmp_path: Path, command: C
     Campaign.create(record, CASE.description).close()
     text = command("status", record).said
     assert text.startswith("NO READINGS YET volume RMS 12 of 3 um 0 readings")
-    assert "Not measured: positioning X (not read), backlash X (not read), volume (not read)." in text
+    assert "Not measured: positioning X (not read), scale X (not read), backlash X (not read), volume" in text
     assert f"axiscal measure {record}" in text
 
 

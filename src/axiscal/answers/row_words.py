@@ -11,6 +11,7 @@ from axiscal.language.spoken import later, listed, put, said
 
 _KINDS: dict[Kind, str] = {
     "positioning": later("positioning {axes}"),
+    "scale": later("scale {axes}"),
     "backlash": later("backlash {axes}"),
     "straightness": later("straightness {axes}"),
     "pitch": later("pitch {axes}"),
@@ -22,6 +23,7 @@ _KINDS: dict[Kind, str] = {
     "volume": later("volume"),
 }
 _ABOVE: dict[Kind, str] = {
+    "scale": later("scale + an axis that goes too far"),
     "squareness": later("squareness + above 90 degrees"),
     "backlash": later("backlash from + less from −"),
     "tilt": later("tilt A, B, C about x, y, z"),

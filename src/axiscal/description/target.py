@@ -33,7 +33,7 @@ from axiscal.units import Dimension, format_quantity, within
 MOST_READINGS = 100_000
 """Weeks of measuring; whoever says more has slipped."""
 Kind = Literal[
-    "positioning", "backlash", "straightness", "pitch", "yaw", "roll", "squareness", "centre", "tilt", "volume"
+    "positioning", "scale", "backlash", "straightness", "pitch", "yaw", "roll", "squareness", "centre", "tilt", "volume"
 ]
 """What the tool's path along a line, or its deviation over the volume, is asked about."""
 ANGLES: tuple[Kind, ...] = ("pitch", "yaw", "roll")
@@ -74,10 +74,10 @@ def rows_of(machine: Machine) -> list[RowName]:
 
 
 def dimension(row: RowName, machine: Machine) -> Dimension:
-    """Return whether a row is a length or an angle."""
+    """Return whether a row is a length or an angle, or a strain, which has the units of an angle."""
     if row.kind in ("positioning", "backlash"):
         return machine.axis(row.axes[0]).dimension
-    return "angle" if row.kind in ("squareness", "tilt", *ANGLES) else "length"
+    return "angle" if row.kind in ("scale", "squareness", "tilt", *ANGLES) else "length"
 
 
 def _rows_of(axes: Sequence[Axis]) -> Iterator[RowName]:
@@ -86,6 +86,7 @@ def _rows_of(axes: Sequence[Axis]) -> Iterator[RowName]:
     kinds: tuple[Kind, ...] = ("positioning", "backlash")
     for kind in kinds:
         yield from (RowName(kind, (axis.name,)) for axis in axes)
+    yield from (RowName("scale", (axis.name,)) for axis in linear)
     for axis in linear:
         others = [name for name in _LETTERS if letter_direction(name) != letter_direction(axis.letter)]
         yield from (RowName("straightness", (axis.name, other)) for other in others)

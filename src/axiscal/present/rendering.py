@@ -313,6 +313,7 @@ _UNITS = {
     "um": r"\micro\metre",
     "mm": r"\milli\metre",
     "urad": r"\micro\radian",
+    "um/m": r"\micro\metre\per\metre",
     "deg": r"\degree",
     "arcsec": r"\arcsecond",
 }

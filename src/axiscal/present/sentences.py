@@ -30,7 +30,7 @@ U_OF_TABLES = later(
     "probability together, and is smaller."
 )
 
-UNITS = {"um": "µm", "urad": "µrad", "arcsec": "″", "deg": "°", "mm": "mm", "min": "min"}
+UNITS = {"um": "µm", "urad": "µrad", "um/m": "µm/m", "arcsec": "″", "deg": "°", "mm": "mm", "min": "min"}
 _SHOWN = {"um": "µm", "urad": "µrad", "degC": "°C"}
 _UNIT = re.compile(r"(?<=[0-9])[ \u00a0](?:(um|urad|degC)\b|%)")
 _LONG = 1e6

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.target import ABOUT, ANGLES, RowName, Want
+from axiscal.description.target import ABOUT, ANGLES, Kind, RowName, Want
 from axiscal.description.usual import OFFSET
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.functionals.functional import (
@@ -83,7 +83,8 @@ def _rows_seen(axis: Axis, reads: str, way: int) -> Iterator[RowName]:
     """Yield the rows that a set-up answers which moves one axis and reads along, or about, a direction."""
     along = not axis.rotary if reads == "length" else axis.rotary
     if along and letter_direction(axis.letter) == way:
-        yield from (RowName("positioning", (axis.name,)), RowName("backlash", (axis.name,)))
+        kinds: tuple[Kind, ...] = ("positioning", "backlash") if axis.rotary else ("positioning", "scale", "backlash")
+        yield from (RowName(kind, (axis.name,)) for kind in kinds)
     elif along and not axis.rotary:
         yield RowName("straightness", (axis.name, _LETTERS[way]))
     elif reads == "angle":

@@ -1,6 +1,7 @@
 """Rows as linear maps L of the tool's deviation d at the poses of a line: row = L d (ISO 230-1, -2).
 
     positioning   d along the axis, from both sides, less its mean
+    scale         slope of the best-fit line of d along the axis
     backlash      mean of d from + less d from −, over the places read from both sides, else over the line
     straightness  d across the axis, less its best-fit line
     pitch ...     rotation of the tool about a direction, less its mean
@@ -151,6 +152,11 @@ def _backlash(line: AxisLine, way: int) -> Functional:
     return _two_sided(line, poses, np.hstack([share, -share]), way)
 
 
+def _scale(line: AxisLine, way: int) -> Functional:
+    fit: Array = np.asarray(np.linalg.pinv(_ramp(line.positions)), dtype=float)
+    return _resting(line.poses, fit[1:], way)
+
+
 def _straightness(line: AxisLine, way: int) -> Functional:
     ramp = _ramp(line.positions)
     return _resting(line.poses, np.eye(len(ramp)) - ramp @ np.linalg.pinv(ramp), way)
@@ -188,6 +194,7 @@ def _turning(line: AxisLine, machine: Machine, *, angular: bool) -> Functional:
 
 _ALONG_ONE: dict[Kind, Callable[[AxisLine, int], Functional]] = {
     "positioning": _positioning,
+    "scale": _scale,
     "backlash": _backlash,
     "straightness": _straightness,
     "pitch": _angle,

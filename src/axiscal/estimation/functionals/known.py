@@ -53,7 +53,7 @@ class KnownRow:
     @property
     def unit(self) -> str:
         """The unit in which the row is shown."""
-        return "urad" if self.angular else "um"
+        return "um/m" if self.row.kind == "scale" else "urad" if self.angular else "um"
 
     @property
     def described(self) -> bool:
