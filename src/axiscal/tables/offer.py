@@ -14,7 +14,7 @@ from axiscal.language.spoken import joined, said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import uncounted
-from axiscal.numerics import Array
+from axiscal.numerics import Array, even_subset
 from axiscal.numerics.remembered import remembered
 from axiscal.tables.exporter import Draft
 from axiscal.tables.surface import Control, Effect, effect_of_control, left_by, planes_left, rms, tour
@@ -103,9 +103,11 @@ def _nothing_held(estimate: Estimate) -> str:
     )
 
 
-def places(estimate: Estimate) -> tuple[Array, Array]:
-    """Return poses (m, q) over the part, or over the volume, and approaches."""
-    return spread_poses(estimate) if estimate.sample is None else tour(estimate.sample[:POSES], estimate.box)
+def places(estimate: Estimate, count: int = POSES) -> tuple[Array, Array]:
+    """Return so many poses (m, q) spread evenly over the part, or over the volume, and approaches."""
+    if estimate.sample is None:
+        return spread_poses(estimate, count)
+    return tour(estimate.sample[even_subset(estimate.sample, count)], estimate.box)
 
 
 @remembered
@@ -131,7 +133,7 @@ def _roots(estimate: Estimate, poses: Array, approaches: Array) -> tuple[Array, 
 @remembered
 def _possible(estimate: Estimate) -> Array:
     """Return what the estimate is wrong by on machines that the readings leave possible, (machines, m, d), m."""
-    poses, approaches = (each[:_TRIED] for each in places(estimate))
+    poses, approaches = places(estimate, _TRIED)
     spread, rest = _roots(estimate, poses, approaches)
     rng = np.random.default_rng(0)
     drawn = (spread.reshape(-1, spread.shape[2]) @ rng.standard_normal((spread.shape[2], _MACHINES))).T
@@ -143,7 +145,7 @@ def _possible(estimate: Estimate) -> Array:
 
 def _within(estimate: Estimate, control: Control) -> float:
     """Return U with the files of a control, m."""
-    poses, approaches = (each[:_TRIED] for each in places(estimate))
+    poses, approaches = places(estimate, _TRIED)
     left = left_by(estimate.machine, estimate.deviation, control, poses, approaches)
     left = left - left.mean(axis=0) if estimate.alignment is None else estimate.alignment.left(poses, left)
     sizes = np.linalg.norm(left[:, list(estimate.counted)] + _possible(estimate), axis=2)
@@ -179,11 +181,11 @@ def _reach(estimate: Estimate, name: str) -> float:
     return 2 * float(sum(max(abs(b) for b in bounds) for bounds in estimate.box)) + estimate.machine.tool
 
 
-def spread_poses(estimate: Estimate) -> tuple[Array, Array]:
+def spread_poses(estimate: Estimate, count: int = POSES) -> tuple[Array, Array]:
     """Return poses (m, q), multiples of irrational steps over the volume, and approaches at which files are tried."""
     low, high = np.array(estimate.box).T
     primes = np.sqrt([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37])[: len(low)]
-    spread: Array = low + (high - low) * np.mod(np.outer(np.arange(1, POSES + 1), primes), 1.0)
+    spread: Array = low + (high - low) * np.mod(np.outer(np.arange(1, count + 1), primes), 1.0)
     return tour(spread, estimate.box)
 
 
