@@ -1,4 +1,4 @@
-"""Figures are of the whole volume: they stay where places come in another order, and of one axis where it is aligned."""
+"""Figures are of the whole volume, in whatever order its places come; of an axis alone `aligned` says nothing."""
 
 from __future__ import annotations
 

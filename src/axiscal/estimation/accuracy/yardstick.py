@@ -52,7 +52,8 @@ def attainable(limit: float, floor: float) -> float:
     return limit if floor <= limit else _NEAR * floor
 
 
-_BY_PLACES, _OF_UNSEEN = ("_shift", "root", "shifts", "poses", "inside", "places", "evenly"), ("unseen_rms", "_unseen_shift")
+_BY_PLACES = "_shift", "root", "shifts", "poses", "inside", "places", "evenly"
+_OF_UNSEEN = "unseen_rms", "_unseen_shift"
 """What a yardstick has found that depends on no size of an error, and on no other size than those of the unseen."""
 
 
