@@ -106,9 +106,7 @@ def _shuffled(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Case, "_sample", sample)
 
 
-@pytest.mark.parametrize(
-    "name", [*ALONE, "two axes", "three axes", pytest.param("five axes", marks=pytest.mark.long)]
-)
+@pytest.mark.parametrize("name", [*ALONE, "two axes", "three axes", pytest.param("five axes", marks=pytest.mark.long)])
 def test_no_figure_moves_where_places_are_shuffled(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     before = _figures(MACHINES[name]())
     _shuffled(monkeypatch)
