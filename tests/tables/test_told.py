@@ -30,10 +30,10 @@ LEGS = {
         artefact="square",
         direction=way,
         moves=[axis],
-        reach={axis: ends},
+        reach={axis: [low, high]},
         approach="both",
     )
-    for axis, way, ends in (("X", "y", ["150 mm", "450 mm"]), ("Y", "x", ["100 mm", "300 mm"]))
+    for axis, way, low, high in (("X", "y", "150 mm", "450 mm"), ("Y", "x", "100 mm", "300 mm"))
 }
 SQUARE = campaign_text(
     "m",
