@@ -76,9 +76,9 @@ def estimated_from(runs: Runs, learning: str) -> Estimation:
 
 def left_at_targets(runs: Runs, known: Estimation) -> float:
     """Return the largest mean reading of a target that the table does not take away, beside their mean, m."""
-    (table,) = axis_tables(known.estimate())
-    held = np.interp(runs.targets, table.positions, (table.forward + table.reverse) / 2)
-    left = runs.both.mean(axis=1) - held
+    left = runs.both.mean(axis=1)
+    for table in axis_tables(known.estimate()):  # none where the runs tell nothing
+        left = left - np.interp(runs.targets, table.positions, (table.forward + table.reverse) / 2)
     return float(np.max(np.abs(left - left.mean())))
 
 

@@ -20,8 +20,8 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.planning.promise import asked, foreseen
-from axiscal.tables.offer import POSES, spread_poses
-from axiscal.tables.surface import Deviation, rms, tour
+from axiscal.tables.offer import places
+from axiscal.tables.surface import Deviation, rms
 
 SHARE = 0.95
 """Of the first lines that the simulated truth has to bear out."""
@@ -99,7 +99,7 @@ def _played(
 
 def _missed(estimate: Estimate, truth: Deviation) -> float:
     """Return the RMS over the volume of the true deviation less the estimated one, m, the motion of the part off."""
-    poses, sides = spread_poses(estimate) if estimate.sample is None else tour(estimate.sample[:POSES], estimate.box)
+    poses, sides = places(estimate)
     missed = truth(poses, sides) - estimate.deviation(poses, sides)
     left = missed if estimate.alignment is None else estimate.alignment.left(poses, missed)
     return rms(left, estimate.counted)

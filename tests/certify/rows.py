@@ -24,8 +24,7 @@ from axiscal.numerics import Array
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
-from axiscal.tables.offer import POSES, spread_poses
-from axiscal.tables.surface import tour
+from axiscal.tables.offer import places as places_of_volume
 
 CLAIMED, SLACK = 0.95, 0.03
 TIMES = (1.0, 0.5, 2.0)
@@ -77,9 +76,7 @@ def _rows(known: Estimation, truth: VirtualMachine) -> Iterator[Held]:
     for asked in asked_rows(known.stated.description, known.readings):
         row = known_row(asked, case, knowledge.belief, read=True)
         if asked.map is None:
-            poses, sides = (
-                spread_poses(estimate) if estimate.sample is None else tour(estimate.sample[:POSES], estimate.box)
-            )
+            poses, sides = places_of_volume(estimate)
             off = truth.deviation(poses, sides) - estimate.deviation(poses, sides)
             left = off - off.mean(axis=0) if estimate.alignment is None else estimate.alignment.left(poses, off)
             yield Held("volume", _share(left[:, list(estimate.counted)], expanded_uncertainty(known).space))

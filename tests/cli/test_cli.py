@@ -260,7 +260,7 @@ def test_a_run_without_a_person(axiscal: Command) -> None:
 
 
 def test_the_details_say_u_and_what_it_holds_for_and_the_tables_stand_beside_it(axiscal: Command) -> None:
-    Path("c.toml").write_text(FOUR_READINGS.replace("readings = 4", "readings = 5"))
+    Path("c.toml").write_text(FOUR_READINGS.replace("readings = 4", "readings = 12"))
     outcome = axiscal("run", "c.toml", "--source", "sim:3", "--out", "d", "--details")
     lines = outcome.out.splitlines()
     result = json.loads(Path("d/result.json").read_text())
@@ -273,10 +273,10 @@ def test_the_details_say_u_and_what_it_holds_for_and_the_tables_stand_beside_it(
     assert f"Agreement: {result['agreement']['text']}" in lines
     assert {table["controller"] for table in result["tables"]} == {"linuxcnc", "csv"}
     (left,) = (line for line in lines if line.startswith("linuxcnc: All files together take"))
-    assert left.partition(" With ")[2] in Path("d/tables/linuxcnc/README.txt").read_text()  # one U of the files
+    assert left.partition(" Then ")[2] in Path("d/tables/linuxcnc/README.txt").read_text()  # one U of the files
     assert [row["row"] for row in result["rows"]] == ["positioning X", "backlash X", "volume"]
     assert result["rows"][-1]["known_to"] == result["U_um"]
-    assert any(line.startswith("MEASURED   5 readings") for line in lines)
+    assert any(line.startswith("MEASURED   12 readings") for line in lines)
 
 
 @pytest.mark.long
@@ -314,7 +314,7 @@ def test_a_resumed_simulation_is_the_same_run(axiscal: Command, monkeypatch: pyt
 @pytest.mark.long
 def test_a_changed_description_does_not_resume(axiscal: Command, tmp_path: Path) -> None:
     axiscal("run", "c.toml", "--source", "sim", "--out", "d")
-    (tmp_path / "c.toml").write_text(FOUR_READINGS.replace("readings = 4", "readings = 5"))
+    (tmp_path / "c.toml").write_text(FOUR_READINGS.replace("readings = 4", "readings = 12"))
     axiscal("run", "c.toml", "--source", "sim", "--out", "d", "--resume").refused("has been changed")
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from tests.commands import Command
 from tests.generators.begun import begun
@@ -17,6 +18,8 @@ CAMPAIGN = campaign_text(
     setup_text("along x", "interferometer", direction="x", moves=["X"]),
     target={"readings": 5},
     compensation_active=False,
+    usual="off",
+    sure="exactly",
 )
 
 
@@ -50,6 +53,11 @@ def test_a_copy_does_not_take_the_place_of_anything_else(record: Path, tmp_path:
 
 
 def test_report_tables_and_result_name_the_state_of_the_record(record: Path, tmp_path: Path, command: Command) -> None:
+    with Campaign.open(record, write=False) as campaign:
+        first = 1e3 * campaign.state.readings[0].pose[0]
+    for _ in range(4):
+        (at,) = command("next", record, "--json").document["question"]["position"].values()
+        command("record", record, f"{1.5 + 0.2 * (at - first)} um")
     assert run(["finish", str(record), "--out", str(tmp_path / "out")]) == 0
     copied = command("copy", record, "--json").document
     found = json.loads((tmp_path / "out" / "result.json").read_text())["record"]

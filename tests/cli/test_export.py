@@ -26,7 +26,7 @@ MACHINE = machine_text(
     tool=50,
     name="Bench",
 )
-CAMPAIGN = 'machine = "machine.toml"\n[target]\nreadings = 15\n' + "".join(
+CAMPAIGN = 'machine = "machine.toml"\n[target]\nreadings = 30\n' + "".join(
     f'[[setups]]\nname = "{d}"\ninstrument = "probe"\ndirection = "{d}"\nunknowns = {{}}\n' + reach_of(MACHINE)
     for d in "xyz"
 )
@@ -49,9 +49,9 @@ def test_files_are_written_with_a_note(record: Path, controller: str, tmp_path: 
     beside = {"README.txt", f"manifest-{controller}.json"}
     assert {Path(name).name for name in said["files"]} | beside == {path.name for path in out.iterdir()}
     assert (out / "README.txt").read_text() == said["readme"]
-    expected = next(line for line in said["readme"].splitlines() if line.startswith("They take the estimated "))
+    expected = next(line for line in said["readme"].splitlines() if line.startswith("They take the TCP deviation "))
     assert " U = " in expected
-    assert f"from {said['rms_um_before']:.3g} um RMS to " in expected
+    assert f"RMS to {said['rms_um_expected']:.3g} um" in expected
 
 
 def test_each_axis_may_have_a_spacing_of_its_own(record: Path, tmp_path: Path) -> None:

@@ -24,8 +24,10 @@ CAMPAIGN = campaign_text(
     setup_text("along x", "interferometer", direction="x", moves=["X"]),
     target={"readings": 4},
     compensation_active=False,
+    usual="off",
+    sure="exactly",
 )
-READINGS = "setup,X_mm,approach,value_um\nalong x,10,X+,1.5\nalong x,200,X+,2.5\n"
+READINGS = "setup,X_mm,approach,value_um\nalong x,10,X+,-20\nalong x,200,X+,20\n"
 FILES = {
     "machine.toml": machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"}),
     "campaign.toml": CAMPAIGN,
@@ -66,7 +68,7 @@ def beside(folder: Path) -> list[str]:
 
 def measured(folder: Path) -> Path:
     """Return a record with two readings."""
-    read = ((("next", "mill.axiscal"), ("record", "mill.axiscal", value)) for value in ("1 um", "2 um"))
+    read = ((("next", "mill.axiscal"), ("record", "mill.axiscal", value)) for value in ("-45 um", "45 um"))
     begun(folder, FILES, ("start", "campaign.toml", "mill.axiscal"), *chain.from_iterable(read))
     return folder / "mill.axiscal"
 

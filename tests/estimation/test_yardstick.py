@@ -19,7 +19,9 @@ from axiscal.present.demo import description
 from tests.generators.texts import machine_text
 
 MACHINE = machine_text(
-    "w-b-X-t", {"X": (0, 700)}, {"EXX": 'std = "10 um", knots = 13, length = "150 mm"', "EXX_reversal": "3 um"}
+    "w-b-X-Y-t",
+    {"X": (0, 700), "Y": (0, 100)},
+    {"EXX": 'std = "10 um", knots = 13, length = "150 mm"', "EXX_reversal": "3 um"},
 )
 CAMPAIGN = """
 machine = "machine.toml"
@@ -32,6 +34,7 @@ aligned = false
 name = "laser"
 instrument = "interferometer"
 direction = "x"
+moves = ["X"]
 unknowns = UNKNOWNS
 approach = "APPROACH"
 """
@@ -46,7 +49,7 @@ def case(folder: Path, unknowns: str = '{ zero = "1 mm" }', approach: str = "+")
 
 def read(stated: Case, sides: tuple[int, ...]) -> Estimation:
     places = enumerate(np.linspace(0.05, 0.65, 8).tolist())
-    return estimated(stated, [Reading("laser", (x,), (sides[n % len(sides)],), 1e-6 * n) for n, x in places])
+    return estimated(stated, [Reading("laser", (x, 0.05), (sides[n % len(sides)], 0), 1e-6 * n) for n, x in places])
 
 
 @pytest.mark.parametrize(("unknowns", "counted"), [('{ zero = "1 mm" }', False), ("{}", True)])
@@ -57,8 +60,8 @@ def test_the_rms_is_that_of_samples_of_the_belief(
     """A constant shift is taken off where the dial's zero hides it, and only there."""
     known = read(case(tmp_path, unknowns, "both"), sides)
     errors, rng = known.case.errors, np.random.default_rng(1)
-    poses = rng.uniform(0, 0.7, (400, 1))
-    approaches = rng.choice([-1.0, 1.0], (400, 1))
+    poses = rng.uniform(0, (0.7, 0.1), (2000, 2))
+    approaches = rng.choice([-1.0, 1.0], (2000, 2))
     rows = errors.rows(poses, approaches)[:, 0]
     deviations = known.knowledge.belief.sample(rng, 4000)[:, : errors.size] - known.knowledge.belief.mean[: errors.size]
     found = deviations @ rows.T

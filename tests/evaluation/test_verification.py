@@ -130,7 +130,7 @@ def test_more_places_than_are_new_are_refused(state: tuple[Estimate, tuple[Readi
     assert "fewer" not in refused.value.remedy
 
 
-LEVEL = machine_text("w-X'-Y'-b-Z-t", {"X": (0, 600), "Y": (0, 400), "Z": (-250, 0)}, {"EZY": "10 um"})
+LEVEL = machine_text("w-X'-Y'-b-Z-t", {"X": (0, 600), "Y": (0, 400), "Z": (-250, 0)}, {"EZY": "100 um"})
 EDGE = setup_text(
     "edge", "straightedge", direction="z", moves=["Y"], reach={"Y": ["0 mm", "400 mm"]}, raster={"Y": "40 mm"}
 )
@@ -140,8 +140,8 @@ EDGE = setup_text(
 def test_where_fewer_places_are_new_than_usual_those_are_read(
     tables: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Eleven places, of which the campaign has read four."""
-    text = campaign_text("m", EDGE, target={"readings": 4})
+    """Eleven places, of which the campaign has read six."""
+    text = campaign_text("m", EDGE, target={"readings": 6}, usual="off", sure="exactly")
     described = campaign_from_texts(text, "c.toml", LEVEL, "m")
     with Campaign.open(measured(tmp_path / "m.axiscal", described, 1), write=False) as campaign:
         check = Check.from_campaign(campaign, "csv")

@@ -90,8 +90,7 @@ def test_what_is_left_is_what_machines_that_drift_show(renewed: tuple[str, ...])
     known = concluded(Case(slide()), read_on(1))
     mean, later = _later(known, 0.0 if renewed else KEPT)
     rows = known.case.errors.rows(POSES, SIDES)[:, 0]
-    shift = rows.mean(axis=0) if known.case.yardstick.zeroed[0] else 0.0
-    true = float(np.sqrt(np.mean(((rows - shift) @ (later - mean[:, None])) ** 2)))
+    true = float(np.sqrt(np.mean(((rows - rows.mean(axis=0)) @ (later - mean[:, None])) ** 2)))
     np.testing.assert_allclose(worn(known, _certain(0.905), renewed)(1.0), true, rtol=0.05)
 
 
@@ -207,9 +206,8 @@ def test_what_is_left_with_tables_is_what_a_machine_that_drifts_shows(asked: str
     rows = known.estimate().model.rows(POSES, SIDES)
     tips = np.einsum("mcn,nk->mck", rows, later - (mean * held)[:, None])
     tips -= tips.mean(axis=0)
-    if not asked:  # probing takes off how the slide lies
-        lies = POSES - POSES.mean()
-        tips[:, 1] -= lies @ (lies.T @ tips[:, 1]) / np.sum(lies**2)
+    lies = POSES - POSES.mean()  # an axis alone lies askew to nothing
+    tips[:, 1] -= lies @ (lies.T @ tips[:, 1]) / np.sum(lies**2)
     counts = ["xyz".index(way) for way in "xyz" if f'"{way}"' in asked or "directions" not in asked]
     true = float(np.sqrt(np.mean(np.sum(tips[:, counts] ** 2, axis=1))))
     np.testing.assert_allclose(worn(known, _certain(0.905), (), "linuxcnc")(1.0), true, rtol=0.05)

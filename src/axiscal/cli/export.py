@@ -157,9 +157,9 @@ def export(
             then = said("load {folder} (README.txt there), then", folder=out)
             made_from = "" if template is None else f" --template {quote(str(template))}"
             last[said("Next")] = [then, f"axiscal verify {quote(str(record))} --to {to}{made_from}"]
-        if not offered.effect.after < offered.effect.before:
+        if not offered.worth:
             last[said("Next")] = [said("do not load these files: they leave no less error than there is")]
-        found = wrapped(effect_sentence(said("All files together"), offered.effect, offered.U), 4)
+        found = wrapped(effect_sentence(said("All files together"), offered.effect, offered.unknown, offered.U), 4)
         if offered.idle:
             found += wrapped(said("The files do not move {axes}.", axes=joined(offered.idle)), 4)
         say("\n".join([*found, *ending(last)]))

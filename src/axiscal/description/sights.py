@@ -25,12 +25,14 @@ from axiscal.measurement.charts.room import Chart, Coordinate, Room
 from axiscal.measurement.instrument import Instrument
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.setup import Setup, Vector
-from axiscal.numerics import Array, even_points
+from axiscal.numerics import Array, even_points, even_subset
 from axiscal.units import format_quantity
 
 _LOOKED_AT = 1000
 """Places looked at: what lacks room does so at a good part of them."""
 _STDS = 4.0
+_STROKES = 100
+"""Places at which the stroke is looked at."""
 _FEWER = 2
 """A bar is set in the middle of its stroke: half of it is left either way."""
 
@@ -101,9 +103,9 @@ def refuse_short_stroke(machine: Machine, setup: Setup, stroke: float) -> None:
     """
     assert setup.chart is not None  # what is held in touch has one
     poses, approaches = chart_candidates(machine, setup, setup.chart, _LOOKED_AT)
-    step = max(1, len(poses) // 100)
+    few = even_subset(np.hstack([poses, approaches]), _STROKES)
     model = ErrorModel(machine)
-    rows = model.rows(poses[::step], approaches[::step])
+    rows = model.rows(poses[few], approaches[few])
     changing = (rows - rows.mean(axis=0)).reshape(-1, model.size) @ model.prior_root()
     change = _STDS * float(np.sqrt(np.sum(changing**2, axis=1).max()))
     allowed = stroke / (_FEWER if setup.length else 1)

@@ -170,6 +170,12 @@ class Target:
         return tuple(want for want in self.wants if want.limit is not None and want.row.kind != "volume")
 
     @property
+    def of_volume(self) -> bool:
+        """Return whether the volume is asked about: by an accuracy, by name, or because no row is."""
+        named = not self.wants or any(want.row.kind == "volume" for want in self.wants)
+        return named or not self.rms is self.worst is self.expanded is None
+
+    @property
     def accurate(self) -> bool:
         """Return whether the target wants an accuracy, of the volume or of a row."""
         return bool(self.lines) or not self.rms is self.worst is self.expanded is None

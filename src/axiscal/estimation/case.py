@@ -256,7 +256,7 @@ class Case:
         target, sample = self.description.target, self._sample()
         if sample is None:
             return volume_moments(self.errors, target.volume, target.counted), None, None
-        alignment = Alignment(self.errors, sample, target.counted) if target.aligned else None
+        alignment = Alignment(self.errors, sample, target.counted) if self._aligned else None
         return sampled_moments(self.errors, sample, alignment, target.counted), sample, alignment
 
     @cached_property
@@ -268,12 +268,17 @@ class Case:
         off: Array = (rows - rows.mean(axis=0)).reshape(-1, self.errors.size)
         return off.T @ off
 
+    @property
+    def _aligned(self) -> bool:
+        """Whether a rigid motion is taken off: along one axis there is nothing that the part could lie askew to."""
+        return self.description.target.aligned or len(self.description.machine.axes) == 1
+
     def _sample(self) -> Array | None:
         """Return poses of the volume where it is a part, or where its alignment counts; None for a box of axes."""
         target, machine = self.description.target, self.description.machine
         if target.part is not None:
             return target.part.poses(machine)
-        if not target.aligned:
+        if not self._aligned:
             return None
         low, high = np.array(target.volume).T
         poses: Array = low + (high - low) * even_points(POSES, len(low))

@@ -9,14 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimation.accuracy.expanded import Expanded, expanded
+from axiscal.estimation.accuracy.expanded import Expanded, expanded, reach
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.estimation.belief import Belief, Innovations
 from axiscal.estimation.case import Case
+from axiscal.estimation.functionals.asked import AskedRow, rows_served
 from axiscal.estimation.judged import Doubt, objection
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.located import Absorbed, displayed
-from axiscal.estimation.machine_estimate import Estimate, map_grid, rest_means
+from axiscal.estimation.machine_estimate import Estimate, map_grid, rest_means, where_read
 from axiscal.estimation.membership import Membership
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
 from axiscal.estimation.promise.posterior import Posterior
@@ -113,7 +114,20 @@ class Estimation:
         found = self.posterior
         rests = rest_means(errors, {} if found is None else found.cells)
         place = description.target.volume, grid, rests, yardstick.sample, yardstick.alignment, yardstick.counted
-        return Estimate(errors, self.printed.belief, *place)
+        used = [each for index, each in enumerate(self.readings) if index not in self.left_out]
+        read = where_read(description.machine, description.setups, used)
+        rows = rows_served(description, used)
+        told = [pair for each in rows for pair in each.pairs(description.machine) if self._tells(each)]
+        return Estimate(errors, self.printed.belief, *place, read, frozenset(told), description.target.of_volume)
+
+    def _tells(self, asked: AskedRow) -> bool:
+        """Return whether what is found of a row is more than U of it, RMS over its places."""
+        errors, belief = self.case.errors, self.printed.belief
+        if asked.map is None:
+            return False
+        found = asked.map.rows(errors) @ belief.mean[: errors.size]
+        size = float(np.sqrt(np.mean(np.sum(found.reshape(-1, asked.map.dimensions) ** 2, axis=1))))
+        return size > reach(asked.map.spectra(errors, belief.factor), belief.degrees)
 
     def objection_to(self, doubt: Doubt) -> str:
         """Return in words what is wrong with a reading that is not used."""

@@ -49,6 +49,8 @@ class Estimate:
     grid : positions of X and of Y, m, on which the height was read as a map; None where it was not
     sample : (m, q) poses spread over the part, where one is described; alignment : what probing it takes off
     counted : whether deviations along x, y and z of the workpiece frame count
+    read : from where to where each axis was read while it moved, in chain order; none where nobody says
+    told : (axis, over) where a row of the answer tells how one moves over the other; whole : whether others count, too
     """
 
     model: ErrorModel
@@ -59,6 +61,9 @@ class Estimate:
     sample: Array | None = None
     alignment: Alignment | None = None
     counted: Counted = EVERY_WAY
+    read: Box = ()
+    told: frozenset[tuple[str, str]] = frozenset()
+    whole: bool = True
 
     @property
     def machine(self) -> Machine:
@@ -131,6 +136,18 @@ def rest_means(errors: ErrorModel, cells: Mapping[tuple[int, int], float]) -> Ma
         if terms[index].kind == "motion" and not terms[index].angular:
             found.setdefault(index, np.zeros(terms[index].cell_count))[cell] = mean
     return MappingProxyType(found)
+
+
+def where_read(machine: Machine, setups: Sequence[Setup], readings: Sequence[Reading]) -> Box:
+    """Return from where to where each axis was read while it moved: all its travel where that is no stretch of it.
+
+    An axis that goes round and round is read all around.
+    """
+    moves, found = {setup.name: setup.moves for setup in setups}, list[tuple[float, float]]()
+    for k, axis in enumerate(machine.axes):
+        at = [reading.pose[k] for reading in readings if k in moves[reading.setup]] or [0.0]
+        found.append(axis.travel if axis.cyclic or max(at) - min(at) <= _SAME else (min(at), max(at)))
+    return tuple(found)
 
 
 def map_grid(machine: Machine, setups: Sequence[Setup], readings: Sequence[Reading]) -> Grid | None:

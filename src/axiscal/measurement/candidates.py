@@ -19,7 +19,7 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import touching_sides
 from axiscal.measurement.travel import feet_of
-from axiscal.numerics import Array, even_points
+from axiscal.numerics import Array, even_points, even_subset
 from axiscal.numerics.remembered import remembered
 
 _COINCIDE = 1e-12
@@ -231,9 +231,9 @@ def _taken(chart: Chart, places: Array, sides: Array) -> Chosen:
 
 
 def _thinned(chosen: Chosen, most: int, count: int) -> Chosen:
-    """Return all of them if they are not too many, else so many at even distances."""
+    """Return all of them if they are not too many, else so many that stand for all."""
     places, sides = chosen
     if len(places) <= most:
         return chosen
-    kept = np.linspace(0, len(places) - 1, count).astype(np.intp)
+    kept = np.sort(even_subset(np.hstack([places, sides]), count))
     return places[kept], sides[kept]

@@ -105,7 +105,7 @@ def _offer(controller: str, made: Export | str) -> TableOffer:
     """Return what the files for one control hold and leave, or why there are none."""
     if isinstance(made, str):
         return TableOffer(controller, {}, made)
-    left = effect_sentence(said("All files together"), made.effect, made.U)
+    left = effect_sentence(said("All files together"), made.effect, made.unknown, made.U)
     effect = {
         name: to_unit(each, "um") for name, each in zip(EFFECT, (*made.effect, made.expected, made.U), strict=True)
     }

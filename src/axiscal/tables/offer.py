@@ -10,13 +10,14 @@ import numpy as np
 from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.language.spoken import joined, said
+from axiscal.language.spoken import joined, later, said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import uncounted
-from axiscal.numerics import Array
+from axiscal.numerics import Array, even_subset
 from axiscal.numerics.remembered import remembered
 from axiscal.tables.exporter import Draft
+from axiscal.tables.sampling import untold
 from axiscal.tables.surface import Control, Effect, effect_of_control, left_by, planes_left, rms, tour
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity, said_quantity, to_unit
@@ -26,6 +27,9 @@ POSES = 1000
 _TRIED, _MACHINES = 400, 500
 """Places and machines behind U: twice as many of either move it by 2 % at most."""
 _DEFECT = "do not load it: this is a defect of axiscal, please report it"
+_BEYOND = later("read more of the travel: beyond what was read they stay as they are at its end")
+_PART = 0.05
+"""Of the largest deviation: a table that moves an axis by less is none of those that more readings are for."""
 _WORTH = 1e-9
 """m: a correction below a nanometre is none."""
 
@@ -38,7 +42,7 @@ class Export:
     unknown : RMS over the volume of what the estimate may be wrong by, m, one shift of everything taken off, or the
     motion of an aligned part
     U : m, of 95 machines in 100 that the readings leave possible, 95 % of the deviations with the files are within it
-    idle : the axes that the files never move
+    idle : the axes that the files never move; by_row : whether they take a row of the answer away
     """
 
     controller: str
@@ -50,11 +54,18 @@ class Export:
     U: float
     readme: str
     idle: tuple[str, ...]
+    by_row: bool
 
     @property
     def expected(self) -> float:
         """RMS of the TCP deviation that is to be expected with the files, m: what they leave, and what is not known."""
         return float(np.hypot(self.effect.after, self.unknown))
+
+    @property
+    def worth(self) -> bool:
+        """Whether they leave less error than there is: of the tool point, or of a row that readings tell."""
+        before, after = self.effect
+        return after < before or (self.by_row and after == before)
 
 
 def tried_over_box(estimate: Estimate, draft: Draft) -> Effect:
@@ -71,7 +82,7 @@ def tried_over_box(estimate: Estimate, draft: Draft) -> Effect:
     if effect.after > min(meant, effect.before) + slack:
         before, after = (format_quantity(value, "um", 3) for value in effect)
         what = "these files would take the error from {before} to {after}"
-        raise TableError(what, _DEFECT, before=before, after=after)
+        raise TableError(what, _DEFECT if effect.after > meant + slack else _BEYOND, before=before, after=after)
     return effect
 
 
@@ -80,32 +91,43 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     effect, estimate = tried_over_box(estimate, draft), draft.about or estimate
     poses, approaches = spread_poses(estimate)
     together = planes_left(estimate, draft.control, poses, approaches)
+    silent = joined([title(table) for table in untold(estimate)]) if draft.tables else ""
+    silent = silent and f"what readings tell to no better than half of it ({silent})"
     if estimate.sample is not None:
         tried = estimate.machine, estimate.deviation, draft.control, places(estimate)[0], estimate.box
         effect = effect_of_control(*tried, estimate.alignment, estimate.counted)
-    certain = _within(estimate, draft.control)
-    said = replace(draft, left_out="; ".join(part.removesuffix(".") for part in (draft.left_out, together) if part))
-    readme = _readme(controller, said, effect, certain, (*draft.first, *foreword(estimate, draft.control)))
+    unknown, certain = unknown_rms(estimate), _within(estimate, draft.control)
+    parts = [part.removesuffix(".") for part in (draft.left_out, together, silent) if part]
+    told = replace(draft, left_out="; ".join(parts))
+    left = effect_sentence("They", effect, unknown, certain)
+    readme = _readme(controller, told, left, (*draft.first, *foreword(estimate, draft.control)))
     moved = np.any(draft.control(poses, approaches), axis=0)
     idle = tuple(axis.name for axis, moves in zip(estimate.machine.axes, moved, strict=True) if not moves)
-    done = draft.files, draft.tables, draft.control, effect, unknown_rms(estimate), certain, readme, idle
-    return Export(controller, *done)
+    by_row = any((table.axis, table.over) in estimate.told for table in draft.tables)
+    done = draft.files, draft.tables, draft.control, effect, unknown, certain, readme, idle
+    return Export(controller, *done, by_row)
 
 
 def _nothing_held(estimate: Estimate) -> str:
     """Return what to do when a controller can hold nothing of what is known."""
-    poses, approaches = spread_poses(estimate)
-    if float(np.max(np.abs(estimate.deviation(poses, approaches)), initial=0.0)) <= _WORTH:
+    found = estimate.deviation(*spread_poses(estimate))
+    if float(np.max(np.abs(found), initial=0.0)) <= _WORTH:
         return said("take readings first")
+    silent = [table for table in untold(estimate) if np.ptp(table.forward) > _PART * np.max(np.ptp(found, axis=0))]
+    if silent:
+        what = "take more readings: of {tables} they tell no more than half"
+        return said(what, tables=joined([title(table) for table in silent]))
     return said(
         "what the readings show is along no axis that such files move; the bed of a printer goes as a height map to "
         "klipper, marlin or reprapfirmware"
     )
 
 
-def places(estimate: Estimate) -> tuple[Array, Array]:
-    """Return poses (m, q) over the part, or over the volume, and approaches."""
-    return spread_poses(estimate) if estimate.sample is None else tour(estimate.sample[:POSES], estimate.box)
+def places(estimate: Estimate, count: int = POSES) -> tuple[Array, Array]:
+    """Return so many poses (m, q) spread evenly over the part, or over the volume, and approaches."""
+    if estimate.sample is None:
+        return spread_poses(estimate, count)
+    return tour(estimate.sample[even_subset(estimate.sample, count)], estimate.box)
 
 
 @remembered
@@ -131,7 +153,7 @@ def _roots(estimate: Estimate, poses: Array, approaches: Array) -> tuple[Array, 
 @remembered
 def _possible(estimate: Estimate) -> Array:
     """Return what the estimate is wrong by on machines that the readings leave possible, (machines, m, d), m."""
-    poses, approaches = (each[:_TRIED] for each in places(estimate))
+    poses, approaches = places(estimate, _TRIED)
     spread, rest = _roots(estimate, poses, approaches)
     rng = np.random.default_rng(0)
     drawn = (spread.reshape(-1, spread.shape[2]) @ rng.standard_normal((spread.shape[2], _MACHINES))).T
@@ -143,19 +165,25 @@ def _possible(estimate: Estimate) -> Array:
 
 def _within(estimate: Estimate, control: Control) -> float:
     """Return U with the files of a control, m."""
-    poses, approaches = (each[:_TRIED] for each in places(estimate))
+    poses, approaches = places(estimate, _TRIED)
     left = left_by(estimate.machine, estimate.deviation, control, poses, approaches)
     left = left - left.mean(axis=0) if estimate.alignment is None else estimate.alignment.left(poses, left)
     sizes = np.linalg.norm(left[:, list(estimate.counted)] + _possible(estimate), axis=2)
     return float(np.quantile(np.quantile(sizes, LEVEL, axis=1), LEVEL))
 
 
-def effect_sentence(files: str, effect: Effect, certain: float) -> str:
-    """Say what files leave of the deviation as it is estimated, and U, m, with what is not known."""
-    before, after, certainly = (said_quantity(value, "um") for value in (*effect, certain))
+def effect_sentence(files: str, effect: Effect, unknown: float, certain: float) -> str:
+    """Say what files leave of the deviation as the rows of the answer do, with what is not known, and U.
+
+    unknown, certain : RMS of that, and U, m
+    """
+    if max(*effect, certain) <= _WORTH:
+        return said("{files} turn axes about the tool point, which stays where it is over the volume.", files=files)
+    sizes = *(float(np.hypot(each, unknown)) for each in effect), certain
+    before, after, certainly = (said_quantity(value, "um") for value in sizes)
     return said(
-        "{files} take the estimated TCP deviation over the volume from {before} RMS to {after}. With what is not "
-        "known U = {U}: 95 % of the deviations lie within it, with 95 % probability.",
+        "{files} take the TCP deviation over the volume, with what is not known of it, from {before} RMS to {after}. "
+        "Then U = {U}: 95 % of the deviations lie within it, with 95 % probability.",
         files=files,
         before=before,
         after=after,
@@ -179,21 +207,21 @@ def _reach(estimate: Estimate, name: str) -> float:
     return 2 * float(sum(max(abs(b) for b in bounds) for bounds in estimate.box)) + estimate.machine.tool
 
 
-def spread_poses(estimate: Estimate) -> tuple[Array, Array]:
+def spread_poses(estimate: Estimate, count: int = POSES) -> tuple[Array, Array]:
     """Return poses (m, q), multiples of irrational steps over the volume, and approaches at which files are tried."""
     low, high = np.array(estimate.box).T
     primes = np.sqrt([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37])[: len(low)]
-    spread: Array = low + (high - low) * np.mod(np.outer(np.arange(1, POSES + 1), primes), 1.0)
+    spread: Array = low + (high - low) * np.mod(np.outer(np.arange(1, count + 1), primes), 1.0)
     return tour(spread, estimate.box)
 
 
-def _readme(controller: str, draft: Draft, effect: Effect, certain: float, first: Sequence[str]) -> str:
+def _readme(controller: str, draft: Draft, left: str, first: Sequence[str]) -> str:
     lines = [
         f"Compensation for {controller}, made by axiscal.",
         *first,
         "" if draft.tried else "NOT VERIFIED ON A CONTROL: the files were read back and tried in simulation only.",
         f"These files hold {draft.holds}",
-        effect_sentence("They", effect, certain),
+        left,
         f"Left out: {draft.left_out}." if draft.left_out else "",
         "",
         *(f"- {note}" for note in draft.notes),

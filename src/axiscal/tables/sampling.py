@@ -19,7 +19,7 @@ bend of a spline differs on both sides.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -67,12 +67,20 @@ def axis_tables(
     spacing, most : as for `points`; multiples : the multiple of a linear axis, m, and of a rotary one, rad
     Raises TableError for a spacing that does not divide a travel, or needs more points than fit.
     """
+    return tuple(table for table, told in _own_tables(estimate, spacing, most, multiples) if told)
+
+
+def _own_tables(
+    estimate: Estimate, spacing: Spacing, most: int, multiples: Multiples
+) -> Iterator[tuple[CompensationTable, bool]]:
+    """Yield the table of every axis with an error, and whether readings tell what it holds."""
     model = estimate.model
     known = {function.axis for function in model.functions}
     axes = [(k, axis.rotary) for k, axis in enumerate(estimate.machine.axes) if k in known]
     grids = ((k, points(model, k, spacing, most, multiples[rotary])) for k, rotary in axes)
-    tables = (own_table(estimate, k, positions) for k, positions in grids)
-    return tuple(table for table in tables if _says_something(table))
+    for k, positions in grids:
+        table = own_table(estimate, k, positions)
+        yield table, _told(estimate, table)
 
 
 def cross_tables(
@@ -87,15 +95,28 @@ def cross_tables(
     Where no reading has seen how one moves over another there is no table.  Arguments and failures as for `points`.
     uneven : points may stand anywhere, and stand where the line is nearest to the curve
     """
-    axes, tables = [k for k, axis in enumerate(estimate.machine.axes) if not axis.rotary], list[CompensationTable]()
+    return tuple(table for table, told in _over_others(estimate, spacing, most, multiple, uneven) if told)
+
+
+def untold(estimate: Estimate) -> tuple[CompensationTable, ...]:
+    """Return the tables that there are not, since readings do not tell them from nought."""
+    found = *_own_tables(estimate, None, MOST_POINTS, (None, None)), *_over_others(estimate, None, MOST_POINTS)
+    return tuple(table for table, told in found if not told)
+
+
+def _over_others(
+    estimate: Estimate, spacing: Spacing, most: int, multiple: float | None = None, uneven: bool = False
+) -> Iterator[tuple[CompensationTable, bool]]:
+    """Yield the table of every linear axis over every other one, and whether readings tell what it holds."""
+    axes = [k for k, axis in enumerate(estimate.machine.axes) if not axis.rotary]
     for over in axes:
         hats = hats_along(estimate, over, points(estimate.model, over, spacing, most, multiple))
         moved = [k for k in axes if k != over]
         for axis, rows in zip(moved, _along(estimate, moved, over, hats), strict=True):
             bends = np.ptp(rows @ estimate.mean) > _NOTHING  # no table over another axis holds a constant
-            if bends and estimate.sees(rows.mean(axis=0)):
-                tables.append((_nearest if uneven else _fitted)(estimate, axis, over, hats, rows))
-    return tuple(table for table in tables if _says_something(table))
+            if bends:
+                table = (_nearest if uneven else _fitted)(estimate, axis, over, hats, rows)
+                yield table, _told(estimate, table) and estimate.sees(rows.mean(axis=0))
 
 
 def backlash(estimate: Estimate) -> dict[str, float]:
@@ -115,7 +136,8 @@ def own_table(estimate: Estimate, axis: int, positions: Array, uneven: bool = Fa
     hats = hats_along(estimate, axis, positions)
     if estimate.machine.axes[axis].rotary:
         sides = _sides(estimate, axis)
-        rows = np.stack([turned(estimate.model, estimate.box, axis, hats.nodes, sign) for sign in sides])
+        at = _read_at(estimate, axis, hats.nodes)
+        rows = np.stack([turned(estimate.model, estimate.box, axis, at, sign) for sign in sides])
     else:
         (rows,) = _along(estimate, [axis], axis, hats)
     return (_nearest if uneven else _fitted)(estimate, axis, axis, hats, rows)
@@ -167,8 +189,18 @@ def _spaced(axis: Axis, spacing: float, most: int) -> Array:
 
 def _along(estimate: Estimate, moved: Sequence[int], over: int, hats: Hats) -> list[Array]:
     """Return the mean deviation along each moved axis, by the sides it is reached from, as rows (s, nodes, size)."""
-    known = estimate.model, estimate.box, moved, over, hats.nodes
+    known = estimate.model, estimate.box, moved, over, _read_at(estimate, over, hats.nodes)
     return list(np.stack([mean_along(*known, sign) for sign in _sides(estimate, over)], axis=1))
+
+
+def _read_at(estimate: Estimate, axis: int, positions: Array) -> Array:
+    """Return positions of an axis, and beyond what was read the end of that: a table is constant there."""
+    return np.clip(positions, *estimate.read[axis]) if estimate.read else positions
+
+
+def _told(estimate: Estimate, table: CompensationTable) -> bool:
+    """Return whether readings tell what a table holds: by a row of the answer, or over the volume where that counts."""
+    return (table.axis, table.over) in estimate.told or (estimate.whole and table.told)
 
 
 def _sides(estimate: Estimate, over: int) -> tuple[int, ...]:
@@ -178,7 +210,7 @@ def _sides(estimate: Estimate, over: int) -> tuple[int, ...]:
 
 def hats_along(estimate: Estimate, over: int, positions: Array) -> Hats:
     """Return the hats on positions of an axis, for curves with the knots of its errors."""
-    knots = np.concatenate([np.zeros(0), *knots_of(estimate, over)])
+    knots = np.concatenate([np.array(estimate.read[over : over + 1]).ravel(), *knots_of(estimate, over)])
     closed = estimate.machine.axes[over].cyclic
     return Hats.on(positions, knots if len(knots) else positions, estimate.box[over], closed)
 
@@ -281,7 +313,7 @@ def _rest_read(estimate: Estimate, axis: int, over: int, points: Array) -> Array
     sign = float(estimate.machine.axes[over].sign * np.sum(estimate.machine.axes[axis].direction))
     read = np.zeros(len(points))
     for index in _followed(estimate, axis, over):
-        read += sign * _beside(estimate, index, points)
+        read += sign * _beside(estimate, index, _read_at(estimate, over, points))
     return read if turns else read - np.interp(np.clip(0.0, *points[[0, -1]]), points, read)
 
 
@@ -296,10 +328,6 @@ def _followed(estimate: Estimate, axis: int, over: int) -> list[int]:
     """Return the indices of the errors that a table follows directly."""
     name = f"E{estimate.machine.axes[axis].positioning_error[1]}{estimate.machine.axes[over].name}"
     return [index for index, function in enumerate(estimate.model.functions) if function.name == name]
-
-
-def _says_something(table: CompensationTable) -> bool:
-    return bool(max(np.max(np.abs(table.forward)), np.max(np.abs(table.reverse))) > _NOTHING)
 
 
 def closest(curves: Array, at: Array, knots: Array, even: Array) -> Array:

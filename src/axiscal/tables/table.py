@@ -28,6 +28,8 @@ _NODES = np.polynomial.legendre.leggauss(5)[0]
 """Mathematics."""
 _APART = 1e-9
 """Share of the way from one point to the next: rounding of a place on the first."""
+_TOLD, _NOTHING = 2.0, 1e-12
+"""Standard deviations from which readings tell that a table is none of nought; m or rad, rounding."""
 _OUTSIDE = 1e-6
 """Weight of what lies outside, so that every hat has a value: small against 1, or it would pull at the inside."""
 
@@ -185,6 +187,14 @@ class CompensationTable:
         share = 0.5 * (1.0 + np.sign(direction))
         forward, reverse = (np.interp(position, self.positions, side) for side in (self.forward, self.reverse))
         return share * forward + (1.0 - share) * reverse
+
+    @property
+    def told(self) -> bool:
+        """Whether it is more than twice what it is known to, RMS over its points: as it stands, or without its mean."""
+        both = np.array([self.forward, self.reverse])
+        sizes = np.array([np.sqrt(np.mean(both**2)), np.std(both)])
+        known = np.array([np.sqrt(np.mean(self.std**2)), self.shape_std])
+        return bool(np.any(sizes > np.maximum(_TOLD * known, _NOTHING)))
 
     @property
     def rotary(self) -> bool:

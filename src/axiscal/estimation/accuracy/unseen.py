@@ -18,11 +18,9 @@ from axiscal.language.spoken import joined, later, said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.observation import Observation
-from axiscal.numerics import Array, even_points, rigid
+from axiscal.numerics import Array, rigid
 from axiscal.units import said_quantity
 
-_POSES = 500
-"""The share of a strain or turn is then known to a few percent."""
 _SAID = 0.3
 """Share of what cannot be seen from which it is said by itself."""
 _LEAST = 1e-8
@@ -53,7 +51,7 @@ def seen_as_one(yardstick: Yardstick) -> Iterator[Hidden]:
 
 def uniform_parts(yardstick: Yardstick) -> tuple[float, float]:
     """Return what a common scale and a turn of the whole make of the unseen, RMS over the volume, m."""
-    poses = _places(yardstick)
+    poses = yardstick.inside
     machine, sides = yardstick.errors.machine, np.zeros_like(poses)
     rows = yardstick.errors.rows(poses, sides)
     if yardstick.alignment is not None:
@@ -69,14 +67,6 @@ def _rms(shape: Array, hidden: Array) -> float:
     """Return the RMS of what of hidden (3 m, r) is of a shape (3 m, k), m."""
     basis = np.linalg.qr(shape).Q
     return float(np.sqrt(3 * np.sum((basis.T @ hidden) ** 2) / len(shape)))
-
-
-def _places(yardstick: Yardstick) -> Array:
-    if yardstick.sample is not None:
-        return yardstick.sample[:_POSES]
-    low, high = np.array(yardstick.box).T
-    poses: Array = low + (high - low) * even_points(_POSES, len(low))
-    return poses
 
 
 def _part(size: float, whole: float) -> dict[str, str]:

@@ -21,7 +21,7 @@ from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.candidates import corners
-from axiscal.numerics import Array, even_points
+from axiscal.numerics import Array, even_points, even_subset
 
 _INNER_POINTS = 400
 
@@ -52,7 +52,8 @@ def attainable(limit: float, floor: float) -> float:
     return limit if floor <= limit else _NEAR * floor
 
 
-_BY_PLACES, _OF_UNSEEN = ("_shift", "root", "shifts", "poses", "places", "evenly"), ("unseen_rms", "_unseen_shift")
+_BY_PLACES = "_shift", "root", "shifts", "poses", "inside", "places", "evenly"
+_OF_UNSEEN = "unseen_rms", "_unseen_shift"
 """What a yardstick has found that depends on no size of an error, and on no other size than those of the unseen."""
 
 
@@ -188,11 +189,16 @@ class Yardstick:
     @cached_property
     def places(self) -> Array:
         """Poses at which it measures, (m, q): corners of the volume, unless there is a sample, and evenly inside."""
+        return self.inside if self.sample is not None else np.concatenate([corners(self.box), self.inside])
+
+    @cached_property
+    def inside(self) -> Array:
+        """Those of them that are spread evenly over the volume, (n, q): any of them stands for as much of it."""
         if self.sample is not None:
-            return self.sample[:_INNER_POINTS]
+            return self.sample[even_subset(self.sample, _INNER_POINTS)]
         low, high = np.array(self.box).T
-        inner = low + (high - low) * even_points(_INNER_POINTS, len(self.box))
-        return np.concatenate([corners(self.box), inner])
+        inner: Array = low + (high - low) * even_points(_INNER_POINTS, len(self.box))
+        return inner
 
     @cached_property
     def rows(self) -> Array:
@@ -237,7 +243,7 @@ class Yardstick:
     @cached_property
     def evenly(self) -> NDArray[np.bool_]:
         """Which of the yardstick's poses are spread evenly over the volume: all but its corners, (m,)."""
-        places = np.arange(len(self.places)) >= (len(self.places) - _INNER_POINTS if self.sample is None else 0)
+        places = np.arange(len(self.places)) >= len(self.places) - len(self.inside)
         return np.tile(places, len(self.poses[0]) // len(places))
 
     def covariances(self, factor: Array) -> Array:

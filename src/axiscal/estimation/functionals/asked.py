@@ -22,6 +22,7 @@ from axiscal.estimation.functionals.functional import (
 )
 from axiscal.machine import Machine
 from axiscal.machine.axis import Axis, letter_direction
+from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 
@@ -44,6 +45,17 @@ class AskedRow:
         """The map that its figures follow from; None where they are those of the volume."""
         return None if self.whole else self.map
 
+    def pairs(self, machine: Machine) -> list[tuple[str, str]]:
+        """Return the axes that tables move to take the row away, each with the axis over which they do."""
+        axes, kind = self.want.row.axes, self.want.row.kind
+        if kind in ("positioning", "backlash"):
+            return [(axes[0], axes[0])]
+        if kind not in ("straightness", "squareness"):
+            return []
+        ways = [axes[::-1], axes] if kind == "squareness" else [axes[::-1]]
+        names = [axis.name for axis in machine.axes if not axis.rotary]
+        return [(name, over) for way, over in ways for name in names if name[0] == way[0]]
+
 
 def asked_rows(description: CampaignDescription, readings: Sequence[Reading], *, whole: bool = False) -> list[AskedRow]:
     """Return the rows of a campaign with their lines, in the order in which they are asked for.
@@ -53,6 +65,14 @@ def asked_rows(description: CampaignDescription, readings: Sequence[Reading], *,
     lines = _lines(description, readings, whole)
     wants = description.target.wants or [Want(row) for row in (*_answered(lines), RowName("volume"))]
     return [_asked(want, description, lines) for want in wants]
+
+
+def rows_served(description: CampaignDescription, readings: Sequence[Reading]) -> list[AskedRow]:
+    """Return the rows that are asked for, and those that readings answer besides."""
+    lines = _lines(description, readings, whole=False)
+    read = {row: line for row, line in lines.items() if line.read}
+    rows = dict.fromkeys([*(want.row for want in description.target.wants), *_answered(read)])
+    return [_asked(Want(row), description, lines) for row in rows]
 
 
 def _lines(description: CampaignDescription, readings: Sequence[Reading], whole: bool) -> dict[RowName, AxisLine]:

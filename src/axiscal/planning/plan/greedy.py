@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.measurement.reading import Places
+from axiscal.numerics import even_subset
 from axiscal.numerics.remembered import remembered
 from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.gains.candidate_rows import Pool
@@ -113,7 +114,7 @@ def _parts(task: Task, everything: Setups) -> list[Setups]:
 def _growing(base: Scores, parts: Sequence[Setups], limits: Limits, times: Clock) -> list[Setups]:
     """Return sets that grow part by part: by the part with which readings, dealt out evenly, leave least."""
     state, lattice = base.state, base.pool.lattice
-    every = {setup: np.flatnonzero(lattice.setups == setup) for setup in np.unique(lattice.setups).tolist()}
+    every = {setup: _in_a_row(lattice, setup) for setup in np.unique(lattice.setups).tolist()}
 
     def remaining(setups: Setups) -> float:
         shares = np.array_split(np.arange(_most_readings(limits, times, setups)), len(setups))
@@ -130,8 +131,14 @@ def _growing(base: Scores, parts: Sequence[Setups], limits: Limits, times: Clock
     return sets[1:]
 
 
+def _in_a_row(lattice: Places, setup: int) -> NDArray[np.intp]:
+    """Return the candidates of a set-up in a row, of which every n-th stand for all."""
+    mine = np.flatnonzero(lattice.setups == setup)
+    return mine[even_subset(np.hstack([lattice.poses[mine], lattice.approaches[mine]]), len(mine))]
+
+
 def _evenly(candidates: NDArray[np.intp], count: int, shift: float) -> NDArray[np.intp]:
-    """Return so many candidates of a set-up; those of other shifts stand elsewhere.  shift : share of their distance"""
+    """Return so many candidates of a row; those of other shifts stand elsewhere.  shift : share of their distance"""
     return candidates[((np.arange(count) + shift) * len(candidates) / max(count, 1)).astype(np.intp)]
 
 

@@ -142,7 +142,7 @@ def left_over(known: Estimation, truth: VirtualMachine) -> Array:
     directions that do not count.
     """
     yardstick, errors = known.case.yardstick, ErrorModel(truth.model.machine)
-    poses = yardstick.places[yardstick.evenly[: len(yardstick.places)]]
+    poses = yardstick.inside
     sides = (1.0, -1.0) if errors.reversing else (1.0,)
     parts = list[Array]()
     for side in sides:
