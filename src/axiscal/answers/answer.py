@@ -210,6 +210,7 @@ class ResultAnswer(AnswerDocument):
     minutes : of the clock where clocked, else of the plan
     withheld : readings contradict each other, and no mistake explains it: there are no rows
     checked : None where nobody has checked the tables
+    checks : readings drawn at random; as_promised : of these
     """
 
     verdict: Verdict
@@ -221,6 +222,8 @@ class ResultAnswer(AnswerDocument):
     left_out: int
     compared: int
     agreeing: int
+    checks: int = 0
+    as_promised: int = 0
     minutes: float
     clocked: bool
     withheld: bool

@@ -31,7 +31,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, paths
 from axiscal.estimation.inheritance import changes
 from axiscal.estimation.intervals import COARSE
-from axiscal.estimation.promise.agreement import AGREES
+from axiscal.estimation.promise.checks import AGREES
 from axiscal.language.spoken import capital, later, listed, put, said
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Reading, reading_unit, value_names

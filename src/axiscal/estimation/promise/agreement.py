@@ -25,6 +25,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.estimation.promise.checks import AGREES
 from axiscal.estimation.promise.draws import Weighed
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.unknowns import space_of
@@ -35,8 +36,6 @@ CONTRADICTS = 0.001
 """Probability below which readings contradict."""
 NAMED = 20.0
 """Odds from which a mistake is named, and beside the likeliest one left unnamed."""
-AGREES = 3.0
-"""Standard deviations within which a reading agrees with the others."""
 BAD_SHARE = 0.01
 """Assumption: one of a hundred readings is bad."""
 MOST_BAD = 0.2
