@@ -60,9 +60,8 @@ def test_z_is_that_of_a_fit_without_the_reading() -> None:
         others = np.arange(len(values)) != check.reading
         gain = np.linalg.solve(covariance[np.ix_(others, others)], covariance[others, check.reading])
         left = covariance[check.reading, check.reading] - gain @ covariance[others, check.reading]
-        assert check.z == pytest.approx(
-            abs(values[check.reading] - gain @ values[others]) / np.sqrt(left), rel=0.02
-        )  # rests of cells
+        away = abs(values[check.reading] - gain @ values[others]) / np.sqrt(left)
+        assert check.z == pytest.approx(away, abs=0.01)  # rests of neighbouring cells go together by a little
     assert [check.reading for check in found.checks.each] == [13, 14, 15, 16]
 
 
