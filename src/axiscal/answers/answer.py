@@ -176,6 +176,7 @@ class PlannedAnswer(AnswerDocument):
 
     rows, aims : after them, with all that a result counts; setups : in the order in which they are mounted
     alike : a set-up whose zero these places cannot tell from a curve; allowed : readings, None for any number
+    checks : of the readings, drawn at random
     """
 
     verdict: PlanVerdict
@@ -187,6 +188,7 @@ class PlannedAnswer(AnswerDocument):
     setups: Sequence[PlannedSetup]
     steps: Sequence[NextStep]
     readings: int
+    checks: int = 0
     allowed: int | None
     minutes: float
     budget_minutes: float | None

@@ -28,8 +28,10 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
+from axiscal.planning.check_places import with_checks
 from axiscal.planning.enough import AT_ONCE, enough, going_on, roughly
 from axiscal.planning.other_readings import (
+    columns_of,
     plane_start,
     planned_with_markers,
     with_both_sides,
@@ -64,13 +66,13 @@ def planned_places(
     """Return the readings to come, chosen together, in the order of a short way.  Raises PlanError.
 
     task, limits : what is to be planned after the readings so far, and when it ends; gaps : places that could not be
-    read, which are planned around; left : of an earlier plan, to begin with
+    read, which are planned around; left : of an earlier plan and in no gap, to begin with
     """
     if begin := first_places(case, task, limits, readings, gaps):
         return begin
 
     def planned(within: Limits) -> tuple[Place, ...]:
-        coming = _chosen(case, task, within, [place for place in left if not in_gap(case, place, gaps)], gaps)
+        coming = _chosen(case, task, within, left, gaps)
         places = with_both_sides(case, readings, with_rooms(case, coming))
         return tuple(place for place in places if not in_gap(case, place, gaps))
 
@@ -124,14 +126,8 @@ def _chosen(case: Case, task: Task, limits: Limits, left: Sequence[Place], gaps:
 
 def placed(case: Case, plan: Plan) -> tuple[Place, ...]:
     """Return the places of a plan, each with room to come to it from its side."""
-    return with_rooms(case, plan.places)
-
-
-def columns_of(case: Case, places: Sequence[Place]) -> Places:
-    """Return places as the search holds them."""
-    none = Places.none(len(case.description.machine.axes))
-    rows = [(case.index(p.setup), np.array(p.pose), np.array(p.approach, dtype=float)) for p in places]
-    return Places.joined([none, *(Places.one(*row) for row in rows)])
+    found = with_rooms(case, plan.places)
+    return tuple(replace(place, check=index in plan.checks) for index, place in enumerate(found))
 
 
 def posed(
@@ -225,7 +221,8 @@ def next_places(
     gaps : where a reading could not be taken; left : of an earlier plan, to begin with
     """
     closed = *gaps, *twice_rejected(case, readings, outliers)
-    begin, task = without_markers(case, readings, left), posed(case, knowledge, closed, readings)
+    begin = tuple(place for place in without_markers(case, readings, left) if not in_gap(case, place, closed))
+    task = posed(case, knowledge, closed, readings)
     if not len(task.lattice):
         return ()
     limits, bad = limits_left(case, readings), {doubt.reading for doubt in outliers}
@@ -236,9 +233,12 @@ def next_places(
     def planned(limits: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
         return planned_places(case, task, limits, readings, closed, left)
 
+    def reaching(within: Limits, begin: tuple[Place, ...]) -> tuple[Place, ...]:
+        heeded = enough(case, task, within, believed, begin)
+        return until_reached(case, task, within, heeded, planned(heeded, begin), planned, believed)
+
     try:
-        heeded = enough(case, task, limits, believed, begin)
-        return until_reached(case, task, limits, heeded, planned(heeded, begin), planned, believed)
+        return with_checks(case, task, limits, readings, begin, reaching)
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         return planned_places(case, task, Limits(1), readings, closed)
 

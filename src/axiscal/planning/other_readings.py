@@ -43,6 +43,13 @@ _DIGITS = {False: ("mm", 3), True: ("deg", 4)}
 """Unit and decimals of what a person can dial in: the micrometre, a ten-thousandth of a degree."""
 
 
+def columns_of(case: Case, places: Sequence[Place]) -> Places:
+    """Return places as the search holds them."""
+    none = Places.none(len(case.description.machine.axes))
+    rows = [(case.index(p.setup), np.array(p.pose), np.array(p.approach, dtype=float)) for p in places]
+    return Places.joined([none, *(Places.one(*row) for row in rows)])
+
+
 def with_rooms(case: Case, places: Places) -> tuple[Place, ...]:
     """Return places, each with room to come to it from its side."""
     described, found = case.description, list[Place]()
