@@ -24,6 +24,8 @@ _SHARE, _FEWEST, _MOST, _LEAST = 5, 3, 12, 12
 """One of so many readings is a check, from few that tell s to many; below so many readings all are planned ones."""
 _SEED = 2
 """Any: the same machine has the same plan."""
+_DIGITS = 9
+"""Decimals of m or rad: rounding of a place."""
 
 Planner = Callable[[Limits, tuple[Place, ...]], tuple[Place, ...]]
 """The readings to come within limits, from those that are left of an earlier plan."""
@@ -46,8 +48,15 @@ def checks_beside(described: CampaignDescription, planned: int) -> int:
     return count
 
 
+def distinct(candidates: Places) -> Places:
+    """Return one of the candidates at each place of a set-up, the side drawn at random; in any order."""
+    mixed = candidates.within(np.random.default_rng(_SEED).permutation(len(candidates)))
+    _, first = np.unique(np.round(np.column_stack([mixed.setups, mixed.poses]), _DIGITS), axis=0, return_index=True)
+    return mixed.within(first)
+
+
 def drawn_places(candidates: Places, among: NDArray[np.intp], count: int, turn: int = 0) -> Places:
-    """Return `count` candidates drawn at random, fewer where there are fewer.
+    """Return `count` distinct candidates drawn at random, fewer where there are fewer.
 
     among : (n,) set-ups of readings, by which they are shared; turn : another one draws others
     """
@@ -73,8 +82,8 @@ def with_checks(
     if limits.readings is not None and count > 0:
         limits = replace(limits, readings=limits.readings - count)
     places = () if limits.readings == 0 else planner(limits, own)
-    planned = len(readings) - taken + len(places)
-    count = min(count, checks_beside(described, planned) - taken)
+    if len(places) != limits.readings:
+        count = min(count, checks_beside(described, len(readings) - taken + len(places)) - taken)
     if count <= 0 or not (places or drawn):
         return places
     found = _inserted(case, task, places, _drawn(case, task, places, drawn, count, len(readings)))
@@ -93,7 +102,7 @@ def _drawn(case: Case, task: Task, places: Sequence[Place], drawn: Sequence[Plac
     """Return `count` checks to come: those that are left of an earlier plan first."""
     known = columns_of(case, drawn[:count])
     among = columns_of(case, places or drawn).setups
-    return Places.joined([known, drawn_places(task.lattice, among, count - len(known), turn)])
+    return Places.joined([known, drawn_places(distinct(task.lattice), among, count - len(known), turn)])
 
 
 def _inserted(case: Case, task: Task, places: Sequence[Place], checks: Places) -> tuple[Place, ...]:

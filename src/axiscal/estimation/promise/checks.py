@@ -61,9 +61,10 @@ class Checks:
 
     @property
     def p(self) -> float:
-        """Probability that the largest z comes by chance (Bonferroni: the checks may depend on each other)."""
-        tails = [chi_square_tail(check.numbers, check.numbers * check.z**2) for check in self.each]
-        return min(1.0, len(tails) * min(tails, default=1.0))
+        """Probability of checks that are this far off or more, as if independent."""
+        counted = [check for check in self.each if not check.slip]
+        numbers = sum(check.numbers for check in counted)
+        return chi_square_tail(numbers, sum(check.numbers * check.z**2 for check in counted)) if numbers else 1.0
 
 
 def checks_of(kept: Iterable[Check], bad: Sequence[Check], implausible: Iterable[Check]) -> Checks:
