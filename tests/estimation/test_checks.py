@@ -13,7 +13,7 @@ from axiscal.estimation.agreement_words import agreement_words
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.checks import Check, Checks, surprises
+from axiscal.estimation.promise.agreement import CheckReading, Checks, surprises
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import places_of, rows_at
 from tests.generators.texts import machine_text
@@ -84,7 +84,7 @@ def test_u_grows_by_s_where_it_is_above_one_and_the_mean_stays(hidden: float) ->
 def test_a_slip_of_a_check_is_a_bad_reading_and_widens_nothing() -> None:
     good, bad = known(), known(slip=200e-6)
     assert [doubt.reading for doubt in bad.outliers] == [16]
-    assert (bad.checks.kept, len(bad.checks.each)) == (3, 4)
+    assert (bad.checks.as_promised, len(bad.checks.each)) == (3, 4)
     assert bad.checks.s == pytest.approx(good.checks.s, rel=0.5)
     assert "checks: 3 of 4 as promised" in agreement_words(bad)
     assert "checks: 4 of 4 as promised, s = " in agreement_words(good)
@@ -92,7 +92,7 @@ def test_a_slip_of_a_check_is_a_bad_reading_and_widens_nothing() -> None:
 
 def test_readings_without_checks_have_none() -> None:
     found = estimated(CASE, [replace(reading, check=False) for reading in known().readings])
-    assert (found.checks.each, found.checks.s, found.checks.inflation) == ((), None, 1.0)
+    assert (found.checks.each, found.checks.s, found.checks.p) == ((), None, 1.0)
     assert "check" not in agreement_words(found)
 
 
@@ -101,6 +101,6 @@ def test_s_of_readings_of_the_model_is_one_in_the_mean() -> None:
     root = np.linalg.cholesky(np.array([[2.0, 0.5, 0.1], [0.5, 1.0, 0.2], [0.1, 0.2, 3.0]]))
     residuals = rng.standard_normal((count, 3)) @ root.T
     z = surprises(residuals, np.tile(root @ root.T, (count, 1, 1)))
-    found = Checks(tuple(Check(i, 3, each) for i, each in enumerate(z.tolist())))
+    found = Checks(tuple(CheckReading(i, 3, each) for i, each in enumerate(z.tolist())))
     assert found.s == pytest.approx(1.0, abs=0.03)
     assert found.p == pytest.approx(chi2.sf(3 * np.sum(z**2), 3 * count), rel=1e-6)

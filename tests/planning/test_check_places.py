@@ -11,11 +11,11 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.exceptions import DescriptionError, PlanError
+from axiscal.measurement.candidates import drawn_places
 from axiscal.measurement.reading import Place, Places
 from axiscal.measurement.reading_rows import blank_readings
-from axiscal.planning.check_places import checks_among, checks_beside, drawn_places, with_checks
 from axiscal.planning.next_readings import next_places, placed, posed
-from axiscal.planning.other_readings import columns_of
+from axiscal.planning.other_readings import checks_among, columns_of, with_checks
 from axiscal.planning.plan.order import seconds_along
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
@@ -58,9 +58,6 @@ def test_a_fifth_are_checks(readings: int, count: int) -> None:
     assert checks_among(described, readings) == count
     assert checks_among(case_of("readings = 24", 'usual = "off"\n').description, readings) == 0
     assert checks_among(case_of("readings = 24\nchecks = 2").description, readings) == 2
-    beside = checks_beside(described, readings)
-    assert beside == checks_among(described, readings + beside)
-    assert (beside == 0) == (readings < 12)
 
 
 def test_a_plan_has_its_readings_and_a_fifth_of_them_are_drawn() -> None:
@@ -86,7 +83,7 @@ def test_small_plans_and_exact_ones_are_those_without_checks(target: str, above:
 def test_checks_come_on_top_of_what_an_accuracy_needs_and_fit_into_a_budget() -> None:
     alone, both = plan_of('rms = "1.7 um"\nchecks = 0'), plan_of('rms = "1.7 um"')
     assert len(alone) >= 12
-    assert len(both) == len(alone) + checks_beside(case_of("readings = 9").description, len(alone))
+    assert len(both) == len(alone) + max(3, round(len(alone) / 4))
     case = case_of('budget = "16 min"')
     places, task = plan_of('budget = "16 min"'), posed(case, case.knowledge)
     assert len(checks(places)) >= 3

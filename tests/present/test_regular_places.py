@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
-from axiscal.present.regular_places import regular_places, step_between
+from axiscal.present.findings import regular_places, step_between
 from tests.generators.campaigns import campaign_text, setup_text
 from tests.generators.texts import machine_text
 
@@ -59,6 +59,6 @@ def test_a_sine_of_the_step_looks_like_none(step: int, counts: list[int]) -> Non
     """Whatever step is found, a sine of its period is one value at all places."""
     places = np.sort(np.array(counts)) * step
     found = step_between(places)
-    if found is not None:
+    if found:
         assert np.ptp(np.cos(2 * np.pi * (places - places[0]) / found)) < 1e-6
         assert found % step == 0

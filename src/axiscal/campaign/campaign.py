@@ -306,15 +306,13 @@ class Campaign(Closing):
         """Keep readings that were taken without being asked for, in one transaction, set-up by set-up.
 
         Nobody has said how often a set-up was mounted for them: it counts once, whatever the order of a file's rows.
-        One at a place that is planned as a check is one.
         note : where they are from, "" for nothing to note; they then get numbers of this campaign
         mounted : set-ups that were mounted anew for them
         """
         refuse_finished(self.state.finished, self.path)
         setups = dict.fromkeys(reading.setup for reading in readings)
-        drawn = {place for place in self.state.coming if place.check}
-        taken = [reading for setup in setups for reading in readings if reading.setup == setup]
-        taken = [replace(reading, check=reading.check or reading.place in drawn) for reading in taken]
+        drawn = [place for place in self.state.coming if place.check]
+        taken = [replace(r, check=r.check or r.place in drawn) for each in setups for r in readings if r.setup == each]
         if note:
             taken = [replace(reading, number=self.state.free + n) for n, reading in enumerate(taken)]
         self._append(*mounted, *map(Recorded, taken), *([Noted(note)] if note else []))

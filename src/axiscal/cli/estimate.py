@@ -27,8 +27,7 @@ from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
-from axiscal.present.findings import copies, untimed
-from axiscal.present.regular_places import regular_places
+from axiscal.present.findings import copies, regular_places, untimed
 from axiscal.present.result_set import RECORD, mend
 from axiscal.present.summarising import Extras, iso230_block
 from axiscal.units import to_unit

@@ -9,8 +9,7 @@ import numpy as np
 
 from axiscal.errors.model import Term
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.agreement import NAMED, Agreement, Explained
-from axiscal.estimation.promise.checks import Checks
+from axiscal.estimation.promise.agreement import NAMED, Agreement, Checks, Explained
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import joined, later, listed, put, quoted, said
 from axiscal.numerics import Array
@@ -57,7 +56,7 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
 
 def checks_words(checks: Checks) -> str:
     """Return how many checks are as promised, and s."""
-    kept = {"kept": checks.kept, "count": len(checks.each)}
+    kept = {"kept": checks.as_promised, "count": len(checks.each)}
     if checks.s is None:
         return said("checks: {kept} of {count} as promised", **kept)
     return said("checks: {kept} of {count} as promised, s = {s:.2f}", s=checks.s, **kept)

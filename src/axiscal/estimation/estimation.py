@@ -18,8 +18,7 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.located import Absorbed, displayed
 from axiscal.estimation.machine_estimate import Estimate, map_grid, rest_means
 from axiscal.estimation.membership import Membership
-from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
-from axiscal.estimation.promise.checks import Check, Checks, checks_of
+from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, CheckReading, Checks
 from axiscal.estimation.promise.posterior import Posterior
 from axiscal.estimation.stations import GAUSSIAN, MOST, indices
 from axiscal.estimation.timed import Timed
@@ -101,11 +100,11 @@ class Estimation:
     def checks(self) -> Checks:
         """The check readings beside what all other readings promise of them."""
         left = {} if self.posterior is None else self.posterior.left_out
-        kept = {index: each.z for index, each in left.items()}
-        bad, never = ({i: doubt.surprise for i, doubt in each.items()} for each in (self.bad, self.implausible))
+        away = {index: each.z for index, each in left.items()}
+        doubted = ({i: doubt.surprise for i, doubt in each.items()} for each in (self.bad, self.implausible))
         drawn = {i: len(reading.values) for i, reading in enumerate(self.readings) if reading.check}
-        each = ([Check(i, drawn[i], z) for i, z in those.items() if i in drawn] for those in (kept, bad, never))
-        return checks_of(*each)
+        kinds = ((CheckReading(i, drawn[i], z) for i, z in each.items() if i in drawn) for each in (away, *doubted))
+        return Checks.sorted_out(*kinds)
 
     @property
     def to_plan_by(self) -> Knowledge:
@@ -145,7 +144,7 @@ def printed(knowledge: Knowledge, found: Posterior | None, checks: Checks) -> Kn
     """
     if found is None:
         return knowledge
-    spread = max(found.agreement.inflation, checks.inflation) * (found.covariance + found.covariance.T) / 2
+    spread = max(found.agreement.inflation, (checks.s or 0.0) ** 2) * (found.covariance + found.covariance.T) / 2
     return Knowledge(knowledge.observation.bare, Belief(found.mean, spread, found.degrees))
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.promise.checks import Checks
+from axiscal.estimation.promise.agreement import Checks
 from axiscal.evaluation.datums import GUARD, Datum, added_to_values
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.promise.checks import Check, Checks, surprises
+from axiscal.estimation.promise.agreement import CheckReading, Checks, surprises
 from axiscal.evaluation.datums import Datums, datums_of, fewest, is_zero, upright
 from axiscal.evaluation.table_checks import (
     HARDLY,
@@ -30,6 +30,7 @@ from axiscal.evaluation.table_checks import (
 )
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import said
+from axiscal.measurement.candidates import distinct, drawn_places
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.distance import Nest, Tracker
@@ -40,7 +41,6 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_tail
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.check_places import distinct, drawn_places
 from axiscal.tables.surface import Control, left_by
 
 _DISPLACEMENTS = (Displacement, Nest, Tracker)
@@ -287,8 +287,8 @@ def _beside(of: NDArray[np.intp], values: Array, covariance: Array) -> Checks:
     """
     variances = np.diag(covariance)
     kept = variances > _TAKEN_OFF * variances.max()
-    z = surprises(values[kept, None], variances[kept, None, None])
-    return Checks(tuple(Check(*each, 1, away) for each, away in zip(of[kept, None].tolist(), z.tolist(), strict=True)))
+    z = surprises(values[kept, None], variances[kept, None, None]).tolist()
+    return Checks(tuple(CheckReading(place, 1, away) for place, away in zip(of[kept].tolist(), z, strict=True)))
 
 
 def _likelihood(values: Array, covariance: Array) -> float:

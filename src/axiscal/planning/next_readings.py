@@ -28,13 +28,13 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.check_places import with_checks
 from axiscal.planning.enough import AT_ONCE, enough, going_on, roughly
 from axiscal.planning.other_readings import (
     columns_of,
     plane_start,
     planned_with_markers,
     with_both_sides,
+    with_checks,
     with_rooms,
     without_markers,
 )
@@ -98,6 +98,32 @@ def until_reached(
             break
         heeded, places = further, again(further, places)
     return places
+
+
+def reaching(
+    case: Case,
+    task: Task,
+    limits: Limits,
+    heeded: Limits,
+    readings: Sequence[Reading] = (),
+    believed: Sequence[Reading] = (),
+    gaps: Sequence[Gap] = (),
+    left: Sequence[Place] = (),
+) -> tuple[Place, ...]:
+    """Return the readings to come that reach limits, checks among them; arguments as of `planned_places`.
+
+    heeded : limits that a search heeds for them; believed : of the readings so far
+    """
+
+    def planned(within: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
+        return planned_places(case, task, within, readings, gaps, left)
+
+    def beside_checks(within: Limits, left: tuple[Place, ...]) -> tuple[Place, ...]:
+        most = [each for each in (heeded.readings, within.readings) if each is not None]
+        search = replace(heeded, readings=min(most, default=None), budget=within.budget)
+        return until_reached(case, task, within, search, planned(search, left), planned, believed)
+
+    return with_checks(case, task, limits, readings, left, beside_checks)
 
 
 def first_places(
@@ -229,16 +255,9 @@ def next_places(
     if len(readings) >= (case.description.target.readings or math.inf):  # one more is wanted than was planned
         task = replace(task, lattice=task.lattice.within(task.lattice.setups == worth_most(task)))
     believed = [reading for index, reading in enumerate(readings) if index not in bad]
-
-    def planned(limits: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
-        return planned_places(case, task, limits, readings, closed, left)
-
-    def reaching(within: Limits, begin: tuple[Place, ...]) -> tuple[Place, ...]:
-        heeded = enough(case, task, within, believed, begin)
-        return until_reached(case, task, within, heeded, planned(heeded, begin), planned, believed)
-
     try:
-        return with_checks(case, task, limits, readings, begin, reaching)
+        heeded = enough(case, task, limits, believed, begin)
+        return reaching(case, task, limits, heeded, readings, believed, closed, begin)
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         return planned_places(case, task, Limits(1), readings, closed)
 

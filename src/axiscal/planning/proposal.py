@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -24,13 +23,12 @@ from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.bound.lower_bound import prove
 from axiscal.planning.bound.relaxation import Relaxation
-from axiscal.planning.check_places import with_checks
 from axiscal.planning.enough import enough, reached
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.helping import helping_setups, helping_words
-from axiscal.planning.next_readings import CANDIDATES, first_places, planned_places, posed, until_reached
-from axiscal.planning.other_readings import columns_of
+from axiscal.planning.next_readings import CANDIDATES, first_places, planned_places, posed, reaching
+from axiscal.planning.other_readings import columns_of, with_checks
 from axiscal.planning.plan.plan import Plan, judged
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.promise import asked
@@ -172,34 +170,14 @@ def proposed(
     candidates : places to choose from; bounded : whether the bound is wanted
     """
     refuse_unmade(case)
-    _refuse_all_checks(case, limits)
     task = posed(case, case.knowledge, candidates=candidates)
     heeded = enough(case, task, limits)
     if places := first_places(case, task, heeded):
         places += _after(case, task, heeded, places)
     else:
-        places = with_checks(case, task, limits, (), (), partial(_reaching, case, task, heeded))
+        places = reaching(case, task, limits, heeded)
     plan = judged(task, heeded, columns_of(case, places), bounded)
     return Proposal(replace(plan, checks=frozenset(i for i, place in enumerate(places) if place.check)))
-
-
-def _refuse_all_checks(case: Case, limits: Limits) -> None:
-    """Raise PlanError where checks leave no reading to plan."""
-    checks = case.description.target.checks
-    if checks and limits.readings is not None and checks >= limits.readings:
-        what, remedy = "{checks} checks leave none of {readings} readings to plan", "Give fewer checks in [target]"
-        raise PlanError(what, remedy, checks=checks, readings=limits.readings)
-
-
-def _reaching(case: Case, task: Task, heeded: Limits, limits: Limits, left: tuple[Place, ...]) -> tuple[Place, ...]:
-    """Return the planned readings that reach limits.  heeded : by the search, for any number of readings"""
-    most = [each for each in (heeded.readings, limits.readings) if each is not None]
-    within = replace(heeded, readings=min(most, default=None), budget=limits.budget)
-
-    def planned(tighter: Limits, left: tuple[Place, ...]) -> tuple[Place, ...]:
-        return planned_places(case, task, tighter, left=left)
-
-    return until_reached(case, task, limits, within, planned(within, left), planned)
 
 
 def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...]) -> tuple[Place, ...]:

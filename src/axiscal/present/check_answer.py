@@ -142,7 +142,7 @@ def check_answer(judgement: Judgement, places: int, promised: float, taken: Take
         left_rms_um=float(np.sqrt(np.sum(left**2) / places)),
         readings=[CheckedValue(found_um=f, left_um=after, std_um=s) for f, after, s in rows],
         checks=len(judgement.checks.each),
-        as_promised=judgement.checks.kept,
+        as_promised=judgement.checks.as_promised,
         s=judgement.checks.s or 0.0,
         agreement_p=judgement.checks.p,
         estimate_believed=judgement.believed,

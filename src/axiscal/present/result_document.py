@@ -94,7 +94,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
             "text": summary.agreement_words,
         },
         "checks": {
-            **_kept(summary.checks, "s", count=len(summary.checks.each), as_promised=summary.checks.kept),
+            **_kept(summary.checks, "as_promised s", count=len(summary.checks.each)),
             "each": [_kept(each, "z used", reading=number) for number, each in summary.each_check],
         },
         **_expanded(summary),

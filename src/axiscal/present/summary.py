@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 
 from axiscal.answers.answer import ResultAnswer
 from axiscal.description.campaign import NOTHING_SAID, Particulars
-from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
-from axiscal.estimation.promise.checks import NO_CHECKS, Check, Checks
+from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, CheckReading, Checks
 from axiscal.present.drawn_by_standards import BallBarCircle, PositioningCurve
 from axiscal.present.volume_error import BentVolume, PlaneSummary, VolumeError
 
@@ -247,7 +246,7 @@ class Summary:
     versions: Mapping[str, str] = field(default_factory=dict)
     record: RecordState | None = None
     agreement: Agreement = NOTHING_READ
-    checks: Checks = NO_CHECKS
+    checks: Checks = field(default_factory=Checks)
     agreement_words: str = ""
     mistakes: Sequence[tuple[str, float, Sequence[str], str]] = ()
     controller: str = ""
@@ -262,7 +261,7 @@ class Summary:
     nonlinearity: float | None = None
 
     @property
-    def each_check(self) -> Sequence[tuple[int, Check]]:
+    def each_check(self) -> Sequence[tuple[int, CheckReading]]:
         """The check readings, each with its number."""
         taken = [row for row in self.history if row.value_um is not None]
         return [(taken[each.reading].reading, each) for each in self.checks.each]

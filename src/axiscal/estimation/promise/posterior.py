@@ -31,8 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.usual import BAD, Kind
-from axiscal.estimation.promise.agreement import BAD_SHARE, MOST_BAD, SEVERAL, Agreement, Turned, agreement
-from axiscal.estimation.promise.checks import surprises
+from axiscal.estimation.promise.agreement import BAD_SHARE, MOST_BAD, SEVERAL, Agreement, Turned, agreement, surprises
 from axiscal.estimation.promise.draws import Draws, Weighed, as_stated, draws, mode, redrawn, weighed
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
 from axiscal.estimation.promise.spaces import parts_of
