@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
 from axiscal.present.findings import regular_places, step_between
-from tests.generators.campaigns import campaign_text, setup_text
-from tests.generators.texts import machine_text
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
 DESCRIBED = campaign_from_texts(
     campaign_text("m", setup_text("laser", "interferometer", direction="x"), target={"readings": 9}),

@@ -289,7 +289,7 @@ def regular_places(readings: Sequence[Reading], setups: Sequence[Setup], axes: S
                 odd = listed(", ", [place_text(axes, each, [k]) for each in pose.tolist()])
                 shown = format_quantity(step * _MICROMETRE, axes[k].unit, 6)
                 named = {"setup": setup.name, "step": shown, "axis": axes[k].name, "places": odd}
-                yield Finding("aliasing", None, said(text, **named))
+                yield Finding("period", None, said(text, **named))
 
 
 def step_between(places: NDArray[np.int64]) -> int:
