@@ -211,8 +211,8 @@ class Campaign(Closing):
         refuse_of_branch(place.setup, self.state.mounted)
         refuse_unreadable(self.description.setup(place.setup), (value, *others), std)
         time = self._clock() if live else None
-        at = place.setup, place.pose, place.approach
-        self._append(Recorded(Reading(*at, value, std, None, accepted, others, time, check=place.check)))
+        where = place.setup, place.pose, place.approach
+        self._append(Recorded(Reading(*where, value, std, None, accepted, others, time, check=place.check)))
         return self.state.readings[-1]
 
     def skip(self, reason: str, *, rest: bool = False) -> Asked:
