@@ -51,5 +51,4 @@ def test_of_neighbours_the_first_of_the_order_is_taken() -> None:
     order = np.array([1, 0, 2, 3, 4])
     assert scattered(places, order, 5, 0.1) == [1, 2, 3, 4]
     assert scattered(places, order, 2, 0.1) == [1, 2]
-    assert scattered(places, order, 5, 0.1, [4]) == [1, 2, 3]
     assert scattered(places, order[:0], 5, 0.1) == []

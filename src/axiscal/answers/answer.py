@@ -192,6 +192,7 @@ class PlannedAnswer(AnswerDocument):
 
     rows, aims : after them, with all that a result counts; setups : in the order in which they are mounted
     alike : a set-up whose zero these places cannot tell from a curve; allowed : readings, None for any number
+    checks : of the readings, drawn at random
     """
 
     verdict: PlanVerdict
@@ -203,6 +204,7 @@ class PlannedAnswer(AnswerDocument):
     setups: Sequence[PlannedSetup]
     steps: Sequence[NextStep]
     readings: int
+    checks: int = 0
     allowed: int | None
     minutes: float
     budget_minutes: float | None
@@ -227,6 +229,7 @@ class ResultAnswer(AnswerDocument):
     withheld : readings contradict each other, and no mistake explains it: there are no rows
     checked : None where nobody has checked the tables
     offset : um, 95 %, by which U grows for each 100 mm beside the line that was read; None where the volume is known
+    checks : readings drawn at random; as_promised : of these
     """
 
     verdict: Verdict
@@ -238,6 +241,8 @@ class ResultAnswer(AnswerDocument):
     left_out: int
     compared: int
     agreeing: int
+    checks: int = 0
+    as_promised: int = 0
     minutes: float
     clocked: bool
     withheld: bool

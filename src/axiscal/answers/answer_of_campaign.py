@@ -219,6 +219,8 @@ def answer_of(
         left_out=len(known.outliers),
         compared=known.agreement.count,
         agreeing=known.agreement.agreeing,
+        checks=len(known.checks.each),
+        as_promised=known.checks.as_promised,
         minutes=_digits(to_unit(seconds, "min")),
         clocked=campaign.state.clocked is not None,
         withheld=withheld,

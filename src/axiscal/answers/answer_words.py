@@ -199,7 +199,11 @@ def _agreement(answer: ResultAnswer, words: str) -> str:
         return ""
     if answer.verdict == "contradict" or answer.left_out:
         return put("{words}.", words=words)
-    return said("Readings agree: {agreeing} of {count}.", agreeing=answer.agreeing, count=answer.compared)
+    agree = said("Readings agree: {agreeing} of {count}.", agreeing=answer.agreeing, count=answer.compared)
+    if not answer.checks:
+        return agree
+    kept = said("Checks: {kept} of {count} as promised.", kept=answer.as_promised, count=answer.checks)
+    return put("{agree} {checks}", agree=agree, checks=kept)
 
 
 def _unmeasured(answer: ResultAnswer, cut: bool) -> str:

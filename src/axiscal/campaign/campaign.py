@@ -211,8 +211,8 @@ class Campaign(Closing):
         refuse_of_branch(place.setup, self.state.mounted)
         refuse_unreadable(self.description.setup(place.setup), (value, *others), std)
         time = self._clock() if live else None
-        at_place = place.setup, place.pose, place.approach
-        self._append(Recorded(Reading(*at_place, value, std, accepted=accepted, others=others, time=time)))
+        where = place.setup, place.pose, place.approach
+        self._append(Recorded(Reading(*where, value, std, None, accepted, others, time, check=place.check)))
         return self.state.readings[-1]
 
     def skip(self, reason: str, *, rest: bool = False) -> Asked:
@@ -311,7 +311,8 @@ class Campaign(Closing):
         """
         refuse_finished(self.state.finished, self.path)
         setups = dict.fromkeys(reading.setup for reading in readings)
-        taken = [reading for setup in setups for reading in readings if reading.setup == setup]
+        drawn = [place for place in self.state.coming if place.check]
+        taken = [replace(r, check=r.check or r.place in drawn) for each in setups for r in readings if r.setup == each]
         if note:
             taken = [replace(reading, number=self.state.free + n) for n, reading in enumerate(taken)]
         self._append(*mounted, *map(Recorded, taken), *([Noted(note)] if note else []))

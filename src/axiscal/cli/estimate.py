@@ -14,7 +14,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs, RecordFile
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say, say_document, say_either, tell
-from axiscal.cli.progress import tell_unasked
+from axiscal.cli.progress import tell_mind, tell_unasked
 from axiscal.cli.record import placed_log
 from axiscal.description.placed_readings import placed_readings
 from axiscal.document.durable import write_whole
@@ -27,7 +27,7 @@ from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
-from axiscal.present.findings import copies, untimed
+from axiscal.present.findings import copies, regular_places, untimed
 from axiscal.present.result_set import RECORD, mend
 from axiscal.present.summarising import Extras, iso230_block
 from axiscal.units import to_unit
@@ -102,13 +102,17 @@ def estimate(
     mend(out)
     if (out / RECORD).exists():
         raise RecordError("This folder holds a campaign already", "Name another --out, or remove it", out / RECORD)
-    extras = replace(extras, warnings=[*copies(placed, description.setups), *untimed(placed, description.setups)])
+    regular = list(regular_places(placed, description.setups, description.machine.axes))
+    seen = [*copies(placed, description.setups), *untimed(placed, description.setups), *regular]
+    extras = replace(extras, warnings=seen)
     with TemporaryDirectory(prefix="axiscal-") as folder, Campaign.create(Path(folder) / RECORD, description) as opened:
         opened.adopt(placed)
         opened.finish("all readings evaluated")
         kept = out / RECORD
         again = "give the command again"
         write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)
+    for each in () if details else regular:
+        tell_mind(each.text)
     tell_unasked(description)
 
 

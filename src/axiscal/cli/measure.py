@@ -248,7 +248,8 @@ def headline(campaign: Campaign, question: Question) -> str:
 
 def question_lines(question: Question) -> str:
     """Return where to go, from which side, the sign in words, and what to expect."""
-    others = (said("again"), question.again), (said("expect"), expected_text(question))
+    beside = (said("again"), question.again), (said("check"), question.check)
+    others = *beside, (said("expect"), expected_text(question))
     return question_text(question.places, question.touch, question.sign, *others)
 
 

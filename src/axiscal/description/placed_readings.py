@@ -238,7 +238,7 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     directions = placed_approach(setup, campaign.machine, approach)
     value, others = sign * row.value, row.others
     reading = Reading(setup.name, pose, directions, value, row.std, row.line, others=others, time=row.time)
-    return replace(reading, number=row.number)
+    return replace(reading, number=row.number, check=row.check)
 
 
 def _setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:

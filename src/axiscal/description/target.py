@@ -149,6 +149,7 @@ class Target:
     refers_to : the temperature for which it is to be good: 20 °C (ISO 1), or that of the readings
     counted : whether deviations of the TCP along x, y and z of the workpiece frame count
     wants : the rows of the answer that are asked for; none where they follow from the set-ups
+    checks : readings at places drawn at random, among all; None for as many as is usual
     """
 
     rms: float | None
@@ -163,6 +164,7 @@ class Target:
     counted: Counted = EVERY_WAY
     refers_to: RefersTo = "as read"
     wants: tuple[Want, ...] = ()
+    checks: int | None = None
 
     @property
     def lines(self) -> tuple[Want, ...]:
@@ -269,6 +271,16 @@ def _readings(number: int) -> int:
     return number
 
 
+def _checks(checks: int, known: Beside) -> int:
+    readings, remedy = known.data.get("readings"), "Leave checks out for the usual number"
+    if checks < 0:
+        raise DescriptionError("{text} is below zero", remedy, text=checks)
+    if readings is not None and checks >= readings:
+        what = "{checks} checks leave none of {readings} readings to plan"
+        raise DescriptionError(what, remedy, checks=checks, readings=readings)
+    return checks
+
+
 def _worst(worst: float, known: Beside) -> float:
     rms = known.data.get("rms")
     if rms is not None and worst <= rms:
@@ -303,6 +315,7 @@ class TargetTable(Table):
     )
     U: Annotated[float, ReadAs(Wanted, _expanded, by=True)] | None = Field(None, examples=['"12 um"'])
     readings: Annotated[int, ReadAs(int, _readings)] | None = Field(None, examples=["40"])
+    checks: Annotated[int, ReadAs(int, _checks, by=True)] | None = Field(None, examples=["5"])
     budget: Duration | None = Field(None, examples=['"90 min"'])
     volume: Spans = Field(default={}, examples=['{ X = ["50 mm", "550 mm"] }'])
     part: Annotated[PartVolume, ReadAs(Annotated[dict[str, Size], EachAs(_SIZES, _size)], _part, by=True)] | None = (
@@ -338,6 +351,7 @@ def read_target(table: TargetTable, machine: Machine, document: Document) -> Tar
         table.U if whole is None else whole,
         table.directions,
         wants=rows,
+        checks=table.checks,
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from axiscal.errors.model import Term
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.agreement import NAMED, Agreement, Explained
+from axiscal.estimation.promise.agreement import NAMED, Agreement, Checks, Explained
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import joined, later, listed, put, quoted, said
 from axiscal.numerics import Array
@@ -31,7 +31,8 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
         names = [put("{number} ({setup})", number=r.numbered(i), setup=quoted(r.setup)) for r, i in unused]
         short = "{agreeing} of {count} readings agree; not used: {names}"
         used = {"agreeing": found.agreeing, "count": found.count}
-        return said(short, names=joined(names, _UNUSED), **used) if names else count
+        text = said(short, names=joined(names, _UNUSED), **used) if names else count
+        return listed("; ", [text, *([checks_words(known.checks)] if known.checks.each else [])])
     chance = put("p = {p:.1g}", p=found.p)
     if found.described is not None and found.described.axes:
         what = "The readings contradict each other ({chance}): correct direction of {axes} in the machine's file"
@@ -51,6 +52,14 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
         return text
     cause = found.explained[0].mistake
     return said("{text}. If so: axiscal step accept {record} {cause}", text=text, record=record, cause=cause)
+
+
+def checks_words(checks: Checks) -> str:
+    """Return how many checks are as promised, and s."""
+    kept = {"kept": checks.as_promised, "count": len(checks.each)}
+    if checks.s is None:
+        return said("checks: {kept} of {count} as promised", **kept)
+    return said("checks: {kept} of {count} as promised, s = {s:.2f}", s=checks.s, **kept)
 
 
 def mistake_words(each: Explained, known: Estimation) -> str:

@@ -19,7 +19,7 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.located import Absorbed, displayed
 from axiscal.estimation.machine_estimate import Estimate, map_grid, rest_means, where_read
 from axiscal.estimation.membership import Membership
-from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
+from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, CheckReading, Checks
 from axiscal.estimation.promise.posterior import Posterior
 from axiscal.estimation.stations import GAUSSIAN, MOST, indices
 from axiscal.estimation.timed import Timed
@@ -75,7 +75,7 @@ class Estimation:
         """Knowledge with the bands that are printed, sizes averaged over."""
         if self.membership is not None:
             return Knowledge(self.knowledge.observation, self.membership.belief)
-        return printed(self.knowledge, self.posterior)
+        return printed(self.knowledge, self.posterior, self.checks)
 
     @cached_property
     def accuracy(self) -> Accuracy:
@@ -96,6 +96,16 @@ class Estimation:
     def agreement(self) -> Agreement:
         """Whether the readings agree with each other."""
         return NOTHING_READ if self.posterior is None else self.posterior.agreement
+
+    @cached_property
+    def checks(self) -> Checks:
+        """The check readings beside what all other readings promise of them."""
+        left = {} if self.posterior is None else self.posterior.left_out
+        away = {index: each.z for index, each in left.items()}
+        doubted = ({i: doubt.surprise for i, doubt in each.items()} for each in (self.bad, self.implausible))
+        drawn = {i: len(reading.values) for i, reading in enumerate(self.readings) if reading.check}
+        kinds = ((CheckReading(i, drawn[i], z) for i, z in each.items() if i in drawn) for each in (away, *doubted))
+        return Checks.sorted_out(*kinds)
 
     @property
     def to_plan_by(self) -> Knowledge:
@@ -140,14 +150,15 @@ class Estimation:
         return reading_text(described.machine.axes, described.setup(reading.setup), reading, index)
 
 
-def printed(knowledge: Knowledge, found: Posterior | None) -> Knowledge:
+def printed(knowledge: Knowledge, found: Posterior | None, checks: Checks) -> Knowledge:
     """Return the posterior as knowledge of errors and set-ups' unknowns.
 
     knowledge : at the sizes as learnt; found : None before the first reading
+    Variances grow by what checks say beside all readings, the larger of both.
     """
     if found is None:
         return knowledge
-    spread = found.agreement.inflation * (found.covariance + found.covariance.T) / 2
+    spread = max(found.agreement.inflation, (checks.s or 0.0) ** 2) * (found.covariance + found.covariance.T) / 2
     return Knowledge(knowledge.observation.bare, Belief(found.mean, spread, found.degrees))
 
 

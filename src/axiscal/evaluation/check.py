@@ -189,7 +189,7 @@ class Check:
         tolerance : it will be judged by, m; 0 where that is not known, and it is enough for any
         count : how many; None takes what the tables need, each at its ends and where it corrects most, and
         USUAL at least where so many are new.
-        Fewer than the tables need show those that correct most; the rest is where the machine should be worst and best.
+        Fewer than the tables need show those that correct most; the rest is drawn at random.
         No set-up is read at fewer places than tell the machine from it. Set-ups that the campaign has read come alone:
         of others nobody knows how they lie. A chart without enough new places is read at its old ones.
         """

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.estimation.promise.agreement import Checks
 from axiscal.evaluation.datums import GUARD, Datum, added_to_values
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
@@ -335,7 +336,7 @@ class Judgement:
 
     found, left : (m,) deviations, one for each value of a reading, the datums of the set-ups taken off
     std : (m,) of each, from the instrument and from what else is not known of its set-up
-    agrees : probability that as-left readings lie this far from what the estimate expects, if it is right
+    checks : as-left readings beside what the estimate promises
     changed : probability that the tables change readings as little like they should as these, if they are loaded
     share : by which multiple of what the tables take away the readings changed; None when that is nothing
     lines : set-ups that are judged against their own line; strained : datums further off than stated
@@ -351,7 +352,7 @@ class Judgement:
     found: Array
     left: Array
     std: Array
-    agrees: float
+    checks: Checks
     changed: float
     share: float | None
     lines: tuple[str, ...]
@@ -375,7 +376,7 @@ class Judgement:
     @property
     def believed(self) -> bool:
         """Whether the readings agree with the estimate and its uncertainty."""
-        return self.agrees >= _UNLIKELY
+        return self.checks.p >= _UNLIKELY
 
 
 def verdict(deviations: Array, std: Array, tolerance: float) -> Verdict:

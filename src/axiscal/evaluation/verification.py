@@ -1,9 +1,9 @@
 """A short independent check of a machine after its tables were loaded: where to look, and what the readings decide.
 
-Points are new ones, half of them where the estimate expects the machine to be worst, half where it expects it to be
-best. As-left readings are judged against a tolerance with a guard band (after ISO 14253-1). Pass: every deviation with
-its expanded uncertainty lies inside. Fail: one lies outside with all of it. Undecided: between. A pass also needs that
-the readings changed by the tables' correction, and that no set-up is further off than stated.
+Points are new ones, drawn at random as the checks of a plan are, and held to the estimate as these are to others.
+As-left readings are judged against a tolerance with a guard band (after ISO 14253-1). Pass: every deviation with its
+expanded uncertainty lies inside. Fail: one lies outside with all of it. Undecided: between. A pass also needs that the
+readings changed by the tables' correction, and that no set-up is further off than stated.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.estimation.promise.agreement import CheckReading, Checks, surprises
 from axiscal.evaluation.datums import Datums, datums_of, fewest, is_zero, upright
 from axiscal.evaluation.table_checks import (
     HARDLY,
@@ -29,6 +30,7 @@ from axiscal.evaluation.table_checks import (
 )
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import said
+from axiscal.measurement.candidates import distinct, drawn_places
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.distance import Nest, Tracker
@@ -39,21 +41,20 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_tail
 from axiscal.numerics.threads import one_thread
-from axiscal.numerics.ties import scattered
 from axiscal.tables.surface import Control, left_by
 
 _DISPLACEMENTS = (Displacement, Nest, Tracker)
 _CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if isinstance(kind.model, _DISPLACEMENTS)))
 """Instruments that read displacements along fixed directions: the ones a check is made with."""
 _REMEDY = "A check is made with {known}: give the campaign a set-up of that kind"
-_APART = 0.15
-"""Share of the travel: wider apart is spread enough; the verdict holds anywhere."""
 _PER_SETUP = 4
 """So many places a set-up, or mounting it costs more than it tells; the verdict holds for any number."""
 _FEWEST = 2
 """Fewer new places of a set-up are not worth mounting it."""
 _SAME = 1e-7
 """Rounding of a place that was written down, m or rad: far below what an instrument resolves, far above float64."""
+_TAKEN_OFF = 1e-9
+"""Of a variance: what is left of a value by rounding alone."""
 _STILL = 4
 """So many readings of a set-up that show one and the same number are an instrument that does not move."""
 _NOTHING = 1e-9
@@ -110,7 +111,7 @@ def plan_check(
     tolerance: float = 0.0,
     least: int | None = None,
 ) -> Places:
-    """Return `count` of the candidates that were not read before: half of them the worst, half the best.
+    """Return `count` of the candidates that were not read before, drawn at random.
 
     They share the few set-ups that promise most, four places or more each, and none too few to tell the machine from
     it. Where there are not as many it is as many as there are; raises ReadingError below the least.
@@ -123,38 +124,27 @@ def plan_check(
         known = Places.none(len(estimate.machine.axes))
     lacking = places_lacking(estimate, setups, candidates, known, tolerance)
     candidates = without(candidates, known)
-    mean, factor = without_zeros(setups, candidates, *expected(estimate, setups, candidates, control))
-    squares = mean**2 + np.sum(factor**2, axis=1)
-    score = np.sqrt(np.bincount(values_at(setups, candidates).of, squares, len(candidates.setups)))
-    at = candidates.poses / np.array([axis.length for axis in estimate.machine.axes])
-    fresh = far_from(estimate.machine, candidates, places_of(setups, used))
-    indices = np.unique(candidates.setups[fresh])
-    promising = sorted(indices, key=lambda s: -np.max(score[fresh & (candidates.setups == s)]))
-
-    def taken(setup: int, share: int) -> list[int]:
-        mine = np.flatnonzero(fresh & (candidates.setups == setup))
-        worst = scattered(at, mine[np.argsort(-score[mine], kind="stable")], (share + 1) // 2, _APART)
-        best = scattered(at, mine[np.argsort(score[mine], kind="stable")], share // 2, _APART, worst)
-        return [*worst, *best]
-
-    promising = [setup for setup in promising if len(taken(setup, lacking[setup])) == lacking[setup]]
+    new = distinct(candidates.within(far_from(estimate.machine, candidates, places_of(setups, used))))
+    mean, factor = without_zeros(setups, new, *expected(estimate, setups, new, control))
+    score = np.bincount(values_at(setups, new).of, mean**2 + np.sum(factor**2, axis=1), len(new.setups))
+    there = {setup: len(mine) for setup, mine in new.by_setup()}
+    able = [setup for setup in there if lacking[setup] <= there[setup]]
+    promising = sorted(able, key=lambda setup: -np.max(score[new.setups == setup]))
 
     def shared(count: int) -> list[int]:
         shares = _shared(promising, count, lacking)
-        return [i for setup, share in shares for i in taken(setup, share)]
+        return [setup for setup, share in shares for _ in range(min(share, there[setup]))]
 
-    # of a smaller number other halves are the worst and the best: not every one is found
     size = next(number for number in range(count, -1, -1) if len(shared(number)) == number)
     if size < least:
-        if len(indices) and not promising:
+        if there and not promising:
             raise ReadingError("too few places are new to tell the machine from a set-up", _fewer(0))
-        new, asked = len(known) + size, len(known) + least
+        found, asked = len(known) + size, len(known) + least
         if (alone := len(known) + min((lacking[setup] for setup in promising), default=0)) > asked:
             what = "{count} places cannot tell the machine from a set-up"
             raise ReadingError(what, "Ask for {least} or more", count=asked, least=alone)
-        raise ReadingError("only {new} places of {count} are new", _fewer(new), new=new, count=asked)
-    order = sorted(shared(size), key=lambda i: (candidates.setups[i], *candidates.poses[i]))
-    return candidates.within(np.array(order, dtype=np.intp))
+        raise ReadingError("only {new} places of {count} are new", _fewer(found), new=found, count=asked)
+    return drawn_places(new, np.array(shared(size), dtype=np.intp), size)
 
 
 def places_lacking(
@@ -259,7 +249,7 @@ def judge(
         free @ before,
         free @ after,
         std,
-        _likelihood(free @ (after - mean), free @ (factor @ factor.T + spread) @ free.T),
+        _beside(of, free @ (after - mean), free @ (factor @ factor.T + spread) @ free.T),
         likely,
         float(change @ should) / weight if weight > _NOTHING**2 else None,
         tuple(name for name in datums.lines if name not in lying),
@@ -290,10 +280,21 @@ def _seen(
     return upright(estimate.machine, setups, places, datums, shown), noise[values_at(setups, places).of]
 
 
+def _beside(of: NDArray[np.intp], values: Array, covariance: Array) -> Checks:
+    """Return values, m, as checks beside what the estimate promises; without those that datums take off as a whole.
+
+    of : (m,) the place of each; covariance : (m, m)
+    """
+    variances = np.diag(covariance)
+    kept = variances > _TAKEN_OFF * variances.max()
+    z = surprises(values[kept, None], variances[kept, None, None]).tolist()
+    return Checks(tuple(CheckReading(place, 1, away) for place, away in zip(of[kept].tolist(), z, strict=True)))
+
+
 def _likelihood(values: Array, covariance: Array) -> float:
     """Return the probability of values at least this large from a singular normal."""
     scale, vectors = np.linalg.eigh(covariance)
-    kept = scale > 1e-9 * scale[-1]
+    kept = scale > _TAKEN_OFF * scale[-1]
     parts = vectors[:, kept].T @ values
     return chi_square_tail(int(kept.sum()), float(np.sum(parts**2 / scale[kept])))
 

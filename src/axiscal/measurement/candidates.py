@@ -92,6 +92,32 @@ def spread(machine: Machine, setups: tuple[Setup, ...], count: int) -> Places:
     return Places.joined([Places.of_setup(i, *_of_setup(machine, setup, each)) for i, setup in enumerate(setups)])
 
 
+_SEED = 2
+"""Any: the same machine has the same plan."""
+_DIGITS = 9
+"""Decimals of m or rad: rounding of a place."""
+
+
+def distinct(candidates: Places) -> Places:
+    """Return one of the candidates at each place of a set-up, its side drawn at random; in any order."""
+    mixed = candidates.within(np.random.default_rng(_SEED).permutation(len(candidates)))
+    _, first = np.unique(np.round(np.column_stack([mixed.setups, mixed.poses]), _DIGITS), axis=0, return_index=True)
+    return mixed.within(first)
+
+
+def drawn_places(candidates: Places, among: NDArray[np.intp], count: int, turn: int = 0) -> Places:
+    """Return `count` candidates drawn at random, fewer where there are fewer.
+
+    among : (n,) set-ups of readings, by which they are shared; turn : another one draws others
+    """
+    rng, found = np.random.default_rng([_SEED, turn]), [candidates.within(slice(0, 0))]
+    shares = np.sort(among)[(np.arange(count) * len(among) + len(among) // 2) // max(count, 1)]
+    for setup in dict.fromkeys(shares.tolist()):
+        mine = np.flatnonzero(candidates.setups == setup)
+        found.append(candidates.within(rng.permutation(mine)[: int(np.sum(shares == setup))]))
+    return Places.joined(found)
+
+
 def _of_setup(machine: Machine, setup: Setup, count: int) -> tuple[Array, Array]:
     if setup.chart is not None:
         return chart_candidates(machine, setup, setup.chart, count)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,11 +28,13 @@ class Place:
 
     setup : name; pose : (n_axes,) m or rad, in chain order
     approach : (n_axes,) from where each axis comes, +1, −1, 0 for any side; left out for any side of all
+    check : it was drawn at random; the same place all the same
     """
 
     setup: str
     pose: tuple[float, ...]
     approach: tuple[int, ...] = ()
+    check: bool = field(default=False, compare=False)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -129,6 +131,7 @@ class Reading:
     line : line of the file it came from, if it came from one
     accepted : somebody vouches for it, however much it surprises
     number : under which a campaign knows it for life, from 1; None outside of a campaign
+    check : its place was drawn at random
     """
 
     setup: str
@@ -141,11 +144,12 @@ class Reading:
     others: tuple[float, ...] = ()
     time: float | None = None
     number: int | None = None
+    check: bool = False
 
     @property
     def place(self) -> Place:
         """Where it was taken."""
-        return Place(self.setup, self.pose, self.approach)
+        return Place(self.setup, self.pose, self.approach, self.check)
 
     def numbered(self, index: int) -> int:
         """Return its number; where no campaign gave one, that of its place in the list of readings, from 1."""
@@ -154,7 +158,7 @@ class Reading:
     def under(self, number: int) -> Reading:
         """Return the same reading under the number by which a campaign knows it."""
         of_value = self.value, self.std, self.line, self.accepted, self.others, self.time
-        return Reading(self.setup, self.pose, self.approach, *of_value, number)
+        return Reading(self.setup, self.pose, self.approach, *of_value, number, self.check)
 
     @property
     def values(self) -> tuple[float, ...]:

@@ -190,7 +190,7 @@ def places_of(setups: Sequence[Setup], readings: Sequence[Reading | Place]) -> P
 def blank_readings(setups: Sequence[Setup], places: Sequence[Place]) -> list[Reading]:
     """Return readings of zero at places, for results that do not depend on their values."""
     more = {setup.name: len(directions_of(setup)) - 1 for setup in setups}
-    return [Reading(p.setup, p.pose, p.approach, 0.0, others=(0.0,) * more[p.setup]) for p in places]
+    return [Reading(p.setup, p.pose, p.approach, 0.0, others=(0.0,) * more[p.setup], check=p.check) for p in places]
 
 
 def times_of(readings: Sequence[Reading]) -> Array:

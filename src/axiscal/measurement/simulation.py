@@ -183,7 +183,17 @@ class VirtualMachine:
         mounted, found = {setup.name: setup for setup in setups}, list[Reading]()
         for place, seconds, rng in zip(places, ends, chance, strict=False):
             value, *others = self.read_all(mounted[place.setup], place.pose, place.approach, rng, seconds)
-            found.append(Reading(place.setup, place.pose, place.approach, value, others=tuple(others), time=seconds))
+            found.append(
+                Reading(
+                    place.setup,
+                    place.pose,
+                    place.approach,
+                    value,
+                    others=tuple(others),
+                    time=seconds,
+                    check=place.check,
+                )
+            )
         return tuple(found)
 
     def exactly(self, setup: Setup, pose: Array, actual: Deviation, approach: Array | None = None) -> list[float]:

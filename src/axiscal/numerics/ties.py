@@ -7,8 +7,6 @@ what matters. Of places that are neighbours the first is taken, too.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -56,8 +54,8 @@ def surely_more(values: Array, than: Array, share: float) -> NDArray[np.bool_]:
     return values > than + share * np.where(np.isfinite(than), np.abs(than), 0.0)
 
 
-def scattered(places: Array, order: NDArray[np.intp], most: int, apart: float, taken: Sequence[int] = ()) -> list[int]:
-    """Return the first places of an order that are no neighbours of each other, or of those taken; `most` at the most.
+def scattered(places: Array, order: NDArray[np.intp], most: int, apart: float) -> list[int]:
+    """Return the first places of an order that are no neighbours of each other; `most` at the most.
 
     places : (m, k); apart : neighbours are no further from each other than that along any coordinate
     """
@@ -65,6 +63,6 @@ def scattered(places: Array, order: NDArray[np.intp], most: int, apart: float, t
     for i in order.tolist():
         if len(chosen) == most:
             break
-        if np.all(np.abs(places[[*chosen, *taken]] - places[i]).max(axis=1, initial=0.0) > apart):
+        if np.all(np.abs(places[chosen] - places[i]).max(axis=1, initial=0.0) > apart):
             chosen.append(i)
     return chosen

@@ -30,9 +30,11 @@ from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.enough import AT_ONCE, enough, going_on, roughly
 from axiscal.planning.other_readings import (
+    columns_of,
     plane_start,
     planned_with_markers,
     with_both_sides,
+    with_checks,
     with_rooms,
     without_markers,
 )
@@ -64,13 +66,13 @@ def planned_places(
     """Return the readings to come, chosen together, in the order of a short way.  Raises PlanError.
 
     task, limits : what is to be planned after the readings so far, and when it ends; gaps : places that could not be
-    read, which are planned around; left : of an earlier plan, to begin with
+    read, which are planned around; left : of an earlier plan and in no gap, to begin with
     """
     if begin := first_places(case, task, limits, readings, gaps):
         return begin
 
     def planned(within: Limits) -> tuple[Place, ...]:
-        coming = _chosen(case, task, within, [place for place in left if not in_gap(case, place, gaps)], gaps)
+        coming = _chosen(case, task, within, left, gaps)
         places = with_both_sides(case, readings, with_rooms(case, coming))
         return tuple(place for place in places if not in_gap(case, place, gaps))
 
@@ -96,6 +98,32 @@ def until_reached(
             break
         heeded, places = further, again(further, places)
     return places
+
+
+def reaching(
+    case: Case,
+    task: Task,
+    limits: Limits,
+    heeded: Limits,
+    readings: Sequence[Reading] = (),
+    believed: Sequence[Reading] = (),
+    gaps: Sequence[Gap] = (),
+    left: Sequence[Place] = (),
+) -> tuple[Place, ...]:
+    """Return the readings to come that reach limits, checks among them; arguments as of `planned_places`.
+
+    heeded : limits that a search heeds for them; believed : of the readings so far
+    """
+
+    def planned(within: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
+        return planned_places(case, task, within, readings, gaps, left)
+
+    def beside_checks(within: Limits, left: tuple[Place, ...]) -> tuple[Place, ...]:
+        most = [each for each in (heeded.readings, within.readings) if each is not None]
+        search = replace(heeded, readings=min(most, default=None), budget=within.budget)
+        return until_reached(case, task, within, search, planned(search, left), planned, believed)
+
+    return with_checks(case, task, limits, readings, left, beside_checks)
 
 
 def first_places(
@@ -124,14 +152,8 @@ def _chosen(case: Case, task: Task, limits: Limits, left: Sequence[Place], gaps:
 
 def placed(case: Case, plan: Plan) -> tuple[Place, ...]:
     """Return the places of a plan, each with room to come to it from its side."""
-    return with_rooms(case, plan.places)
-
-
-def columns_of(case: Case, places: Sequence[Place]) -> Places:
-    """Return places as the search holds them."""
-    none = Places.none(len(case.description.machine.axes))
-    rows = [(case.index(p.setup), np.array(p.pose), np.array(p.approach, dtype=float)) for p in places]
-    return Places.joined([none, *(Places.one(*row) for row in rows)])
+    found = with_rooms(case, plan.places)
+    return tuple(replace(place, check=index in plan.checks) for index, place in enumerate(found))
 
 
 def posed(
@@ -225,20 +247,17 @@ def next_places(
     gaps : where a reading could not be taken; left : of an earlier plan, to begin with
     """
     closed = *gaps, *twice_rejected(case, readings, outliers)
-    begin, task = without_markers(case, readings, left), posed(case, knowledge, closed, readings)
+    begin = tuple(place for place in without_markers(case, readings, left) if not in_gap(case, place, closed))
+    task = posed(case, knowledge, closed, readings)
     if not len(task.lattice):
         return ()
     limits, bad = limits_left(case, readings), {doubt.reading for doubt in outliers}
     if len(readings) >= (case.description.target.readings or math.inf):  # one more is wanted than was planned
         task = replace(task, lattice=task.lattice.within(task.lattice.setups == worth_most(task)))
     believed = [reading for index, reading in enumerate(readings) if index not in bad]
-
-    def planned(limits: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
-        return planned_places(case, task, limits, readings, closed, left)
-
     try:
         heeded = enough(case, task, limits, believed, begin)
-        return until_reached(case, task, limits, heeded, planned(heeded, begin), planned, believed)
+        return reaching(case, task, limits, heeded, readings, believed, closed, begin)
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         return planned_places(case, task, Limits(1), readings, closed)
 

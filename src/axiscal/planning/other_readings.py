@@ -9,6 +9,9 @@ A plane: where two axes act together and nobody knows how much, nine readings ov
 middle, then edges, as many as there are to come. Scales that are not learnt yet choose places that learn the scales
 badly. On measured maps the bands then cover less often (docs/evidence/planes.md).
 
+Checks: a fifth of all readings, 3 to 12, are drawn at random and put where they cost least time. There are none below
+12 readings, nor where nothing usually goes wrong. So no place of a check follows from what the model thinks.
+
 Room to come to a place from the side that was planned: at the ends of a travel there is none.
 """
 
@@ -17,19 +20,23 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import count as count_from
 
 import numpy as np
 
+from axiscal.description.campaign import CampaignDescription
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
+from axiscal.exceptions import PlanError
 from axiscal.machine.axis import Axis
 from axiscal.machine.motion import inward
-from axiscal.measurement.candidates import snapped
+from axiscal.measurement.candidates import distinct, drawn_places, snapped
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.planning.plan.task import Limits
+from axiscal.planning.plan.order import inserted, seconds_along
+from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.promise import EVERY
 from axiscal.record.events import Gap
 from axiscal.units import from_unit, to_unit
@@ -41,6 +48,13 @@ _SLACK = 1e-6
 """Share of a step: rounding of a position that stands on the step already."""
 _DIGITS = {False: ("mm", 3), True: ("deg", 4)}
 """Unit and decimals of what a person can dial in: the micrometre, a ten-thousandth of a degree."""
+
+
+def columns_of(case: Case, places: Sequence[Place]) -> Places:
+    """Return places as the search holds them."""
+    none = Places.none(len(case.description.machine.axes))
+    rows = [(case.index(p.setup), np.array(p.pose), np.array(p.approach, dtype=float)) for p in places]
+    return Places.joined([none, *(Places.one(*row) for row in rows)])
 
 
 def with_rooms(case: Case, places: Places) -> tuple[Place, ...]:
@@ -285,3 +299,64 @@ def _nine(case: Case, setup: Setup) -> Array:
     poses = snapped(machine, setup, poses)
     _, first = np.unique(poses, axis=0, return_index=True)
     return np.asarray(poses[np.sort(first)])
+
+
+_SHARE, _FEWEST, _MOST, _LEAST = 5, 3, 12, 12
+"""One of so many readings is a check, from few that tell s to many; below so many readings all are planned ones."""
+
+Within = Callable[[Limits, tuple[Place, ...]], tuple[Place, ...]]
+"""The readings to come within limits, from those that are left of an earlier plan."""
+
+
+def checks_among(described: CampaignDescription, readings: int) -> int:
+    """Return how many of so many readings are checks."""
+    if described.target.checks is not None:
+        return described.target.checks
+    return min(max(round(readings / _SHARE), _FEWEST), _MOST) if described.usual and readings >= _LEAST else 0
+
+
+def with_checks(
+    case: Case, task: Task, limits: Limits, readings: Sequence[Reading], left: Sequence[Place], plan: Within
+) -> tuple[Place, ...]:
+    """Return the readings to come with the checks among them, within the limits.  Raises PlanError.
+
+    readings : so far; left : of an earlier plan, with its checks; those of an accuracy come on top of what it needs
+    """
+    described, taken = case.description, sum(reading.check for reading in readings)
+    own, known = (tuple(place for place in left if place.check is which) for which in (False, True))
+    most, count = limits.readings, _MOST
+    if most is not None:
+        count = max(min(checks_among(described, len(readings) + most) - taken, most), 0)
+        limits = replace(limits, readings=most - count)
+    if limits.readings == 0 and not known:
+        what, remedy = "{checks} checks leave none of {readings} readings to plan", "Give fewer checks in [target]"
+        raise PlanError(what, remedy, checks=described.target.checks or count, readings=most)
+    places = () if limits.readings == 0 else plan(limits, own)
+    if len(places) != limits.readings:
+        planned = len(readings) - taken + len(places)
+        due = next(more for more in count_from(0) if checks_among(described, planned + more) <= more)
+        count = min(count, due - taken)
+    if count <= 0 or not (places or known):
+        return places
+    among, open_ones = columns_of(case, places or known).setups, columns_of(case, known[:count])
+    drawn = drawn_places(distinct(task.lattice), among, count - len(open_ones), len(readings))
+    checks = Places.joined([open_ones, drawn])
+    found, budget = _with_drawn(case, task, places, checks), limits.budget
+    longer = _seconds(case, task, found)
+    if budget is None or longer <= budget:
+        return found
+    # the search and its order fill all the time that they may
+    places = plan(replace(limits, budget=max(budget - longer + _seconds(case, task, places), 0.0)), own)
+    tried = (_with_drawn(case, task, places, checks.within(slice(kept))) for kept in range(count, 0, -1))
+    return next((each for each in tried if _seconds(case, task, each) <= budget), places)
+
+
+def _seconds(case: Case, task: Task, places: Sequence[Place]) -> float:
+    return seconds_along(task, columns_of(case, places))
+
+
+def _with_drawn(case: Case, task: Task, places: Sequence[Place], checks: Places) -> tuple[Place, ...]:
+    order, drawn = inserted(task, columns_of(case, places), checks)
+    return tuple(
+        replace(place, check=check) for place, check in zip(with_rooms(case, order), drawn.tolist(), strict=True)
+    )

@@ -27,7 +27,8 @@ from axiscal.planning.enough import enough, reached
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.helping import helping_setups, helping_words
-from axiscal.planning.next_readings import CANDIDATES, columns_of, first_places, planned_places, posed, until_reached
+from axiscal.planning.next_readings import CANDIDATES, first_places, planned_places, posed, reaching
+from axiscal.planning.other_readings import columns_of, with_checks
 from axiscal.planning.plan.plan import Plan, judged
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.promise import asked
@@ -171,14 +172,12 @@ def proposed(
     refuse_unmade(case)
     task = posed(case, case.knowledge, candidates=candidates)
     heeded = enough(case, task, limits)
-    places = planned_places(case, task, heeded)
-    if first_places(case, task, heeded):
+    if places := first_places(case, task, heeded):
         places += _after(case, task, heeded, places)
     else:
-        places = until_reached(
-            case, task, limits, heeded, places, lambda tighter, left: planned_places(case, task, tighter, left=left)
-        )
-    return Proposal(judged(task, heeded, columns_of(case, places), bounded))
+        places = reaching(case, task, limits, heeded)
+    plan = judged(task, heeded, columns_of(case, places), bounded)
+    return Proposal(replace(plan, checks=frozenset(i for i, place in enumerate(places) if place.check)))
 
 
 def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...]) -> tuple[Place, ...]:
@@ -191,7 +190,9 @@ def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...]) -> 
     left = replace(limits, readings=count, budget=None if limits.budget is None else max(limits.budget - spent, 0.0))
     then = posed(case, case.knowledge.read(readings), readings=readings, candidates=len(task.lattice))
     try:
-        return planned_places(case, then, left, readings)
+        return with_checks(
+            case, then, left, readings, (), lambda within, _: planned_places(case, then, within, readings)
+        )
     except PlanError:  # there is no time for another
         return ()
 

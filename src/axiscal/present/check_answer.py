@@ -87,6 +87,9 @@ class CheckAnswer(AnswerDocument):
     found_rms_um: float
     left_rms_um: float
     readings: Sequence[CheckedValue]
+    checks: int
+    as_promised: int
+    s: float
     agreement_p: float
     estimate_believed: bool
     change_p: float
@@ -139,7 +142,10 @@ def check_answer(judgement: Judgement, places: int, promised: float, taken: Take
         found_rms_um=float(np.sqrt(np.sum(found**2) / places)),
         left_rms_um=float(np.sqrt(np.sum(left**2) / places)),
         readings=[CheckedValue(found_um=f, left_um=after, std_um=s) for f, after, s in rows],
-        agreement_p=judgement.agrees,
+        checks=len(judgement.checks.each),
+        as_promised=judgement.checks.as_promised,
+        s=judgement.checks.s or 0.0,
+        agreement_p=judgement.checks.p,
         estimate_believed=judgement.believed,
         change_p=judgement.changed,
         change_share=judgement.share,
@@ -231,7 +237,7 @@ def _judged(answer: CheckAnswer) -> list[str]:
         said("As found: {sizes}", sizes=_sizes([value.found_um for value in answer.readings])),
         said("As left:  {sizes}", sizes=_sizes([value.left_um for value in answer.readings])),
     ]
-    alike = said("The as-left readings agree with the estimate.")
+    alike = said("Checks: {kept} of {count} as promised.", kept=answer.as_promised, count=answer.checks)
     if not answer.estimate_believed:
         changed = (
             "WARNING: the readings do not agree with the estimate and its uncertainty (p = {p:.2g}): the machine has "

@@ -13,6 +13,8 @@ no decimal). One that was there before comes again with at most
 
 Let a different values come beside the first, and b come again. Chance then leaves Σ m^−a r^b over all m from the one
 found on, at most m^−a (1 + m/(a − 1)) r^b.
+
+Places at regular distances, as of a standard test: a sine of their step has one value at all of them.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.description.usual import Kind
 from axiscal.errors.gauge import undescribed
@@ -33,8 +36,9 @@ from axiscal.estimation.inheritance import changes
 from axiscal.estimation.intervals import COARSE
 from axiscal.estimation.promise.agreement import AGREES
 from axiscal.language.spoken import capital, later, listed, put, said
+from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import values_of
-from axiscal.measurement.reading import Reading, reading_unit, value_names
+from axiscal.measurement.reading import Reading, place_text, reading_unit, value_names
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.numerics import Array
 from axiscal.present.summary import Finding
@@ -262,6 +266,41 @@ def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Findin
     )
     drifting = [setup.name for setup in setups if setup.drift_said == "stated" and setup.name in silent]
     return [Finding("drift", None, said(text, setup=name)) for name in drifting]
+
+
+_PLACES, _MICROMETRE = 5, 1e-6
+"""Of a standard test at least (ISO 230-2): any three are multiples of something apart; m or rad: as written."""
+_ODD = (0.2, 0.31), (0.5, 0.5), (0.8, 0.73)
+"""Shares of the range and of the step: any that no small fraction of the step joins."""
+
+
+def regular_places(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> Iterator[Finding]:
+    """Yield a warning for each axis of a set-up whose places are all multiples of one step apart, with three others."""
+    text = (
+        'All places of "{setup}" are a multiple of {step} apart along {axis}: an error of that period looks like none. '
+        'Read three more at odd places, such as {places}, with "yes" in a column check: they judge the others.'
+    )
+    for setup in setups:
+        poses = np.array([reading.pose for reading in readings if reading.setup == setup.name]).reshape(-1, len(axes))
+        for k in setup.moves if setup.chart is None else ():
+            places = np.unique(np.round(poses[:, k] / _MICROMETRE).astype(np.int64))
+            if step := step_between(places):
+                count, pose = (places[-1] - places[0]) // step, np.zeros((len(_ODD), len(axes)))
+                pose[:, k] = [(places[0] + (int(at * count) + part) * step) * _MICROMETRE for at, part in _ODD]
+                odd = listed(", ", [place_text(axes, each, [k]) for each in pose.tolist()])
+                shown = format_quantity(step * _MICROMETRE, axes[k].unit, 6)
+                named = {"setup": setup.name, "step": shown, "axis": axes[k].name, "places": odd}
+                yield Finding("period", None, said(text, **named))
+
+
+def step_between(places: NDArray[np.int64]) -> int:
+    """Return the step of which all distances are multiples; 0 of few places, or if it is below half of the least one.
+
+    places : (m,) rising
+    """
+    gaps = np.diff(places)
+    step = int(np.gcd.reduce(gaps)) if len(places) >= _PLACES else 0
+    return step if len(gaps) and 2 * step >= gaps.min() else 0
 
 
 def _unobservable(estimation: Estimation) -> Iterator[Finding]:

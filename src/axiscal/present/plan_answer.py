@@ -49,6 +49,7 @@ class PlanPoint(AnswerDocument):
     """A reading: where, from which sides, and what is known and has passed after it.
 
     tcp : the tool point, mm in the workpiece frame; artefact, ball : that it is at, on a chart
+    check : it was drawn at random
     """
 
     setup: str
@@ -61,6 +62,7 @@ class PlanPoint(AnswerDocument):
     rms_um: float
     worst_um: float
     minutes: float
+    check: bool = Field(False, exclude_if=lambda check: not check)
 
 
 class PlanAnswer(PlannedAnswer):
@@ -153,6 +155,7 @@ def _planned(
         setups=list(_setups(case, places, passed)),
         steps=[NextStep(code=code) for code in steps],
         readings=len(places),
+        checks=sum(place.check for place in places),
         allowed=limits.readings,
         minutes=to_unit(passed(len(places)), "min"),
         budget_minutes=None if limits.budget is None else to_unit(limits.budget, "min"),
@@ -218,6 +221,7 @@ def _points(case: Case, places: Sequence[Place], plan: Plan) -> Iterator[PlanPoi
             rms_um=to_unit(reading.accuracy.rms, "um"),
             worst_um=to_unit(reading.accuracy.worst, "um"),
             minutes=to_unit(reading.seconds, "min"),
+            check=place.check,
         )
 
 

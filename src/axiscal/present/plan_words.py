@@ -94,7 +94,11 @@ def _mounted(answer: PlannedAnswer) -> str:
     first, *others = answer.setups
     begin = counted('"{setup}" ({count} reading)', '"{setup}" ({count} readings)', first.readings, setup=first.setup)
     parts = [begin, *(said('"{setup}" ({count})', setup=each.setup, count=each.readings) for each in others)]
-    return said("Mount in turn: {setups}.", setups=listed(", ", parts))
+    mounted = said("Mount in turn: {setups}.", setups=listed(", ", parts))
+    if not answer.checks:
+        return mounted
+    one, many = "{count} is a check, drawn at random.", "{count} are checks, drawn at random."
+    return put("{mounted} {checks}", mounted=mounted, checks=counted(one, many, answer.checks))
 
 
 def _fewer(answer: PlannedAnswer) -> str:
@@ -144,7 +148,8 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
             mounted = point.setup
             yield said('Set-up "{setup}"', setup=mounted)
         after = f"RMS {um_text(point.rms_um):>8}, {point.minutes:6.1f} min"
-        yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}"
+        check = "  " + said("check") if point.check else ""
+        yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}{check}"
     yield bound_sentence(answer)
     if answer.certain_minutes is not None:
         minutes = put("{minutes:.0f}", minutes=answer.certain_minutes)

@@ -37,14 +37,16 @@ def _readings(summary: Summary) -> Iterator[Sequence[str]]:
     values = list(dict.fromkeys(column for row in rows for column in row.columns))
     stds = list(dict.fromkeys(f"std_{row.unit}" for row in rows if row.std is not None))
     clock = ["time"] if all(row.time is not None for row in rows) else []
-    names = ["reading", "setup", *(f"{axis}_{axis_unit(axis)}" for axis in axes), "approach", *values, *stds, *clock]
+    drawn = ["check"] if any(row.check for row in rows) else []
+    places = [f"{axis}_{axis_unit(axis)}" for axis in axes]
+    names = ["reading", "setup", *places, "approach", *values, *stds, *clock, *drawn]
     yield [*names, *FOUND]
     for row in rows:
         cells = {"reading": str(row.reading), "setup": row.setup or "", "approach": row.approach}
-        places = {axis: coordinate(at, "a position in a CSV file") for axis, at in (row.position or {}).items()}
-        cells |= {f"{axis}_{axis_unit(axis)}": f"{at:.12g}" for axis, at in places.items()}
+        at = {axis: coordinate(each, "a position in a CSV file") for axis, each in (row.position or {}).items()}
+        cells |= {f"{axis}_{axis_unit(axis)}": f"{each:.12g}" for axis, each in at.items()}
         cells |= zip(row.columns, map(_figure, row.values), strict=True)
-        cells |= {f"std_{row.unit}": _figure(row.std), "time": f"{_figure(row.time)} s"}
+        cells |= {f"std_{row.unit}": _figure(row.std), "time": f"{_figure(row.time)} s", "check": "yes" * row.check}
         found = [*map(_figure, (row.innovation, row.surprise)), "no" if row.rejected else "yes"]
         yield [*(cells.get(name, "") for name in names), *found, *map(_figure, (row.rms_um, row.minutes))]
 
@@ -90,6 +92,10 @@ def result_json(summary: Summary) -> dict[str, Any]:
             **_kept(summary.agreement, "count agreeing c2 p", contradict=summary.agreement.contradicts),
             "explained": [dict(zip(_MISTAKE, _figures(each, "a mistake"), strict=True)) for each in summary.mistakes],
             "text": summary.agreement_words,
+        },
+        "checks": {
+            **_kept(summary.checks, "as_promised s", count=len(summary.checks.each)),
+            "each": [_kept(each, "z used", reading=number) for number, each in summary.each_check],
         },
         **_expanded(summary),
         **_kept(summary, "unseen_rms_um"),

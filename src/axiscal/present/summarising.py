@@ -244,6 +244,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         versions=versions(),
         record=record_state(campaign),
         agreement=estimation.agreement,
+        checks=estimation.checks,
         agreement_words=agreement_words(estimation) if estimation.agreement.count else "",
         mistakes=[
             (each.mistake, each.odds, [names[k] for k in each.setups], mistake_words(each, estimation))
@@ -319,6 +320,7 @@ def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> Hi
         columns=value_columns(description.setup(reading.setup)),
         std=None if reading.std is None else to_unit(reading.std, unit),
         time=reading.time,
+        check=reading.check,
     )
 
 

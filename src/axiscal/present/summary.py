@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from axiscal.answers.answer import ResultAnswer
 from axiscal.description.campaign import NOTHING_SAID, Particulars
-from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
+from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, CheckReading, Checks
 from axiscal.present.drawn_by_standards import BallBarCircle, PositioningCurve
 from axiscal.present.volume_error import BentVolume, PlaneSummary, VolumeError
 
@@ -45,6 +45,7 @@ class HistoryRow:
     others : the further numbers of a reading that has several, such as a sphere's along y and z
     reason : why it was not believed, "" where it was
     columns : of its values in a file of readings; std : of the reading's own, in `unit`; time : by the clock, s
+    check : its place was drawn at random
     """
 
     reading: int
@@ -63,6 +64,7 @@ class HistoryRow:
     columns: Sequence[str] = ("value_um",)
     std: float | None = None
     time: float | None = None
+    check: bool = False
 
     @property
     def rejected(self) -> bool:
@@ -251,6 +253,7 @@ class Summary:
     versions: Mapping[str, str] = field(default_factory=dict)
     record: RecordState | None = None
     agreement: Agreement = NOTHING_READ
+    checks: Checks = field(default_factory=Checks)
     agreement_words: str = ""
     mistakes: Sequence[tuple[str, float, Sequence[str], str]] = ()
     controller: str = ""
@@ -263,6 +266,12 @@ class Summary:
     checksums: Mapping[str, str] = field(default_factory=dict)
     ended: str = ""
     nonlinearity: float | None = None
+
+    @property
+    def each_check(self) -> Sequence[tuple[int, CheckReading]]:
+        """The check readings, each with its number."""
+        taken = [row for row in self.history if row.value_um is not None]
+        return [(taken[each.reading].reading, each) for each in self.checks.each]
 
     @property
     def rejected(self) -> Sequence[HistoryRow]:

@@ -95,7 +95,8 @@ def _fields(event: Event) -> dict[str, object]:
 
 
 def _place_fields(place: Place) -> dict[str, object]:
-    return {"setup": place.setup, "position": place.pose, "approach": place.approach}
+    drawn = {"check": True} if place.check else {}  # as older versions wrote it where it is none
+    return {"setup": place.setup, "position": place.pose, "approach": place.approach, **drawn}
 
 
 def _number(value: object, most: float = math.inf) -> float:
@@ -123,7 +124,7 @@ def _place(fields: Mapping[str, Any]) -> Place:
     approach = tuple(_is(int, side) for side in fields["approach"])
     if len(position) != len(approach) or not _SIDES.issuperset(approach):
         raise ValueError(f"position {position} and approach {approach} do not belong together")
-    return Place(_is(str, fields["setup"]), position, approach)
+    return Place(_is(str, fields["setup"]), position, approach, _is(bool, fields.get("check", False)))
 
 
 def _created(fields: Mapping[str, Any]) -> Created:
@@ -143,7 +144,8 @@ def _recorded(fields: Mapping[str, Any]) -> Recorded:
     time = None if fields.get("time") is None else _number(fields["time"])
     number = None if fields.get("reading") is None else _is(int, fields["reading"])
     at, value = _place(fields), _number(fields["value"], ABSURD)
-    return Recorded(Reading(at.setup, at.pose, at.approach, value, std, None, accepted, others, time, number))
+    of_value = value, std, None, accepted, others, time, number
+    return Recorded(Reading(at.setup, at.pose, at.approach, *of_value, at.check))
 
 
 _LARGEST_FACTOR = 1e4
@@ -179,7 +181,7 @@ _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
     "signed": lambda fields: Signed(_is(str, fields["key"]), _is(str, fields["signature"])),
     "finished": lambda fields: Finished(_is(str, fields["because"])),
 }
-_AT = frozenset(("setup", "position", "approach"))
+_AT = frozenset(("setup", "position", "approach", "check"))
 _KEYS: Mapping[str, frozenset[str]] = {
     kind.__name__.lower(): frozenset(field.name for field in fields(kind)) for kind in get_args(Event)
 } | {

@@ -148,7 +148,7 @@ def with_one_more(known: Estimation, lines: Sequence[AxisLine]) -> Belief | None
     readings = [*known.readings, *(_turned(known.readings, line) for line in lines)]
     more = posterior_of(case, readings, {doubt.reading: doubt for doubt in known.outliers if doubt.implausible})
     # What it shows is not known, so it teaches no sizes and disagrees with nothing.
-    return printed(known.knowledge, replace(more, agreement=found.agreement)).belief
+    return printed(known.knowledge, replace(more, agreement=found.agreement), known.checks).belief
 
 
 def _turned(readings: Sequence[Reading], line: AxisLine) -> Reading:
@@ -156,4 +156,4 @@ def _turned(readings: Sequence[Reading], line: AxisLine) -> Reading:
     last = next(reading for reading in reversed(readings) if reading.setup == line.setup)
     sides = tuple(-side if k == line.axis else side for k, side in enumerate(last.approach))
     time = None if last.time is None else last.time + _SOON
-    return replace(last, approach=sides, time=time, accepted=True)
+    return replace(last, approach=sides, time=time, accepted=True, check=False)

@@ -12,6 +12,9 @@ fifth of the readings is left out. Below 0.001 the readings contradict. A mistak
 
     gain = ½ (yᵀK⁻¹y − y'ᵀK⁻¹y') + log |det T|     or     ½ gᵀ(F + s⁻²)⁻¹g − ½ log |1 + s² F|,  g = BᵀK⁻¹y, F = BᵀK⁻¹B
 
+Checks are readings at places drawn at random. A plan chooses its places, so that what these hide its own readings
+cannot show; a random place hides nothing. With s² the mean z² of the checks, variances grow by max(1, s²).
+
 The answer names a mistake with odds above 20 : 1, its prior of 1 % over all its places included. Exceptions: another
 one is 20 times as likely, or the readings do not agree with it either. p is at most that of no change of the unit.
 """
@@ -34,10 +37,10 @@ from axiscal.numerics.from_scipy import binomial_tail, chi_square_tail
 
 CONTRADICTS = 0.001
 """Probability below which readings contradict."""
-NAMED = 20.0
-"""Odds from which a mistake is named, and beside the likeliest one left unnamed."""
 AGREES = 3.0
 """Standard deviations within which a reading agrees with the others."""
+NAMED = 20.0
+"""Odds from which a mistake is named, and beside the likeliest one left unnamed."""
 BAD_SHARE = 0.01
 """Assumption: one of a hundred readings is bad."""
 MOST_BAD = 0.2
@@ -118,6 +121,60 @@ class Agreement:
 
 NOTHING_READ = Agreement(0, 0, 1.0, 1.0)
 """Before the first reading nothing disagrees."""
+
+
+class CheckReading(NamedTuple):
+    """A check: its index, how many numbers it has, and how far it is from what is promised, in standard deviations.
+
+    used : whether the estimate takes it; slip : it does not and s leaves it out
+    """
+
+    reading: int
+    numbers: int
+    z: float
+    used: bool = True
+    slip: bool = False
+
+
+@dataclass(frozen=True)
+class Checks:
+    """Checks beside what is promised of them."""
+
+    each: tuple[CheckReading, ...] = ()
+
+    @classmethod
+    def sorted_out(cls, *kinds: Iterable[CheckReading]) -> Checks:
+        """Return checks by their readings.  kinds : used, bad, implausible
+
+        One bad check is a slip; two of a few (0.1 % of 5) are what the model lacks.
+        """
+        used, bad, implausible = (list(each) for each in kinds)
+        bad = [each._replace(used=False, slip=len(bad) == 1) for each in bad]
+        return cls(tuple(sorted([*used, *bad, *(each._replace(used=False, slip=True) for each in implausible)])))
+
+    @property
+    def as_promised(self) -> int:
+        """How many are used and within three standard deviations."""
+        return sum(each.used and each.z <= AGREES for each in self.each)
+
+    @property
+    def s(self) -> float | None:
+        """Root of the mean z² of those that are no slips; None of none."""
+        squares = [each.z**2 for each in self.each if not each.slip]
+        return float(np.sqrt(np.mean(squares))) if squares else None
+
+    @property
+    def p(self) -> float:
+        """Probability of checks that are this far off or farther, as if they were independent."""
+        numbers = sum(each.numbers for each in self.each if not each.slip)
+        square = sum(each.numbers * each.z**2 for each in self.each if not each.slip)
+        return chi_square_tail(numbers, square) if numbers else 1.0
+
+
+def surprises(residuals: Array, covariances: Array) -> Array:
+    """Return z of readings of k numbers each, (r,): √(rᵀS⁻¹r/k).  residuals : (r, k); covariances : S (r, k, k)"""
+    solved = np.linalg.solve(covariances, residuals[..., None])[..., 0]
+    return np.asarray(np.sqrt(np.sum(residuals * solved, axis=1) / residuals.shape[1]))
 
 
 def agreement(

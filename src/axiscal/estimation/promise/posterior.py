@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.usual import BAD, Kind
-from axiscal.estimation.promise.agreement import BAD_SHARE, MOST_BAD, SEVERAL, Agreement, Turned, agreement
+from axiscal.estimation.promise.agreement import BAD_SHARE, MOST_BAD, SEVERAL, Agreement, Turned, agreement, surprises
 from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Draws, Weighed, as_stated, draws, mode, redrawn, weighed
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
@@ -66,7 +66,7 @@ class LeftOut:
     """What the others expect of one reading.
 
     residual : (k,) read less expected, over the base noise; covariance : (k, k) of that; log_odds : that it is bad
-    z : largest residual of its numbers, in standard deviations
+    z : of its numbers together, in standard deviations
     """
 
     residual: Array
@@ -379,8 +379,8 @@ def _of_draws(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[
     spread = np.einsum("n,nrkl->rkl", found.weights, covariances + apart[..., :, None] * apart[..., None, :])
     most = np.max(ratios, axis=0)
     odds = np.log(_ODDS * (found.weights @ np.exp(ratios - most))) + most
-    squares = np.sum(residual * np.linalg.solve(spread, residual[..., None])[..., 0], axis=1) / part.shape[1]
-    return [LeftOut(*one) for one in zip(residual, spread, odds.tolist(), np.sqrt(squares).tolist(), strict=True)]
+    z = surprises(residual, spread).tolist()
+    return [LeftOut(*one) for one in zip(residual, spread, odds.tolist(), z, strict=True)]
 
 
 def _of_draw(problem: Problem, given: Considered, theta: Array, part: NDArray[np.intp]) -> tuple[Array, Array, Array]:

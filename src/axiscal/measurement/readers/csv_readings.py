@@ -55,6 +55,7 @@ _LAYOUT = {
     "setup": TEXT,
     "approach": TEXT,
     "time": TEXT,
+    "check": TEXT,
     **dict.fromkeys(("value", "std", *_THREE, *_STATIONS), LENGTHS + ANGLES),
     "rms": LENGTHS,
     **dict.fromkeys((name for name in FOUND if name != "rms_um"), TEXT),
@@ -79,6 +80,7 @@ class RawReading:
         the second station and on
     by_station : the values are one from each station
     run : of an ISO 230-2 test
+    check : its place was drawn at random
     number : under which a program has it, None if not said
     error : where a file names no set-up but the error that was read, such as "EXX"; "z" a height, "slope" a level's
     time : s after the first reading of the file; None where it does not say
@@ -99,6 +101,7 @@ class RawReading:
     number: int | None = None
     by_station: bool = False
     run: int = 0
+    check: bool = False
 
 
 def read_readings(path: str | Path, bare: bool = False) -> tuple[RawReading, ...]:
@@ -127,8 +130,10 @@ def readings_of(table: CsvTable, bare: bool = False) -> tuple[RawReading, ...]:
             readings.append(_reading(table, row, "" if setup is None else row.text(setup), bare))
     faults.refuse()
     times = read_times(table.rows, next(iter(table.all_of("time")), None))
-    numbers = _numbers(table)
-    return tuple(replace(reading, time=t, number=n) for reading, t, n in zip(readings, times, numbers, strict=True))
+    drawn = next(iter(table.all_of("check")), None)
+    checks = [drawn is not None and row.text(drawn) == "yes" for row in table.rows]
+    beside = zip(readings, times, _numbers(table), checks, strict=True)
+    return tuple(replace(reading, time=t, number=n, check=c) for reading, t, n, c in beside)
 
 
 def _numbers(table: CsvTable) -> list[int | None]:

@@ -17,7 +17,7 @@ readings without noise would leave at these places. With rows G, the criterion V
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -152,6 +152,34 @@ def arriving(task: Task, order: Places) -> Array:
     touched = np.array([s.three_touches for s in setups])[order.setups][:, None] & linear
     come = np.where(held, together, np.where(touched, order.approaches, alone))
     return np.where(stays[:, None], come, order.approaches)
+
+
+def inserted(task: Task, order: Places, more: Places) -> tuple[Places, NDArray[np.bool_]]:
+    """Return readings with more of them where each costs least time, after the first of its set-up, and which are more.
+
+    Those of a set-up that is neither mounted nor to be mounted are left out.
+    """
+    added = np.zeros(len(order), dtype=bool)
+    for index in range(len(more)):
+        each = more.single(index)
+        if (at := _cheapest(task, order, each)) is not None:
+            order = Places.joined([order.within(slice(at)), each, order.within(slice(at, None))])
+            added = np.insert(added, at, True)
+    return replace(order, approaches=arriving(task, order)), added
+
+
+def _cheapest(task: Task, order: Places, place: Places) -> int | None:
+    """Return before which reading of an order a place costs least time; None where its set-up is not there."""
+    index = int(place.setups[0])
+    mine = np.flatnonzero(order.setups == index)
+    if not len(mine):
+        return 0 if task.here is not None and int(task.here.setups[0]) == index else None
+    machine, setup, run = task.observation.machine, task.observation.setups[index], order.within(mine)
+    sides, own = counting(task, run)[1:], counting(task, place)
+    there = way_seconds(machine, setup, run.poses, place.poses, own, straight=True)
+    back = way_seconds(machine, setup, place.poses, run.poses[1:], sides, straight=True)
+    saved = way_seconds(machine, setup, run.poses[:-1], run.poses[1:], sides, straight=True)
+    return int(mine[np.argmin(there + np.append(back - saved, 0.0))]) + 1
 
 
 _LONGER = 1e-9

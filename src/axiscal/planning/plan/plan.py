@@ -165,6 +165,7 @@ class Plan:
     value : J after the last; before : the accuracy now; met : whether the accuracy asked for is reached
     bound : what no plan can beat, None if it was not asked for; candidates : size of the lattice it holds for
     among : the set-ups that were worth their mounting, of which it was chosen
+    checks : indices of readings that were drawn at random
     """
 
     places: Places
@@ -175,6 +176,7 @@ class Plan:
     bound: Bound | None
     candidates: int
     among: Setups
+    checks: frozenset[int] = frozenset()
 
     @property
     def accuracy(self) -> Accuracy:

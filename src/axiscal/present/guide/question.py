@@ -146,6 +146,7 @@ class Question(AnswerDocument):
     """The reading to take. `mount` says whether its set-up has to be mounted first, by `mounting`.
 
     touch : the ball, and how to get there; again : which reading has been taken there before, in words
+    check : that the place was drawn at random, in words
     ways : directions, of the workpiece, in which a reading is positive; turns : it is about them
     unit : of the values when none is typed
     names : of the numbers of a reading, x, y, z or those of stations; "" of a single one
@@ -160,6 +161,7 @@ class Question(AnswerDocument):
     places: list[AxisPlace]
     touch: str
     again: str
+    check: str = ""
     sign: str
     ways: list[Vector]
     turns: bool
@@ -188,6 +190,7 @@ class Question(AnswerDocument):
             places=places,
             touch=touch,
             again=again,
+            check=said("drawn at random: what the others promise is judged by it") if asked.place.check else "",
             sign=sense(setup).sign,
             ways=list(sense(setup).ways),
             turns=INSTRUMENTS[setup.instrument].model.reads == "angle",

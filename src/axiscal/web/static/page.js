@@ -103,8 +103,8 @@ function renderQuestion() {
   text("mount-sign", question.sign);
   renderPlaces(question);
   text("sign", question.sign);
-  text("again", question.again);
-  show("again", question.again !== "");
+  text("again", [question.again, question.check].filter((words) => words !== "").join("; "));
+  show("again", question.again + question.check !== "");
   drawDirection(find("drawing"), question);
   text("unit", unitText(question.unit));
   find("field").className = question.expected.length > 1 ? "several" : "";

@@ -1,0 +1,141 @@
+"""Checks are a fifth of a plan, drawn at random and put where they cost least; small plans and exact ones have none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.exceptions import DescriptionError, PlanError
+from axiscal.measurement.candidates import drawn_places
+from axiscal.measurement.reading import Place, Places
+from axiscal.measurement.reading_rows import blank_readings
+from axiscal.planning.next_readings import next_places, placed, posed
+from axiscal.planning.other_readings import checks_among, columns_of, with_checks
+from axiscal.planning.plan.order import seconds_along
+from axiscal.planning.plan.task import Limits
+from axiscal.planning.proposal import proposed
+from tests.generators.texts import machine_text
+
+MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": 'std = "10 um", length = "200 mm"', "EXX_reversal": "3 um"})
+CAMPAIGN = """machine = "m"
+[target]
+TARGET
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+noise = "0.5 um"
+approach = "both"
+reading_time = "10 s"
+setup_time = "10 min"
+"""
+
+
+def case_of(target: str, above: str = "") -> Case:
+    return Case(campaign_from_texts(above + CAMPAIGN.replace("TARGET", target), "c.toml", MACHINE, "m"))
+
+
+@cache
+def plan_of(target: str, above: str = "") -> tuple[Place, ...]:
+    case = case_of(target, above)
+    return placed(case, proposed(case, Limits.of(case.description.target)).plan)
+
+
+def checks(places: tuple[Place, ...]) -> list[Place]:
+    return [place for place in places if place.check]
+
+
+@pytest.mark.parametrize(
+    ("readings", "count"), [(1, 0), (11, 0), (12, 3), (17, 3), (18, 4), (24, 5), (60, 12), (500, 12)]
+)
+def test_a_fifth_are_checks(readings: int, count: int) -> None:
+    described = case_of("readings = 24").description
+    assert checks_among(described, readings) == count
+    assert checks_among(case_of("readings = 24", 'usual = "off"\n').description, readings) == 0
+    assert checks_among(case_of("readings = 24\nchecks = 2").description, readings) == 2
+
+
+def test_a_plan_has_its_readings_and_a_fifth_of_them_are_drawn() -> None:
+    assert (len(plan_of("readings = 12")), len(checks(plan_of("readings = 12")))) == (12, 3)
+    places = plan_of("readings = 15")
+    assert (len(places), len(checks(places))) == (15, 3)
+    assert places == proposed_again("readings = 15")
+    assert len({place.pose for place in places}) == 15
+    assert all(0 <= place.pose[0] <= 1 for place in places)
+
+
+def proposed_again(target: str) -> tuple[Place, ...]:
+    case = case_of(target)
+    return placed(case, proposed(case, Limits.of(case.description.target)).plan)
+
+
+@pytest.mark.parametrize(("target", "above"), [("readings = 11", ""), ("readings = 15", 'usual = "off"\n')])
+def test_small_plans_and_exact_ones_are_those_without_checks(target: str, above: str) -> None:
+    assert plan_of(target, above) == plan_of(f"{target}\nchecks = 0", above)
+    assert not checks(plan_of(target, above))
+
+
+def test_checks_come_on_top_of_what_an_accuracy_needs_and_fit_into_a_budget() -> None:
+    alone, both = plan_of('rms = "1.7 um"\nchecks = 0'), plan_of('rms = "1.7 um"')
+    assert len(alone) >= 12
+    assert len(both) == len(alone) + max(3, round(len(alone) / 4))
+    case = case_of('budget = "16 min"')
+    places, task = plan_of('budget = "16 min"'), posed(case, case.knowledge)
+    assert len(checks(places)) >= 3
+    assert seconds_along(task, columns_of(case, places)) <= 16 * 60
+
+
+def test_while_measuring_checks_that_are_open_stay_and_none_is_added() -> None:
+    case = case_of("readings = 15")
+    left = next_places(case, case.knowledge, ())
+    assert left == plan_of("readings = 15")
+    for taken in (3, 9):
+        readings = [
+            replace(each, time=60.0 * n) for n, each in enumerate(blank_readings(case.description.setups, left))
+        ]
+        so_far, rest = readings[:taken], left[taken:]
+        coming = next_places(case, case.knowledge.read(so_far), so_far, left=rest)
+        assert {place.pose for place in checks(coming)} == {place.pose for place in checks(rest)}
+        assert len(coming) == 15 - taken
+
+
+def test_a_check_is_put_where_it_costs_least() -> None:
+    """Every other turn in the same set-up takes as long or longer."""
+    case = case_of("readings = 13\nchecks = 1")
+    task, limits = posed(case, case.knowledge), Limits(13)
+    own = tuple(place for place in plan_of("readings = 12\nchecks = 0"))
+    found = with_checks(case, task, limits, (), (), lambda *_: own)
+    (at,) = [index for index, place in enumerate(found) if place.check]
+    without = [*found[:at], *found[at + 1 :]]
+    every = [(*without[:n], found[at], *without[n:]) for n in range(1, len(found))]
+    least = min(seconds_along(task, columns_of(case, each)) for each in every)
+    assert seconds_along(task, columns_of(case, found)) == pytest.approx(least, abs=0.5)
+
+
+def test_places_are_drawn_by_the_share_of_each_set_up_and_each_once() -> None:
+    count = 400
+    candidates = Places(
+        np.repeat([0, 1], count), np.random.default_rng(0).random((2 * count, 1)), np.ones((2 * count, 1))
+    )
+    found = drawn_places(candidates, np.repeat([0, 1], [30, 10]), 200)
+    assert np.bincount(found.setups).tolist() == [150, 50]
+    assert len(np.unique(found.poses)) == 200
+    assert np.mean(found.poses) == pytest.approx(0.5, abs=0.08)
+    assert not found.same_as(drawn_places(candidates, np.repeat([0, 1], [30, 10]), 200, 1))
+
+
+@pytest.mark.parametrize("number", ["12", "15", "-1"])
+def test_checks_that_leave_nothing_to_plan_are_refused(number: str) -> None:
+    with pytest.raises(DescriptionError, match="line 4"):
+        case_of(f"readings = 12\nchecks = {number}")
+
+
+def test_fewer_readings_than_checks_are_refused_on_the_way() -> None:
+    case = case_of("readings = 30\nchecks = 12")
+    with pytest.raises(PlanError, match="12 checks leave none of 8 readings"):
+        proposed(case, Limits(8))

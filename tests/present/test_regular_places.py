@@ -1,0 +1,63 @@
+"""Places at regular distances are named with their step, others are not; odd places end it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.measurement.reading import Reading
+from axiscal.present.findings import regular_places, step_between
+from tests.generators.texts import campaign_text, machine_text, setup_text
+
+DESCRIBED = campaign_from_texts(
+    campaign_text("m", setup_text("laser", "interferometer", direction="x"), target={"readings": 9}),
+    "c.toml",
+    machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": "10 um"}),
+    "m",
+)
+
+
+def said_of(millimetres: Sequence[float]) -> list[str]:
+    readings = [Reading("laser", (at / 1e3,), (1,), 0.0) for at in millimetres]
+    return [each.text for each in regular_places(readings, DESCRIBED.setups, DESCRIBED.machine.axes)]
+
+
+@pytest.mark.parametrize(
+    ("places", "step"),
+    [
+        (range(0, 1001, 100), "100 mm"),
+        ([*range(25, 800, 50)] * 2, "50 mm"),
+        ([0, 40, 100, 120, 200, 300], "20 mm"),
+        ([0, 101.3, 198.7, 302.2, 405.9], ""),
+        ([0, 100, 200, 300], ""),
+        ([*range(0, 1001, 100), 231.0, 455.5, 873.1], ""),
+        ([3, 100, 207, 301, 402, 530], ""),
+    ],
+)
+def test_the_step_of_regular_places_is_named(places: Sequence[float], step: str) -> None:
+    found = said_of(places)
+    assert len(found) == bool(step)
+    assert all(f"a multiple of {step} apart along X" in text for text in found)
+
+
+def test_the_places_that_are_asked_for_end_it() -> None:
+    (text,) = said_of(range(0, 1001, 100))
+    odd = [float(part.split(" mm")[0]) for part in text.split("X = ")[1:]]
+    assert len(odd) == 3
+    assert all(0 < at < 1000 and at % 100 != 0 for at in odd)
+    assert said_of([*range(0, 1001, 100), *odd]) == []
+
+
+@given(st.integers(1, 50_000), st.lists(st.integers(0, 40), min_size=5, max_size=30, unique=True))
+def test_a_sine_of_the_step_looks_like_none(step: int, counts: list[int]) -> None:
+    """Whatever step is found, a sine of its period is one value at all places."""
+    places = np.sort(np.array(counts)) * step
+    found = step_between(places)
+    if found:
+        assert np.ptp(np.cos(2 * np.pi * (places - places[0]) / found)) < 1e-6
+        assert found % step == 0
