@@ -172,6 +172,21 @@ class Problem:
         names = ("rows", "values", "noise", "reading", "setup", "groups", "type_b")
         return replace(self, **{name: getattr(self, name)[kept] for name in names})
 
+    def wider(self, columns: Array) -> Problem:
+        """Return the problem with more columns of standard deviation one, before all others.
+
+        columns : (k, m) over the noise
+        """
+        more = len(columns)
+        return replace(
+            self,
+            rows=np.vstack([columns, self.rows.T]).T,
+            size_at=np.concatenate([np.full(more, -1), self.size_at]).astype(np.intp),
+            curves=tuple(replace(each, columns=each.columns + more) for each in self.curves),
+            roots=tuple((start + more, root) for start, root in self.roots),
+            first_cell=self.first_cell + more,
+        )
+
     def raw(self, whitened: Array, theta: Array, roots: Sequence[Array], *, back: bool = False) -> Array:
         """Return answered unknowns in m and rad from whitened ones, (answered, ...): L D u.
 
