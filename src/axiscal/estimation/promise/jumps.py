@@ -14,13 +14,13 @@ a jump is a bad reading. What stands on the table may have stood elsewhere since
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.agreement import CONTRADICTS, NAMED, PRIOR, Explained
+from axiscal.estimation.promise.agreement import CONTRADICTS, NAMED, PRIOR, SEVERAL, Explained
 from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Weighed, as_stated, sized
 from axiscal.estimation.promise.problem import Problem
@@ -33,13 +33,14 @@ _JUMPS = 30.0, 1e3, 3e4
 _LARGER = float(np.log(3.0))
 """Of θ: the one factor that errors are usually off by."""
 _BEYOND = 2
-"""Readings before and behind a jump, at least."""
+"""Readings before and behind a jump, at least; between two jumps lie several."""
+_NAMED = float(np.log(NAMED))
 _WEIGHED = 2
 """Suspects that are weighed: each costs as much as an estimate."""
 
 
 class Suspect(NamedTuple):
-    """A jump that readings may tell. log_odds : at the same sizes
+    """A jump that readings may tell.
 
     columns : (k, m) what one standard deviation of each of its ways adds, over the noise; places : it is one of
     """
@@ -48,40 +49,61 @@ class Suspect(NamedTuple):
     columns: Array
     places: int
 
+    @property
+    def log_odds(self) -> float:
+        """Beside none, at the same sizes."""
+        return self.mistake.log_odds
+
 
 class Jumped(NamedTuple):
-    """problem : with columns for the jumps; found : its draws; jumps : likeliest first, by what each adds."""
+    """problem : with columns for the jumps; found, without : its draws, and those for the readings without any jump
+
+    jumps : in the order found; log_prior : of all of them
+    """
 
     problem: Problem
-    found: Weighed | None
+    found: Weighed
+    without: Weighed
     jumps: tuple[Explained, ...] = ()
+    log_prior: float = 0.0
+
+    @property
+    def log_odds(self) -> float:
+        """Of all jumps together, beside none."""
+        return self.found.log_evidence - self.without.log_evidence + self.log_prior
 
 
-def jumped(problem: Problem, found: Weighed | None = None) -> Jumped:
-    """Return the jumps that readings tell, one after the other.  found : draws for the readings without any"""
-    known, more = Jumped(problem, found), True
-    while more:
-        following = _following(known)
-        more, known = following is not None, following or known
+def jumped(problem: Problem, found: Weighed | None = None) -> Jumped | None:
+    """Return the jumps that readings tell, one after the other; None for none.
+
+    found : draws for the readings without any
+    """
+    known, told = None, tuple[Explained, ...]()
+    while suspected := [one for one in suspects(known.problem if known else problem, told) if one.log_odds > _NAMED]:
+        found = found or sized(problem)
+        following = _weighed(known or Jumped(problem, found, found), suspected)
+        if following is None:
+            break
+        known, told = following, following.jumps
     return known
 
 
-def _following(known: Jumped) -> Jumped | None:
+def _weighed(known: Jumped, suspected: list[Suspect]) -> Jumped | None:
     """Return what is known with one more jump, None where readings tell no other."""
-    problem, found = known.problem, known.found
-    each = sorted(suspects(problem), key=lambda one: -one.mistake.log_odds)
-    for suspect in [one for one in each if one.mistake.log_odds > np.log(NAMED)][:_WEIGHED]:
-        found = found or sized(problem)
-        wider = problem.wider(suspect.columns)
-        there = sized(wider)
-        log_odds = there.log_evidence - found.log_evidence + float(np.log(PRIOR / suspect.places))
-        if log_odds > np.log(NAMED):
-            return Jumped(wider, there, (*known.jumps, suspect.mistake._replace(log_odds=log_odds)))
+    for suspect in sorted(suspected, key=lambda one: -one.log_odds)[:_WEIGHED]:
+        wider = known.problem.wider(suspect.columns)
+        prior = float(np.log(PRIOR / suspect.places))
+        more = known._replace(problem=wider, found=sized(wider), log_prior=known.log_prior + prior)
+        if more.log_odds - known.log_odds > _NAMED:
+            return more._replace(jumps=(*known.jumps, suspect.mistake))
     return None
 
 
-def suspects(problem: Problem) -> Iterator[Suspect]:
-    """Yield the likeliest jump of each set-up, at sizes as stated and three times these, if as stated contradict."""
+def suspects(problem: Problem, told: Sequence[Explained] = ()) -> Iterator[Suspect]:
+    """Yield the likeliest jump of each set-up, at sizes as stated and three times these, if as stated contradict.
+
+    told : jumps that have columns
+    """
     space = space_of(problem)
     stated = as_stated(space)
     if chi_square_tail(len(problem.values), stated.square) >= CONTRADICTS:
@@ -92,11 +114,14 @@ def suspects(problem: Problem) -> Iterator[Suspect]:
     for setup in np.unique(problem.setup).tolist():
         mine = problem.setup == setup
         of = np.unique(problem.reading[mine])
+        before = np.searchsorted(of, [each.reading for each in told if setup in each.setups])
         readings = of[_BEYOND : len(of) - _BEYOND + 1]
-        if len(of) > 1 and _numbers(problem.reading[mine]) > 1:
+        near = np.abs(np.searchsorted(of, readings)[:, None] - before) < SEVERAL
+        readings = readings[~near.any(axis=1)]
+        if not len(before) and len(of) > 1 and _numbers(problem.reading[mine]) > 1:
             readings = np.append(of[0], readings)
         if len(readings):
-            yield _suspect(problem, each, mine, readings, readings[0] == of[0])
+            yield _suspect(problem, each, mine, readings, bool(readings[0] == of[0]))
 
 
 def _suspect(

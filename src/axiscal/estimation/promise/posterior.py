@@ -33,8 +33,8 @@ from numpy.typing import NDArray
 from axiscal.description.usual import BAD, Kind
 from axiscal.estimation.promise.agreement import (
     BAD_SHARE,
-    CONTRADICTS,
     MOST_BAD,
+    NAMED,
     SEVERAL,
     Agreement,
     Tried,
@@ -44,7 +44,7 @@ from axiscal.estimation.promise.agreement import (
 )
 from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Draws, Weighed, sized
-from axiscal.estimation.promise.jumps import jumped
+from axiscal.estimation.promise.jumps import Jumped, jumped
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
 from axiscal.estimation.promise.spaces import Sources, parts_of
 from axiscal.estimation.promise.unknowns import space_of
@@ -198,34 +198,43 @@ class Sorted:
 
 @one_thread()
 def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] = ()) -> Sorted:
-    """Return readings without the bad ones.
+    """Return readings without the bad ones; all of them where zeros jumped, until somebody accepts that.
 
-    never : are not used, unless a zero jumped; sure : are not taken out
+    never : are not used, unless zeros jumped; sure : are not taken out
     """
     apart, accepted, count = [*never], frozenset(sure), len(np.unique(problem.reading))
-    first = _judged(problem, apart)
-    moved = jumped(problem, None if apart else first.found)
-    if moved.jumps and moved.found is not None:
-        out = _taken_out(_Judged(moved.problem, moved.found), accepted)
-        p = tail_of(out.mine.problem, out.mine.found)
-        if 2 * p >= CONTRADICTS:
-            return _sorted(problem, [], out, count, tuple(Tried(each, p) for each in moved.jumps))
-    return _sorted(problem, apart, _taken_out(first, accepted), count)
+    out = _taken_out(_judged(problem, apart), accepted)
+    bad, mine = out.bad, out.mine
+    for among, found in ((problem, None if apart else out.stages[frozenset()].found), (mine.problem, mine.found)):
+        if (moved := jumped(among, found)) is not None and (jumps := _likelier(moved, out, accepted)):
+            every = _Judged(among, moved.without)
+            bad = {i: each for i, each in bad.items() if i not in among.reading}
+            return Sorted(problem, every, None, _sizes(among, every.found), bad, count, jumps)
+    details = [i for i, each in bad.items() if _may_be_a_detail(problem, i, each)]
+    details = [i for i in details if not _told_again(problem, i, [*mine.left], [*bad])]
+    sizes = _sizes(mine.problem, mine.found)
+    if not details:
+        return Sorted(problem, mine, None, sizes, bad, count)
+    others = frozenset(bad) - frozenset(details)
+    with_details = out.stages.get(others) or _judged(problem, [*apart, *others])
+    sizes = _half_and_half(sizes, _sizes(with_details.problem, with_details.found))
+    return Sorted(problem, mine, with_details, sizes, bad, count)
 
 
 class _TakenOut(NamedTuple):
-    """Bad readings, and the others on the way there: with so many of the bad ones out, and mine with none."""
+    """Bad readings, and what was judged on the way: with so many of the bad ones out."""
 
     bad: dict[int, LeftOut]
     stages: dict[frozenset[int], _Judged]
 
     @property
     def mine(self) -> _Judged:
+        """The readings without the bad ones."""
         return self.stages[frozenset(self.bad)]
 
 
 def _taken_out(first: _Judged, accepted: Collection[int]) -> _TakenOut:
-    """Take bad readings out, the worst first.  first : all; accepted : are not taken out"""
+    """Take bad readings out, the worst first.  first : with all; accepted : are not taken out"""
     bad, mine, count = dict[int, LeftOut](), first, len(np.unique(first.problem.reading))
     stages = {frozenset[int](): first}
     while True:
@@ -238,25 +247,29 @@ def _taken_out(first: _Judged, accepted: Collection[int]) -> _TakenOut:
         mine = stages[frozenset(bad)] = _judged(first.problem, [*bad])
 
 
-def _sorted(
-    problem: Problem, apart: Sequence[int], out: _TakenOut, count: int, jumps: tuple[Tried, ...] = ()
-) -> Sorted:
-    """Return a problem without the bad readings, which may have been found beside jumps.  apart : are not used"""
-    stages = {} if jumps else out.stages
+def _likelier(moved: Jumped, out: _TakenOut, accepted: Collection[int]) -> tuple[Tried, ...]:
+    """Return jumps where these are 20 times as likely as bad readings alone.  out : the bad ones without any jump
 
-    def without(bad: Collection[int]) -> _Judged:
-        return stages.get(frozenset(bad)) or _judged(problem, [*apart, *bad])
+    Both are compared by what neither takes for bad. Each other bad reading costs its prior, over its width. Where jumps
+    and bad readings are more than a fifth of all it is the model that is wrong.
+    """
+    beside = _taken_out(_Judged(moved.problem, moved.found), accepted)
+    here, there = beside.mine, out.mine
+    both = np.intersect1d(here.problem.reading, there.problem.reading)
+    evidence = [_evidence(each, both) for each in (here, there)]
+    more = len(np.unique(here.problem.reading)) - len(np.unique(there.problem.reading))
+    log_odds = evidence[0] - evidence[1] + moved.log_prior - more * float(np.log(_ODDS / BAD.size))
+    several = len(beside.bad) + len(moved.jumps) > MOST_BAD * len(np.unique(moved.problem.reading))
+    if log_odds <= np.log(NAMED) or several:
+        return ()
+    p = tail_of(here.problem, here.found)
+    return tuple(Tried(each._replace(log_odds=moved.log_odds), p) for each in moved.jumps)
 
-    bad = out.bad
-    mine = without(bad)
-    details = [i for i, each in bad.items() if _may_be_a_detail(problem, i, each)]
-    details = [i for i in details if not _told_again(problem, i, [*mine.left], [*bad])]
-    sizes = _sizes(mine.problem, mine.found)
-    if not details:
-        return Sorted(problem, mine, None, sizes, bad, count, jumps)
-    with_details = without([index for index in bad if index not in details])
-    sizes = _half_and_half(sizes, _sizes(with_details.problem, with_details.found))
-    return Sorted(problem, mine, with_details, sizes, bad, count, jumps)
+
+def _evidence(judged: _Judged, kept: NDArray[np.intp]) -> float:
+    """Return the log evidence of some of the readings, up to a constant."""
+    among = np.isin(judged.problem.reading, kept)
+    return (judged.found if among.all() else sized(judged.problem.only(among))).log_evidence
 
 
 def _may_be_a_detail(problem: Problem, index: int, left: LeftOut) -> bool:
