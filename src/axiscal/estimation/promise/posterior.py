@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 from axiscal.description.usual import BAD, Kind
 from axiscal.estimation.promise.agreement import (
     BAD_SHARE,
+    CONTRADICTS,
     MOST_BAD,
     NAMED,
     SEVERAL,
@@ -205,7 +206,8 @@ def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] 
     apart, accepted, count = [*never], frozenset(sure), len(np.unique(problem.reading))
     out = _taken_out(_judged(problem, apart), accepted)
     bad, mine = out.bad, out.mine
-    for among, found in ((problem, None if apart else out.stages[frozenset()].found), (mine.problem, mine.found)):
+    whole = [(problem, None if apart else out.stages[frozenset()].found)]
+    for among, found in [*whole, (mine.problem, mine.found)] if apart or bad else whole:
         if (moved := jumped(among, found)) is not None and (jumps := _likelier(moved, out, accepted)):
             every = _Judged(among, moved.without)
             bad = {i: each for i, each in bad.items() if i not in among.reading}
@@ -259,10 +261,9 @@ def _likelier(moved: Jumped, out: _TakenOut, accepted: Collection[int]) -> tuple
     evidence = [_evidence(each, both) for each in (here, there)]
     more = len(np.unique(here.problem.reading)) - len(np.unique(there.problem.reading))
     log_odds = evidence[0] - evidence[1] + moved.log_prior - more * float(np.log(_ODDS / BAD.size))
-    several = len(beside.bad) + len(moved.jumps) > MOST_BAD * len(np.unique(moved.problem.reading))
-    if log_odds <= np.log(NAMED) or several:
+    p, count = tail_of(here.problem, here.found), len(np.unique(moved.problem.reading))
+    if log_odds <= np.log(NAMED) or 2 * p < CONTRADICTS or len(beside.bad) + len(moved.jumps) > MOST_BAD * count:
         return ()
-    p = tail_of(here.problem, here.found)
     return tuple(Tried(each._replace(log_odds=moved.log_odds), p) for each in moved.jumps)
 
 
