@@ -258,7 +258,8 @@ class Campaign(Closing):
         state, next_one = self.state, self.state.free
         if setup is None:
             last = state.readings[-1:] if state.pending is None else [state.pending.place]
-            setup = next((each.setup for each in last), "")
+            gone = {each.name: each.setup for each in state.mounted}
+            setup = next((gone.get(each.setup, each.setup) for each in last), "")
         number = next_one if before is None else before
         mine = [reading.numbered(i) for i, reading in enumerate(state.readings) if reading.setup == setup]
         if not mine or not mine[0] < number <= next_one:
