@@ -1,4 +1,4 @@
-"""A zero that was set anew, as a person tells it: its readings so far have a zero of their own, whatever readings say."""
+"""A zero that was set anew, as a person tells it: the readings before have a zero of their own."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import RecordError
-from axiscal.measurement.reading import Place, Reading
+from axiscal.measurement.reading import Reading
 from axiscal.present.guide.progress import SetAnew, jump_named
 from axiscal.record.accepted import Accepted, put_right
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, read
@@ -80,10 +80,10 @@ def test_a_step_is_asked_about_by_the_second_reading_behind_it_and_accepted_it_a
     """Once more it is not asked: the same jump was named before."""
     with _begun(tmp_path / "r.axiscal", 9, 140e-6, 8) as campaign:
         assert jump_named(campaign) is None
-        places = [each for each in read(machine(3), 15)[9:]]
+        places = read(machine(3), 15)[9:]
         asked = list[SetAnew | None]()
         for each in places[:3]:
-            campaign.record(each.value + 140e-6, at=Place(*(each.setup, each.pose, each.approach)))
+            campaign.record(each.value + 140e-6, at=each.place)
             asked.append(jump_named(campaign))
         assert asked[0] == SetAnew("laser", 9, 'Was the zero of "laser" set anew before reading 9?')
         assert asked[1:] == [asked[0]] * 2

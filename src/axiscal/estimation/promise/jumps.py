@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.agreement import CONTRADICTS, NAMED, PRIOR, SEVERAL, Explained
+from axiscal.estimation.promise.agreement import CONTRADICTS, NAMED, PRIOR, SEVERAL, Explained, Mistake
 from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Weighed, as_stated, sized
 from axiscal.estimation.promise.problem import Problem
@@ -135,7 +135,7 @@ def _suspect(
     log_odds = np.logaddexp.reduce(gains + densities[:, None, None]) - np.logaddexp.reduce(densities)
     places = len(_JUMPS) * len(readings)
     size, best = np.unravel_index(np.argmax(log_odds), log_odds.shape)
-    name = "place" if stands and best == 0 else "jump"
+    name: Mistake = "place" if stands and best == 0 else "jump"
     odds = float(log_odds[size, best] + np.log(PRIOR / places))
     setup = int(problem.setup[mine][0])
     return Suspect(Explained(name, odds, (setup,), int(readings[best])), _JUMPS[size] * columns[best], places)
