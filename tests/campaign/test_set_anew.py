@@ -32,7 +32,7 @@ def _setups(campaign: Campaign) -> list[str]:
 def test_the_next_reading_has_a_zero_of_its_own_and_undo_takes_that_back(tmp_path: Path) -> None:
     with _begun(tmp_path / "r.axiscal", 4) as campaign:
         campaign.next()
-        told = campaign.set_anew()
+        told = campaign.accept("jump", before=campaign.state.free)
         assert told == Accepted("jump", ("laser",), 5, name="laser, before reading 5")
         assert _setups(campaign) == ["laser, before reading 5"] * 4
         assert campaign.next().place.setup == "laser"  # type: ignore[union-attr]
@@ -49,14 +49,14 @@ def test_the_next_reading_has_a_zero_of_its_own_and_undo_takes_that_back(tmp_pat
 
 def test_it_may_be_told_of_a_reading_before_and_twice(tmp_path: Path) -> None:
     with _begun(tmp_path / "r.axiscal", 6) as campaign:
-        campaign.set_anew("laser", 3)
-        campaign.set_anew(before=5)
+        campaign.accept("jump", "laser", 3)
+        campaign.accept("jump", before=5)
         names = ["laser, before reading 3"] * 2 + ["laser, before reading 5"] * 2 + ["laser"] * 2
         assert _setups(campaign) == names
-        campaign.set_anew()
+        campaign.accept("jump", before=campaign.state.free)
         assert _setups(campaign)[-2:] == ["laser, before reading 7"] * 2
         with pytest.raises(RecordError, match="none of its readings stands before that"):
-            campaign.set_anew()
+            campaign.accept("jump", before=campaign.state.free)
 
 
 @pytest.mark.parametrize(("setup", "before"), [("laser", 1), ("laser", 0), ("laser", 9), ("other", 3)])
@@ -64,7 +64,7 @@ def test_a_zero_before_the_first_reading_or_behind_the_next_is_refused(setup: st
     with _begun(tmp_path / "r.axiscal", 3) as campaign:
         last = campaign.state.last
         with pytest.raises(RecordError, match=f'No zero of "{setup}" can change before reading {before}'):
-            campaign.set_anew(setup, before)
+            campaign.accept("jump", setup, before)
         assert campaign.state.last == last
 
 

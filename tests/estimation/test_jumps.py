@@ -132,7 +132,7 @@ def _readings(setup: str, count: int, seed: int, size: float = 10e-6) -> list[Re
     case, rng = _case(setup), np.random.default_rng(seed)
     passes = np.array_split(np.arange(count), 4 if count >= 12 else 2)
     along = [np.sort(rng.uniform(0.05, 0.55, len(each)))[:: 1 if i % 2 == 0 else -1] for i, each in enumerate(passes)]
-    x: Array = np.round(np.concatenate(along), 3)
+    x: Array = np.round(np.concatenate(along).astype(float), 3)
     side = np.repeat([1, -1, 1, -1][: len(passes)], [len(a) for a in along])
     a, phase = rng.normal(size=3), rng.uniform(0, 6.28, 2)
 

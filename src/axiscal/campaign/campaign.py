@@ -30,11 +30,11 @@ from axiscal.campaign.ending import (
     standing,
 )
 from axiscal.campaign.interrupt import noted_interrupts
-from axiscal.campaign.possible import beginning_of, described, kept_text, refuse_of_branch, refuse_unreadable
+from axiscal.campaign.possible import beginning_of, described, jump_told, kept_text, refuse_of_branch, refuse_unreadable
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.description.campaign import CampaignDescription
 from axiscal.document.durable import Closing
-from axiscal.estimation.agreement_words import jump_before, named
+from axiscal.estimation.agreement_words import named
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation, path
@@ -236,37 +236,15 @@ class Campaign(Closing):
         self._append(Undone(step.number))
         return step
 
-    def accept(self, cause: str, setup: str | None = None) -> Accepted:
+    def accept(self, cause: str, setup: str | None = None, before: int | None = None) -> Accepted:
         """Accept a mistake that the readings name now, and return it; what follows sees readings without it.
 
         cause : jump, sign, unit, swapped or shifted; setup : whose readings, where several are named
-        Raises RecordError where they do not name it.
+        before : number of a reading before which a person knows of a jump. Raises RecordError where none can be.
         """
         refuse_finished(self.state.finished, self.path)
-        event = named(self.estimate(), cause, setup, self.path)
-        self._append(event)
-        return event
-
-    def set_anew(self, setup: str | None = None, before: int | None = None) -> Accepted:
-        """Keep that the zero of a set-up was set anew, bumped or mounted again, whatever readings say; return that.
-
-        setup : its name, by default that of what is asked or of the last reading; before : number of a reading, by
-        default the next one
-        Raises RecordError where none of its readings stands before it.
-        """
-        refuse_finished(self.state.finished, self.path)
-        state, next_one = self.state, self.state.free
-        if setup is None:
-            last = state.readings[-1:] if state.pending is None else [state.pending.place]
-            gone = {each.name: each.setup for each in state.mounted}
-            setup = next((gone.get(each.setup, each.setup) for each in last), "")
-        number = next_one if before is None else before
-        mine = [reading.numbered(i) for i, reading in enumerate(state.readings) if reading.setup == setup]
-        if not mine or not mine[0] < number <= next_one:
-            what = 'No zero of "{setup}" can change before reading {number}: none of its readings stands before that'
-            remedy = "Name a reading behind its first with --before, up to the next one, and the set-up with --setup"
-            raise RecordError(what, remedy, self.path, setup=setup, number=number)
-        event = jump_before(setup, number)
+        told = None if before is None else jump_told(self.state, setup, before, self.path)
+        event = told or named(self.estimate(), cause, setup, self.path)
         self._append(event)
         return event
 

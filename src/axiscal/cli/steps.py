@@ -36,7 +36,7 @@ def accept(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Accept a mistake that the readings name, or tell that a zero was set anew.
+    """Accept a mistake, or tell that a zero was set anew.
 
     What follows sees the readings without it; undo takes it back. Readings that contradict each other name mistakes
     that explain it at more than 20 : 1. Readings that come later are taken as they are read.
@@ -85,8 +85,7 @@ def _accepted(
     number : of the reading before which a zero was set anew, as a person says
     """
     before = campaign.estimate()
-    accepted = campaign.accept(cause, setup) if number is None else campaign.set_anew(setup, number)
-    change = change_words(accepted)
+    change = change_words(campaign.accept(cause, setup, number))
     now = campaign.estimate()
     lines = [
         said("Before: {agreement}.", agreement=agreement_words(before, campaign.path)),

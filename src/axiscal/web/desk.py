@@ -184,7 +184,7 @@ class Desk:
         if surprise >= SURPRISING and not (keep or vouch or anew):
             raise SurprisingError(surprise)
         if anew:
-            self.campaign.set_anew(question.setup)
+            set_anew(self.campaign, question.setup)
         before, jump = doubted(self.campaign), jump_named(self.campaign)
         value, *others = (float(each) for each in typed)
         kept = self.campaign.record(value, accepted=vouch, others=tuple(others))

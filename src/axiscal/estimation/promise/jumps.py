@@ -20,7 +20,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.agreement import CONTRADICTS, NAMED, PRIOR, SEVERAL, Explained, Mistake
+from axiscal.description.usual import BAD
+from axiscal.estimation.promise.agreement import (
+    BAD_SHARE,
+    CONTRADICTS,
+    MOST_BAD,
+    NAMED,
+    PRIOR,
+    SEVERAL,
+    Explained,
+    Mistake,
+    Tried,
+    tail_of,
+)
 from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Weighed, as_stated, sized
 from axiscal.estimation.promise.problem import Problem
@@ -35,6 +47,8 @@ _LARGER = float(np.log(3.0))
 _BEYOND = 2
 """Readings before and behind a jump, at least; between two jumps lie several."""
 _NAMED = float(np.log(NAMED))
+_BAD = float(np.log(BAD_SHARE / BAD.size))
+"""Of log odds: what a bad reading costs."""
 _WEIGHED = 2
 """Suspects that are weighed: each costs as much as an estimate."""
 
@@ -86,6 +100,30 @@ def jumped(problem: Problem, found: Weighed | None = None) -> Jumped | None:
             break
         known, told = following, following.jumps
     return known
+
+
+def likelier(moved: Jumped, here: tuple[Problem, Weighed], there: tuple[Problem, Weighed]) -> tuple[Tried, ...]:
+    """Return jumps where these are 20 times as likely as bad readings alone, and the readings agree with them.
+
+    here, there : the readings without the bad ones, beside the jumps and without any, with their draws
+    Both are compared by what neither takes for bad. Each other bad reading costs its prior, over its width. Where jumps
+    and bad readings are more than a fifth of all it is the model that is wrong.
+    """
+    mine, others, every = (np.unique(each.reading) for each in (here[0], there[0], moved.problem))
+    both = np.intersect1d(mine, others)
+    gain = _evidence(*here, both) - _evidence(*there, both) - (len(mine) - len(others)) * _BAD
+    p = tail_of(*here)
+    if gain + moved.log_prior <= _NAMED or 2 * p < CONTRADICTS:
+        return ()
+    if len(every) - len(mine) + len(moved.jumps) > MOST_BAD * len(every):
+        return ()
+    return tuple(Tried(each._replace(log_odds=moved.log_odds), p) for each in moved.jumps)
+
+
+def _evidence(problem: Problem, found: Weighed, kept: NDArray[np.intp]) -> float:
+    """Return the log evidence of some of the readings, up to a constant."""
+    among = np.isin(problem.reading, kept)
+    return (found if among.all() else sized(problem.only(among))).log_evidence
 
 
 def _weighed(known: Jumped, suspected: list[Suspect]) -> Jumped | None:

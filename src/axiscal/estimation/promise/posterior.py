@@ -31,21 +31,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.usual import BAD, Kind
-from axiscal.estimation.promise.agreement import (
-    BAD_SHARE,
-    CONTRADICTS,
-    MOST_BAD,
-    NAMED,
-    SEVERAL,
-    Agreement,
-    Tried,
-    Turned,
-    agreement,
-    tail_of,
-)
+from axiscal.estimation.promise.agreement import BAD_SHARE, MOST_BAD, SEVERAL, Agreement, Tried, Turned, agreement
 from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Draws, Weighed, sized
-from axiscal.estimation.promise.jumps import Jumped, jumped
+from axiscal.estimation.promise.jumps import jumped, likelier
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
 from axiscal.estimation.promise.spaces import Sources, parts_of
 from axiscal.estimation.promise.unknowns import space_of
@@ -206,12 +195,12 @@ def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] 
     apart, accepted, count = [*never], frozenset(sure), len(np.unique(problem.reading))
     out = _taken_out(_judged(problem, apart), accepted)
     bad, mine = out.bad, out.mine
-    whole = [(problem, None if apart else out.stages[frozenset()].found)]
-    for among, found in [*whole, (mine.problem, mine.found)] if apart or bad else whole:
-        if (moved := jumped(among, found)) is not None and (jumps := _likelier(moved, out, accepted)):
-            every = _Judged(among, moved.without)
-            bad = {i: each for i, each in bad.items() if i not in among.reading}
-            return Sorted(problem, every, None, _sizes(among, every.found), bad, count, jumps)
+    for among, found in dict.fromkeys([(problem, None if apart else out.first.found), (mine.problem, mine.found)]):
+        if (moved := jumped(among, found)) is not None:
+            beside = _taken_out(_Judged(moved.problem, moved.found), accepted).mine
+            if jumps := likelier(moved, (beside.problem, beside.found), (mine.problem, mine.found)):
+                sizes, bad = _sizes(among, moved.without), {i: bad[i] for i in bad if i not in among.reading}
+                return Sorted(problem, _Judged(among, moved.without), None, sizes, bad, count, jumps)
     details = [i for i, each in bad.items() if _may_be_a_detail(problem, i, each)]
     details = [i for i in details if not _told_again(problem, i, [*mine.left], [*bad])]
     sizes = _sizes(mine.problem, mine.found)
@@ -228,6 +217,11 @@ class _TakenOut(NamedTuple):
 
     bad: dict[int, LeftOut]
     stages: dict[frozenset[int], _Judged]
+
+    @property
+    def first(self) -> _Judged:
+        """With all of them."""
+        return self.stages[frozenset()]
 
     @property
     def mine(self) -> _Judged:
@@ -247,30 +241,6 @@ def _taken_out(first: _Judged, accepted: Collection[int]) -> _TakenOut:
             return _TakenOut(bad, stages)
         bad |= {i: mine.left[i] for i in worst}
         mine = stages[frozenset(bad)] = _judged(first.problem, [*bad])
-
-
-def _likelier(moved: Jumped, out: _TakenOut, accepted: Collection[int]) -> tuple[Tried, ...]:
-    """Return jumps where these are 20 times as likely as bad readings alone.  out : the bad ones without any jump
-
-    Both are compared by what neither takes for bad. Each other bad reading costs its prior, over its width. Where jumps
-    and bad readings are more than a fifth of all it is the model that is wrong.
-    """
-    beside = _taken_out(_Judged(moved.problem, moved.found), accepted)
-    here, there = beside.mine, out.mine
-    both = np.intersect1d(here.problem.reading, there.problem.reading)
-    evidence = [_evidence(each, both) for each in (here, there)]
-    more = len(np.unique(here.problem.reading)) - len(np.unique(there.problem.reading))
-    log_odds = evidence[0] - evidence[1] + moved.log_prior - more * float(np.log(_ODDS / BAD.size))
-    p, count = tail_of(here.problem, here.found), len(np.unique(moved.problem.reading))
-    if log_odds <= np.log(NAMED) or 2 * p < CONTRADICTS or len(beside.bad) + len(moved.jumps) > MOST_BAD * count:
-        return ()
-    return tuple(Tried(each._replace(log_odds=moved.log_odds), p) for each in moved.jumps)
-
-
-def _evidence(judged: _Judged, kept: NDArray[np.intp]) -> float:
-    """Return the log evidence of some of the readings, up to a constant."""
-    among = np.isin(judged.problem.reading, kept)
-    return (judged.found if among.all() else sized(judged.problem.only(among))).log_evidence
 
 
 def _may_be_a_detail(problem: Problem, index: int, left: LeftOut) -> bool:

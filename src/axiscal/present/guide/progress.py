@@ -116,8 +116,8 @@ def jump_named(campaign: Campaign) -> SetAnew | None:
 
 
 def set_anew(campaign: Campaign, setup: str | None = None, before: int | None = None) -> str:
-    """Keep that a zero was set anew, as `Campaign.set_anew`, and return a sentence of it."""
-    told = campaign.set_anew(setup, before)
+    """Keep that a zero was set anew, by default before the next reading, and return a sentence of it."""
+    told = campaign.accept("jump", setup, campaign.state.free if before is None else before)
     what = 'Kept: "{setup}" has another zero from reading {number} on; undo takes it back.'
     return said(what, setup=told.setups[0], number=told.reading)
 
