@@ -183,6 +183,16 @@ def test_a_jump_gives_the_readings_before_it_a_set_up_of_their_own(tmp_path: Pat
     assert run(["status", str(path), "--details"]) == 0
 
 
+def test_a_person_may_tell_of_a_zero_that_no_reading_names(tmp_path: Path, command: Command) -> None:
+    path = recorded(tmp_path / "mill.axiscal", right())
+    said = command("accept", path, "jump", "--setup", "X again", "--before", "19").printed
+    assert 'Accepted: the readings of "X again" before reading 19 have a zero of their own.' in said
+    assert known(path)[0][12][0] == "X again, before reading 19"
+    refused = command("accept", path, "jump", "--setup", "X", "--before", "1").refusal
+    assert 'No zero of "X" can change before reading 1' in refused
+    assert run(["accept", str(path), "sign", "--before", "5"]) == 2
+
+
 def test_what_is_not_named_is_refused_and_the_record_stays(tmp_path: Path, command: Command) -> None:
     good, bad = recorded(tmp_path / "good.axiscal", right()), recorded(tmp_path / "bad.axiscal", times(-1, 1))
     for path, words, what in [

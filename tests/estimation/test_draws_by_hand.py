@@ -25,7 +25,6 @@ from axiscal.estimation.promise.posterior import (
     _left_out,
     _may_be_a_detail,
     _moments,
-    _moved_in,
     _sizes,
     _surely,
     sorted_out,
@@ -233,13 +232,6 @@ def test_a_second_reading_at_its_place_tells_a_slip_from_a_detail(slip: float) -
     alone, again = (sorted_out(stated(case, [*right[:7], wrong, *right[8:], *more])) for more in ([], [right[7]]))
     assert ([*alone.bad], alone.with_details is None) == ([7], False)
     assert ([*again.bad], again.with_details is None) == ([7], True)
-
-
-def test_what_stands_on_a_table_may_have_moved_where_three_of_its_readings_are_bad() -> None:
-    problem = asked("two set-ups", 12)
-    probe, nest = (np.unique(problem.reading[problem.setup == setup]).tolist() for setup in (0, 1))
-    assert _moved_in(problem, nest[:3]) == {1}
-    assert _moved_in(problem, [*nest[:2], *probe[:4]]) == set()
 
 
 def test_rests_of_a_curve_go_together_by_halves_within_six_percent_of_the_travel() -> None:

@@ -17,18 +17,16 @@ from axiscal.estimation.promise.agreement import (
     Agreement,
     Explained,
     Mistake,
+    Tried,
     _against,
     _explained,
-    _jumps,
-    _Tried,
     _turned,
     _units,
     agreement,
 )
 from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Weighed
-from axiscal.estimation.promise.posterior import sized as weighed_of
-from axiscal.estimation.promise.posterior import sorted_out
+from axiscal.estimation.promise.draws import sized as weighed_of
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
@@ -36,7 +34,6 @@ from tests.generators.dense_posterior import Dense, log_density
 from tests.generators.problems import asked, sized
 
 COUNTS = {"axis": 9, "two set-ups": 8}
-JUMPS = 30.0, 1e3, 3e4
 
 
 @cache
@@ -76,7 +73,7 @@ class _Without:
         return float(np.log(0.01 / places) + whole), float(np.exp(logs - whole) @ tails)
 
 
-def _agrees(found: _Tried, expected: tuple[float, float]) -> None:
+def _agrees(found: Tried, expected: tuple[float, float]) -> None:
     assert found.mistake.log_odds == pytest.approx(expected[0], rel=1e-5, abs=1e-5)
     assert found.p == pytest.approx(expected[1], rel=1e-4, abs=1e-12)
 
@@ -124,48 +121,6 @@ def test_two_set_ups_of_as_many_numbers_may_be_swapped() -> None:
     assert swapped.mistake.setups == (0, 1)
 
 
-@pytest.mark.parametrize(("kind", "sizes"), KINDS)
-def test_a_jump_of_each_size_is_so_many_noises_more_from_its_reading_on(kind: str, sizes: tuple[str, ...]) -> None:
-    """Of what is read in three directions each moves by itself, or has stood elsewhere from the beginning."""
-    problem, weighed = _learning(kind, sizes)
-    without, found = _Without(problem, weighed), list(_jumps(problem, weighed))
-    wide = {setup: JUMPS if sum(problem.reading == problem.reading[problem.setup == setup][0]) > 1 else JUMPS[:1]
-            for setup in sorted(set(problem.setup.tolist()))}  # fmt: skip
-    assert [each.mistake.setups for each in found] == [(setup,) for setup, sizes in wide.items() for _ in sizes]
-    for (setup, noises), jump in zip([(s, n) for s, sizes in wide.items() for n in sizes], found, strict=True):
-        mine = problem.setup == setup
-        begun, *later = sorted(set(problem.reading[mine].tolist()))
-        firsts = [begun, *later] if len(wide[setup]) > 1 else later
-        number = np.arange(len(mine)) - np.searchsorted(problem.reading, problem.reading)
-        size = noises * float(np.median(problem.noise[mine])) / problem.noise
-        each = {
-            first: without.odds(
-                problem.values,
-                len(wide[setup]) * len(firsts),
-                size * np.array([mine & (number == k) & (problem.reading >= first) for k in set(number[mine])]),
-            )
-            for first in firsts
-        }
-        best = max(each, key=lambda first: each[first])
-        assert (jump.mistake.mistake, jump.mistake.reading) == ("jump" if best > begun else "place", best)
-        _agrees(jump, each[best])
-    assert not list(_jumps(problem.only(problem.reading == 3), weighed))
-
-
-def test_a_jump_of_one_number_is_of_its_zero_whatever_else_the_mounting_leaves_open() -> None:
-    """And of three numbers all move alike where it leaves nothing open."""
-    problem, weighed = _learning("axis")
-    (plain,) = _jumps(problem, weighed)
-    assert list(_jumps(_other(problem, unknowns=2), weighed)) == [plain]
-    problem, weighed = _learning("two set-ups")
-    probe, nest, *_ = _jumps(_other(problem, unknowns=0), weighed)
-    assert probe == next(iter(_jumps(problem, weighed)))
-    columns = JUMPS[0] * float(np.median(problem.noise[problem.setup == 1])) / problem.noise
-    since = (problem.setup == 1) & (problem.reading >= nest.mistake.reading)
-    places = len(JUMPS) * len(set(problem.reading[problem.setup == 1].tolist()))
-    _agrees(nest, _Without(problem, weighed).odds(problem.values, places, columns * since))
-
-
 @pytest.mark.parametrize("sizes", [(), ("std", "noise")])
 def test_an_axis_that_counts_the_other_way_is_as_probable_as_its_covariance(sizes: tuple[str, ...]) -> None:
     problem, weighed = _learning("axis", sizes)
@@ -191,8 +146,8 @@ def test_another_unit_divides_the_density_by_its_factor_for_each_number(factor: 
     _agrees(tried[factor, since or -1], (log_odds + log_det, min(tail, 1 - tail)))
 
 
-def _explaining(log_odds: float, p: float = 1.0, setup: int = 0) -> _Tried:
-    return _Tried(Explained("sign", log_odds, (setup,)), p)
+def _explaining(log_odds: float, p: float = 1.0, setup: int = 0) -> Tried:
+    return Tried(Explained("sign", log_odds, (setup,)), p)
 
 
 @pytest.mark.parametrize(
@@ -256,16 +211,3 @@ def test_bands_grow_by_c2_where_its_root_is_above_one_by_two_standard_deviations
 ) -> None:
     """The root of a mean of n squares of standard normals varies by 1/√(2n)."""
     assert Agreement(count, count, c2, 1.0).inflation == times
-
-
-@pytest.mark.parametrize("since", [12, 13])
-def test_a_ball_that_moves_is_a_jump_and_none_of_its_readings_is_bad(since: int) -> None:
-    """Sixteen readings of a nest: the last ones stand 60 um off, as if some were bad; three of any time are bad."""
-    problem = sized(asked("five axes", 16, 5), ())
-    moved = np.array([50e-6, -30e-6, 20e-6])[np.arange(len(problem.values)) % 3] / problem.noise
-    jumped = _other(problem, values=problem.values + np.where(problem.reading >= since, moved, 0.0))
-    found = sorted_out(jumped)
-    assert found.bad == {}
-    assert found.posterior().agreement.explained[0][2:4] == ((0,), since)
-    slips = _other(problem, values=problem.values + np.where(np.isin(problem.reading, [1, 5, 9]), 2 * moved, 0.0))
-    assert set(sorted_out(slips).bad) == {1, 5, 9}

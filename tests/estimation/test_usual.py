@@ -108,7 +108,7 @@ def test_the_table_says_where_its_figures_come_from() -> None:
 
 mpmath = pytest.importorskip("mpmath")  # untyped: Any
 
-ONE = Sizes((Size("std", ("EXX",), 1.0),))
+ONE = Sizes((Size("length", ("EXX",), 1.0),))
 NEAR = 3.0
 """|x| up to which θ of spread one is not cut: q(3) is 6.6."""
 
@@ -152,11 +152,23 @@ def test_sides_mirror_each_other_and_nought_is_nought() -> None:
 
 
 def test_spread_scales_and_far_out_nothing_overflows() -> None:
-    several = Sizes((Size("std", ("EXX", "EYY"), 0.5), Size("noise", ("laser",), 2.0)))
+    several = Sizes((Size("length", ("EXX", "EYY"), 0.5), Size("noise", ("laser",), 2.0)))
     theta, slope = several.theta(np.array([[1.0, 1.0], [40.0, -40.0]]))
     np.testing.assert_allclose(theta[0], np.array([0.5, 2.0]) * student.ppf(norm.cdf(1.0), 4), rtol=1e-9)
     assert theta[1].tolist() == [7.0, -7.0]
     assert slope[1].tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("kind", ["std", "reversal", "rest", "together", "drift", "growth", "way"])
+def test_no_size_is_learnt_beyond_ten_times_what_is_stated(kind: model.Kind) -> None:
+    """Behind that it does not move; a length may be anything, and a noise as wide as a bad reading."""
+    theta, slope = Sizes((Size(kind, ("EXX",), np.log(3.0)),)).theta(np.array([[1.0], [5.0], [-5.0]]))
+    assert np.exp(theta[:, 0]).tolist() == [
+        pytest.approx(3.5, rel=0.05),
+        pytest.approx(10.0),
+        pytest.approx(9e-4, rel=0.1),
+    ]
+    assert [bool(each) for each in slope[:, 0]] == [True, False, False]
 
 
 def test_a_size_is_found_by_kind_and_owner() -> None:

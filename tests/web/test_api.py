@@ -16,7 +16,8 @@ from xml.etree import ElementTree
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from tests.generators.texts import TWO_SPHERES
+from axiscal.record.events import Asked
+from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
 from tests.web.served import PATIENCE, Served, served, started
 
 
@@ -236,3 +237,37 @@ def test_half_a_character_and_a_book_are_refused(still: Served, step: str, key: 
         assert 400 <= still.call(step, **after, **{key: text}).status < 500
     assert still.state()["notes"] == []
     assert still.state()["question"]["number"] == 1
+
+
+def test_a_page_asks_whether_a_zero_was_set_anew_and_keeps_that_it_was(tmp_path: Path) -> None:
+    """Asked at the second reading behind a step; told at any time, or with a surprising reading."""
+    record = started(tmp_path, FOUR_READINGS.replace("readings = 4", "readings = 14"))
+    with Campaign.open(record) as campaign:
+        for _ in range(8):
+            asked = campaign.next()
+            assert isinstance(asked, Asked)
+            campaign.record(1e-6 * asked.place.pose[0])
+    with served(record) as page:
+
+        def keep(text: str, **how: bool) -> dict[str, Any]:
+            done = page.call("readings", after=page.state()["last"], text=text, **how)
+            assert done.status == 200, done.document
+            return page.state()
+
+        assert keep("140.5", keep=True)["asks"] == ""
+        state, begun = keep("140.6", keep=True), time.monotonic()
+        while not state["asks"] and time.monotonic() < begun + PATIENCE:
+            state = page.call(f"state?seen={state['version']}&wait=20").document
+        assert state["asks"] == 'Was the zero of "laser" set anew before reading 9?'
+        assert page.call("zeros", after=state["last"], asked=True).status == 200
+        assert page.state()["asks"] == ""
+        done = page.call("zeros", after=page.state()["last"])
+        assert "has another zero from reading 11 on" in done.document["sentence"]
+        assert keep("-80")["asks"] == ""
+        keep("70", anew=True)
+        again = page.call("zeros", after=page.state()["last"])
+        assert again.status == 200
+        assert page.call("zeros", after=page.state()["last"]).status != 200
+    with Campaign.open(record, write=False) as campaign:
+        setups = [reading.setup for reading in campaign.state.readings]
+        assert [setups.count(f"laser, before reading {n}") for n in (9, 11, 12, 13)] == [8, 2, 1, 1]

@@ -30,7 +30,7 @@ from axiscal.campaign.ending import (
     standing,
 )
 from axiscal.campaign.interrupt import noted_interrupts
-from axiscal.campaign.possible import beginning_of, described, kept_text, refuse_of_branch, refuse_unreadable
+from axiscal.campaign.possible import beginning_of, described, jump_told, kept_text, refuse_of_branch, refuse_unreadable
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.description.campaign import CampaignDescription
 from axiscal.document.durable import Closing
@@ -236,14 +236,15 @@ class Campaign(Closing):
         self._append(Undone(step.number))
         return step
 
-    def accept(self, cause: str, setup: str | None = None) -> Accepted:
+    def accept(self, cause: str, setup: str | None = None, before: int | None = None) -> Accepted:
         """Accept a mistake that the readings name now, and return it; what follows sees readings without it.
 
         cause : jump, sign, unit, swapped or shifted; setup : whose readings, where several are named
-        Raises RecordError where they do not name it.
+        before : number of a reading before which a person knows of a jump. Raises RecordError where none can be.
         """
         refuse_finished(self.state.finished, self.path)
-        event = named(self.estimate(), cause, setup, self.path)
+        told = None if before is None else jump_told(self.state, setup, before, self.path)
+        event = told or named(self.estimate(), cause, setup, self.path)
         self._append(event)
         return event
 

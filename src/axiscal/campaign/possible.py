@@ -7,8 +7,10 @@ import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
+from pathlib import Path
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
+from axiscal.estimation.agreement_words import jump_before
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.known import refuse_unmade
 from axiscal.exceptions import ReadingError, RecordError
@@ -17,7 +19,7 @@ from axiscal.machine import Axis
 from axiscal.measurement.reading import LARGEST, Place, Reading, reading_unit, refuse_other_values
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.record.accepted import Accepted
-from axiscal.record.events import Asked, Created, Event, Mounted, Planned, Recorded
+from axiscal.record.events import Asked, Created, Event, Mounted, Planned, Recorded, State
 from axiscal.record.log import EventLog
 from axiscal.record.store import restoring
 from axiscal.units import format_quantity
@@ -102,6 +104,24 @@ def refuse_of_branch(setup: str, mounted: Sequence[Mounted]) -> None:
             what = '"{setup}" stood for a branch, which has taken its readings'
             remedy = 'Read "{instead}", or record it in the branch and adopt it'
             raise ReadingError(what, remedy, setup=setup, instead=each.setup)
+
+
+def jump_told(state: State, setup: str | None, number: int, path: Path) -> Accepted:
+    """Return the event that a zero was set anew, as a person tells it.
+
+    setup : its name, by default of what is asked or was read last; number : of the first reading behind that
+    Raises RecordError where none of its readings stands before that.
+    """
+    if setup is None:
+        last = state.readings[-1:] if state.pending is None else [state.pending.place]
+        gone = {each.name: each.setup for each in state.mounted}
+        setup = next((gone.get(each.setup, each.setup) for each in last), "")
+    mine = [reading.numbered(i) for i, reading in enumerate(state.readings) if reading.setup == setup]
+    if not mine or not mine[0] < number <= state.free:
+        what = 'No zero of "{setup}" can change before reading {number}: none of its readings stands before that'
+        remedy = "Name a reading behind its first with --before, up to the next one, and the set-up with --setup"
+        raise RecordError(what, remedy, path, setup=setup, number=number)
+    return jump_before(setup, number)
 
 
 def refuse_unreadable(setup: Setup, values: Sequence[float], std: float | None) -> None:

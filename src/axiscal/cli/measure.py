@@ -24,7 +24,15 @@ from axiscal.cli.texts import opened_to_write
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import counted, decimals, said, speaking, spoken_now
 from axiscal.numerics import Array
-from axiscal.present.guide.progress import Progress, contradictions, doubted, others_doubted, take_back
+from axiscal.present.guide.progress import (
+    Progress,
+    contradictions,
+    doubted,
+    jump_named,
+    others_doubted,
+    set_anew,
+    take_back,
+)
 from axiscal.present.guide.question import (
     ACTIONS,
     SURPRISING,
@@ -127,17 +135,25 @@ class Prompt:
         if surprise >= SURPRISING:
             far = "It is {size} standard deviations from what is expected, {expected}."
             say("  " + said(far, size=decimals(f"{surprise:.1f}"), expected=expected_text(question)))
-            choice = said("Type k to keep it, v to keep it as surely right, Enter to read again:")
+            choice = said("Type k to keep it, v as surely right, a if the zero was set anew, Enter to read again:")
             word = ask(f"  {choice} ").strip().lower()
-            if word not in ("k", "v"):
+            if word not in ("k", "v", "a"):
                 return "same"
             vouched = word == "v"
-        before = doubted(self.campaign)
+            if word == "a":
+                say(f"  {set_anew(self.campaign, question.setup)}")
+        before, jump = doubted(self.campaign), jump_named(self.campaign)
         value, *others = (float(each) for each in typed)
         kept = self.campaign.record(value, accepted=vouched, others=tuple(others))
         at = coordinates_text(question.places, moves=True) or said('set-up "{setup}"', setup=question.setup)
         say("  " + said("kept reading {number} at {place}; it is on the disk", number=kept.number, place=at))
-        for sentence in [*others_doubted(self.campaign, before), *contradictions(self.campaign)]:
+        minds, named = others_doubted(self.campaign, before), jump_named(self.campaign)
+        if named is not None and named != jump:
+            say(f"  {named.question}")
+            if _is_yes(said("Type yes if so, Enter if not:")):
+                say(f"  {set_anew(self.campaign, named.setup, named.number)}")
+                minds = []
+        for sentence in [*minds, *contradictions(self.campaign)]:
             say("  " + said("Mind: {sentence}", sentence=sentence))
         return "anew"
 
@@ -197,6 +213,9 @@ class Prompt:
             case "undo":
                 say(f"  {take_back(self.campaign)[1]}")
                 return "anew"
+            case "anew":
+                say(f"  {set_anew(self.campaign)}")
+                return "anew"
             case "note":
                 self.campaign.note(text or ask("  " + said("what is to be kept in the record?") + " "))
                 say("  " + said("noted; it is on the disk"))
@@ -209,7 +228,7 @@ def _is_yes(choice: str) -> bool:
 
 def help_text() -> str:
     """Return what can be typed at the prompt, in the language that is spoken."""
-    undo, skip, note, leave, stop, pause, *_ = (said(word) for word in ACTIONS)
+    undo, skip, note, leave, stop, pause, _, anew, *_ = (said(word) for word in ACTIONS)
     because, text = said("REASON"), said("TEXT")
     rows = (
         ("-1.7", said("keep a reading, in the unit that is shown; a decimal comma does as well")),
@@ -219,6 +238,7 @@ def help_text() -> str:
         (f"{skip} {because}", said("the reading cannot be taken")),
         (f"{leave} {because}", said("nothing more can be read with this set-up; the plan is made anew without it")),
         (f"{note} {text}", said("keep a sentence in the record, such as the temperature: {note} 21.4 °C", note=note)),
+        (anew, said("the zero was set anew, bumped or mounted again: another one from this reading on")),
         (stop, said("end the campaign here: what would be left, and what the tables would reach, is said first")),
         (pause, said("stop for now; axiscal measure goes on here")),
     )

@@ -31,9 +31,12 @@ def accept(
         typer.Argument(metavar="CAUSE", help="jump, sign, unit, swapped or shifted; without it: what is named."),
     ] = None,
     setup: Annotated[str | None, typer.Option(metavar="NAME", help="Whose readings, where several are named.")] = None,
+    before: Annotated[
+        int | None, typer.Option(metavar="N", help="You know: the zero was set anew before reading N, or the next one.")
+    ] = None,
     json: Json = False,
 ) -> None:
-    """Accept a mistake that the readings name.
+    """Accept a mistake, or tell that a zero was set anew.
 
     What follows sees the readings without it; undo takes it back. Readings that contradict each other name mistakes
     that explain it at more than 20 : 1. Readings that come later are taken as they are read.
@@ -42,13 +45,16 @@ def accept(
     Examples:
       axiscal step accept mill.axiscal
       axiscal step accept mill.axiscal jump
+      axiscal step accept mill.axiscal jump --setup "dial along X" --before 9
     """
+    if before is not None and cause != "jump":
+        raise typer.BadParameter(said("--before N belongs to jump"))
     if cause is None:
         with Campaign.open(record, write=False) as campaign:
             document, lines = _named(campaign)
     else:
         with opened_to_write(record) as campaign:
-            document, lines = _accepted(campaign, cause, setup)
+            document, lines = _accepted(campaign, cause, setup, before)
     say_either(json, "axiscal-accept/1", document, lines)
 
 
@@ -71,10 +77,15 @@ def _named(campaign: Campaign) -> tuple[dict[str, object], list[str]]:
     return {"agreement": agreement_document(known.agreement)}, lines
 
 
-def _accepted(campaign: Campaign, cause: str, setup: str | None) -> tuple[dict[str, object], list[str]]:
-    """Accept a mistake, and return how the readings agreed before and agree now, as a document and in words."""
+def _accepted(
+    campaign: Campaign, cause: str, setup: str | None, number: int | None
+) -> tuple[dict[str, object], list[str]]:
+    """Accept a mistake, and return how the readings agreed before and agree now, as a document and in words.
+
+    number : of the reading before which a zero was set anew, as a person says
+    """
     before = campaign.estimate()
-    change = change_words(campaign.accept(cause, setup))
+    change = change_words(campaign.accept(cause, setup, number))
     now = campaign.estimate()
     lines = [
         said("Before: {agreement}.", agreement=agreement_words(before, campaign.path)),

@@ -117,8 +117,14 @@ BAD = Cause(
 Kind = Literal["std", "length", "scale", "rest", "reversal", "together", "drift", "cycle", "growth", "way", "noise"]
 _FARTHEST = 7.0
 """Of |θ|, a factor of a thousand: beyond it lies nothing but overflow."""
-_LARGEST: dict[Kind, float] = {"noise": math.log(BAD.size / NOISE.size), "cycle": math.log(BAD.size / CYCLE.size)}
-"""Of θ: where either is larger every reading is a bad one, and what they contradict is neither."""
+_LARGEST: dict[Kind, float] = {
+    "length": _FARTHEST,
+    "noise": math.log(BAD.size / NOISE.size),
+    "cycle": math.log(BAD.size / CYCLE.size),
+}
+"""Of θ: where noise or cycle are larger every reading is a bad one, and what they contradict is neither."""
+_MOST = math.log(10.0)
+"""Of θ of other sizes: what would have to be more than ten times as large as stated contradicts."""
 _FARTHEST_X = 30.0
 """Of |x|: its tail of 1e-197 still has a power of 2.5."""
 
@@ -163,7 +169,7 @@ class Sizes:
     @cached_property
     def _largest(self) -> Array:
         """The largest θ of each size, (k,)."""
-        return np.array([_LARGEST.get(size.kind, _FARTHEST) for size in self.of])
+        return np.array([_LARGEST.get(size.kind, _MOST) for size in self.of])
 
     def theta(self, x: Array) -> tuple[Array, Array]:
         """Return θ and dθ/dx, (..., k) each.  x : (..., k)"""

@@ -26,6 +26,10 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
     """
     found = known.agreement
     count = said("{agreeing} of {count} readings agree with the others", agreeing=found.agreeing, count=found.count)
+    asked = [jump_question(known, each) for each in found.explained if each.mistake == "jump"]
+    if not found.contradicts and asked:
+        odds = f"{found.explained[0].odds:.0f}"
+        return said("{count}. {asked} ({odds} : 1)", count=count, asked=asked[0], odds=odds)
     if not found.contradicts:
         unused = [(known.readings[index], index) for index in sorted(known.left_out)]
         names = [put("{number} ({setup})", number=r.numbered(i), setup=quoted(r.setup)) for r, i in unused]
@@ -84,6 +88,16 @@ def mistake_words(each: Explained, known: Estimation) -> str:
     if each.mistake == "shifted":
         return said('the values of "{setup}" belong to the place before or after. Check their order', setup=names[0])
     return said('the values of "{setup}" and "{other}" are swapped', setup=names[0], other=names[1])
+
+
+def jump_question(known: Estimation, jump: Explained) -> str:
+    """Return what a person is asked about a jump."""
+    setup, reading = known.stated.description.setups[jump.setups[0]], known.readings[jump.reading]
+    number = reading.numbered(jump.reading)
+    if setup.artefact is not None:
+        what = 'Was "{artefact}" moved in "{setup}" before reading {number}?'
+        return said(what, artefact=setup.artefact.name, setup=setup.name, number=number)
+    return said('Was the zero of "{setup}" set anew before reading {number}?', setup=setup.name, number=number)
 
 
 def agreement_document(found: Agreement) -> dict[str, object]:
@@ -154,8 +168,13 @@ def acceptance(each: Explained, known: Estimation) -> Accepted:
     names = tuple(known.stated.description.setups[index].name for index in each.setups)
     number = 0 if each.reading < 0 else known.readings[each.reading].numbered(each.reading)
     if each.mistake == "jump":
-        return Accepted("jump", names, number, name=f"{names[0]}, before reading {number}")
+        return jump_before(names[0], number)
     return Accepted(each.mistake, names, number, 1 / each.factor if each.mistake == "unit" else each.factor)
+
+
+def jump_before(setup: str, number: int) -> Accepted:
+    """Return the event that the zero of a set-up is another one from a reading on.  number : of that reading"""
+    return Accepted("jump", (setup,), number, name=f"{setup}, before reading {number}")
 
 
 def named(known: Estimation, cause: str, setup: str | None, path: Path) -> Accepted:

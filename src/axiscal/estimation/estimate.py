@@ -41,6 +41,7 @@ def _estimated(stated: Case, case: Case, readings: Sequence[Reading]) -> Estimat
         return Estimation(stated, times, implausible, {}, absorbed(case, ()))
     case = progressed(case, times.readings, implausible)
     kept = without_bad(case, times.readings, implausible)
+    implausible = {index: each for index, each in implausible.items() if index not in kept.mine.problem.reading}
     bad = {index: Doubt(index, each.z) for index, each in kept.bad.items()}
     known = located(case.rescaled(kept.sizes), times.readings, [*implausible, *bad], {*kept.problem.cells})
     return _answered(case, Estimation(stated, times, implausible, bad, known), kept)

@@ -22,8 +22,7 @@ from axiscal.description.usual import sizes_of
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import bent, judged, unit_guess
-from axiscal.estimation.promise.draws import as_stated
-from axiscal.estimation.promise.posterior import sized
+from axiscal.estimation.promise.draws import as_stated, sized
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.estimation.timed import timed

@@ -10,10 +10,10 @@ from axiscal.measurement.reading import Reading
 
 @dataclass(frozen=True, slots=True)
 class Accepted:
-    """A mistake of `estimation.promise.agreement` that the readings named, and a person accepted.
+    """A mistake of `estimation.promise.agreement` that a person accepted or, of a jump, told.
 
     mistake : jump, sign, unit, swapped or shifted; setups : whose readings
-    reading : number of the first one behind a jump or in another unit, 0 for all
+    reading : number of the first one behind a jump or in another unit, 0 for all; behind a jump it may not be taken yet
     name : of the set-up that those before a jump then belong to
     factor : the values are multiplied by it; of shifted ones, 1 to the place behind and −1 to the place before
     """
@@ -39,8 +39,9 @@ _Changed = dict[int, Reading | None]
 
 
 def _jump(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
-    first = next((i for i in mine[0] if readings[i].number == accepted.reading), None)
-    if first is None or first == mine[0][0]:
+    number, later = accepted.reading, (i for i in mine[0] if readings[i].numbered(i) > accepted.reading)
+    first = next((i for i in mine[0] if readings[i].number == number), next(later, len(readings)))
+    if first == mine[0][0]:
         raise ValueError(f"no zero jumped before reading {accepted.reading}")
     return {i: replace(readings[i], setup=accepted.name) for i in mine[0] if i < first}
 

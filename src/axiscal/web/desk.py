@@ -22,7 +22,18 @@ from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.language.spoken import decimals, said, spoken_now
 from axiscal.measurement.reading import reading_unit, shown_coordinate
 from axiscal.numerics import Array
-from axiscal.present.guide.progress import Progress, contradictions, doubted, due, last_step, others_doubted, take_back
+from axiscal.present.guide.progress import (
+    Progress,
+    SetAnew,
+    contradictions,
+    doubted,
+    due,
+    jump_named,
+    last_step,
+    others_doubted,
+    set_anew,
+    take_back,
+)
 from axiscal.present.guide.question import SURPRISING, Question, Word, answer, asked_text
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer
@@ -105,6 +116,8 @@ class Desk:
         self._answer: ResultAnswer | PlannedAnswer | None = None
         self._answers: object = None  # the readings and the end that it is about
         self._before: frozenset[int] | None = None
+        self._jump: SetAnew | None = None
+        self._asks: SetAnew | None = None
         self._version = 0
         self._alike: set[int] = set()
         self.state = self._renewed()
@@ -131,12 +144,14 @@ class Desk:
     def think(self) -> None:
         """Do what the next question need not wait for: second thoughts on the last reading, and the answer."""
         minds = [*self._minds, *([] if self._before is None else others_doubted(self.campaign, self._before))]
-        self._before = None
+        if self._before is not None and (named := jump_named(self.campaign)) != self._jump:
+            self._asks = named
+        new_question, self._before = self._asks is not None and not self.state.asks, None
         self.campaign.estimate()  # the next reading is compared with it
         new = self._answers != self._stands  # what a report says stands
         if new:
             self._answer, self._answers = coming_answer(self.campaign) or standing_answer(self.campaign), self._stands
-        if new or minds:
+        if new or minds or new_question:
             self._show(minds, noted=True)
 
     @property
@@ -159,19 +174,21 @@ class Desk:
         sentence = str(SurprisingError(surprise)) if surprise >= SURPRISING else ""
         return TypedShape(values=shown, surprise=surprise, surprising=surprise >= SURPRISING, sentence=sentence)
 
-    def keep(self, after: int, text: str, *, keep: bool = False, vouch: bool = False) -> str:
+    def keep(self, after: int, text: str, *, keep: bool = False, vouch: bool = False, anew: bool = False) -> str:
         """Keep a reading of what is asked; raises SurprisingError where nobody has confirmed a strange one."""
         self._refuse_overtaken(after)
         asked = self.campaign.open_question()
         question = self._question or Question.from_campaign(self.campaign, asked)
         typed = self._value(text, question)
         surprise = question.surprise(typed)
-        if surprise >= SURPRISING and not (keep or vouch):
+        if surprise >= SURPRISING and not (keep or vouch or anew):
             raise SurprisingError(surprise)
-        before = doubted(self.campaign)
+        if anew:
+            set_anew(self.campaign, question.setup)
+        before, jump = doubted(self.campaign), jump_named(self.campaign)
         value, *others = (float(each) for each in typed)
         kept = self.campaign.record(value, accepted=vouch, others=tuple(others))
-        self._before = before
+        self._before, self._jump = before, jump
         self._show()
         return said("Kept reading {number}; it is on the disk.", number=kept.number)
 
@@ -209,6 +226,14 @@ class Desk:
     def cost(self, *, rest: bool) -> CostShape:
         """Return what skipping the reading costs, or leaving its set-up."""
         return CostShape(sentence=spelt(cost_sentence(cost_words(self.campaign, rest=rest))))
+
+    def set_anew(self, after: int, *, asked: bool) -> str:
+        """Keep that a zero was set anew before the next reading.  asked : before the one that the page asks about"""
+        self._refuse_overtaken(after)
+        named = self._asks if asked else None
+        told = set_anew(self.campaign, *(() if named is None else named[:2]))
+        self._show()
+        return told
 
     def undo(self, after: int) -> str:
         """Take back the last reading, skip or end."""
@@ -260,6 +285,7 @@ class Desk:
         self._minds = list(minds)
         if not noted:
             self._alike.clear()
+            self._asks = None
         self.state = self._renewed()
         self.publish(self.state)
 
@@ -283,6 +309,7 @@ class Desk:
             due=due(campaign),
             undo=last_step(campaign)[0],
             minds=[spelt(each) for each in [*self._minds, *contradictions(campaign)]],
+            asks="" if self._asks is None else spelt(self._asks.question),
             answer=None if self._answer is None or overtaken else _answer(campaign, self._answer, results),
             results=results.name if state.finished is not None and (results / "report.html").is_file() else "",
         )

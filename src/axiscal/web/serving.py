@@ -181,6 +181,7 @@ def application(counter: Counter, port: int) -> Guard:
     app.post(f"{ROOT}/readings", response_model=shapes.DoneShape)(api.keep)
     app.post(f"{ROOT}/skips", response_model=shapes.DoneShape)(api.skip)
     app.post(f"{ROOT}/notes", response_model=shapes.DoneShape)(api.note)
+    app.post(f"{ROOT}/zeros", response_model=shapes.DoneShape)(api.set_anew)
     app.post(f"{ROOT}/undo", response_model=shapes.DoneShape)(api.undo)
     app.post(f"{ROOT}/next", response_model=shapes.DoneShape)(api.go_on)
     app.post(f"{ROOT}/finish", response_model=shapes.DoneShape)(api.finish)
@@ -214,7 +215,8 @@ class _Api:
 
     async def keep(self, asked: shapes.KeepRequest) -> Response:
         """Keep a reading of what is asked."""
-        return await self._done(lambda desk: desk.keep(asked.after, asked.text, keep=asked.keep, vouch=asked.vouch))
+        how = {"keep": asked.keep, "vouch": asked.vouch, "anew": asked.anew}
+        return await self._done(lambda desk: desk.keep(asked.after, asked.text, **how))
 
     async def skip(self, asked: shapes.SkipRequest) -> Response:
         """Note that the reading asked for cannot be taken."""
@@ -223,6 +225,10 @@ class _Api:
     async def note(self, asked: shapes.NoteRequest) -> Response:
         """Keep a sentence in the record."""
         return await self._done(lambda desk: desk.note(asked.text))
+
+    async def set_anew(self, asked: shapes.AnewRequest) -> Response:
+        """Note that a zero was set anew, bumped or mounted again."""
+        return await self._done(lambda desk: desk.set_anew(asked.after, asked=asked.asked))
 
     async def undo(self, asked: shapes.StepRequest) -> Response:
         """Take back the last reading, skip or end."""

@@ -46,7 +46,8 @@ class AnswerShape(AnswerDocument):
 class StateShape(AnswerDocument):
     """All that the page shows. `last` names the state of the record, `version` this document.
 
-    minds : what to mind about the last reading; answer : null until it is known for the first time
+    minds : what to mind about the last reading; asks : whether a zero was set anew before some reading, "" for nothing
+    answer : null until it is known for the first time
     """
 
     document: Literal["axiscal-page/1"] = "axiscal-page/1"
@@ -64,6 +65,7 @@ class StateShape(AnswerDocument):
     due: Due
     undo: str
     minds: list[str]
+    asks: str
     answer: AnswerShape | None
     results: str
 
@@ -110,11 +112,19 @@ class KeepRequest(StepRequest):
     """A reading as it is typed: "-1,7", "0.0021 mm", three numbers in one line; by default in the unit of the question.
 
     keep : keep it although it surprises; vouch : and believe it, however much the others contradict it
+    anew : keep it, the zero was set anew before it
     """
 
     text: Annotated[str, Field(max_length=LONGEST_TEXT)]
     keep: bool = False
     vouch: bool = False
+    anew: bool = False
+
+
+class AnewRequest(StepRequest):
+    """A zero was set anew; asked : before the reading that the page asks about, else before the next one."""
+
+    asked: bool = False
 
 
 class SkipRequest(StepRequest):

@@ -20,7 +20,6 @@ from axiscal.estimation.functionals.functional import (
     seen_by,
     through_the_volume,
 )
-from axiscal.machine import Machine
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading

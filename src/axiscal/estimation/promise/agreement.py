@@ -7,22 +7,22 @@ fifth of the readings is left out. Below 0.001 the readings contradict. A mistak
 - It turns y into y' = T y: values with the wrong sign, two set-ups swapped, places shifted by one, another unit from
   some reading on. Sizes that are learnt hide another unit, so it is sought at the sizes as stated.
 - It turns K into that of a machine with an axis that counts the other way.
-- It adds columns B of standard deviation s: a zero that jumps; in all directions what stands on the table and moved, or
-  stands elsewhere than said from its first reading on.
+- It adds columns: a zero that jumps, as `jumps` finds it.
 
-    gain = ½ (yᵀK⁻¹y − y'ᵀK⁻¹y') + log |det T|     or     ½ gᵀ(F + s⁻²)⁻¹g − ½ log |1 + s² F|,  g = BᵀK⁻¹y, F = BᵀK⁻¹B
+    gain = ½ (yᵀK⁻¹y − y'ᵀK⁻¹y') + log |det T|
 
 Checks are readings at places drawn at random. A plan chooses its places, so that what these hide its own readings
 cannot show; a random place hides nothing. With s² the mean z² of the checks, variances grow by max(1, s²).
 
 The answer names a mistake with odds above 20 : 1, its prior of 1 % over all its places included. Exceptions: another
-one is 20 times as likely, or the readings do not agree with it either. p is at most that of no change of the unit.
+one is 20 times as likely, or the readings do not agree with it either. A jump is named where the readings agree, too: a
+person may know of it. p is at most that of no mistake which is named.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -47,11 +47,8 @@ MOST_BAD = 0.2
 """Where more than a fifth seem bad it is the model that is."""
 SEVERAL = 3
 """One or two bad readings are bad readings, of however few."""
-_PRIOR = 0.01
+PRIOR = 0.01
 """Assumption: one campaign in a hundred has such a mistake."""
-_JUMPS = 30.0, 1e3, 3e4
-"""Noises: standard deviations of a jump, one as likely as the other. A zero slips by the first; what stands on the
-table is nudged or moved by the others, too."""
 _LARGEST = 600.0
 """Logarithm of the largest odds that are said: beyond it floats end."""
 _INCH = 25.4
@@ -184,47 +181,51 @@ def agreement(
     left_out: int = 0,
     turned: Iterable[Turned] = (),
     every: tuple[Problem, Weighed] | None = None,
+    jumps: Sequence[Tried] = (),
 ) -> Agreement:
     """Return how readings agree.
 
     problem : of the readings that count; z : (r,) of each of them, left out; left_out : how many others do not count
     turned : the same problem if some axes count the other way; made only where the readings contradict
-    every : with the readings that are left out, where these are several
+    every : with the readings that are left out, where these are several; jumps : that readings tell
     """
     count = len(z)
     if not count:
         return NOTHING_READ
-    tails = [chi_square_tail(len(problem.values), given.square) for given in found.given]
     numbers = len(problem.values) / count
     largest = count * chi_square_tail(numbers, float(np.max(z**2)) * numbers)
-    p = min(1.0, 2 * min(float(found.weights @ np.array(tails)), largest))
+    p = min(1.0, 2 * min(tail_of(problem, found), largest))
     if left_out >= SEVERAL and left_out > MOST_BAD * (count + left_out):
         p = min(p, binomial_tail(left_out, count + left_out, BAD_SHARE))
     whole, weighed = every or (problem, found)
     stated = chi_square_tail(len(whole.values), weighed.drawn.stated.square)
-    tried = list[_Tried]()
-    if stated < CONTRADICTS:  # sizes that are learnt hide another unit, or a jump of which few readings are
-        alone = replace(weighed, thetas=0 * weighed.thetas[:1], weights=np.ones(1), given=(weighed.drawn.stated,))
-        moved = _jumps(whole, alone, weighed.log_stated)
-        tried += [*_units(whole, weighed), *(each for each in moved if _stands(whole, each.mistake.setups[0]))]
+    tried = [*jumps]
+    if stated < CONTRADICTS:  # sizes that are learnt hide another unit
+        tried += _units(whole, weighed)
     if p < CONTRADICTS:
-        tried += [*_jumps(problem, found), *_turned(problem, found), *_against(problem, found, turned)]
+        tried += [*_turned(problem, found), *_against(problem, found, turned)]
     named = _explained(tried) if tried else []
     p = min([p, *(1 / (1 + each.odds) for each in named)])
-    named = named if p < CONTRADICTS else []
+    named = named if p < CONTRADICTS else [each for each in named if each.mistake == "jump"]
     described = named[0] if named and named[0].mistake in _DESCRIBED else None
     explained = () if described else tuple(each for each in named if each.mistake not in _DESCRIBED)
     return Agreement(count, int(np.sum(z <= AGREES)), float(np.mean(z**2)), p, explained, described)
 
 
-class _Tried(NamedTuple):
+def tail_of(problem: Problem, found: Weighed) -> float:
+    """Return how probable readings are that agree no better, Σ w P(χ²_m ≥ Q_θ)."""
+    tails = [chi_square_tail(len(problem.values), given.square) for given in found.given]
+    return float(found.weights @ np.array(tails))
+
+
+class Tried(NamedTuple):
     """A mistake, with the probability of readings that agree no better with it."""
 
     mistake: Explained
     p: float
 
 
-def _explained(tried: Iterable[_Tried]) -> list[Explained]:
+def _explained(tried: Iterable[Tried]) -> list[Explained]:
     """Return the mistakes with which readings agree, at odds above 20 : 1 beside none and within these of the best."""
     each = sorted(tried, key=lambda one: -one.mistake.log_odds)
     least = max(np.log(NAMED), each[0].mistake.log_odds - np.log(NAMED))
@@ -233,70 +234,19 @@ def _explained(tried: Iterable[_Tried]) -> list[Explained]:
     return [one for one in likely if first[one.mistake, one.setups] is one]
 
 
-def _tried(problem: Problem, found: Weighed, gains: Array, squares: Array, mistake: Explained) -> _Tried:
+def _tried(problem: Problem, found: Weighed, gains: Array, squares: Array, mistake: Explained) -> Tried:
     """Return a mistake that is tried at all draws, with its log odds, 1 % before any reading, the sizes integrated out.
 
     gains, squares : (d,) gain of log L, taken off yᵀK⁻¹y
     """
     weights = found.weights * np.exp(gains - gains.max())
-    odds = float(np.log(_PRIOR * weights.sum()) + gains.max())
+    odds = float(np.log(PRIOR * weights.sum()) + gains.max())
     left = [given.square - float(square) for given, square in zip(found.given, squares, strict=True)]
     tails = np.array([chi_square_tail(len(problem.values), square) for square in left])
-    return _Tried(mistake._replace(log_odds=odds), float(weights @ tails / weights.sum()))
+    return Tried(mistake._replace(log_odds=odds), float(weights @ tails / weights.sum()))
 
 
-def _jumps(problem: Problem, found: Weighed, log_weight: float = 0.0) -> Iterator[_Tried]:
-    """Yield the likeliest jump of the zero of each set-up, of each size where it is read in several directions.
-
-    What stands on the table may have stood elsewhere since its first reading: then its place is the mistake.
-
-    log_weight : of the draws beside what odds are said of
-    """
-    for setup in np.unique(problem.setup).tolist():
-        mine = problem.setup == setup
-        stands, of = _stands(problem, setup), np.unique(problem.reading[mine])
-        readings = of if stands else of[1:]
-        if len(of) < 2:
-            continue
-        ways = _ways(problem, mine) / problem.noise * float(np.median(problem.noise[mine]))
-        columns = (problem.reading >= readings[:, None])[:, None] * ways
-        alone = np.eye(len(ways))
-        sizes = _JUMPS if stands else _JUMPS[:1]
-        gains = np.empty((len(sizes), len(found.given), len(readings)))
-        squares = np.empty_like(gains)
-        for draw, given in enumerate(found.given):
-            weighted = given.precision(columns.reshape(-1, len(mine)).T).T.reshape(columns.shape)
-            fisher, pulled = columns @ weighted.transpose(0, 2, 1), weighted @ problem.values
-            for k, size in enumerate(sizes):
-                solved = np.linalg.solve(fisher + size**-2 * alone, pulled[:, :, None])[:, :, 0]
-                squares[k, draw] = np.sum(pulled * solved, axis=1)
-                gains[k, draw] = 0.5 * (squares[k, draw] - np.linalg.slogdet(alone + size**2 * fisher)[1])
-        gains += log_weight - np.log(len(sizes) * len(readings))
-        for gain, square in zip(gains, squares, strict=True):
-            best = int(np.argmax(found.weights @ np.exp(gain - gain.max())))
-            named = Explained("jump" if readings[best] > of[0] else "place", 0.0, (int(setup),), int(readings[best]))
-            yield _tried(problem, found, gain[:, best], square[:, best], named)
-
-
-def _stands(problem: Problem, setup: int) -> bool:
-    """Return whether a set-up reads in several directions: what it reads stands on the table."""
-    return _numbers(problem.reading[problem.setup == setup]) > 1
-
-
-def _ways(problem: Problem, mine: NDArray[np.bool_]) -> Array:
-    """Return what a jump of each kind adds to the numbers of a set-up, one at most, (k, m).
-
-    A zero adds the same to all. What is read in three directions may move by all that its mounting alone leaves open.
-    """
-    if _numbers(problem.reading[mine]) == 1 or not problem.unknowns:
-        return mine[None].astype(float)
-    seen = problem.rows[:, -problem.unknowns :].T * problem.noise
-    largest = np.abs(seen).max(axis=1)
-    own = (largest > 0) & (np.abs(seen[:, ~mine]).max(axis=1, initial=0.0) == 0)
-    return np.asarray(seen[own] / largest[own, None]) if own.any() else mine[None].astype(float)
-
-
-def _units(problem: Problem, found: Weighed) -> Iterator[_Tried]:
+def _units(problem: Problem, found: Weighed) -> Iterator[Tried]:
     """Yield the likeliest reading from which on a set-up has another unit, at the sizes as stated, where that fits."""
     given = found.drawn.stated
     for setup in np.unique(problem.setup).tolist():
@@ -313,14 +263,14 @@ def _units(problem: Problem, found: Weighed) -> Iterator[_Tried]:
             squares = given.square - 2 * over * pulled + over**2 * fisher
             gains = (given.square - squares) / 2 - since.sum(axis=1) * np.log(factor) - np.log(places)
             best = int(np.argmax(gains))
-            odds = float(np.log(_PRIOR) + found.log_stated + gains[best])
+            odds = float(np.log(PRIOR) + found.log_stated + gains[best])
             tail = chi_square_tail(len(problem.values), float(squares[best]))
             # Divided by enough all readings agree, and then by far too well.
             if 2 * (p := min(tail, 1 - tail)) >= CONTRADICTS:
-                yield _Tried(Explained("unit", odds, (int(setup),), int(readings[best]) if best else -1, factor), p)
+                yield Tried(Explained("unit", odds, (int(setup),), int(readings[best]) if best else -1, factor), p)
 
 
-def _turned(problem: Problem, found: Weighed) -> Iterator[_Tried]:
+def _turned(problem: Problem, found: Weighed) -> Iterator[Tried]:
     """Yield the mistakes that change the values themselves."""
     for mistake, setups, values, factor in _other_values(problem):
         squares = np.empty(len(found.given))
@@ -329,7 +279,7 @@ def _turned(problem: Problem, found: Weighed) -> Iterator[_Tried]:
         yield _tried(problem, found, 0.5 * squares, squares, Explained(mistake, 0.0, setups, factor=factor))
 
 
-def _against(problem: Problem, found: Weighed, turned: Iterable[Turned]) -> Iterator[_Tried]:
+def _against(problem: Problem, found: Weighed, turned: Iterable[Turned]) -> Iterator[Tried]:
     """Yield that some axes count the other way than described."""
     for axes, other in turned:
         space, gains, squares = space_of(other), np.full(len(found.given), -np.inf), np.zeros(len(found.given))

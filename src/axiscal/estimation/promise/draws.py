@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from axiscal.description.usual import Sizes
 from axiscal.estimation.promise.considered import Considered
-from axiscal.estimation.promise.unknowns import Given, Space
+from axiscal.estimation.promise.problem import Problem
+from axiscal.estimation.promise.unknowns import Given, Space, space_of
 from axiscal.numerics import Array, even_points
 from axiscal.numerics.from_scipy import normal_quantile, normal_share
 from axiscal.numerics.gaussian import settled
@@ -243,3 +244,23 @@ def weighed(space: Space, drawn: Draws) -> Weighed:
     own = weights[kept] / weights[kept].sum()
     log_stated = drawn.stated.value - float(drawn.log_proposal[-1] + np.log(len(weights))) - evidence
     return Weighed(thetas[kept], own, found, evidence, weights, drawn, log_stated)
+
+
+_RENEWED = 10.0
+"""Effective number of draws below which they are drawn anew."""
+
+
+def sized(problem: Problem, before: Draws | None = None) -> Weighed:
+    """Return draws of the sizes of a problem, with their weights.
+
+    before : draws for nearly the same readings, which are weighed anew while enough of them count
+    """
+    space = space_of(problem)
+    if before is not None:
+        again = weighed(space, replace(before, stated=as_stated(space)))
+        if again.effective >= _RENEWED:
+            return again
+    best = mode(space)
+    drawn = draws(space, best)
+    found = weighed(space, drawn)
+    return found if found.effective >= _RENEWED else weighed(space, redrawn(space, drawn, best, found))

@@ -22,7 +22,7 @@ tell, the answers with it and without it count one half each if errors of the st
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -31,9 +31,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.usual import BAD, Kind
-from axiscal.estimation.promise.agreement import BAD_SHARE, MOST_BAD, SEVERAL, Agreement, Turned, agreement, surprises
+from axiscal.estimation.promise.agreement import (
+    BAD_SHARE,
+    MOST_BAD,
+    SEVERAL,
+    Agreement,
+    Tried,
+    Turned,
+    agreement,
+    surprises,
+)
 from axiscal.estimation.promise.considered import Considered
-from axiscal.estimation.promise.draws import Draws, Weighed, as_stated, draws, mode, redrawn, weighed
+from axiscal.estimation.promise.draws import Draws, Weighed, sized
+from axiscal.estimation.promise.jumps import jumped, likelier
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
 from axiscal.estimation.promise.spaces import Sources, parts_of
 from axiscal.estimation.promise.unknowns import space_of
@@ -54,8 +64,6 @@ _SAME = 0.9999
 """Cosine of what two readings show of the errors: more is the same place."""
 _ALL_ALIKE = 1e-6
 """Of a variance: draws that differ by no more know it."""
-_RENEWED = 10.0
-"""Effective number of draws below which they are drawn anew."""
 
 
 _Owned = tuple[Kind, str]
@@ -144,7 +152,7 @@ def _judged(problem: Problem, apart: Sequence[int], before: Draws | None = None)
 class Sorted:
     """Readings of a problem without the bad ones: mine; of bad ones that may be details of the machine: with_details
 
-    sizes, bad : as of a posterior; count : of all readings
+    sizes, bad : as of a posterior; count : of all readings; jumps : that readings tell, which nobody has accepted
     """
 
     problem: Problem
@@ -153,6 +161,7 @@ class Sorted:
     sizes: dict[_Owned, float]
     bad: dict[int, LeftOut]
     count: int
+    jumps: tuple[Tried, ...] = ()
 
     @one_thread()
     def where(self, problem: Problem) -> Sorted:
@@ -179,7 +188,7 @@ class Sorted:
         z = np.array([each.z for each in left.values()])
         out = self.count - len(left)
         every = (self.problem, sized(self.problem)) if out >= SEVERAL else None
-        agreed = agreement(mine, found, z, out, ((axes, other.only(kept)) for axes, other in turned), every)
+        agreed = agreement(mine, found, z, out, ((axes, other.only(kept)) for axes, other in turned), every, self.jumps)
         known = dict(zip(self.problem.cells, moments.cells.tolist(), strict=True))
         of_sizes = self.sizes, _surely(mine, found), found.effective
         drawn = tuple(Drawn(each.problem, each.found.thetas, each.found.weights / len(judged)) for each in judged)
@@ -188,57 +197,59 @@ class Sorted:
 
 @one_thread()
 def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] = ()) -> Sorted:
-    """Return readings without the bad ones.  never : are not used; sure : are not taken out"""
-    bad, details, apart = dict[int, LeftOut](), list[int](), [*never]
-    accepted, count, slips = frozenset(sure), len(np.unique(problem.reading)), list[int]()
-    with_details = mine = _judged(problem, apart)
+    """Return readings without the bad ones; all of them where zeros jumped, until somebody accepts that.
+
+    never : are not used, unless zeros jumped; sure : are not taken out
+    """
+    apart, accepted, count = [*never], frozenset(sure), len(np.unique(problem.reading))
+    out = _taken_out(_judged(problem, apart), accepted)
+    bad, mine = out.bad, out.mine
+    for among, found in dict.fromkeys([(problem, None if apart else out.first.found), (mine.problem, mine.found)]):
+        if (moved := jumped(among, found)) is not None:
+            beside = _taken_out(_Judged(moved.problem, moved.found), accepted).mine
+            if jumps := likelier(moved, (beside.problem, beside.found), (mine.problem, mine.found)):
+                sizes, bad = _sizes(among, moved.without), {i: bad[i] for i in bad if i not in among.reading}
+                return Sorted(problem, _Judged(among, moved.without), None, sizes, bad, count, jumps)
+    details = [i for i, each in bad.items() if _may_be_a_detail(problem, i, each)]
+    details = [i for i in details if not _told_again(problem, i, [*mine.left], [*bad])]
+    sizes = _sizes(mine.problem, mine.found)
+    if not details:
+        return Sorted(problem, mine, None, sizes, bad, count)
+    others = frozenset(bad) - frozenset(details)
+    with_details = out.stages.get(others) or _judged(problem, [*apart, *others])
+    sizes = _half_and_half(sizes, _sizes(with_details.problem, with_details.found))
+    return Sorted(problem, mine, with_details, sizes, bad, count)
+
+
+class _TakenOut(NamedTuple):
+    """Bad readings, and what was judged on the way: with so many of the bad ones out."""
+
+    bad: dict[int, LeftOut]
+    stages: dict[frozenset[int], _Judged]
+
+    @property
+    def first(self) -> _Judged:
+        """With all of them."""
+        return self.stages[frozenset()]
+
+    @property
+    def mine(self) -> _Judged:
+        """The readings without the bad ones."""
+        return self.stages[frozenset(self.bad)]
+
+
+def _taken_out(first: _Judged, accepted: Collection[int]) -> _TakenOut:
+    """Take bad readings out, the worst first.  first : with all; accepted : are not taken out"""
+    bad, mine, count = dict[int, LeftOut](), first, len(np.unique(first.problem.reading))
+    stages = {frozenset[int](): first}
     while True:
         doubtful = {i: each.log_odds for i, each in mine.left.items() if i not in accepted}
         highest = max(doubtful.values(), default=0.0)
         worst = [i for i, odds in doubtful.items() if odds >= highest - _ALIKE]
         if highest <= 0 or len(bad) + len(worst) > MOST_BAD * count:
-            break
+            return _TakenOut(bad, stages)
         bad |= {i: mine.left[i] for i in worst}
-        details += [i for i in worst if _may_be_a_detail(problem, i, bad[i])]
-        mine = _judged(problem, [*apart, *bad])
-        if not details:
-            with_details, slips = mine, [*bad]
-    if moved := _moved_in(problem, bad):
-        every = _judged(problem, apart)
-        named = agreement(every.problem, every.found, np.array([one.z for one in every.left.values()])).explained
-        if any(one.mistake == "jump" and one.setups[0] in moved for one in named):
-            bad, details, mine = {}, [], every
-    details = [i for i in details if not _told_again(problem, i, [*mine.left], [*bad])]
-    sizes = _sizes(mine.problem, mine.found)
-    if not details:
-        return Sorted(problem, mine, None, sizes, bad, count)
-    if slips != (others := [index for index in bad if index not in details]):
-        with_details = _judged(problem, [*apart, *others])
-    sizes = _half_and_half(sizes, _sizes(with_details.problem, with_details.found))
-    return Sorted(problem, mine, with_details, sizes, bad, count)
-
-
-def _moved_in(problem: Problem, bad: Iterable[int]) -> set[int]:
-    """Return the set-ups read in several directions with several bad readings: what stands there may have moved."""
-    rows = [np.flatnonzero(problem.reading == index) for index in bad]
-    each = [int(problem.setup[row[0]]) for row in rows if len(row) > 1]
-    return {setup for setup in each if each.count(setup) >= SEVERAL}
-
-
-def sized(problem: Problem, before: Draws | None = None) -> Weighed:
-    """Return draws of the sizes of a problem, with their weights.
-
-    before : draws for nearly the same readings, which are weighed anew while enough of them count
-    """
-    space = space_of(problem)
-    if before is not None:
-        again = weighed(space, replace(before, stated=as_stated(space)))
-        if again.effective >= _RENEWED:
-            return again
-    best = mode(space)
-    drawn = draws(space, best)
-    found = weighed(space, drawn)
-    return found if found.effective >= _RENEWED else weighed(space, redrawn(space, drawn, best, found))
+        mine = stages[frozenset(bad)] = _judged(first.problem, [*bad])
 
 
 def _may_be_a_detail(problem: Problem, index: int, left: LeftOut) -> bool:

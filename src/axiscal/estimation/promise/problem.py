@@ -187,6 +187,23 @@ class Problem:
         """The first column that is answered; scales of axes stand before it."""
         return self.first + len(self.scales)
 
+    def wider(self, columns: Array) -> Problem:
+        """Return the problem with more columns of standard deviation one, before all others: of zeros.
+
+        columns : (k, m) over the noise
+        """
+        more = len(columns)
+        zeros: tuple[Kind, ...] = ("drift",) * more
+        return replace(
+            self,
+            rows=np.vstack([columns, self.rows.T]).T,
+            size_at=np.concatenate([np.full(more, -1), self.size_at]).astype(np.intp),
+            curves=tuple(replace(each, columns=each.columns + more) for each in self.curves),
+            roots=tuple((start + more, root) for start, root in self.roots),
+            first_cell=self.first_cell + more,
+            passing=(*zeros, *self.passing),
+        )
+
     def raw(self, whitened: Array, theta: Array, roots: Sequence[Array]) -> Array:
         """Return answered unknowns in m and rad from whitened ones, (answered, ...): L D u.
 

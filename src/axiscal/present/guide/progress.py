@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import re
 from datetime import UTC, datetime
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import floor_of, known_to
-from axiscal.estimation.agreement_words import agreement_words, change_words
+from axiscal.estimation.agreement_words import acceptance, agreement_words, change_words, jump_question
 from axiscal.estimation.judged import Doubt
 from axiscal.language.spoken import counted, decimals, said
 from axiscal.measurement.reading import reading_text, reading_unit
@@ -95,6 +95,31 @@ def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
         )
         minds.append(said(strange, size=decimals(f"{size:.1f}")))
     return minds
+
+
+class SetAnew(NamedTuple):
+    """A zero that may have been set anew: of which set-up, before which reading, and what a person is asked."""
+
+    setup: str
+    number: int
+    question: str
+
+
+def jump_named(campaign: Campaign) -> SetAnew | None:
+    """Return the likeliest jump of a zero that the readings name now."""
+    known = campaign.estimate()
+    for each in known.agreement.explained:
+        if each.mistake == "jump":
+            event = acceptance(each, known)
+            return SetAnew(event.setups[0], event.reading, jump_question(known, each))
+    return None
+
+
+def set_anew(campaign: Campaign, setup: str | None = None, before: int | None = None) -> str:
+    """Keep that a zero was set anew, by default before the next reading, and return a sentence of it."""
+    told = campaign.accept("jump", setup, campaign.state.free if before is None else before)
+    what = 'Kept: "{setup}" has another zero from reading {number} on; undo takes it back.'
+    return said(what, setup=told.setups[0], number=told.reading)
 
 
 def contradictions(campaign: Campaign) -> list[str]:

@@ -46,10 +46,10 @@ class Word:
     text: str = ""
 
 
-ACTIONS = ("undo", "skip", "note", "leave", "stop", "pause", "help", "more")
+ACTIONS = ("undo", "skip", "note", "leave", "stop", "pause", "help", "anew", "more")
 """What can be typed instead of a reading; `more` once a target is reached."""
-_SHORT = {"u": "undo", "s": "skip", "n": "note", "l": "leave", "q": "pause", "p": "pause", "?": "help", "h": "help"}
-_SHORT |= {"quit": "pause", "exit": "pause", "finish": "stop", "end": "stop"}
+_SHORT = {"u": "undo", "s": "skip", "n": "note", "l": "leave", "a": "anew", "q": "pause", "p": "pause", "?": "help"}
+_SHORT |= {"h": "help", "quit": "pause", "exit": "pause", "finish": "stop", "end": "stop"}
 
 
 def action(word: str) -> str | None:

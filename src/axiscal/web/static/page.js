@@ -139,6 +139,13 @@ function renderKept() {
   find("minds").replaceChildren(...state.minds.map((m) => element("li", m)));
 }
 
+// Whether a zero was set anew: asked once, until a person says no or the next reading is kept.
+let denied = "";
+function renderAsking() {
+  show("asking", state.asks !== "" && state.asks !== denied);
+  text("asks", state.asks);
+}
+
 function renderDue() {
   const { temperature_degc: warm, minutes_ago: ago, ask, marker_minutes: marker } = state.due, parts = [];
   if (warm !== null) parts.push(said("temperature {value} °C, {minutes} min ago", { value: warm, minutes: shown(ago, 0) }));
@@ -187,11 +194,12 @@ function render(newer) {
   renderLine();
   renderQuestion();
   renderKept();
+  renderAsking();
   renderAnswer();
   renderEnd();
   find("undo").disabled = state.undo === "";
   find("undo").title = state.undo;
-  find("skip").disabled = find("leave").disabled = find("stop").disabled = state.question === null;
+  find("skip").disabled = find("anew").disabled = find("leave").disabled = find("stop").disabled = state.question === null;
   drawMachine();
   if (document.activeElement === document.body || document.activeElement.offsetParent === null) home();
   document.body.dataset.version = state.version;
@@ -236,7 +244,7 @@ async function record(how = {}) {
 }
 
 async function recorded({ last, typed }, how) {
-  const meant = how.keep || how.vouch ? null : await understood(typed);
+  const meant = how.keep || how.vouch || how.anew ? null : await understood(typed);
   if (meant?.sentence) {
     refuse({ problem: meant.surprising ? "surprising" : "refused", sentence: meant.sentence });
     return;
@@ -333,6 +341,10 @@ on("form", "submit", () => record());
 on("reread", "click", () => { show("doubt", false); find("field").select(); find("field").focus(); });
 on("keep", "click", async () => { await record({ keep: true }); home(); });
 on("vouch", "click", async () => { await record({ vouch: true }); home(); });
+on("moved", "click", async () => { await record({ anew: true }); home(); });
+on("anew", "click", () => plain("/zeros"));
+on("was-anew", "click", () => plain("/zeros", { asked: true }));
+on("was-not", "click", () => { denied = state.asks; renderAsking(); home(); });
 on("undo", "click", () => plain("/undo"));
 on("skip", "click", () => asksForReason(true));
 on("leave", "click", () => asksForReason(true, "leave"));

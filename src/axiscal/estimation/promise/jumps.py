@@ -1,0 +1,208 @@
+"""A zero that jumped between two readings of one set-up, or what stands on the table and moved there.
+
+Sizes that are learnt swallow a jump: a drift of a hundred noises has it between any two readings. So it is sought at
+sizes as stated, and at three times these. With the columns B of its ways, each of standard deviation s, the gain of log
+L is
+
+    ½ gᵀ(F + s⁻²)⁻¹g − ½ log |1 + s² F|,    g = BᵀK⁻¹y, F = BᵀK⁻¹B
+
+The likeliest one is then weighed with the sizes integrated out, by the evidence of the readings with its columns and
+without. No size is beyond ten times what is stated (`description.usual`), so none stands for a jump. At odds above 20 :
+1, its prior of 1 % over all its places included, its columns stay, and the next one is sought. One reading alone beyond
+a jump is a bad reading. What stands on the table may have stood elsewhere since its first reading, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.description.usual import BAD
+from axiscal.estimation.promise.agreement import (
+    BAD_SHARE,
+    CONTRADICTS,
+    MOST_BAD,
+    NAMED,
+    PRIOR,
+    SEVERAL,
+    Explained,
+    Mistake,
+    Tried,
+    tail_of,
+)
+from axiscal.estimation.promise.considered import Considered
+from axiscal.estimation.promise.draws import Weighed, as_stated, sized
+from axiscal.estimation.promise.problem import Problem
+from axiscal.estimation.promise.unknowns import space_of
+from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import chi_square_tail
+
+_JUMPS = 30.0, 1e3, 3e4
+"""Noises: standard deviations of a jump, one as likely as the other: it slips, is nudged, or is set to zero anew."""
+_LARGER = float(np.log(3.0))
+"""Of θ: the one factor that errors are usually off by."""
+_BEYOND = 2
+"""Readings before and behind a jump, at least; between two jumps lie several."""
+_NAMED = float(np.log(NAMED))
+_BAD = float(np.log(BAD_SHARE / BAD.size))
+"""Of log odds: what a bad reading costs."""
+_WEIGHED = 2
+"""Suspects that are weighed: each costs as much as an estimate."""
+
+
+class Suspect(NamedTuple):
+    """A jump that readings may tell.
+
+    columns : (k, m) what one standard deviation of each of its ways adds, over the noise; places : it is one of
+    """
+
+    mistake: Explained
+    columns: Array
+    places: int
+
+    @property
+    def log_odds(self) -> float:
+        """Beside none, at the same sizes."""
+        return self.mistake.log_odds
+
+
+class Jumped(NamedTuple):
+    """problem : with columns for the jumps; found, without : its draws, and those for the readings without any jump
+
+    jumps : in the order found; log_prior : of all of them
+    """
+
+    problem: Problem
+    found: Weighed
+    without: Weighed
+    jumps: tuple[Explained, ...] = ()
+    log_prior: float = 0.0
+
+    @property
+    def log_odds(self) -> float:
+        """Of all jumps together, beside none."""
+        return self.found.log_evidence - self.without.log_evidence + self.log_prior
+
+
+def jumped(problem: Problem, found: Weighed | None = None) -> Jumped | None:
+    """Return the jumps that readings tell, one after the other; None for none.
+
+    found : draws for the readings without any
+    """
+    known, told = None, tuple[Explained, ...]()
+    while suspected := [one for one in suspects(known.problem if known else problem, told) if one.log_odds > _NAMED]:
+        found = found or sized(problem)
+        following = _weighed(known or Jumped(problem, found, found), suspected)
+        if following is None:
+            break
+        known, told = following, following.jumps
+    return known
+
+
+def likelier(moved: Jumped, here: tuple[Problem, Weighed], there: tuple[Problem, Weighed]) -> tuple[Tried, ...]:
+    """Return jumps where these are 20 times as likely as bad readings alone, and the readings agree with them.
+
+    here, there : the readings without the bad ones, beside the jumps and without any, with their draws
+    Both are compared by what neither takes for bad. Each other bad reading costs its prior, over its width. Where jumps
+    and bad readings are more than a fifth of all it is the model that is wrong.
+    """
+    mine, others, every = (np.unique(each.reading) for each in (here[0], there[0], moved.problem))
+    both = np.intersect1d(mine, others)
+    gain = _evidence(*here, both) - _evidence(*there, both) - (len(mine) - len(others)) * _BAD
+    p = tail_of(*here)
+    if gain + moved.log_prior <= _NAMED or 2 * p < CONTRADICTS:
+        return ()
+    if len(every) - len(mine) + len(moved.jumps) > MOST_BAD * len(every):
+        return ()
+    return tuple(Tried(each._replace(log_odds=moved.log_odds), p) for each in moved.jumps)
+
+
+def _evidence(problem: Problem, found: Weighed, kept: NDArray[np.intp]) -> float:
+    """Return the log evidence of some of the readings, up to a constant."""
+    among = np.isin(problem.reading, kept)
+    return (found if among.all() else sized(problem.only(among))).log_evidence
+
+
+def _weighed(known: Jumped, suspected: list[Suspect]) -> Jumped | None:
+    """Return what is known with one more jump, None where readings tell no other."""
+    for suspect in sorted(suspected, key=lambda one: -one.log_odds)[:_WEIGHED]:
+        wider = known.problem.wider(suspect.columns)
+        prior = float(np.log(PRIOR / suspect.places))
+        more = known._replace(problem=wider, found=sized(wider), log_prior=known.log_prior + prior)
+        if more.log_odds - known.log_odds > _NAMED:
+            return more._replace(jumps=(*known.jumps, suspect.mistake))
+    return None
+
+
+def suspects(problem: Problem, told: Sequence[Explained] = ()) -> Iterator[Suspect]:
+    """Yield the likeliest jump of each set-up, at sizes as stated and three times these, if as stated contradict.
+
+    told : jumps that have columns
+    """
+    space = space_of(problem)
+    stated = as_stated(space)
+    if chi_square_tail(len(problem.values), stated.square) >= CONTRADICTS:
+        return
+    kept = np.array([size.kind in ("length", "noise") for size in problem.sizes.of], dtype=bool)
+    larger = space.given(np.where(kept, 0.0, _LARGER))
+    each = [stated] if larger is None else [stated, Considered(larger)]
+    for setup in np.unique(problem.setup).tolist():
+        mine = problem.setup == setup
+        of = np.unique(problem.reading[mine])
+        before = np.searchsorted(of, [each.reading for each in told if setup in each.setups])
+        readings = of[_BEYOND : len(of) - _BEYOND + 1]
+        near = np.abs(np.searchsorted(of, readings)[:, None] - before) < SEVERAL
+        readings = readings[~near.any(axis=1)]
+        if not len(before) and len(of) > 1 and _numbers(problem.reading[mine]) > 1:
+            readings = np.append(of[0], readings)
+        if len(readings):
+            yield _suspect(problem, each, mine, readings, bool(readings[0] == of[0]))
+
+
+def _suspect(
+    problem: Problem, each: list[Considered], mine: NDArray[np.bool_], readings: NDArray[np.intp], stands: bool
+) -> Suspect:
+    """Return the likeliest of the jumps before some readings.  stands : the first of them is that of the set-up"""
+    ways = ways_of(problem, mine) / problem.noise * float(np.median(problem.noise[mine]))
+    columns = (problem.reading >= readings[:, None])[:, None] * ways
+    gains = np.array([_gains(given, columns, problem.values) for given in each])
+    densities = np.array([given.density for given in each])
+    log_odds = np.logaddexp.reduce(gains + densities[:, None, None]) - np.logaddexp.reduce(densities)
+    places = len(_JUMPS) * len(readings)
+    size, best = np.unravel_index(np.argmax(log_odds), log_odds.shape)
+    name: Mistake = "place" if stands and best == 0 else "jump"
+    odds = float(log_odds[size, best] + np.log(PRIOR / places))
+    setup = int(problem.setup[mine][0])
+    return Suspect(Explained(name, odds, (setup,), int(readings[best])), _JUMPS[size] * columns[best], places)
+
+
+def _gains(given: Considered, columns: Array, values: Array) -> Array:
+    """Return the gain of log L of each size of a jump, (s, r).  columns : (r, k, m)"""
+    weighted = given.precision(columns.reshape(-1, len(values)).T).T.reshape(columns.shape)
+    fisher, pulled = columns @ weighted.transpose(0, 2, 1), weighted @ values
+    alone, gains = np.eye(columns.shape[1]), np.empty((len(_JUMPS), len(columns)))
+    for k, size in enumerate(_JUMPS):
+        solved = np.linalg.solve(fisher + size**-2 * alone, pulled[:, :, None])[:, :, 0]
+        gains[k] = 0.5 * (np.sum(pulled * solved, axis=1) - np.linalg.slogdet(alone + size**2 * fisher)[1])
+    return gains
+
+
+def ways_of(problem: Problem, mine: NDArray[np.bool_]) -> Array:
+    """Return what a jump of each kind adds to the numbers of a set-up, one at most, (k, m).
+
+    A zero adds the same to all. What is read in three directions may move by all that its mounting alone leaves open.
+    """
+    if _numbers(problem.reading[mine]) == 1 or not problem.unknowns:
+        return mine[None].astype(float)
+    seen = problem.rows[:, -problem.unknowns :].T * problem.noise
+    largest = np.abs(seen).max(axis=1)
+    own = (largest > 0) & (np.abs(seen[:, ~mine]).max(axis=1, initial=0.0) == 0)
+    return np.asarray(seen[own] / largest[own, None]) if own.any() else mine[None].astype(float)
+
+
+def _numbers(reading: NDArray[np.intp]) -> int:
+    """Return how many numbers a reading of a set-up has."""
+    return int(np.sum(reading == reading[0]))

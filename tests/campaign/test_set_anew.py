@@ -1,0 +1,92 @@
+"""A zero that was set anew, as a person tells it: the readings before have a zero of their own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.exceptions import RecordError
+from axiscal.measurement.reading import Reading
+from axiscal.present.guide.progress import SetAnew, jump_named
+from axiscal.record.accepted import Accepted, put_right
+from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, read
+
+DESCRIBED = campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m")
+
+
+def _begun(path: Path, count: int, step: float = 0.0, before: int = 0) -> Campaign:
+    """Return a campaign of some readings, with a step before one of them."""
+    campaign = Campaign.create(path, DESCRIBED)
+    for index, each in enumerate(read(machine(3), 15)[:count]):
+        campaign.record(each.value + step * (index >= before), at=each.place)
+    return campaign
+
+
+def _setups(campaign: Campaign) -> list[str]:
+    return [each.setup for each in campaign.state.readings]
+
+
+def test_the_next_reading_has_a_zero_of_its_own_and_undo_takes_that_back(tmp_path: Path) -> None:
+    with _begun(tmp_path / "r.axiscal", 4) as campaign:
+        campaign.next()
+        told = campaign.accept("jump", before=campaign.state.free)
+        assert told == Accepted("jump", ("laser",), 5, name="laser, before reading 5")
+        assert _setups(campaign) == ["laser, before reading 5"] * 4
+        assert campaign.next().place.setup == "laser"  # type: ignore[union-attr]
+        assert campaign.record(3e-4).number == 5
+        assert _setups(campaign)[-1] == "laser"
+        assert not campaign.estimate().left_out
+    with Campaign.open(tmp_path / "r.axiscal") as again:
+        assert _setups(again) == ["laser, before reading 5"] * 4 + ["laser"]
+        again.undo()
+        again.undo()
+        assert _setups(again) == ["laser"] * 4
+        assert again.next().reading == 5  # type: ignore[union-attr]
+
+
+def test_it_may_be_told_of_a_reading_before_and_twice(tmp_path: Path) -> None:
+    with _begun(tmp_path / "r.axiscal", 6) as campaign:
+        campaign.accept("jump", "laser", 3)
+        campaign.accept("jump", before=5)
+        names = ["laser, before reading 3"] * 2 + ["laser, before reading 5"] * 2 + ["laser"] * 2
+        assert _setups(campaign) == names
+        campaign.accept("jump", before=campaign.state.free)
+        assert _setups(campaign)[-2:] == ["laser, before reading 7"] * 2
+        with pytest.raises(RecordError, match="none of its readings stands before that"):
+            campaign.accept("jump", before=campaign.state.free)
+
+
+@pytest.mark.parametrize(("setup", "before"), [("laser", 1), ("laser", 0), ("laser", 9), ("other", 3)])
+def test_a_zero_before_the_first_reading_or_behind_the_next_is_refused(setup: str, before: int, tmp_path: Path) -> None:
+    with _begun(tmp_path / "r.axiscal", 3) as campaign:
+        last = campaign.state.last
+        with pytest.raises(RecordError, match=f'No zero of "{setup}" can change before reading {before}'):
+            campaign.accept("jump", setup, before)
+        assert campaign.state.last == last
+
+
+def test_a_reading_that_comes_later_is_behind_the_jump_and_one_without_any_before_it_is_none() -> None:
+    readings = [Reading("laser", (0.1 * n,), (1,), 0.0, number=n) for n in (1, 2, 6)]
+    jump = Accepted("jump", ("laser",), 4, name="before")
+    assert [each.setup for each in put_right(readings, jump)] == ["before", "before", "laser"]
+    with pytest.raises(ValueError, match="no zero jumped before reading 1"):
+        put_right(readings, Accepted("jump", ("laser",), 1, name="before"))
+
+
+def test_a_step_is_asked_about_by_the_second_reading_behind_it_and_accepted_it_agrees(tmp_path: Path) -> None:
+    """Once more it is not asked: the same jump was named before."""
+    with _begun(tmp_path / "r.axiscal", 9, 140e-6, 8) as campaign:
+        assert jump_named(campaign) is None
+        places = read(machine(3), 15)[9:]
+        asked = list[SetAnew | None]()
+        for each in places[:3]:
+            campaign.record(each.value + 140e-6, at=each.place)
+            asked.append(jump_named(campaign))
+        assert asked[0] == SetAnew("laser", 9, 'Was the zero of "laser" set anew before reading 9?')
+        assert asked[1:] == [asked[0]] * 2
+        assert campaign.accept("jump").reading == 9
+        assert jump_named(campaign) is None
+        assert not campaign.estimate().agreement.contradicts

@@ -1,0 +1,220 @@
+"""A zero that jumps is weighed as the dense density says, and named on machines that no model drew.
+
+The foreign truths are sums of waves and a sag, written here and in no other place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.agreement_words import agreement_words
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import estimated
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.promise.jumps import jumped, suspects, ways_of
+from axiscal.estimation.promise.posterior import sorted_out
+from axiscal.estimation.promise.problem import Problem
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from tests.generators.dense_posterior import Dense, log_density
+from tests.generators.problems import asked, sized
+from tests.generators.texts import machine_text, setup_text
+
+JUMPS = 30.0, 1e3, 3e4
+
+
+def _off(problem: Problem, since: int, by: float, setup: int = 0) -> Problem:
+    """Return a problem whose zero jumps by so many base noises of its set-up."""
+    mine = problem.setup == setup
+    noise = float(np.median(problem.noise[mine]))
+    step = np.where(mine & (problem.reading >= since), by * noise, 0.0) / problem.noise
+    return replace(problem, values=problem.values + step)
+
+
+def _log_odds(problem: Problem, columns: Array, places: int, *, judged: bool = True) -> float:
+    """Return the log odds of columns (k, m) beside none at the sizes as stated, 1 % over all places before.
+
+    judged : with the causes of type B that judge readings
+    """
+    covariance, nought = Dense(problem).covariance(np.zeros(len(problem.sizes))), np.zeros(len(problem.values))
+    causes = problem.type_b[:, problem.judging] * judged
+    covariance = covariance + causes @ causes.T
+    with_them = log_density(problem.values, nought, covariance + columns.T @ columns)
+    return float(with_them - log_density(problem.values, nought, covariance) + np.log(0.01 / places))
+
+
+@pytest.mark.parametrize("kind", ["axis", "two set-ups"])
+def test_the_likeliest_jump_of_a_set_up_is_that_of_the_dense_density(kind: str) -> None:
+    """Of sizes that are exact both weighings are one: in closed form, and by the evidence with the columns."""
+    problem = _off(sized(asked(kind, 9 if kind == "axis" else 8, 5), ()), 4, 200.0)
+    (found,) = (each for each in suspects(problem) if each.mistake.setups == (0,))
+    of = np.unique(problem.reading[problem.setup == 0])
+    places = len(JUMPS) * len(of[2:-1])
+    ways = ways_of(problem, problem.setup == 0) / problem.noise * float(np.median(problem.noise[problem.setup == 0]))
+    each = {(s, r): _log_odds(problem, s * ways * (problem.reading >= r), places) for s in JUMPS for r in of[2:-1]}
+    best = max(each, key=lambda key: each[key])
+    assert found.mistake[2:4] == ((0,), best[1])
+    assert found.mistake.mistake == "jump"
+    assert found.places == places
+    assert found.log_odds == pytest.approx(each[best], rel=1e-6)
+    np.testing.assert_allclose(found.columns, best[0] * ways * (problem.reading >= best[1]))
+    known = jumped(problem)
+    assert known is not None
+    assert known.jumps == (found.mistake,)
+    alone = _log_odds(problem, found.columns, places, judged=False)
+    assert known.log_odds == pytest.approx(alone, rel=1e-6)
+
+
+def test_without_a_contradiction_nothing_is_sought() -> None:
+    problem = sized(asked("axis", 9, 5), ())
+    assert list(suspects(problem)) == []
+    assert jumped(problem) is None
+
+
+def test_a_wider_problem_has_the_covariance_of_its_columns_besides() -> None:
+    """And the same answers otherwise: the columns stand before all others."""
+    problem = sized(asked("axis", 12, 5), ("std", "length", "rest"))
+    columns, theta = np.random.default_rng(1).standard_normal((2, len(problem.values))), np.array([0.3, -0.2, 0.1])
+    wider = problem.wider(columns)
+    before, after = (Dense(each).covariance(theta) for each in (problem, wider))
+    np.testing.assert_allclose(after, before + columns.T @ columns, rtol=1e-9, atol=1e-12)
+    assert wider.answered == problem.answered
+
+
+def test_a_jump_of_one_number_is_of_its_zero_whatever_else_the_mounting_leaves_open() -> None:
+    problem = sized(asked("axis", 9, 5), ())
+    for unknowns in (0, 2):
+        np.testing.assert_array_equal(
+            ways_of(replace(problem, unknowns=unknowns), problem.setup == 0), np.ones((1, len(problem.values)))
+        )
+
+
+@pytest.mark.parametrize("since", [12, 13])
+def test_a_ball_that_moves_is_a_jump_and_none_of_its_readings_is_bad(since: int) -> None:
+    """Sixteen readings of a nest: the last ones stand 60 um off, as if some were bad; three of any time are bad."""
+    problem = sized(asked("five axes", 16, 5), ())
+    moved = np.array([50e-6, -30e-6, 20e-6])[np.arange(len(problem.values)) % 3] / problem.noise
+    jumped = replace(problem, values=problem.values + np.where(problem.reading >= since, moved, 0.0))
+    found = sorted_out(jumped)
+    assert found.bad == {}
+    assert found.posterior().agreement.explained[0][2:4] == ((0,), since)
+    slips = replace(problem, values=problem.values + np.where(np.isin(problem.reading, [1, 5, 9]), 2 * moved, 0.0))
+    assert set(sorted_out(slips).bad) == {1, 5, 9}
+
+
+MACHINE = machine_text(
+    "w-X'-b-Z-t", {"X": (0, 600), "Z": (0, 400)},
+    {
+        "EZX": 'std = "4 um", knots = 13, length = "150 mm", rest = "0.2 um"',
+        "EXX": 'std = "10 um", knots = 13, length = "150 mm", rest = "0.4 um"',
+        "EXX_reversal": 'std = "3 um"',
+    },
+)  # fmt: skip
+DIAL = setup_text("dial", "straightedge", direction="z", moves=["X"], noise="1 um", approach="both")
+LASER = setup_text("laser", "interferometer", direction="x", moves=["X"], noise="0.3 um", approach="both")
+
+
+@cache
+def _case(setup: str) -> Case:
+    text = f'machine = "m"\n[target]\nreadings = 40\n{setup}'
+    return case_of(campaign_from_texts(text, "c.toml", MACHINE, "m"))
+
+
+def _readings(setup: str, count: int, seed: int, size: float = 10e-6) -> list[Reading]:
+    """Return readings in four passes, two of few, of a sag and two waves of a root mean square size, m."""
+    case, rng = _case(setup), np.random.default_rng(seed)
+    passes = np.array_split(np.arange(count), 4 if count >= 12 else 2)
+    along = [np.sort(rng.uniform(0.05, 0.55, len(each)))[:: 1 if i % 2 == 0 else -1] for i, each in enumerate(passes)]
+    x: Array = np.round(np.concatenate(along).astype(float), 3)
+    side = np.repeat([1, -1, 1, -1][: len(passes)], [len(a) for a in along])
+    a, phase = rng.normal(size=3), rng.uniform(0, 6.28, 2)
+
+    def truth(at: Array) -> Array:
+        waves = a[1] * np.sin(at / 0.095 + phase[0]) + 0.5 * a[2] * np.sin(at / 0.06 + phase[1])
+        return np.asarray(a[0] * (at / 0.6) ** 2 + waves)
+
+    shape = truth(np.linspace(0.05, 0.55, 99))
+    noise = case.description.setups[0].noise
+    values = size * truth(x) / shape.std() + noise * rng.normal(size=count)
+    if setup is LASER:
+        values += 1.5e-6 * side
+    park = case.description.setups[0].park
+    return [
+        Reading(case.description.setups[0].name, (float(at), *park[1:]), (int(way), 0), float(value), number=i + 1)
+        for i, (at, way, value) in enumerate(zip(x, side, values - values[0], strict=True))
+    ]
+
+
+def _stepped(readings: Sequence[Reading], before: int, by: float) -> list[Reading]:
+    return [replace(each, value=each.value + by * (i >= before)) for i, each in enumerate(readings)]
+
+
+def _named(known: Estimation) -> list[tuple[str, int]]:
+    return [(each.mistake, each.reading) for each in known.agreement.explained]
+
+
+@pytest.mark.parametrize("setup", [DIAL, LASER], ids=["dial", "laser"])
+@pytest.mark.parametrize(("count", "before"), [(28, 13), (18, 10), (15, 6), (9, 5)])
+def test_a_zero_set_anew_by_140_um_is_named_where_it_was_and_never_agrees(setup: str, count: int, before: int) -> None:
+    for seed in range(3):
+        right = _readings(setup, count, seed)
+        assert _named(estimated(_case(setup), right)) == []
+        known = estimated(_case(setup), _stepped(right, before, 140e-6))
+        assert _named(known) == [("jump", before)]
+        assert known.agreement.contradicts or count == 9  # of few readings odds of 20 to 1000 are a question
+        assert f"before reading {before + 1}" in agreement_words(known)
+        assert not known.left_out
+
+
+@pytest.mark.parametrize("by", [-2.5e-3, 1e-3, 60e-6])
+def test_a_step_of_any_size_is_a_step(by: float) -> None:
+    """Also one by which half of the readings seem to be of another unit."""
+    known = estimated(_case(DIAL), _stepped(_readings(DIAL, 18, 1), 9, by))
+    assert _named(known) == [("jump", 9)]
+    assert not known.left_out
+
+
+@pytest.mark.parametrize("setup", [DIAL, LASER], ids=["dial", "laser"])
+def test_two_bad_readings_of_a_first_run_are_bad_and_no_size(setup: str) -> None:
+    """As large as a backlash of 350 um would be, one up and one down."""
+    for count, bad in ((28, (1, 4)), (20, (0, 3))):
+        readings = _readings(setup, count, 2)
+        for index, by in zip(bad, (350e-6, -280e-6), strict=True):
+            readings[index] = replace(readings[index], value=readings[index].value + by)
+        known = estimated(_case(setup), readings)
+        assert known.left_out == set(bad)
+        assert not known.agreement.contradicts
+        sizes = known.posterior.sizes if known.posterior else {}
+        assert max(size for (kind, _), size in sizes.items() if kind not in ("length", "noise", "cycle")) < 10
+
+
+def test_one_reading_beyond_a_step_is_a_bad_reading_and_two_are_a_jump() -> None:
+    right = _readings(DIAL, 12, 3)
+    one, two = (estimated(_case(DIAL), _stepped(right, before, 140e-6)) for before in (11, 10))
+    assert (set(one.left_out), _named(one)) == ({11}, [])
+    assert (set(two.left_out), _named(two)) == (set(), [("jump", 10)])
+
+
+def test_a_step_is_named_beside_a_bad_reading() -> None:
+    readings = _stepped(_readings(DIAL, 18, 1), 9, 140e-6)
+    readings[3] = replace(readings[3], value=readings[3].value + 300e-6)
+    assert _named(estimated(_case(DIAL), readings)) == [("jump", 9)]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("times", [1.0, 4.0])
+def test_of_a_hundred_right_records_none_has_a_jump(times: float) -> None:
+    """Nor where the curves are four times as large as stated, and rough."""
+    found = 0
+    for seed in range(100):
+        setup, count = (DIAL, LASER)[seed % 2], (9, 15, 18, 28)[seed // 2 % 4]
+        readings = _readings(setup, count, 1000 + seed, times * (4e-6 if setup is DIAL else 10e-6))
+        found += len(_named(estimated(_case(setup), readings)))
+    assert found <= 1
