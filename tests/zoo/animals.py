@@ -1,0 +1,125 @@
+"""What an animal of the zoo is: a job as a stranger describes it, what is read, and what is true."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from axiscal.numerics import Array
+from tests.zoo.answers import Answer
+
+KEPT, INSIDE = 0.95, 0.85
+"""Least share of a slope that a table keeps, and of the truth that lies inside U, of one kind of animal."""
+MEAN_INSIDE = 0.92
+"""Least share of the truth inside U over all kinds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """What a person gives `axiscal init`, and which lines of campaign.toml they change then.
+
+    stated : pairs of a text in campaign.toml and what stands there instead; ("", line) puts a line at the head
+    """
+
+    machine: str
+    instruments: tuple[str, ...]
+    target: str
+    stated: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Slope:
+    """table, read : the slope of the table and of the readings; std : what noise gives to that of the readings"""
+
+    table: float
+    read: float
+    std: float
+
+    @property
+    def share(self) -> float:
+        """The share that is kept."""
+        return self.table / self.read
+
+    @property
+    def holds(self) -> bool:
+        """Whether enough is kept; half a standard deviation is nobody's fault."""
+        return abs(self.table - self.read) <= (1 - KEPT) * abs(self.read) + 0.5 * self.std
+
+
+class Truth(Protocol):
+    """What is true of a machine."""
+
+    def left(self, answer: Answer) -> Array:
+        """Return how far off the tool is where the answer is put to use, (p,) um, all places counting alike."""
+
+    def promised(self, answer: Answer) -> float:
+        """Return the U that is printed for it, um."""
+
+    def kept(self, answer: Answer) -> Slope | None:
+        """Return what the table keeps of the slope that was read; None without a slope."""
+
+
+@dataclass(frozen=True, slots=True)
+class Met:
+    """One animal met: the text of READINGS.csv, and the truth."""
+
+    readings: str
+    truth: Truth
+
+
+@dataclass(frozen=True, slots=True)
+class Animal:
+    """A kind of truth.
+
+    name : with its kind before the colon
+    meet : from a seed to readings and truth
+    cause : what an answer says that names the cause or asks for it; "" where only right figures will do
+    quick : part of the quick tests
+    """
+
+    name: str
+    job: Job
+    meet: Callable[[int], Met]
+    cause: str = ""
+    quick: bool = False
+
+    @property
+    def kind(self) -> str:
+        """The family of animals that are averaged."""
+        return self.name.partition(":")[0]
+
+    def named_in(self, text: str) -> bool:
+        """Return whether a text names the cause."""
+        return bool(self.cause) and re.search(self.cause, " ".join(text.split()), re.IGNORECASE) is not None
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """What became of one animal.
+
+    kept : what the table keeps of the slope, None without one; inside : share of the truth inside U
+    U, far : U of what was judged and where 95 % of the truth lie, um; None where nothing is printed
+    named : whether the cause is named; withheld : whether no U is promised
+    """
+
+    animal: Animal
+    seed: int
+    kept: Slope | None
+    inside: float | None
+    U: float | None
+    far: float | None
+    named: bool
+    withheld: bool
+    said: str
+
+    @property
+    def slope_holds(self) -> bool:
+        """Whether the table keeps the slope, where there is one."""
+        return self.kept is None or self.kept.holds
+
+    @property
+    def holds(self) -> bool:
+        """Whether the figures are right, or the cause is named."""
+        return self.named or (self.inside is not None and self.inside >= INSIDE and self.slope_holds)
