@@ -18,15 +18,18 @@ MEAN_INSIDE = 0.92
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """What a person gives `axiscal init`, and which lines of campaign.toml they change then.
+    """What a person gives `axiscal init`, and which lines of its files they change then.
 
+    machine : a built-in machine, or the text of a LinuxCNC's INI file
     stated : pairs of a text in campaign.toml and what stands there instead; ("", line) puts a line at the head
+    errors : the only errors that machine.toml keeps; all of them where none is named
     """
 
     machine: str
     instruments: tuple[str, ...]
     target: str
     stated: tuple[tuple[str, str], ...] = ()
+    errors: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,10 +66,11 @@ class Truth(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Met:
-    """One animal met: the text of READINGS.csv, and the truth."""
+    """One animal met: the text of the file of readings, the truth, and the file's name."""
 
     readings: str
     truth: Truth
+    file: str = "readings.csv"
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +81,7 @@ class Animal:
     meet : from a seed to readings and truth
     cause : what an answer says that names the cause or asks for it; "" where only right figures will do
     quick : part of the quick tests
+    asked : nothing but the name of the cause will do
     """
 
     name: str
@@ -84,6 +89,7 @@ class Animal:
     meet: Callable[[int], Met]
     cause: str = ""
     quick: bool = False
+    asked: bool = False
 
     @property
     def kind(self) -> str:
@@ -122,4 +128,9 @@ class Judged:
     @property
     def holds(self) -> bool:
         """Whether the figures are right, or the cause is named."""
-        return self.named or (self.inside is not None and self.inside >= INSIDE and self.slope_holds)
+        return self.named or (not self.animal.asked and self.figures_hold)
+
+    @property
+    def figures_hold(self) -> bool:
+        """Whether a U is printed, the truth lies inside it, and the table keeps the slope."""
+        return self.inside is not None and self.inside >= INSIDE and self.slope_holds

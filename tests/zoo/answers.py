@@ -10,9 +10,25 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import RegularGridInterpolator
 
 from axiscal.numerics import Array
 from tests.commands import Outcome
+
+
+@dataclass(frozen=True, slots=True)
+class HeightMap:
+    """x, y : lines of the grid, mm; heights : (y, x) um"""
+
+    x: Array
+    y: Array
+    heights: Array
+
+    def at(self, x: Array, y: Array) -> Array:
+        """Return heights between the points, um: bilinear, those of the edge outside, as the firmware takes them."""
+        inside = np.clip(y, self.y[0], self.y[-1]), np.clip(x, self.x[0], self.x[-1])
+        found: Array = RegularGridInterpolator((self.y, self.x), self.heights)(np.column_stack(inside))
+        return found
 
 
 @dataclass(frozen=True)
@@ -59,3 +75,11 @@ class Answer:
             rows = [row for row in csv.DictReader(file) if row["axis"] == axis]
         columns = [[float(row[name]) for row in rows] for name in ("position_mm", "forward_um", "reverse_um")]
         return np.array(columns[0]), np.array(columns[1:])
+
+    def height_map(self) -> HeightMap:
+        """Return the height map for RepRapFirmware."""
+        text = (self.folder / "tables" / "reprapfirmware" / "heightmap.csv").read_text(encoding="utf-8")
+        _, names, sizes, *rows = text.splitlines()
+        size = dict(zip(names.split(","), map(float, sizes.split(",")), strict=True))
+        x, y = (np.linspace(size[f"{a}min"], size[f"{a}max"], int(size[f"{a}num"])) for a in "xy")
+        return HeightMap(x, y, 1000 * np.array([[float(cell) for cell in row.split(",")] for row in rows]))

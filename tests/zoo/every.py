@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from tests.zoo.animals import Animal
-from tests.zoo.axes import LEADS
+from tests.zoo.axes import CURVES, LEADS, WARM
+from tests.zoo.beds import BEDS
+from tests.zoo.mills import MILLS
+from tests.zoo.slips import SLIPS
+from tests.zoo.turning import TURNING
 
-EVERY: tuple[Animal, ...] = (*LEADS,)
+EVERY: tuple[Animal, ...] = (*LEADS, *WARM, *CURVES, *BEDS, *TURNING, *MILLS, *SLIPS)
