@@ -59,7 +59,7 @@ def _about_z(points: Array, angle: Array) -> Array:
 
 
 NOMINAL = Geometry()
-REAL = Geometry(b=(0.030, 0.0, -200.020), c=(0.055, -0.025, -200.0), stretch=20e-6)
+REAL = Geometry(b=(0.0, 0.0, -200.020), c=(0.055, -0.025, -200.0), stretch=20e-6)
 
 
 @dataclass(frozen=True, slots=True)
