@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from axiscal.numerics import Array
 from tests.zoo.answers import Answer
 
@@ -101,29 +103,27 @@ class Animal:
         return bool(self.cause) and re.search(self.cause, " ".join(text.split()), re.IGNORECASE) is not None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Judged:
     """What became of one animal.
 
-    kept : what the table keeps of the slope, None without one; inside : share of the truth inside U
-    U, far : U of what was judged and where 95 % of the truth lie, um; None where nothing is printed
-    named : whether the cause is named; withheld : whether no U is promised
+    left : how far off the tool is, (p,) um, and U : that is promised, um; None where no U is printed
+    kept : what the table keeps of the slope, None without one
+    named : whether the cause is named; said : all that a person is told
     """
 
     animal: Animal
     seed: int
-    kept: Slope | None
-    inside: float | None
+    left: Array | None
     U: float | None
-    far: float | None
+    kept: Slope | None
     named: bool
-    withheld: bool
     said: str
 
     @property
-    def slope_holds(self) -> bool:
-        """Whether the table keeps the slope, where there is one."""
-        return self.kept is None or self.kept.holds
+    def interval(self) -> Interval | None:
+        """How U does."""
+        return None if self.left is None or self.U is None else Interval.about(self.left, self.U)
 
     @property
     def holds(self) -> bool:
@@ -133,4 +133,28 @@ class Judged:
     @property
     def figures_hold(self) -> bool:
         """Whether a U is printed, the truth lies inside it, and the table keeps the slope."""
-        return self.inside is not None and self.inside >= INSIDE and self.slope_holds
+        slope = self.kept is None or self.kept.holds
+        return self.interval is not None and self.interval.inside >= INSIDE and slope
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """How ± `half` about what is said does.
+
+    half, far : um, and where 95 % of the truth lie; inside : share of the truth within
+    score : interval score, um: (43) of Gneiting and Raftery, J. Amer. Statist. Assoc. 102 (2007), for 95 %
+    """
+
+    half: float
+    far: float
+    inside: float
+    score: float
+
+    @classmethod
+    def about(cls, left: Array, half: float) -> Interval:
+        """Return how it does.  left : truth beside what is said, (p,) um"""
+        size = np.abs(left)
+        beyond = np.maximum(size - half, 0.0)
+        return cls(
+            half, float(np.quantile(size, 0.95)), float(np.mean(beyond == 0)), float(2 * half + 40 * beyond.mean())
+        )

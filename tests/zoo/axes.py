@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.numerics import Array
-from tests.zoo.animals import Animal, Job, Met, Slope
+from tests.zoo.animals import Job, Met, Slope
 from tests.zoo.answers import Answer
 from tests.zoo.running import planned, rows_of
 
@@ -41,6 +41,11 @@ def _instead(noise: str, more: str = "") -> tuple[tuple[str, str], ...]:
     return ('instrument = "interferometer"', 'instrument = "indicator"'), ('# noise = "0.3 um" ', f"{line}#")
 
 
+PERFECT = _job(
+    ("[target]", '[target]\nrefers_to = "as read"'),
+    ("# noise", 'type_b = { scale = "0 um/m", air = "0 um/m", cosine = "0 mrad" }\n# noise'),
+)
+"""A laser without an error, and a machine that is to be good as warm as it is."""
 LASER = Rule("laser", 0.3, 0.01, _job())
 SCALE = Rule("dial on a scale", 2.0, 1.0, _job(*_instead("2 um", 'resolution = "1 um"\n')))
 TAPE = Rule("tape", 10.0, 10.0, _job(*_instead("10 um", 'resolution = "10 um"\n')))
@@ -107,26 +112,26 @@ class Visits:
         return ways
 
 
-def even(targets: int = 21, runs: int = 2, end: float = LENGTH) -> Visits:
+def even(targets: int, runs: int, end: float = LENGTH) -> Visits:
     """Return a standard test: out and back between the ends, so many times."""
     out = np.linspace(0.0, end, targets)
     x = np.concatenate([out, out[::-1]] * runs)
     return Visits(x, np.tile(np.repeat([1.0, -1.0], targets), runs))
 
 
-def odd(targets: int = 21, runs: int = 2) -> Visits:
+def odd(targets: int, runs: int) -> Visits:
     """Return a standard test with three readings more at places of no round number."""
     test = even(targets, runs)
     return Visits(np.append(test.x, [137.3, 482.7, 861.1]), np.append(test.sides, [1.0, 1.0, 1.0]))
 
 
-def anywhere(rng: np.random.Generator, readings: int = 48) -> Visits:
+def anywhere(rng: np.random.Generator, readings: int) -> Visits:
     """Return places anywhere, out and back."""
     out, back = np.sort(rng.uniform(0, LENGTH, (2, readings // 2)))
     return Visits(np.concatenate([out, back[::-1]]), np.repeat([1.0, -1.0], readings // 2))
 
 
-def as_planned(job: Job, readings: int = 48) -> Visits:
+def as_planned(job: Job, readings: int) -> Visits:
     """Return the places that a plan asks for."""
     points = planned(job, readings)
     x = np.array([float(point["position"]["X"]) for point in points])
@@ -142,6 +147,7 @@ def written(rule: Rule, visits: Visits, values: Array) -> str:
 
 
 Places = Callable[[np.random.Generator], Visits]
+"""Where an axis is read, of which some places may be drawn."""
 Shown = Callable[[Visits], Array]
 """What readings show beside the truth, um."""
 
@@ -165,131 +171,12 @@ def read(curve: Curve, rule: Rule, places: Places, beside: Shown = nothing, *, s
     return met
 
 
-def straight(slope: float) -> Curve:
-    """Return a lead error with a backlash of 2 um.  slope : um/m"""
-    return lambda x, side: slope / 1000 * x - side
-
-
-def warm(kelvin: float) -> Shown:
-    """Return what a scale or part that is so much above 20 degC shows."""
-    return lambda visits: EXPANSION * kelvin * visits.x
-
-
-def _five_runs(_: np.random.Generator) -> Visits:
-    return even(11, 5)
-
-
-def _even(_: np.random.Generator) -> Visits:
-    return even()
-
-
-def _odd(_: np.random.Generator) -> Visits:
-    return odd()
-
-
-def _planned(_: np.random.Generator) -> Visits:
-    return as_planned(LASER.job)
-
-
-def _half(_: np.random.Generator) -> Visits:
-    return even(11, 2, LENGTH / 2)
-
-
-def bowed(x: Array, side: Array) -> Array:
-    """Return a gentle bow of 8 um with a backlash of 2 um."""
-    return 8 * np.sin(np.pi * x / LENGTH) - side
-
-
-def pitch(x: Array, side: Array) -> Array:
-    """Return a screw's error of 3 um in each turn of 10 mm."""
-    return 3 * np.sin(2 * np.pi * x / 10 + 0.7) - side
-
-
-def growing_pitch(x: Array, side: Array) -> Array:
-    """Return a screw's error of each turn that grows from nothing to 6 um."""
-    return 6 * x / LENGTH * np.sin(2 * np.pi * x / 10 + 0.7) - side
-
-
-def rack(x: Array, side: Array) -> Array:
-    """Return four racks of 250 mm that are not set in line, each with a pitch of its own."""
-    number = np.clip((x // 250).astype(int), 0, 3)
-    within = x - 250.0 * number
-    joints, slopes = np.array([0.0, 15.0, -8.0, 12.0]), np.array([0.03, -0.02, 0.05, 0.01])
-    return joints[number] + slopes[number] * within - 3 * side
-
-
-def wavy(x: Array, side: Array) -> Array:
-    """Return an axis that goes on differently in its second half."""
-    return 8 * np.sin(2 * np.pi * x / 500) + 0.03 * np.maximum(x - 500, 0) - side
-
-
-def backlash(x: Array, side: Array) -> Array:
-    """Return a backlash of 16 um and a gentle bow."""
-    return 5 * np.sin(np.pi * x / LENGTH) - 8 * side
-
-
-def winding(way: float) -> Shown:
-    """Return what is missing of that backlash soon after the axis has turned.  way : mm"""
-    return lambda visits: 16 * visits.sides * np.exp(-visits.ways / way)
-
-
-def front(visits: Visits) -> Array:
-    """Return what heat that travels from the motor's end adds to the mean over the test: up to 25 um."""
-    time = np.linspace(0, 1, len(visits.x))[:, None]
-    shape = 25 * (1 - np.exp(-3 * time)) * np.exp(-visits.x / (200 + 900 * time))
-    own: Array = np.diagonal(shape)
-    return own - shape.mean(axis=0)
-
-
-def heated(x: Array, side: Array) -> Array:
-    """Return the mean over the test of an axis that heat travels along."""
-    time = np.linspace(0, 1, 200)[:, None]
-    mean: Array = (25 * (1 - np.exp(-3 * time)) * np.exp(-np.ravel(x) / (200 + 900 * time))).mean(axis=0)
-    return mean - side
-
-
-_SLOPES = (5, 10, 20, 40, 60, 100)
-LEADS = tuple(
-    Animal(
-        f"lead error: {slope} um/m by {rule.name}",
-        rule.job,
-        read(straight(slope), rule, _five_runs, slope=True),
-        quick=slope == 20 or (rule is LASER and slope in (5, 100)),
-    )
-    for rule in (LASER, SCALE, TAPE)
-    for slope in _SLOPES
-)
-WARM = tuple(
-    Animal(
-        f"scale or part not at 20 degC: {kelvin:+g} K, by laser",
-        LASER.job,
-        read(straight(40), LASER, _five_runs, warm(kelvin), slope=True),
-        quick=kelvin == 1.3,
-    )
-    for kelvin in (1.3, -0.7)
-)
-_EVERYWHERE: dict[str, Places] = {"even": _even, "even, three odd": _odd, "random": anywhere, "planned": _planned}
-
-
-def _of_places(kind: str, curve: Curve, beside: Shown = nothing, cause: str = "", quick: str = "") -> list[Animal]:
-    return [
-        Animal(f"{kind}: {name}", LASER.job, read(curve, LASER, places, beside), cause, quick=name == quick)
-        for name, places in _EVERYWHERE.items()
-    ]
-
-
-NOTHING_WRONG = Animal("nothing wrong: random", LASER.job, read(bowed, LASER, anywhere), quick=True)
-CURVES = (
-    NOTHING_WRONG,
-    *_of_places("pitch", pitch, cause=r"multiples? of|period", quick="even"),
-    *_of_places("growing pitch", growing_pitch, cause=r"multiples? of|period"),
-    *_of_places("steps of a rack", rack, quick="planned"),
-    *_of_places("backlash with a way of 60 mm", backlash, winding(60), cause="since it turned|way after"),
-    *_of_places(
-        "backlash with a way of 300 mm", backlash, winding(300), cause="since it turned|way after", quick="even"
-    ),
-    *_of_places("thermal front", heated, front, cause=r"warm(s|ed|ing) (up|while)|\bdrift", quick="even"),
-    Animal(
-        "half-read axis: 0 to 500 mm", LASER.job, read(wavy, LASER, _half), r"not read|0 to 500|500 to 1000", quick=True
-    ),
-)
+def everywhere(targets: int, runs: int, job: Job) -> dict[str, Places]:
+    """Return the kinds of places with about as many readings each."""
+    count = 2 * targets * runs
+    return {
+        "planned": lambda _: as_planned(job, count),
+        "even": lambda _: even(targets, runs),
+        "even, three odd": lambda _: odd(targets, runs),
+        "random": lambda rng: anywhere(rng, count),
+    }

@@ -83,10 +83,9 @@ def judged(animal: Animal, seed: int = 0) -> Judged:
         named = animal.named_in(answer.text)
         said = answer.text.strip()
         if answer.withheld:
-            return Judged(animal, seed, None, None, None, None, named, True, said)
-        left, U = np.abs(met.truth.left(answer)), met.truth.promised(answer)
-        inside, far = float(np.mean(left <= U)), float(np.quantile(left, 0.95))
-        return Judged(animal, seed, met.truth.kept(answer), inside, U, far, named, False, said)
+            return Judged(animal, seed, None, None, None, named, said)
+        truth = met.truth
+        return Judged(animal, seed, truth.left(answer), truth.promised(answer), truth.kept(answer), named, said)
 
 
 def predicted(answer: Answer, header: str, rows: Iterable[Iterable[object]]) -> Array:

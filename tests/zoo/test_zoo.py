@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.zoo.animals import Animal
-from tests.zoo.axes import NOTHING_WRONG
+from tests.zoo.curves import NOTHING_WRONG
 from tests.zoo.every import EVERY
 from tests.zoo.running import judged
 
