@@ -258,13 +258,24 @@ class Attacked:
         return where, np.where(np.arange(_POSES)[:, None] % 2 == 0, 1.0, -1.0) * np.ones_like(where)
 
     def sizes_left(self, estimated: Array) -> Array:
-        """Return how far the tool is from what an estimate says, the mean taken off, (p,) m.  estimated : (p, 3) m"""
+        """Return how far the tool is from what an estimate says, (p,) m, a shift and a turn of the part taken off.
+
+        estimated : (p, 3) m
+        """
         where, ways = self.places
         left = self.machine.deviation(where, ways) - estimated
         left[:, self.column] += 1e-6 * self.attack.field(where, ways[:, 0], self.own)
         left += _aside(self.stated.description.machine, (self.attack.chain,), where)
-        size: Array = np.linalg.norm(left - left.mean(axis=0), axis=1)
+        moved = _moves(frames(self.stated.description.machine, where).tcp)
+        fitted = np.linalg.lstsq(moved.reshape(-1, 6), left.ravel(), rcond=None)[0]
+        size: Array = np.linalg.norm(left - moved @ fitted, axis=1)
         return size
+
+
+def _moves(points: Array) -> Array:
+    """Return what a shift by a metre and a turn by a radian, along and about x, y, z, do to points, (p, 3, 6)."""
+    turns = np.cross(np.eye(3), (points - points.mean(axis=0))[:, None]).swapaxes(1, 2)
+    return np.concatenate([np.broadcast_to(np.eye(3), turns.shape), turns], axis=2)
 
 
 def attacked(attack: Attack, places: str, scales: str, seed: int) -> Attacked:

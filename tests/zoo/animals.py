@@ -103,40 +103,6 @@ class Animal:
         return bool(self.cause) and re.search(self.cause, " ".join(text.split()), re.IGNORECASE) is not None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Judged:
-    """What became of one animal.
-
-    left : how far off the tool is, (p,) um, and U : that is promised, um; None where no U is printed
-    kept : what the table keeps of the slope, None without one
-    named : whether the cause is named; said : all that a person is told
-    """
-
-    animal: Animal
-    seed: int
-    left: Array | None
-    U: float | None
-    kept: Slope | None
-    named: bool
-    said: str
-
-    @property
-    def interval(self) -> Interval | None:
-        """How U does."""
-        return None if self.left is None or self.U is None else Interval.about(self.left, self.U)
-
-    @property
-    def holds(self) -> bool:
-        """Whether the figures are right, or the cause is named."""
-        return self.named or (not self.animal.asked and self.figures_hold)
-
-    @property
-    def figures_hold(self) -> bool:
-        """Whether a U is printed, the truth lies inside it, and the table keeps the slope."""
-        slope = self.kept is None or self.kept.holds
-        return self.interval is not None and self.interval.inside >= INSIDE and slope
-
-
 @dataclass(frozen=True, slots=True)
 class Interval:
     """How ± `half` about what is said does.
@@ -158,3 +124,30 @@ class Interval:
         return cls(
             half, float(np.quantile(size, 0.95)), float(np.mean(beyond == 0)), float(2 * half + 40 * beyond.mean())
         )
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """What became of one animal.
+
+    interval : how U does, None where none is printed; kept : what the table keeps of the slope, None without one
+    named : whether the cause is named; said : all that a person is told
+    """
+
+    animal: Animal
+    seed: int
+    interval: Interval | None
+    kept: Slope | None
+    named: bool
+    said: str = ""
+
+    @property
+    def holds(self) -> bool:
+        """Whether the figures are right, or the cause is named."""
+        return self.named or (not self.animal.asked and self.figures_hold)
+
+    @property
+    def figures_hold(self) -> bool:
+        """Whether a U is printed, the truth lies inside it, and the table keeps the slope."""
+        slope = self.kept is None or self.kept.holds
+        return self.interval is not None and self.interval.inside >= INSIDE and slope

@@ -82,7 +82,8 @@ class AxisTruth:
                 for side, column in zip(sides, values, strict=True)
             ]
         )
-        return left.ravel() - left.mean()
+        found: Array = left.ravel() - left.mean()
+        return found
 
     def promised(self, answer: Answer) -> float:
         """Return U with the table, um."""

@@ -29,7 +29,8 @@ class BedTruth:
         """Return what the mesh leaves of the bed, the mean taken off, um."""
         x, y = (each.ravel() for each in np.meshgrid(*2 * [np.linspace(LOW, HIGH, 55)]))
         left = self.height(x, y) - answer.height_map().at(x, y)
-        return left - left.mean()
+        found: Array = left - left.mean()
+        return found
 
     def promised(self, answer: Answer) -> float:
         """Return U with the mesh, um."""
@@ -71,7 +72,8 @@ def sag(x: Array, y: Array) -> Array:
 
 def one_sided(x: Array, y: Array) -> Array:
     """Return a bed whose right half bows up by 150 um."""
-    return 150 * np.sin(np.pi * np.maximum(x - 150, 0) / 150) + 20 * np.sin(y / 60)
+    found: Array = 150 * np.sin(np.pi * np.maximum(x - 150, 0) / 150) + 20 * np.sin(y / 60)
+    return found
 
 
 def flat(x: Array, y: Array) -> Array:

@@ -54,7 +54,8 @@ def rack(x: Array, side: Array) -> Array:
     number = np.clip((x // 250).astype(int), 0, 3)
     within = x - 250.0 * number
     joints, slopes = np.array([0.0, 15.0, -8.0, 12.0]), np.array([0.03, -0.02, 0.05, 0.01])
-    return joints[number] + slopes[number] * within - 3 * side
+    found: Array = joints[number] + slopes[number] * within - 3 * side
+    return found
 
 
 def wavy(x: Array, side: Array) -> Array:
@@ -77,7 +78,8 @@ def front(visits: Visits) -> Array:
     time = np.linspace(0, 1, len(visits.x))[:, None]
     shape = 25 * (1 - np.exp(-3 * time)) * np.exp(-visits.x / (200 + 900 * time))
     own: Array = np.diagonal(shape)
-    return own - shape.mean(axis=0)
+    found: Array = own - shape.mean(axis=0)
+    return found
 
 
 def heated(x: Array, side: Array) -> Array:
@@ -107,9 +109,9 @@ WARM = tuple(
         f"scale or part not at 20 degC: {kelvin:+g} K, by laser",
         LASER.job,
         read(straight(40), LASER, _iso, warm(kelvin), slope=True),
-        quick=kelvin == 1.3,
+        quick=kelvin > 0,
     )
-    for kelvin in (1.3, -0.7)
+    for kelvin in (1.5, -1.5)
 )
 
 

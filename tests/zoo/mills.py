@@ -29,7 +29,8 @@ class YawTruth:
         poses = rng.uniform([0, 0, 0], [600, 400, 400], (400, 3))
         rows = [[*pose, "X+"] for pose in np.round(poses, 3).tolist()]
         left = _deviation(*poses.T[:2]) - predicted(answer, "X_mm,Y_mm,Z_mm,approach", rows)[:, 0]
-        return left - left.mean()
+        off: Array = left - left.mean()
+        return off
 
     def promised(self, answer: Answer) -> float:
         """Return U along x, um."""
@@ -108,7 +109,8 @@ class CrossSlideTruth:
         where, values = answer.axis_table("X")
         x = np.linspace(0, 100, 201)
         left = self.slope * x - np.interp(x, where, values.mean(axis=0))
-        return left - left.mean()
+        off: Array = left - left.mean()
+        return off
 
     def promised(self, answer: Answer) -> float:
         """Return U along x with the tables, um."""

@@ -61,7 +61,8 @@ def right(seed: int, places: Places, strain: float) -> Right:
     slope, back, off = rng.standard_normal(3) * [LEAD, BACKLASH, strain]
 
     def curve(x: Array, side: Array) -> Array:
-        return np.interp(x, _X, bow) + slope * x + back / 2 * side
+        found: Array = np.interp(x, _X, bow) + slope * x + back / 2 * side
+        return found
 
     shown = curve(visits.x, visits.sides) + off * visits.x + rng.normal(0, LASER.noise, len(visits.x))
     return Right(curve, visits, shown - shown[0], strain)
@@ -69,7 +70,8 @@ def right(seed: int, places: Places, strain: float) -> Right:
 
 def _centred(values: Array) -> Array:
     """Return values with their mean over the places taken off: a zero does not count."""
-    return values - values.mean(axis=-1, keepdims=True)
+    found: Array = values - values.mean(axis=-1, keepdims=True)
+    return found
 
 
 def _matern(a: Array, b: Array) -> Array:

@@ -17,7 +17,7 @@ import numpy as np
 from axiscal.cli.app import run
 from axiscal.numerics import Array
 from tests.commands import Outcome
-from tests.zoo.animals import Animal, Job, Judged, Met
+from tests.zoo.animals import Animal, Interval, Job, Judged, Met
 from tests.zoo.answers import Answer
 
 _ERROR = re.compile(r"[A-Z0-9]{3}(_reversal)? = \{")
@@ -83,9 +83,9 @@ def judged(animal: Animal, seed: int = 0) -> Judged:
         named = animal.named_in(answer.text)
         said = answer.text.strip()
         if answer.withheld:
-            return Judged(animal, seed, None, None, None, named, said)
-        truth = met.truth
-        return Judged(animal, seed, truth.left(answer), truth.promised(answer), truth.kept(answer), named, said)
+            return Judged(animal, seed, None, None, named, said)
+        interval = Interval.about(met.truth.left(answer), met.truth.promised(answer))
+        return Judged(animal, seed, interval, met.truth.kept(answer), named, said)
 
 
 def predicted(answer: Answer, header: str, rows: Iterable[Iterable[object]]) -> Array:

@@ -16,7 +16,8 @@ Slip = Callable[[Visits, Array], tuple[Visits, Array]]
 
 def axis(x: Array, side: Array) -> Array:
     """Return a lead error of 40 um/m with a wave of 8 um and a backlash of 4 um."""
-    return 0.04 * x + 8 * np.sin(2 * np.pi * x / 600) - 2 * side
+    found: Array = 0.04 * x + 8 * np.sin(2 * np.pi * x / 600) - 2 * side
+    return found
 
 
 def made(slip: Slip, rule: Rule = LASER) -> Meet:
