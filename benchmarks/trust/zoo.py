@@ -20,7 +20,7 @@ from tests.zoo.verdict import Kind, faults, kinds
 ZOO_HEAD = """
 ## A zoo of foreign truths
 Truths of plain numpy and of rigid motion written out by hand, told by the files of `axiscal init` and what a stranger
-states ([tests/zoo](../../tests/zoo/every.py)), {machines} machines of each animal.
+states ([tests/zoo](../../tests/zoo/every.py)). Machines of each animal: {machines}.
 
 - *Slope kept*: the least share of the slope that was read, in the table; 95 % are asked.
 - *Inside*: share of the truth inside U with the tables, where the cause is not named; 85 % are asked, 92 % in the mean.

@@ -93,16 +93,24 @@ def _iso(_: np.random.Generator) -> Visits:
     return even(11, 5)
 
 
+def _once(_: np.random.Generator) -> Visits:
+    test = even(11, 1)
+    return Visits(test.x[:11], test.sides[:11])
+
+
 _SLOPES = (5, 10, 20, 40, 60, 100)
-LEADS = tuple(
-    Animal(
-        f"lead error: {slope} um/m by {rule.name}",
-        rule.job,
-        read(straight(slope), rule, _iso, slope=True),
-        quick=slope == 20 or (rule is LASER and slope in (5, 100)),
-    )
-    for rule in (LASER, SCALE, TAPE)
-    for slope in _SLOPES
+LEADS = (
+    Animal("lead error: 20 um/m by laser, eleven readings", LASER.job, read(straight(20), LASER, _once, slope=True)),
+    *(
+        Animal(
+            f"lead error: {slope} um/m by {rule.name}",
+            rule.job,
+            read(straight(slope), rule, _iso, slope=True),
+            quick=slope == 20 or (rule is LASER and slope in (5, 100)),
+        )
+        for rule in (LASER, SCALE, TAPE)
+        for slope in _SLOPES
+    ),
 )
 WARM = tuple(
     Animal(
