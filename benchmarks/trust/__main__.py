@@ -21,11 +21,9 @@ from benchmarks.trust.attack_table import (
     FAR,
     FIRST,
     KNOWN,
-    UNKNOWN,
     attack_rows,
     attacked,
     beginning_with,
-    foreign_lines,
     goal_lines,
 )
 from benchmarks.trust.beds import available, bed_rows, beds
@@ -120,16 +118,6 @@ and [type B](../promise.md#what-no-reading-shows) counts; in the others instrume
 `make trust PART=attacks MACHINES={machines}` goes on where it stopped; `MINUTES=30` stops it.
 
 | inside, ratio, above {far}, withheld | planned | even | random |
-|---|---|---|---|
-"""
-
-_FOREIGN = """
-## Attacks that no row has
-As above, {machines} machines in each cell, for causes that the model has no row for. A reversal that needs a way is
-complete in the volume and missing in readings that come soon after the axis has turned.
-(`make trust PART=foreign MACHINES={machines}`)
-
-| inside, ratio, above 1.5, withheld | planned | even | random |
 |---|---|---|---|
 """
 
@@ -275,15 +263,6 @@ def _attacks(args: argparse.Namespace) -> Iterator[str]:
         yield from goal_lines(kept, machines)
 
 
-def _foreign(args: argparse.Namespace) -> Iterator[str]:
-    kept, machines = attacked(args.attacked, args.processes, 60 * args.minutes, UNKNOWN)
-    if not machines:
-        return
-    yield _FOREIGN.format(machines=machines).strip("\n")
-    yield from attack_rows(kept, machines, UNKNOWN)
-    yield from foreign_lines(kept, machines)
-
-
 def _beds(_: argparse.Namespace) -> Iterator[str]:
     if not available():
         return
@@ -333,7 +312,6 @@ PARTS: dict[str, Callable[[argparse.Namespace], Iterator[str]]] = {
     "gross": _gross,
     "display": _displays,
     "attacks": _attacks,
-    "foreign": _foreign,
     "tables": _tables,
     "zoo": _zoo,
     "widths": _widths,
@@ -348,6 +326,12 @@ def _told(lines: Iterable[str]) -> str:
         sys.stdout.flush()
         kept.append(line)
     return "\n".join(kept) + "\n"
+
+
+def tight(text: str) -> str:
+    """Return lines with the rows of tables without room beside their bars, which count as words."""
+    rows = (line.replace(" | ", "|").replace("| ", "|").replace(" |", "|") for line in text.split("\n"))
+    return "\n".join(row if row.startswith("|") else line for row, line in zip(rows, text.split("\n"), strict=True))
 
 
 def stamp(sources: str, day: date) -> str:
@@ -381,7 +365,7 @@ def main() -> None:
     args = parser.parse_args()
     page = args.out.read_text(encoding="utf-8") if args.part else _HEAD
     for name in [args.part] if args.part else PARTS:
-        section = _told(PARTS[name](args))
+        section = _told(map(tight, PARTS[name](args)))
         if section.strip() and not args.only:
             page = renewed(page, section + stamp(version(), datetime.now(UTC).date()))
             args.out.write_text(page, encoding="utf-8")

@@ -49,6 +49,23 @@ def growing_pitch(x: Array, side: Array) -> Array:
     return 6 * x / LENGTH * np.sin(2 * np.pi * x / 10 + 0.7) - side
 
 
+def half_inch(x: Array, side: Array) -> Array:
+    """Return a screw's error of 5 um in each turn of half an inch."""
+    return 5 * np.sin(2 * np.pi * x / 12.7) - side
+
+
+def sawtooth(x: Array, side: Array) -> Array:
+    """Return a scale put together from pieces of 100 mm, 8 um off at each joint."""
+    found: Array = 8 * ((x / 100 + 0.3) % 1 - 0.5) - side
+    return found
+
+
+def air(visits: Visits) -> Array:
+    """Return what air conditioning does to readings that are a minute apart: 5 um every 11 min."""
+    found: Array = 5 * np.sin(2 * np.pi * np.arange(len(visits.x)) / 11 + 0.7)
+    return found
+
+
 def rack(x: Array, side: Array) -> Array:
     """Return four racks of 250 mm that are not set in line, each with a pitch of its own."""
     number = np.clip((x // 250).astype(int), 0, 3)
@@ -144,6 +161,9 @@ _WAY = r"since it turned|way after"
 FOREIGN = (
     Foreign("pitch", pitch, cause=_TURN),
     Foreign("growing pitch", growing_pitch, cause=_TURN),
+    Foreign("pitch of half an inch", half_inch, cause=_TURN),
+    Foreign("sawtooth of 100 mm", sawtooth, cause=_TURN),
+    Foreign("air conditioning", bowed, air, _TURN),
     Foreign("steps of a rack", rack),
     Foreign("backlash with a way of 60 mm", backlash, winding(60), _WAY),
     Foreign("backlash with a way of 300 mm", backlash, winding(300), _WAY),
