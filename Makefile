@@ -25,7 +25,7 @@ help:
 	@echo "make docs       make the generated pages of docs/ anew"
 	@echo "make languages  bring the translations of prompt, page and report up to the messages there are (src/axiscal/language/translations)"
 	@echo "make docs-site  the documentation as a site in build/site, tools in .venv-docs"
-	@echo "make trust      measure how far the printed bands can be trusted, into docs/evidence/trust.md (PART=iso: only that section; PART=attacks MACHINES=100 of each, 20 unless said, MINUTES=30 at a time; ONLY='step; bump': shown, not written)"
+	@echo "make trust      measure how far the printed bands can be trusted, into docs/evidence/trust.md (PART=iso, PART=zoo, PART=widths: only that section; PART=attacks MACHINES=100 of each, 20 unless said, MINUTES=30 at a time; ONLY='step; bump': shown, not written)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part; CASES=20000 of it; PART=gcode, PART=dialects, PART=plans and PART=simulator go on where they were ended)"
 	@echo "make controls   the exports in real controls: LinuxCNC, Klipper, Moonraker, RepRapFirmware; a row each (ONLY=klipper)"
 	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours, MINUTES=20 at a time; ROWS='8 9': only these; DISK=/mnt/stick: on another disk; PYTHONS=...: other interpreters too)"

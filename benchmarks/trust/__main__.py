@@ -21,11 +21,9 @@ from benchmarks.trust.attack_table import (
     FAR,
     FIRST,
     KNOWN,
-    UNKNOWN,
     attack_rows,
     attacked,
     beginning_with,
-    foreign_lines,
     goal_lines,
 )
 from benchmarks.trust.beds import available, bed_rows, beds
@@ -38,8 +36,10 @@ from benchmarks.trust.measured import ENOUGH, Outcomes, iso_outcome, outcomes
 from benchmarks.trust.sources import version
 from benchmarks.trust.tables import table_rows
 from benchmarks.trust.virtual import READINGS, Coverage, Moved, covered, gross
+from benchmarks.trust.zoo import FOREIGN_HEAD, WIDTHS_HEAD, ZOO_HEAD, foreign_rows, width_rows, zoo_rows
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "evidence" / "trust.md"
+ZOO = PAGE.parents[2] / "tests" / "zoo"
 _SIZES = (3e-6, 10e-6, 50e-6, 1e-3)
 
 _HEAD = """# Can you trust it?
@@ -56,12 +56,11 @@ _VIRTUAL = """
 ## Virtual machines
 A prior draws the machines; readings have noise and go through the full kinematics.
 
-- *Bare*: `usual = "off"`, `sure = "exactly"`, the model that the machines are drawn from. *Usual*: the default.
 - Prior × 3: every stated standard deviation is three times the true one.
 - *Said*: machines of the first forty whose report says that a size is not as stated.
 
-| machine | readings | model | prior | machines | curves | tool point | said |
-|---|---|---|---|---|---|---|---|
+| machine | readings | prior | machines | curves | tool point | said |
+|---|---|---|---|---|---|---|
 """
 
 _MEASURED = """
@@ -80,12 +79,11 @@ _ISO = """
 ## ISO 230-2 tests
 Real tests of five runs each way; stated: std 30 µm, smooth over two spacings, noise 2 µm (`make trust PART=iso`).
 
-- *Learnt*: nothing (`usual = "off"`, `sure = "exactly"`), the rest, or all sizes (the default).
 - *Left*: largest mean reading that the table leaves. *Limit*: two standard errors of such a mean.
 - *Promised*: RMS over the axis, also between the targets. *Draws*: effective number of draws of the sizes.
 
-| test | learnt | left | limit | promised | draws |
-|---|---|---|---|---|---|
+| test | left | limit | promised | draws |
+|---|---|---|---|---|
 """
 
 _DISPLAYS = """
@@ -120,16 +118,6 @@ and [type B](../promise.md#what-no-reading-shows) counts; in the others instrume
 `make trust PART=attacks MACHINES={machines}` goes on where it stopped; `MINUTES=30` stops it.
 
 | inside, ratio, above {far}, withheld | planned | even | random |
-|---|---|---|---|
-"""
-
-_FOREIGN = """
-## Attacks that no row has
-As above, {machines} machines in each cell, for causes that the model has no row for. A reversal that needs a way is
-complete in the volume and missing in readings that come soon after the axis has turned.
-(`make trust PART=foreign MACHINES={machines}`)
-
-| inside, ratio, above 1.5, withheld | planned | even | random |
 |---|---|---|---|
 """
 
@@ -172,7 +160,6 @@ moves at most, in units of the printed σ: median and worst of {trials} machines
 _TABLES = """
 ## Tables on measured curves
 {machines} mills whose error motions are measured curves of other machines, finer than the knots, or drawn; 60 readings.
-*Bare*: drawn, no size learnt.
 *U*: as README.txt beside the tables promises, the median. *Inside*: share of the volume. *Kept*: machines of which 95 %
 of the volume is inside. *Over U*: what 95 % keep. (`make trust PART=tables MACHINES={machines}`)
 
@@ -185,9 +172,8 @@ def _virtual_row(found: Coverage) -> str:
     wrong = {1.0: "right", 3.0: "× 3"}.get(found.wrong, "÷ 3")
     share = f"{found.curves:.1%} ± {found.error:.1%}"
     count = READINGS[found.machine]
-    model = "bare" if found.scales == "stated" else "usual"
     held = f"{share} | {found.tcp:.1%} | {found.misfit:.0%}"
-    return f"| {found.machine} | {count} | {model} | {wrong} | {found.machines} | {held} |"
+    return f"| {found.machine} | {count} | {wrong} | {found.machines} | {held} |"
 
 
 def _measured_row(cases: Sequence[Measured], found: Sequence[Outcomes]) -> str:
@@ -222,8 +208,8 @@ def _virtual(args: argparse.Namespace) -> Iterator[str]:
     keeping = _keeping(args, "virtual", "virtual.py")
     every = (("one-axis", args.machines, args.learnt), ("three-axis-mill", *_of_mills(args)))
     for name, right, wrong in every:
-        yield _virtual_row(covered(name, 1.0, "stated", right, keeping))
-        yield from (_virtual_row(covered(name, size, "estimate", wrong, keeping)) for size in (1.0, 1 / 3, 3.0))
+        yield _virtual_row(covered(name, 1.0, "estimate", right, keeping))
+        yield from (_virtual_row(covered(name, size, "estimate", wrong, keeping)) for size in (1 / 3, 3.0))
 
 
 def _of_mills(args: argparse.Namespace) -> tuple[int, int]:
@@ -277,15 +263,6 @@ def _attacks(args: argparse.Namespace) -> Iterator[str]:
         yield from goal_lines(kept, machines)
 
 
-def _foreign(args: argparse.Namespace) -> Iterator[str]:
-    kept, machines = attacked(args.attacked, args.processes, 60 * args.minutes, UNKNOWN)
-    if not machines:
-        return
-    yield _FOREIGN.format(machines=machines).strip("\n")
-    yield from attack_rows(kept, machines, UNKNOWN)
-    yield from foreign_lines(kept, machines)
-
-
 def _beds(_: argparse.Namespace) -> Iterator[str]:
     if not available():
         return
@@ -308,6 +285,24 @@ def _defaults(_: argparse.Namespace) -> Iterator[str]:
     yield from default_rows()
 
 
+def _zoo(args: argparse.Namespace) -> Iterator[str]:
+    yield ZOO_HEAD.format(machines=args.attacked).strip("\n")
+    yield from zoo_rows(args.attacked, _of_zoo(args, "zoo"))
+
+
+def _widths(args: argparse.Namespace) -> Iterator[str]:
+    keeping = _of_zoo(args, "widths")
+    yield WIDTHS_HEAD.format(machines=args.attacked).strip("\n")
+    yield from width_rows(args.attacked, keeping)
+    yield FOREIGN_HEAD.rstrip("\n")
+    yield from foreign_rows(args.attacked, keeping)
+
+
+def _of_zoo(args: argparse.Namespace, part: str) -> Keeping:
+    """Return what keeps the animals of a section by the sources and the files of the zoo."""
+    return Keeping(part, sorted(ZOO.glob("*.py")), args.processes)
+
+
 PARTS: dict[str, Callable[[argparse.Namespace], Iterator[str]]] = {
     "virtual": _virtual,
     "measured": _measured,
@@ -317,8 +312,9 @@ PARTS: dict[str, Callable[[argparse.Namespace], Iterator[str]]] = {
     "gross": _gross,
     "display": _displays,
     "attacks": _attacks,
-    "foreign": _foreign,
     "tables": _tables,
+    "zoo": _zoo,
+    "widths": _widths,
 }
 
 
@@ -330,6 +326,12 @@ def _told(lines: Iterable[str]) -> str:
         sys.stdout.flush()
         kept.append(line)
     return "\n".join(kept) + "\n"
+
+
+def tight(text: str) -> str:
+    """Return lines with the rows of tables without room beside their bars, which count as words."""
+    rows = (line.replace(" | ", "|").replace("| ", "|").replace(" |", "|") for line in text.split("\n"))
+    return "\n".join(row if row.startswith("|") else line for row, line in zip(rows, text.split("\n"), strict=True))
 
 
 def stamp(sources: str, day: date) -> str:
@@ -351,8 +353,8 @@ def renewed(page: str, section: str) -> str:
 def main() -> None:
     """Measure and write."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.trust", description=__doc__)
-    parser.add_argument("--machines", type=int, default=2000, help="virtual machines with the right prior")
-    parser.add_argument("--learnt", type=int, default=200, help="virtual machines with wrong priors")
+    parser.add_argument("--machines", type=int, default=200, help="virtual machines with the right prior")
+    parser.add_argument("--learnt", type=int, default=40, help="virtual machines with wrong priors")
     parser.add_argument("--trials", type=int, default=100, help="machines with something wrong, of each kind")
     parser.add_argument("--attacked", type=int, default=20, help="machines in each cell of the attack table")
     parser.add_argument("--only", help="attacks that begin so, parted by '; ': shown, not written to the page")
@@ -363,7 +365,7 @@ def main() -> None:
     args = parser.parse_args()
     page = args.out.read_text(encoding="utf-8") if args.part else _HEAD
     for name in [args.part] if args.part else PARTS:
-        section = _told(PARTS[name](args))
+        section = _told(map(tight, PARTS[name](args)))
         if section.strip() and not args.only:
             page = renewed(page, section + stamp(version(), datetime.now(UTC).date()))
             args.out.write_text(page, encoding="utf-8")

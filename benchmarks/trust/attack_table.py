@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy import stats
 
-from benchmarks.trust.attacks import ATTACKS, EVERY, Outcome, outcome
+from benchmarks.trust.attacks import ATTACKS, Outcome, outcome
 from benchmarks.trust.benches import PLACES
 from benchmarks.trust.kept import KEPT, Found, Keeping
 
@@ -36,13 +36,13 @@ class Trial(NamedTuple):
 Outcomes = dict[Trial, Outcome]
 
 
-KNOWN, UNKNOWN = tuple(range(len(ATTACKS))), tuple(range(len(ATTACKS), len(EVERY)))
-"""Numbers of the families that the model has a row for, and of those that it has none for."""
+KNOWN = tuple(range(len(ATTACKS)))
+"""Numbers of all attacks."""
 
 
 def beginning_with(words: Sequence[str]) -> tuple[int, ...]:
     """Return the numbers of the attacks that begin with one of some words."""
-    return tuple(number for number in (*KNOWN, *UNKNOWN) if EVERY[number].words.startswith(tuple(words)))
+    return tuple(number for number in KNOWN if ATTACKS[number].words.startswith(tuple(words)))
 
 
 def attacked(machines: int, processes: int, seconds: float, which: Sequence[int] = KNOWN) -> tuple[Outcomes, int]:
@@ -61,7 +61,7 @@ def attacked(machines: int, processes: int, seconds: float, which: Sequence[int]
 
 def tried(trial: Trial) -> dict[str, Any]:
     """Return the outcome of one machine, what is not a number as none."""
-    found = asdict(outcome(EVERY[trial.attack], trial.places, _SCALES, trial.seed))
+    found = asdict(outcome(ATTACKS[trial.attack], trial.places, _SCALES, trial.seed))
     return {name: None if value != value else value for name, value in found.items()}
 
 
@@ -82,7 +82,7 @@ def attack_rows(kept: Outcomes, machines: int, which: Sequence[int] = KNOWN) -> 
     """Yield the lines of the table: one for each attack, a cell for each choice of places."""
     for number in which:
         cells = [_cell(_outcomes(kept, number, where, machines)) for where in PLACES]
-        yield f"| {EVERY[number].words} | {' | '.join(cells)} |"
+        yield f"| {ATTACKS[number].words} | {' | '.join(cells)} |"
 
 
 def _outcomes(kept: Outcomes, attack: int, places: str, machines: int) -> list[Outcome]:
@@ -121,20 +121,6 @@ def goal_lines(kept: Outcomes, machines: int) -> Iterator[str]:
     yield f"Of {len(cells)} cells beside a turned sign, {reached} have at most {_GOAL:.0%} of machines above {FAR}."
     yield f"Over all of them {far} of {tried} machines are, {far / tried:.1%} ({low:.1%}–{high:.1%})."
     yield f"Where none of {machines} is, the share may still be up to {limits(0, machines)[1]:.0%}."
-
-
-def foreign_lines(kept: Outcomes, machines: int) -> Iterator[str]:
-    """Yield the mean and the worst share inside U over the families that no row has, by places."""
-    yield ""
-    for places in PLACES:
-        shares = {
-            EVERY[number].words: float(np.mean([each.inside for each in told]))
-            for number in UNKNOWN
-            if (told := [each for each in _outcomes(kept, number, places, machines) if not each.withheld])
-        }
-        worst = min(shares, key=lambda words: shares[words])
-        mean = np.mean(list(shares.values()))
-        yield f"- {places}: {mean:.0%} inside in the mean, worst {shares[worst]:.0%} ({worst})"
 
 
 def _far(found: Outcome) -> bool:

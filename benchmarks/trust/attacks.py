@@ -24,8 +24,6 @@ from axiscal.numerics.threads import one_thread
 from benchmarks.trust.benches import BENCHES, Changes, Name, case_of, visits
 
 _POSES, _MINUTE = 200, 60.0
-_OVERRUN = 1e-3
-"""m, that an axis has come since it turned, where it comes from the other side."""
 _MOVED = 50e-6
 """m, by which a tool is longer, or an axis line elsewhere, than stated."""
 
@@ -110,37 +108,6 @@ def _sag(x: Array) -> Array:
     return sag
 
 
-def _wound_up(way: float) -> Passing:
-    """Return what is missing of a reversal of 8 um soon after the axis has turned.  way : m, to 1/e of it"""
-
-    def passing(x: Array, side: Array, _along: Array) -> Array:
-        missing, since = np.zeros(len(x)), _OVERRUN
-        for number in range(len(x)):
-            on = number > 0 and side[number] == side[number - 1]
-            since = since + abs(float(x[number, 0] - x[number - 1, 0])) if on else _OVERRUN
-            missing[number] = -4 * side[number] * np.exp(-since / way)
-        return missing
-
-    return passing
-
-
-def _rough(x: Array, place: float) -> Array:
-    """Return a curve of the machine's own that has no slope anywhere: Matérn-1/2 of 5 um over 30 mm."""
-    rng, grid = np.random.default_rng(int(place * 2**52)), np.linspace(0, 1, 2001)
-    kept = np.exp(-(grid[1] - grid[0]) / 0.03)
-    values = np.empty(len(grid))
-    values[0] = rng.standard_normal()
-    for number, step in enumerate(rng.standard_normal(len(grid) - 1)):
-        values[number + 1] = kept * values[number] + np.sqrt(1 - kept**2) * step
-    curve: Array = 5 * np.interp(x[:, 0], grid, values)
-    return curve
-
-
-def _growing_noise(values: Array, along: Array, rng: np.random.Generator) -> Array:
-    noisier: Array = values + 2.5 * along * rng.standard_normal(values.shape)
-    return noisier
-
-
 def _longer(machine: Machine) -> Machine:
     return replace(machine, tool=machine.tool + _MOVED)
 
@@ -195,24 +162,6 @@ ATTACKS = (
     Attack("lengths: 20 µm/m", passing=_strained(20.0), lengths=True),
 )
 
-FOREIGN = (
-    Attack("air conditioning, 5 µm every 11 min", passing=lambda x, side, t: 5 * np.sin(2 * np.pi * 23 / 11 * t + 0.7)),
-    Attack("sawtooth of 100 mm, 8 µm", field=lambda x, side, c: 8 * ((x[:, 0] / 0.1 + c) % 1 - 0.5)),
-    Attack("rough curve, 5 µm", field=lambda x, side, c: _rough(x, c)),
-    Attack(
-        "pitch of 10 mm, 5 µm, that swells over 400 mm",
-        field=lambda x, side, c: (
-            5 * (1 + np.sin(2 * np.pi * (x[:, 0] / 0.4 + c))) / 2 * np.sin(2 * np.pi * x[:, 0] / 0.01)
-        ),
-    ),
-    Attack("pitch of half an inch, 5 µm", field=lambda x, side, c: 5 * np.sin(2 * np.pi * x[:, 0] / 0.0127)),
-    Attack("reversal that needs 60 mm, 8 µm", field=lambda x, side, c: 4 * side, passing=_wound_up(0.06)),
-    Attack("reversal that needs 300 mm, 8 µm", field=lambda x, side, c: 4 * side, passing=_wound_up(0.3)),
-    Attack("noise that grows to five times", shown=_growing_noise),
-)
-"""Families that no row of the model has."""
-EVERY = (*ATTACKS, *FOREIGN)
-
 
 def _x(poses: Array) -> Array:
     """Return the coordinate of X of the five axes, C B Y X Z, m."""
@@ -258,13 +207,24 @@ class Attacked:
         return where, np.where(np.arange(_POSES)[:, None] % 2 == 0, 1.0, -1.0) * np.ones_like(where)
 
     def sizes_left(self, estimated: Array) -> Array:
-        """Return how far the tool is from what an estimate says, the mean taken off, (p,) m.  estimated : (p, 3) m"""
+        """Return how far the tool is from what an estimate says, (p,) m, a shift and a turn of the part taken off.
+
+        estimated : (p, 3) m
+        """
         where, ways = self.places
         left = self.machine.deviation(where, ways) - estimated
         left[:, self.column] += 1e-6 * self.attack.field(where, ways[:, 0], self.own)
         left += _aside(self.stated.description.machine, (self.attack.chain,), where)
-        size: Array = np.linalg.norm(left - left.mean(axis=0), axis=1)
+        moved = _moves(frames(self.stated.description.machine, where).tcp)
+        fitted = np.linalg.lstsq(moved.reshape(-1, 6), left.ravel(), rcond=None)[0]
+        size: Array = np.linalg.norm(left - moved @ fitted, axis=1)
         return size
+
+
+def _moves(points: Array) -> Array:
+    """Return what a shift by a metre and a turn by a radian, along and about x, y, z, do to points, (p, 3, 6)."""
+    turns = np.cross(np.eye(3), (points - points.mean(axis=0))[:, None]).swapaxes(1, 2)
+    return np.concatenate([np.broadcast_to(np.eye(3), turns.shape), turns], axis=2)
 
 
 def attacked(attack: Attack, places: str, scales: str, seed: int) -> Attacked:

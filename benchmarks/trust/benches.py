@@ -57,7 +57,6 @@ direction = "x"
 approach = "both"
 noise = "NOISE"
 unknowns = { zero = "1 mm" }
-drift = "0 um/h"
 """
 _PLATE = """
 chain = "w-b-X-Y-t"
@@ -78,7 +77,6 @@ approach = "+"
 reach = { X = ["0 mm", "400 mm"], Y = ["0 mm", "400 mm"] }
 noise = "NOISE"
 unknowns = { zero = "1 mm" }
-drift = "0 um/h"
 """
 _FIVE = """
 chain = "w-C'-B'-b-Y-X-Z-t"
@@ -130,7 +128,6 @@ artefact = "three spheres"
 approach = "both"
 raster = { B = "15 deg", C = "15 deg" }
 noise = "NOISE"
-drift = "0 um/h"
 """
 BENCHES = {
     "axis": Bench(_AXIS, _LASER, 24, 4000),
@@ -150,7 +147,7 @@ def case_of(name: Name, scales: str, changes: Changes = (), usual: str = "on") -
     bench = BENCHES[name]
     machine, setup = bench.machine, bench.setup
     head = f'usual = "{usual}"\nscales = "{scales}"\n{bench.head}'
-    text = f'machine = "m"\n{head}[target]\naligned = false\nreadings = {bench.readings}\n{setup}'
+    text = f'machine = "m"\n{head}[target]\nreadings = {bench.readings}\n{setup}'
     for old, new in (*changes, *_USUAL):
         machine, text = machine.replace(old, new), text.replace(old, new)
     return Case(campaign_from_texts(text, "campaign.toml", machine, "m"))

@@ -86,10 +86,9 @@ def iso_rows() -> Iterator[str]:
     """Yield the lines of the table."""
     for name in FILES:
         runs = Runs.of(name)
-        for learning in LEARNING:
-            known = estimated_from(runs, learning)
-            left, limit, promised = (
-                f"{1e6 * v:.2f} µm" for v in (left_at_targets(runs, known), runs.limit, known.accuracy.rms)
-            )
-            worth = "–" if known.posterior is None else f"{known.posterior.effective:.0f}"
-            yield f"| {name} | {learning} | {left} | {limit} | {promised} | {worth} |"
+        known = estimated_from(runs, "all scales")
+        left, limit, promised = (
+            f"{1e6 * v:.2f} µm" for v in (left_at_targets(runs, known), runs.limit, known.accuracy.rms)
+        )
+        worth = "–" if known.posterior is None else f"{known.posterior.effective:.0f}"
+        yield f"| {name} | {left} | {limit} | {promised} | {worth} |"

@@ -29,9 +29,8 @@ from benchmarks.trust.virtual import READINGS, SETUPS, read_evenly
 
 MACHINE = "three-axis-mill"
 CONTROLS = ("linuxcnc", "linuxcnc-volumetric")
-TRUTHS = ("measured", "drawn", "bare")
-"""Curves that are carried over; those of the prior, for which the model is right; those of the bare model, sizes known.
-"""
+TRUTHS = ("measured", "drawn")
+"""Curves that are carried over; those of the prior, for which the model is right."""
 _ALIKE, _PART, _POINTS = 1 / 3, 0.5, 2000
 """Of the logarithm of sizes; the shortest part of a curve that is carried over; points of one that is carried over."""
 
@@ -74,9 +73,8 @@ def _about_its_mean(rows: Array, covariance: Array) -> float:
 
 
 @cache
-def _case(kind: str) -> Case:
-    head = 'usual = "off"\nsure = "exactly"\n' if kind == "bare" else ""
-    text = f'machine = "{MACHINE}"\n{head}[target]\nreadings = 1\n{SETUPS[MACHINE]}'
+def _case() -> Case:
+    text = f'machine = "{MACHINE}"\n[target]\nreadings = 1\n{SETUPS[MACHINE]}'
     return Case(campaign_from_texts(text, "campaign.toml", load_machine(MACHINE).text, MACHINE))
 
 
@@ -86,7 +84,7 @@ def kept_promise(trial: Trial) -> dict[str, float]:
     trial : truth and seed
     """
     kind, seed = trial
-    case, rng = _case(kind), np.random.default_rng((seed, 17))
+    case, rng = _case(), np.random.default_rng((seed, 17))
     machine, setups = case.description.machine, case.description.setups
     made = Simulator(machine, setups)
     truth = made.with_curves(carried_over(machine, rng), seed) if kind == "measured" else made.drawn(seed)

@@ -11,6 +11,8 @@ from tests.commands import Command
 from tests.docs.howtos import DOCS
 
 README = (DOCS.parent / "README.md").read_text(encoding="utf-8")
+COLUMNS = 80
+"""Of the smallest terminal that people have."""
 SCREEN = re.findall(r"^```text\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
 
 
@@ -26,12 +28,15 @@ def _shape(screen: str) -> list[str]:
 def test_it_shows_one_screen_that_ends_in_a_success() -> None:
     assert len(SCREEN) == 1
     assert SCREEN[0].startswith("TARGET REACHED")
+    assert max(map(len, SCREEN[0].splitlines())) <= COLUMNS
     assert re.findall(r"^!\[.*?\]\(docs/pictures/(.*?)\)$", README, re.MULTILINE) == ["demo.svg"]
 
 
 @pytest.mark.long
 def test_the_screen_is_the_demos(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
     monkeypatch.chdir(tmp_path)
-    lines = _shape(command("demo", "--out", "demo-out").printed)
+    printed = command("demo", "--out", "demo-out").printed
+    assert max(map(len, printed.splitlines())) <= COLUMNS
+    lines = _shape(printed)
     shown = _shape(SCREEN[0])
     assert lines[-len(shown) :] == shown

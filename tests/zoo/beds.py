@@ -1,0 +1,122 @@
+"""Beds of a printer: a beam that sags, half a bed, a rail that rolls under a probe beside the nozzle."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.numerics import Array
+from tests.zoo.animals import Animal, Job, Met, Slope
+from tests.zoo.answers import Answer
+from tests.zoo.running import planned, rows_of
+
+JOB = Job("printer-gantry", ("probe",), "50 um")
+NOISE = 3.0
+LOW, HIGH = 15.0, 285.0
+Height = Callable[[Array, Array], Array]
+"""From x and y (mm) to how high the bed stands for the nozzle, um."""
+
+
+@dataclass(frozen=True, slots=True)
+class BedTruth:
+    """height : of the bed under the nozzle"""
+
+    height: Height
+
+    def left(self, answer: Answer) -> Array:
+        """Return what the mesh leaves of the bed, the mean taken off, um."""
+        x, y = (each.ravel() for each in np.meshgrid(*2 * [np.linspace(LOW, HIGH, 55)]))
+        left = self.height(x, y) - answer.height_map().at(x, y)
+        found: Array = left - left.mean()
+        return found
+
+    def promised(self, answer: Answer) -> float:
+        """Return U with the mesh, um."""
+        return answer.expanded_with_tables("reprapfirmware")
+
+    def kept(self, _: Answer) -> Slope | None:
+        """Return nothing: a bed has no slope that a table has to keep."""
+        return None
+
+
+def grid(high: float = HIGH, columns: int = 7) -> Array:
+    """Return places of a mesh, (m, 2) mm."""
+    x, y = np.meshgrid(np.linspace(LOW, high, columns), np.linspace(LOW, HIGH, 7))
+    return np.column_stack([x.ravel(), y.ravel()])
+
+
+def as_planned() -> Array:
+    """Return the places that a plan asks for, (m, 2) mm."""
+    return np.array([[float(point["position"][axis]) for axis in "XY"] for point in planned(JOB, 36)])
+
+
+def probed(height: Height, places: Callable[[], Array]) -> Callable[[int], Met]:
+    """Return how a bed is met: a high bed stops the probe early, so readings are its heights with the other sign."""
+
+    def met(seed: int) -> Met:
+        rng, where = np.random.default_rng((seed, 3)), places()
+        shown = -height(*where.T) + rng.normal(0, NOISE, len(where))
+        rows = (("probe", x, y, round(value, 1)) for (x, y), value in zip(where.tolist(), shown.tolist(), strict=True))
+        return Met(rows_of("setup,X_mm,Y_mm,value_um", rows), BedTruth(height))
+
+    return met
+
+
+def sag(x: Array, y: Array) -> Array:
+    """Return a gantry that sags by 200 um between its rails, and droops by 60 um along y."""
+    middle = (x - 150) / 150
+    return 200 * (1 - middle**2) + 60 * (y / 300) ** 2
+
+
+def one_sided(x: Array, y: Array) -> Array:
+    """Return a bed whose right half bows up by 150 um."""
+    found: Array = 150 * np.sin(np.pi * np.maximum(x - 150, 0) / 150) + 20 * np.sin(y / 60)
+    return found
+
+
+def flat(x: Array, y: Array) -> Array:
+    """Return a bed that is flat for the nozzle."""
+    return 0 * x * y
+
+
+def rolled(seed: int) -> Met:
+    """Return a mesh of Klipper: the rail rolls 1.2 mrad along X, and the probe stands 46 mm in front of the nozzle."""
+    rng, (x, _) = np.random.default_rng((seed, 4)), grid().T
+    roll = 1.2e-3 * np.sin(np.pi * (x + 33 - 150) / 300)
+    heights = (-46 * roll + rng.normal(0, 0.003, len(x))).reshape(7, 7)
+    points = "".join(f"#*#   {', '.join(f'{z:.6f}' for z in row)}\n" for row in heights)
+    return Met(_CFG.format(points=points), BedTruth(flat), "printer.cfg")
+
+
+_CFG = """[probe]
+x_offset: -33
+y_offset: -46
+z_offset: 1.2
+[bed_mesh]
+mesh_min: 15,15
+mesh_max: 285,285
+probe_count: 7,7
+
+#*# <---------------------- SAVE_CONFIG ---------------------->
+#*# [bed_mesh default]
+#*# version = 1
+#*# points =
+{points}#*# x_count = 7
+#*# y_count = 7
+#*# mesh_x_pps = 2
+#*# mesh_y_pps = 2
+#*# algo = bicubic
+#*# tension = 0.2
+#*# min_x = 15
+#*# max_x = 285
+#*# min_y = 15
+#*# max_y = 285
+"""
+BEDS = (
+    Animal("sag of a beam: mesh of 7 x 7", JOB, probed(sag, grid)),
+    Animal("sag of a beam: 36 planned", JOB, probed(sag, as_planned)),
+    Animal("half-probed bed: 7 x 4", JOB, probed(one_sided, lambda: grid(150.0, 4)), r"not read|not probed|15 to 150"),
+    Animal("rail that rolls under a probe", JOB, rolled, r"beside the nozzle|[xy]_offset|offset of the probe"),
+)

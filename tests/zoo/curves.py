@@ -1,0 +1,184 @@
+"""Curves of one axis that the model has no row for, and lead errors: each a function of numpy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.numerics import Array
+from tests.zoo.animals import Animal
+from tests.zoo.axes import (
+    EXPANSION,
+    LASER,
+    LENGTH,
+    SCALE,
+    TAPE,
+    Curve,
+    Shown,
+    Visits,
+    even,
+    everywhere,
+    nothing,
+    read,
+)
+
+
+def straight(slope: float) -> Curve:
+    """Return a lead error with a backlash of 2 um.  slope : um/m"""
+    return lambda x, side: slope / 1000 * x - side
+
+
+def warm(kelvin: float) -> Shown:
+    """Return what a scale or part that is so much above 20 degC shows."""
+    return lambda visits: EXPANSION * kelvin * visits.x
+
+
+def bowed(x: Array, side: Array) -> Array:
+    """Return a gentle bow of 8 um with a backlash of 2 um."""
+    return 8 * np.sin(np.pi * x / LENGTH) - side
+
+
+def pitch(x: Array, side: Array) -> Array:
+    """Return a screw's error of 3 um in each turn of 10 mm."""
+    return 3 * np.sin(2 * np.pi * x / 10 + 0.7) - side
+
+
+def growing_pitch(x: Array, side: Array) -> Array:
+    """Return a screw's error of each turn that grows from nothing to 6 um."""
+    return 6 * x / LENGTH * np.sin(2 * np.pi * x / 10 + 0.7) - side
+
+
+def half_inch(x: Array, side: Array) -> Array:
+    """Return a screw's error of 5 um in each turn of half an inch."""
+    return 5 * np.sin(2 * np.pi * x / 12.7) - side
+
+
+def sawtooth(x: Array, side: Array) -> Array:
+    """Return a scale put together from pieces of 100 mm, 8 um off at each joint."""
+    found: Array = 8 * ((x / 100 + 0.3) % 1 - 0.5) - side
+    return found
+
+
+def air(visits: Visits) -> Array:
+    """Return what air conditioning does to readings that are a minute apart: 5 um every 11 min."""
+    found: Array = 5 * np.sin(2 * np.pi * np.arange(len(visits.x)) / 11 + 0.7)
+    return found
+
+
+def rack(x: Array, side: Array) -> Array:
+    """Return four racks of 250 mm that are not set in line, each with a pitch of its own."""
+    number = np.clip((x // 250).astype(int), 0, 3)
+    within = x - 250.0 * number
+    joints, slopes = np.array([0.0, 15.0, -8.0, 12.0]), np.array([0.03, -0.02, 0.05, 0.01])
+    found: Array = joints[number] + slopes[number] * within - 3 * side
+    return found
+
+
+def wavy(x: Array, side: Array) -> Array:
+    """Return an axis that goes on differently in its second half."""
+    return 8 * np.sin(2 * np.pi * x / 500) + 0.03 * np.maximum(x - 500, 0) - side
+
+
+def backlash(x: Array, side: Array) -> Array:
+    """Return a backlash of 16 um and a gentle bow."""
+    return 5 * np.sin(np.pi * x / LENGTH) - 8 * side
+
+
+def winding(way: float) -> Shown:
+    """Return what is missing of that backlash soon after the axis has turned.  way : mm"""
+    return lambda visits: 16 * visits.sides * np.exp(-visits.ways / way)
+
+
+def front(visits: Visits) -> Array:
+    """Return what heat that travels from the motor's end adds to the mean over the test: up to 25 um."""
+    time = np.linspace(0, 1, len(visits.x))[:, None]
+    shape = 25 * (1 - np.exp(-3 * time)) * np.exp(-visits.x / (200 + 900 * time))
+    own: Array = np.diagonal(shape)
+    found: Array = own - shape.mean(axis=0)
+    return found
+
+
+def heated(x: Array, side: Array) -> Array:
+    """Return the mean over the test of an axis that heat travels along."""
+    time = np.linspace(0, 1, 200)[:, None]
+    mean: Array = (25 * (1 - np.exp(-3 * time)) * np.exp(-np.ravel(x) / (200 + 900 * time))).mean(axis=0)
+    return mean - side
+
+
+def _iso(_: np.random.Generator) -> Visits:
+    return even(11, 5)
+
+
+def _once(_: np.random.Generator) -> Visits:
+    test = even(11, 1)
+    return Visits(test.x[:11], test.sides[:11])
+
+
+_SLOPES = (5, 10, 20, 40, 60, 100)
+LEADS = (
+    Animal("lead error: 20 um/m by laser, eleven readings", LASER.job, read(straight(20), LASER, _once, slope=True)),
+    *(
+        Animal(
+            f"lead error: {slope} um/m by {rule.name}",
+            rule.job,
+            read(straight(slope), rule, _iso, slope=True),
+            quick=slope == 20 or (rule is LASER and slope in (5, 100)),
+        )
+        for rule in (LASER, SCALE, TAPE)
+        for slope in _SLOPES
+    ),
+)
+WARM = tuple(
+    Animal(
+        f"scale or part not at 20 degC: {kelvin:+g} K, by laser",
+        LASER.job,
+        read(straight(40), LASER, _iso, warm(kelvin), slope=True),
+        quick=kelvin > 0,
+    )
+    for kelvin in (1.5, -1.5)
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Foreign:
+    """A truth that no row of the model has.  beside : what readings show beside it; cause : words that name it"""
+
+    kind: str
+    curve: Curve
+    beside: Shown = nothing
+    cause: str = ""
+
+    def animal(self, places: str, *, quick: bool = False) -> Animal:
+        """Return it as an animal of the zoo."""
+        met = read(self.curve, LASER, _PLACES[places], self.beside)
+        return Animal(f"{self.kind}: {places}", LASER.job, met, self.cause, quick=quick)
+
+
+_PLACES = everywhere(21, 2, LASER.job)
+_TURN = r"multiples? of|period"
+_WAY = r"since it turned|way after"
+FOREIGN = (
+    Foreign("pitch", pitch, cause=_TURN),
+    Foreign("growing pitch", growing_pitch, cause=_TURN),
+    Foreign("pitch of half an inch", half_inch, cause=_TURN),
+    Foreign("sawtooth of 100 mm", sawtooth, cause=_TURN),
+    Foreign("air conditioning", bowed, air, _TURN),
+    Foreign("steps of a rack", rack),
+    Foreign("backlash with a way of 60 mm", backlash, winding(60), _WAY),
+    Foreign("backlash with a way of 300 mm", backlash, winding(300), _WAY),
+    Foreign("thermal front", heated, front, r"warm(s|ed|ing) (up|while)|\bdrift"),
+)
+_QUICK = ("pitch: even", "steps of a rack: planned", "backlash with a way of 300 mm: even", "thermal front: even")
+NOTHING_WRONG = Animal("nothing wrong: random", LASER.job, read(bowed, LASER, _PLACES["random"]), quick=True)
+CURVES = (
+    NOTHING_WRONG,
+    *(each.animal(places, quick=f"{each.kind}: {places}" in _QUICK) for each in FOREIGN for places in _PLACES),
+    Animal(
+        "half-read axis: 0 to 500 mm",
+        LASER.job,
+        read(wavy, LASER, lambda _: even(11, 2, LENGTH / 2)),
+        r"not read|0 to 500|500 to 1000",
+        quick=True,
+    ),
+)
