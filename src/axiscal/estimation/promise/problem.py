@@ -193,7 +193,7 @@ class Problem:
         columns : (k, m) over the noise
         """
         more = len(columns)
-        zeros: tuple[Kind, ...] = ("drift",) * more
+        zeros: list[Kind] = ["drift" for _ in columns]
         return replace(
             self,
             rows=np.vstack([columns, self.rows.T]).T,
