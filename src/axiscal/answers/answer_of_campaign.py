@@ -39,7 +39,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import AxisLine
-from axiscal.estimation.functionals.known import KnownRow, known_row, known_rows, with_one_more, without_readings
+from axiscal.estimation.known_rows import KnownRow, known_row, known_rows, with_one_more, without_readings
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
