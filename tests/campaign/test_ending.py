@@ -25,7 +25,7 @@ from axiscal.description.target import RowName, Target, Want
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
-from axiscal.estimation.functionals.known import known_rows
+from axiscal.estimation.known_rows import known_rows
 from axiscal.estimation.promise.agreement import Explained
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import WantedAccuracy

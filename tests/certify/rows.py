@@ -16,7 +16,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.functionals.asked import asked_rows
-from axiscal.estimation.functionals.known import known_row
+from axiscal.estimation.known_rows import known_row
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine

@@ -12,7 +12,7 @@ from axiscal.errors.volume import deviation_of
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import AxisLine, Functional
-from axiscal.estimation.functionals.known import refuse_unmade
+from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames

@@ -16,8 +16,7 @@ from axiscal.description.target import RowName
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.functionals.functional import PLACES, line_of, seen_by, through_the_volume
-from axiscal.estimation.functionals.known import KnownRow, known_row, known_rows
-from axiscal.estimation.one_more import _turned
+from axiscal.estimation.known_rows import KnownRow, _turned, known_row, known_rows
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from tests.generators.laser_axis import CASE, machine, read

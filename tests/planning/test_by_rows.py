@@ -13,7 +13,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.first_campaign import first_campaign
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
-from axiscal.estimation.functionals.known import KnownRow, known_rows
+from axiscal.estimation.known_rows import KnownRow, known_rows
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Place
 from axiscal.measurement.reading_rows import blank_readings

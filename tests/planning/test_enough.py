@@ -13,8 +13,8 @@ from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.functionals.known import known_rows
 from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.known_rows import known_rows
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Place
 from axiscal.measurement.reading_rows import blank_readings

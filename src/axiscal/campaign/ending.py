@@ -15,7 +15,7 @@ from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import expanded, known_to
 from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.functionals.known import known_rows
+from axiscal.estimation.known_rows import known_rows
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
 from axiscal.exceptions import RecordError, SourceError
 from axiscal.language.spoken import counted, later, said

@@ -12,7 +12,7 @@ from pathlib import Path
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
 from axiscal.estimation.agreement_words import jump_before
 from axiscal.estimation.case import Case
-from axiscal.estimation.functionals.known import refuse_unmade
+from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import said
 from axiscal.machine import Axis

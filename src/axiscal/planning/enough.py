@@ -13,8 +13,8 @@ from dataclasses import replace
 from axiscal.estimation.accuracy.expanded import expanded, expanded_floor
 from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
 from axiscal.estimation.case import Case
-from axiscal.estimation.functionals.known import known_rows
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.known_rows import known_rows
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.other_readings import with_both_sides, with_rooms

@@ -10,7 +10,7 @@ from axiscal.description.first_campaign import OFFERED
 from axiscal.description.target import Target
 from axiscal.description.type_b import MEASURED_TEMPERATURE, TEMPERATURE
 from axiscal.estimation.case import Case
-from axiscal.estimation.functionals.known import known_rows
+from axiscal.estimation.known_rows import known_rows
 from axiscal.exceptions import InputError, PlanError
 from axiscal.language.spoken import joined, put, quoted, said
 from axiscal.measurement.instruments.kind import TOOL

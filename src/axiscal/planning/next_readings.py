@@ -17,9 +17,9 @@ from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
-from axiscal.estimation.functionals.known import known_row
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.known_rows import known_row
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
 from axiscal.language.spoken import listed, said

@@ -13,7 +13,7 @@ import numpy as np
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
-from axiscal.estimation.functionals.known import refuse_unmade
+from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import listed, said

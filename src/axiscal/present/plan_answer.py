@@ -27,8 +27,8 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.type_b import TEMPERATURE
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
-from axiscal.estimation.functionals.known import known_rows
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.known_rows import known_rows
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Place, shown_approach, shown_pose
 from axiscal.measurement.reading_rows import blank_readings
