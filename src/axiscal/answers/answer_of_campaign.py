@@ -39,11 +39,10 @@ from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.functionals.asked import AskedRow, asked_rows
-from axiscal.estimation.functionals.functional import AxisLine
+from axiscal.estimation.functionals.asked import AskedRow, asked_rows, offset_each
+from axiscal.estimation.functionals.functional import AxisLine, SignedSize, signed_numbers
 from axiscal.estimation.known_rows import KnownRow, known_row, known_rows, with_one_more, without_readings
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.one_more import with_one_more
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
 from axiscal.machine.axis import Axis
