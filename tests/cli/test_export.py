@@ -173,7 +173,7 @@ def test_tables_made_from_a_file_of_the_control_are_verified_by_it(
     assert again.split() == ["axiscal", "verify", str(record), *made_from]
     assert (
         f"axiscal verify {record} {' '.join(made_from)}"
-        in command("verify", record, *made_from, "--source", "sim:3", "--tolerance", "40 um").printed
+        in command("verify", record, *made_from, "--source", "sim:3", "--tolerance", "10 um").printed
     )
     assert "csv does not take --template" in command("verify", record, "--to", "csv", "--template", saved).refusal
 
