@@ -193,6 +193,12 @@ class ErrorModel:
         pose = np.zeros((1, len(self.machine.axes)))
         return self._levers(frames(self.machine, pose), pose)
 
+    @property
+    def ways(self) -> tuple[bool, bool, bool]:
+        """Whether some error moves the tool along x, y and z; along each where errors or axes turn it."""
+        x, y, z = (True,) * 3 if self._unmoved is None else np.any(self._unmoved, axis=(0, 1)).tolist()
+        return x, y, z
+
     def _levers(self, nominal: Frames, poses: Array) -> Array:
         """Return the levers at the frames of poses, (terms, m, 3).
 

@@ -57,7 +57,7 @@ class Expanded:
 def expanded(yardstick: Yardstick, belief: Belief) -> Expanded:
     """Return the expanded uncertainties of a belief over the yardstick's volume, shifts not counted taken off."""
     covariances = yardstick.covariances(belief.factor)
-    return expanded_of(covariances, yardstick.evenly, yardstick.counted, belief.degrees)
+    return expanded_of(covariances, yardstick.evenly, yardstick.counted, belief.degrees, yardstick.errors.ways)
 
 
 @one_thread()
@@ -83,18 +83,23 @@ def floor_of(name: str, yardstick: Yardstick) -> float:
 
 
 def expanded_of(
-    covariances: Array, evenly: NDArray[np.bool_], counted: Counted = EVERY_WAY, degrees: float = np.inf
+    covariances: Array,
+    evenly: NDArray[np.bool_],
+    counted: Counted = EVERY_WAY,
+    degrees: float = np.inf,
+    ways: Counted = EVERY_WAY,
 ) -> Expanded:
     """Return the expanded uncertainties where the deviation has these covariances.
 
     covariances : (m, 3, 3) Σ at poses, m²; evenly : (m,) which of the poses stand for the volume; the others are places
     where it may be worst; counted : the directions whose distance counts; degrees : of freedom of a belief
+    ways : the directions in which an error moves the tool; aligning a sample of the volume turns it by a little
     """
     counts = np.flatnonzero(counted)
     spectra = np.maximum(np.linalg.eigvalsh(covariances[:, counts[:, None], counts]), 0.0)
     variances = np.maximum(np.einsum("pcc->pc", covariances)[evenly], 0.0)
     worst = np.argsort(spectra.sum(axis=1))[-_WORST:]
-    x, y, z = (reach(variances[:, [axis]], degrees) for axis in range(3))
+    x, y, z = (reach(variances[:, [axis]], degrees) if way else 0.0 for axis, way in enumerate(ways))
     return Expanded(reach(spectra[evenly], degrees), (x, y, z), max(reach(spectra[[at]], degrees) for at in worst))
 
 
