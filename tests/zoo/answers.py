@@ -61,7 +61,8 @@ class Answer:
 
     def expanded_with_tables(self, control: str = "csv") -> float:
         """Return U with the tables of a control, um; that of the estimate where none was written."""
-        return next((float(t["U_um"]) for t in self.result["tables"] if t["controller"] == control), self.expanded)
+        written = (table for table in self.result["tables"] if table["controller"] == control and table["file"])
+        return next((float(table["U_um"]) for table in written), self.expanded)
 
     def axis_table(self, axis: str) -> tuple[Array, Array]:
         """Return positions, (p,) mm, and forward and reverse deviations of an axis over itself, (2, p) um.
