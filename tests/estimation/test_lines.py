@@ -130,6 +130,7 @@ def test_rows_are_those_that_set_ups_show_and_two_that_face_each_other_are_squar
     found = described(("laser", "X", "x"), ("up", "X", "y"), ("back", "Y", "x"), ("aside", "Z", "x"))
     assert names_of(found) == [
         "positioning X",
+        "scale X",
         "backlash X",
         "straightness X in Y",
         "straightness Y in X",
@@ -152,7 +153,7 @@ def test_of_two_set_ups_that_show_a_row_it_is_of_the_one_with_more_places() -> N
 def test_where_an_accuracy_is_asked_for_what_a_plan_left_out_answers_nothing() -> None:
     found = described(("laser", "X", "x"), ("up", "Y", "x"), target='rms = "3 um"\n')
     readings = at("laser", ((0.1, 0.1, 0.1), 1), ((0.3, 0.1, 0.1), 1))
-    assert names_of(found, readings) == ["positioning X", "backlash X", "volume"]
+    assert names_of(found, readings) == ["positioning X", "scale X", "backlash X", "volume"]
     assert "straightness Y in X" in names_of(found, readings, whole=True)
     assert "straightness Y in X" in names_of(found)
     assert "straightness Y in X" in names_of(described(("laser", "X", "x"), ("up", "Y", "x")), readings)
@@ -206,13 +207,13 @@ def test_what_is_known_of_rows_before_and_after_readings() -> None:
     known = concluded(CASE, read(machine(3), 24))
     rows = {each.row.name: each for each in known_rows(known.case, known.printed, known.readings)}
     before = {each.row.name: each for each in known_rows(CASE, CASE.knowledge, ())}
-    assert list(rows) == ["positioning X", "backlash X", "volume"]
+    assert list(rows) == ["positioning X", "scale X", "backlash X", "volume"]
     backlash, own = rows["backlash X"], known.case.errors.names["EXX_reversal"].columns
     std = float(np.linalg.norm(known.printed.belief.factor[own]))
     degrees = known.printed.belief.degrees
     assert backlash.known == pytest.approx(t.ppf(0.975, degrees) * np.sqrt(1 - 2 / degrees) * std, rel=1e-5)
     assert before["backlash X"].known == pytest.approx(1.959964 * 3e-6, rel=1e-5)
-    assert [each.measured for each in before.values()] == [False, False, False]
+    assert [each.measured for each in before.values()] == [False] * 4
     assert [each.measured for each in rows.values()] == [True, True, True]
     assert all(each.known < each.before for each in rows.values())
     assert backlash.floor < 0.01 * backlash.known  # endless readings tell it

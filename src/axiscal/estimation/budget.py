@@ -53,7 +53,7 @@ def budget(known: Estimation) -> list[BudgetShare]:
     squares, whole = dict.fromkeys(_OF_ALL, 0.0), known.accuracy.rms**2
     for drawn in known.posterior.draws:
         for source, square in _squares(known, drawn, figures):
-            squares[source] = squares.get(source, 0.0) + known.agreement.inflation * square
+            squares[source] = squares.get(source, 0.0) + known.widening * square
     squares[_PRIOR] -= yardstick.root.criterion(known.printed.belief.factor) - (whole - yardstick.moments.rest)
     squares[_UNSEEN] = float(np.clip(known.case.yardstick_as_sized.unseen_rms**2, 0.0, max(squares[_PRIOR], 0.0)))
     squares[_PRIOR] -= squares[_UNSEEN]

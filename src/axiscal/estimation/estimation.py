@@ -75,7 +75,20 @@ class Estimation:
         """Knowledge with the bands that are printed, sizes averaged over."""
         if self.membership is not None:
             return Knowledge(self.knowledge.observation, self.membership.belief)
-        return printed(self.knowledge, self.posterior, self.checks)
+        return printed(self.knowledge, self.posterior, self.widening)
+
+    @property
+    def widening(self) -> float:
+        """By what all variances grow: the larger of what checks and all readings say."""
+        return max(self.agreement.inflation, (self.checks.s or 0.0) ** 2)
+
+    @cached_property
+    def of_readings(self) -> Belief:
+        """What readings alone leave open: causes of type B, which none improves, are apart."""
+        whole, found = self.printed.belief, self.posterior
+        if found is None or self.membership is not None:
+            return whole
+        return Belief(whole.mean, whole.covariance - self.widening * found.shared, whole.degrees)
 
     @cached_property
     def accuracy(self) -> Accuracy:
@@ -128,11 +141,13 @@ class Estimation:
         read = where_read(description.machine, description.setups, used)
         rows = rows_served(description, used)
         told = [pair for each in rows for pair in each.pairs(description.machine) if self._tells(each)]
-        return Estimate(errors, self.printed.belief, *place, read, frozenset(told), description.target.of_volume)
+        open_yet = self.of_readings.factor[: errors.size]
+        told_by = read, frozenset(told), description.target.of_volume, open_yet
+        return Estimate(errors, self.printed.belief, *place, *told_by)
 
     def _tells(self, asked: AskedRow) -> bool:
-        """Return whether what is found of a row is more than U of it, RMS over its places."""
-        errors, belief = self.case.errors, self.printed.belief
+        """Return whether what is found of a row is more than readings leave open, 95 %, RMS over its places."""
+        errors, belief = self.case.errors, self.of_readings
         if asked.map is None:
             return False
         found = asked.map.rows(errors) @ belief.mean[: errors.size]
@@ -150,7 +165,7 @@ class Estimation:
         return reading_text(described.machine.axes, described.setup(reading.setup), reading, index)
 
 
-def printed(knowledge: Knowledge, found: Posterior | None, checks: Checks) -> Knowledge:
+def printed(knowledge: Knowledge, found: Posterior | None, widening: float) -> Knowledge:
     """Return the posterior as knowledge of errors and set-ups' unknowns.
 
     knowledge : at the sizes as learnt; found : None before the first reading
@@ -158,7 +173,7 @@ def printed(knowledge: Knowledge, found: Posterior | None, checks: Checks) -> Kn
     """
     if found is None:
         return knowledge
-    spread = max(found.agreement.inflation, (checks.s or 0.0) ** 2) * (found.covariance + found.covariance.T) / 2
+    spread = widening * (found.covariance + found.covariance.T) / 2
     return Knowledge(knowledge.observation.bare, Belief(found.mean, spread, found.degrees))
 
 

@@ -148,7 +148,7 @@ def with_one_more(known: Estimation, lines: Sequence[AxisLine]) -> Belief | None
     readings = [*known.readings, *(_turned(known.readings, line) for line in lines)]
     more = posterior_of(case, readings, {doubt.reading: doubt for doubt in known.outliers if doubt.implausible})
     # What it shows is not known, so it teaches no sizes and disagrees with nothing.
-    return printed(known.knowledge, replace(more, agreement=found.agreement), known.checks).belief
+    return printed(known.knowledge, more, known.widening).belief
 
 
 def _turned(readings: Sequence[Reading], line: AxisLine) -> Reading:

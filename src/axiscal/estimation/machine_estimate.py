@@ -51,6 +51,7 @@ class Estimate:
     counted : whether deviations along x, y and z of the workpiece frame count
     read : from where to where each axis was read while it moved, in chain order; none where nobody says
     told : (axis, over) where a row of the answer tells how one moves over the other; whole : whether others count, too
+    open : (size, n) root of what readings alone leave open, without causes of type B; None for all that the belief does
     """
 
     model: ErrorModel
@@ -64,6 +65,7 @@ class Estimate:
     read: Box = ()
     told: frozenset[tuple[str, str]] = frozenset()
     whole: bool = True
+    open: Array | None = None
 
     @property
     def machine(self) -> Machine:

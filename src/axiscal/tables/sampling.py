@@ -46,6 +46,8 @@ MOST_POINTS = 129
 """So that no one has to leaf through a table; four an interval are rarely more than a hundred."""
 _NOTHING = 1e-12
 """m or rad: rounding."""
+_TOLD = 2.0
+"""Standard deviations from which readings tell a table from nought."""
 _EDGE = 1e-6
 """Share of a cell: just inside its edge."""
 _SILENT, _DIFFERENCE = 0.95, 0.65
@@ -237,7 +239,9 @@ def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array)
     anchor = _anchor(estimate, axis, over, hats, curves, free)
     shown = curves @ estimate.mean - anchor @ estimate.mean
     values = hats.best(shown.T).T
-    known, before = (_Spread.from_rows(free, anchor, root) for root in (estimate.factor, estimate.model.prior_root()))
+    left = estimate.factor if estimate.open is None else estimate.open
+    roots = estimate.factor, estimate.model.prior_root(), left
+    known, before, read = (_Spread.from_rows(free, anchor, root) for root in roots)
     departure = max(hats.departure(curve, line) for curve, line in zip(shown, values, strict=True))
     values = values + _rest_read(estimate, axis, over, hats.points)
     own, looked_up = estimate.machine.axes[axis], estimate.machine.axes[over]
@@ -252,6 +256,7 @@ def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array)
         _silent(before, known),
         departure,
         float(np.hypot(np.sqrt(np.mean(known.shape**2)), rest)),
+        read.tell(values, rest),
     )
 
 
@@ -273,6 +278,15 @@ class _Spread(NamedTuple):
         each = rows[:, :, counts] @ known
         off, mean = anchor[counts] @ known, each.mean(axis=(0, 1))
         return cls(*(np.sqrt(np.max(np.sum((each - less) ** 2, axis=-1), axis=0)) for less in (0.0, off, mean)))
+
+    def tell(self, values: Array, rest: float) -> bool:
+        """Return whether values (s, points) are more than twice what they are known to: they, or they less their mean.
+
+        rest : standard deviation of what no curve follows, of each of them
+        """
+        sizes = np.array([np.sqrt(np.mean(values**2)), np.std(values)])
+        known = [np.hypot(np.sqrt(np.mean(each**2)), rest) for each in (self.anchored, self.shape)]
+        return bool(np.any(sizes > np.maximum(_TOLD * np.array(known), _NOTHING)))
 
 
 def _silent(before: _Spread, after: _Spread) -> NDArray[np.bool_]:

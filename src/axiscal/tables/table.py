@@ -28,8 +28,6 @@ _NODES = np.polynomial.legendre.leggauss(5)[0]
 """Mathematics."""
 _APART = 1e-9
 """Share of the way from one point to the next: rounding of a place on the first."""
-_TOLD, _NOTHING = 2.0, 1e-12
-"""Standard deviations from which readings tell that a table is none of nought; m or rad, rounding."""
 _OUTSIDE = 1e-6
 """Weight of what lies outside, so that every hat has a value: small against 1, or it would pull at the inside."""
 
@@ -136,6 +134,7 @@ class CompensationTable:
     over : the linear axis over whose position the deviation goes; the axis itself unless said otherwise
     prior_only : (n,) where the readings said nothing: the deviation there is what was believed beforehand
     shape_std : RMS of the standard deviation of the deviation less its mean over the table, m or rad
+    told : whether readings tell it from nought
     departure : largest distance between the table and the curve it was made of, over the volume, m or rad
     Raises TableError for anything that no controller could hold.
     """
@@ -149,6 +148,7 @@ class CompensationTable:
     prior_only: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     departure: float = 0.0
     shape_std: float = 0.0
+    told: bool = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "over", self.over or self.axis)
@@ -187,14 +187,6 @@ class CompensationTable:
         share = 0.5 * (1.0 + np.sign(direction))
         forward, reverse = (np.interp(position, self.positions, side) for side in (self.forward, self.reverse))
         return share * forward + (1.0 - share) * reverse
-
-    @property
-    def told(self) -> bool:
-        """Whether it is more than twice what it is known to, RMS over its points: as it stands, or without its mean."""
-        both = np.array([self.forward, self.reverse])
-        sizes = np.array([np.sqrt(np.mean(both**2)), np.std(both)])
-        known = np.array([np.sqrt(np.mean(self.std**2)), self.shape_std])
-        return bool(np.any(sizes > np.maximum(_TOLD * known, _NOTHING)))
 
     @property
     def rotary(self) -> bool:

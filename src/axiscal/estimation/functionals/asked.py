@@ -47,7 +47,7 @@ class AskedRow:
     def pairs(self, machine: Machine) -> list[tuple[str, str]]:
         """Return the axes that tables move to take the row away, each with the axis over which they do."""
         axes, kind = self.want.row.axes, self.want.row.kind
-        if kind in ("positioning", "backlash"):
+        if kind in ("positioning", "scale", "backlash"):
             return [(axes[0], axes[0])]
         if kind not in ("straightness", "squareness"):
             return []

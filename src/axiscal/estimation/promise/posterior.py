@@ -87,6 +87,7 @@ class LeftOut:
 class Posterior:
     """mean (k,), covariance (k, k) : of errors, then set-ups' unknowns, m and rad
 
+    shared : (k, k) the part of the covariance that causes of type B make, which no reading improves
     degrees : of freedom of a t of that covariance
     cells : means of the rests of visited cells by (term, cell), m or rad
     sizes : exp θ by kind and owner, of lengths the geometric mean, of others the root mean square
@@ -97,6 +98,7 @@ class Posterior:
 
     mean: Array
     covariance: Array
+    shared: Array
     degrees: float
     cells: dict[tuple[int, int], float]
     sizes: dict[tuple[Kind, str], float]
@@ -192,7 +194,7 @@ class Sorted:
         known = dict(zip(self.problem.cells, moments.cells.tolist(), strict=True))
         of_sizes = self.sizes, _surely(mine, found), found.effective
         drawn = tuple(Drawn(each.problem, each.found.thetas, each.found.weights / len(judged)) for each in judged)
-        return Posterior(*moments[:3], known, *of_sizes, self.bad, agreed, left, drawn)
+        return Posterior(*moments[:4], known, *of_sizes, self.bad, agreed, left, drawn)
 
 
 @one_thread()
@@ -280,10 +282,11 @@ def _half_and_half(one: Mapping[_Owned, float], other: Mapping[_Owned, float]) -
 
 
 class _Moments(NamedTuple):
-    """mean (k,), covariance (k, k), degrees of freedom; cells : means of rests (c,)."""
+    """mean (k,), covariance (k, k), the shared part of it, degrees of freedom; cells : means of rests (c,)."""
 
     mean: Array
     covariance: Array
+    shared: Array
     degrees: float
     cells: Array
 
@@ -297,6 +300,7 @@ def _moments(judged: Sequence[_Judged], volume: Array) -> _Moments:
     givens = [given for each in judged for given in each.found.given]
     size, counts = judged[0].problem.answered, len(volume)
     means, squares, total = np.empty((len(givens), size)), np.empty(len(givens)), np.zeros((size, size))
+    moved = np.hstack([np.sqrt(w) * each.given.type_b.gains for w, each in zip(weights, givens, strict=True)])
     over = np.zeros_like(total)
     over[:counts, :counts] = volume
     for i, given in enumerate(givens):
@@ -313,7 +317,7 @@ def _moments(judged: Sequence[_Judged], volume: Array) -> _Moments:
     mean = float(weights @ squares)
     varied = float(weights @ (squares - mean) ** 2)
     degrees = 4 + 2 * mean**2 / varied if varied > (_ALL_ALIKE * mean) ** 2 else np.inf
-    return _Moments(about + shift, total, degrees, cells)
+    return _Moments(about + shift, total, moved @ moved.T, degrees, cells)
 
 
 def _surely(problem: Problem, found: Weighed) -> float:
