@@ -130,7 +130,7 @@ def test_all_rows_with_a_limit_have_to_be_reached_by_the_u_that_the_screen_shows
 
 
 def test_the_volume_and_the_rows_are_wanted_together() -> None:
-    few = 9  # endless readings would leave a tenth less
+    few = 10  # endless readings would leave a tenth less
     _, known = wanting([Want(POSITIONING, 1.0)], taken=few)
     (row,), u = answered(known, {}), expanded_uncertainty(known).space
     for volume, limit, said in ((1.01, 1.01, ALL_REACHED), (0.99, 1.01, None), (1.01, 0.99, None)):
