@@ -192,7 +192,7 @@ def test_two_bad_readings_of_a_first_run_are_bad_and_no_size(setup: str) -> None
         assert known.left_out == set(bad)
         assert not known.agreement.contradicts
         sizes = known.posterior.sizes if known.posterior else {}
-        assert max(size for (kind, _), size in sizes.items() if kind not in ("length", "noise", "cycle")) < 10
+        assert max(size for (kind, _), size in sizes.items() if kind in ("std", "reversal", "rest")) < 10
 
 
 def test_one_reading_beyond_a_step_is_a_bad_reading_and_two_are_a_jump() -> None:

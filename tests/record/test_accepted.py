@@ -80,9 +80,8 @@ def test_those_before_a_jump_are_of_a_set_up_of_their_own() -> None:
     found = put_right(RIGHT, Accepted("jump", ("one",), 9, name="one, before"))
     assert [each.setup for each in found] == ["one, before", "two", "one, before", "two", "one", "two"]
     assert [replace(each, setup="") for each in found] == [replace(each, setup="") for each in RIGHT]
-    for number in (3, 8, 10):
-        with pytest.raises(ValueError, match=f"no zero jumped before reading {number}"):
-            put_right(RIGHT, Accepted("jump", ("one",), number, name="it"))
+    with pytest.raises(ValueError, match="no zero jumped before reading 3"):
+        put_right(RIGHT, Accepted("jump", ("one",), 3, name="it"))
 
 
 def test_a_mistake_of_a_set_up_without_readings_is_none() -> None:

@@ -352,6 +352,8 @@ class Folding:
 
     def _accept(self, event: Accepted) -> None:
         """Put readings right; what is asked stays asked."""
+        if event.mistake == "jump" and event.reading > self.highest + 1:
+            raise EventOrderError(f"reading {event.reading} is not the next one")
         try:
             self.readings = put_right(self.readings, event)
         except ValueError as fault:
