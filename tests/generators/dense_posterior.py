@@ -71,7 +71,9 @@ class Dense:
         """Return the posterior of the answered unknowns at θ, m and rad."""
         problem, prior = self.problem, self.prior_covariance(theta)
         seen = prior @ problem.rows.T @ np.linalg.inv(self.covariance(theta))
-        mean, covariance = seen @ problem.values, prior - seen @ problem.rows @ prior
+        # Joseph's form: a zero of a millimetre known to a tenth of a micrometre would lose the digits of a difference
+        left = np.eye(len(prior)) - seen @ problem.rows
+        mean, covariance = seen @ problem.values, left @ prior @ left.T + seen * self.sigma(theta) ** 2 @ seen.T
         turn, last = np.eye(len(mean)), slice(problem.first, None)
         for start, root in problem.roots:
             turn[start : start + len(root), start : start + len(root)] = root
@@ -90,9 +92,10 @@ class Dense:
         """Return what the other readings expect of one, at θ."""
         covariance, mine = self.covariance(theta), self.problem.reading == reading
         seen = covariance[np.ix_(mine, ~mine)] @ np.linalg.inv(covariance[np.ix_(~mine, ~mine)])
-        return seen @ self.problem.values[~mine], covariance[np.ix_(mine, mine)] - seen @ covariance[
-            np.ix_(~mine, mine)
-        ]
+        apart = np.eye(len(mine))[mine]
+        apart[:, ~mine] = -seen
+        left, noise = apart @ self.problem.rows, apart * self.sigma(theta)
+        return seen @ self.problem.values[~mine], left @ self.prior_covariance(theta) @ left.T + noise @ noise.T
 
     def odds(self, thetas: Array, weights: Array, reading: int) -> float:
         """Return the odds that a reading is bad.  thetas : (n, k); weights : (n,)"""

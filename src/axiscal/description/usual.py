@@ -78,7 +78,7 @@ REST = Cause(
 REVERSAL = Cause("reversal", "constant", 1.0, "std as stated", 3.0, "as the errors' own factor")
 """The factor is that of errors; nobody has measured another."""
 WAY = Cause(
-    "reversal that needs a way", "side times exp(-d/100 mm), d the way since the axis turned", 0.06,
+    "reversal that needs a way", "side times exp(-d/l), d the way since the axis turned, l of 30, 100 and 350 mm", 0.06,
     "std of the reversal", 6.0, "assumption",
 )  # fmt: skip
 """Assumption: a slide winds up like a spring over a hand's breadth: little of most backlashes, and most of some."""
