@@ -68,7 +68,10 @@ def test_one_gross_error_in_thirty_readings_moves_no_curve_by_half_its_sigma() -
 
 
 def _moves_little(before: Estimation, after: Estimation, function: ErrorFunction) -> bool:
-    rows, size = function.basis.rows(np.linspace(*function.basis.knots[[0, -1]], 101)), before.case.errors.size
+    rows, size = (
+        function.basis.rows(np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)),
+        before.case.errors.size,
+    )
     std = np.sqrt(np.sum((rows @ after.knowledge.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)
     moved = rows @ (after.knowledge.belief.mean[:size] - before.knowledge.belief.mean[:size])[function.columns]
     return bool(np.all(np.abs(moved) <= 0.5 * std))

@@ -130,15 +130,15 @@ def test_slope_is_that_of_differences_and_far_out_nothing_overflows() -> None:
     assert not slope.any()
 
 
-def test_a_stated_drift_is_learnt_as_noise_is() -> None:
+@pytest.mark.parametrize(("sure", "found"), [("roughly", True), ("exactly", False)])
+def test_a_stated_drift_is_learnt_as_noise_is(sure: Sure, found: bool) -> None:
     """Without what usually goes wrong, and unless sizes are exact."""
     described = case_of("axis").description
     wandering = [replace(each, drift=1e-9) for each in described.setups]
-    for sure, found in (("roughly", True), ("exactly", False)):
-        sizes = sizes_of(described.machine, wandering, sure, usual=False, inherited=False)
-        assert (sizes.index("drift", wandering[0].name) >= 0) == found
+    sizes = sizes_of(described.machine, wandering, sure, usual=False, inherited=False)
+    assert (sizes.index("drift", wandering[0].name) >= 0) == found
     still = [replace(each, drift=0.0) for each in described.setups]
-    assert sizes_of(described.machine, still, "roughly", usual=False, inherited=False).index("drift", "laser") < 0
+    assert sizes_of(described.machine, still, "roughly", usual=False, inherited=False).index("drift", still[0].name) < 0
 
 
 def test_a_size_is_found_by_kind_and_owner() -> None:
