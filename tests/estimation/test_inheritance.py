@@ -20,7 +20,6 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, printed
 from axiscal.estimation.inheritance import changes
 from axiscal.estimation.membership import Membership
-from axiscal.estimation.promise.agreement import Checks
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import carried_over
 from axiscal.exceptions import DescriptionError, RecordError
@@ -199,10 +198,10 @@ def test_bands_are_those_of_the_posterior_and_wider_where_readings_disagree() ->
     known = concluded(CASE, read(machine(2), 12))
     found = known.posterior
     assert found is not None
-    assert printed(known.knowledge, None, Checks()) is known.knowledge
+    assert printed(known.knowledge, None, 1.0) is known.knowledge
     for c2, times in ((1.0, 1.0), (4.0, 4.0)):
         agreed = replace(found.agreement, c2=c2)
-        wide = printed(known.knowledge, replace(found, agreement=agreed), Checks())
+        wide = replace(known, posterior=replace(found, agreement=agreed)).printed
         belief, size = wide.belief, len(found.mean)
         assert belief.mean == pytest.approx(found.mean)
         assert belief.covariance == pytest.approx(times * found.covariance, abs=1e-9 * float(found.covariance.max()))

@@ -11,6 +11,7 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.errors.model import ErrorFunction
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
@@ -52,19 +53,28 @@ def _estimated(readings: list[Reading]) -> Estimation:
     return concluded(Case(_description()), readings)
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_one_gross_error_in_thirty_readings_moves_no_curve_by_half_its_sigma(seed: int) -> None:
-    clean = _readings(seed)
-    bad = int(np.random.default_rng(seed).integers(2, 28))
-    wrong = [replace(r, value=r.value + 50e-6 * (i == bad)) for i, r in enumerate(clean)]
-    before, after = _estimated(clean), _estimated(wrong)
-    assert [d.reading for d in after.outliers] == [bad]
-    for function in before.case.errors.functions:
-        rows = function.basis.rows(np.linspace(function.basis.knots[0], function.basis.knots[-1], 101))
-        std = np.sqrt(np.sum((rows @ after.knowledge.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)
-        size = before.case.errors.size
-        moved = rows @ (after.knowledge.belief.mean[:size] - before.knowledge.belief.mean[:size])[function.columns]
-        assert np.all(np.abs(moved) <= 0.5 * std)
+def test_one_gross_error_in_thirty_readings_moves_no_curve_by_half_its_sigma() -> None:
+    """It is found in each of ten campaigns. In one of them a second reading may go: 1 of 100 is bad beforehand."""
+    held = list[bool]()
+    for seed in range(10):
+        clean = _readings(seed)
+        bad = int(np.random.default_rng(seed).integers(2, 28))
+        wrong = [replace(r, value=r.value + 50e-6 * (i == bad)) for i, r in enumerate(clean)]
+        before, after = _estimated(clean), _estimated(wrong)
+        found = [d.reading for d in after.outliers]
+        assert bad in found
+        held.append(found == [bad] and all(_moves_little(before, after, each) for each in before.case.errors.functions))
+    assert sum(held) >= 9
+
+
+def _moves_little(before: Estimation, after: Estimation, function: ErrorFunction) -> bool:
+    rows, size = (
+        function.basis.rows(np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)),
+        before.case.errors.size,
+    )
+    std = np.sqrt(np.sum((rows @ after.knowledge.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)
+    moved = rows @ (after.knowledge.belief.mean[:size] - before.knowledge.belief.mean[:size])[function.columns]
+    return bool(np.all(np.abs(moved) <= 0.5 * std))
 
 
 def test_readings_that_agree_are_all_believed() -> None:

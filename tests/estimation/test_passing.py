@@ -59,9 +59,10 @@ def test_what_is_missing_of_a_reversal_falls_with_the_way_since_the_axis_turned(
     case = axis()
     std = next(entry.std for entry in case.description.machine.errors if entry.name == "EXX_reversal")
     found = columns(case)["way"]
-    assert found.shape == (len(AT), 1)
-    wanted = -WAY.size * std / 2 * np.array(SIDES) * np.exp(-np.array(SINCE) / 0.1)
-    assert found[:, 0] == pytest.approx(wanted, rel=1e-9)
+    assert found.shape == (len(AT), 3)
+    for column, way in zip(found.T, (0.03, 0.1, 0.35), strict=True):
+        wanted = -WAY.size * std / 2 * np.array(SIDES) * np.exp(-np.array(SINCE) / way)
+        assert column == pytest.approx(wanted, rel=1e-9)
 
 
 def test_it_is_there_where_both_sides_are_read_and_what_usually_goes_wrong_counts() -> None:

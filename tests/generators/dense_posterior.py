@@ -76,11 +76,10 @@ class Dense:
     def unknowns(self, theta: Array) -> Normal:
         """Return the posterior of the answered unknowns at θ, m and rad."""
         problem, prior = self.problem, self.prior_covariance(theta)
-        half = np.linalg.solve(
-            np.linalg.cholesky(self.covariance(theta)), np.column_stack([problem.rows, problem.values])
-        )
-        half, values = half[:, :-1] @ prior, half[:, -1]  # an open zero leaves no digits to an inverse
-        mean, covariance = half.T @ values, prior - half.T @ half
+        seen = prior @ problem.rows.T @ np.linalg.inv(self.covariance(theta))
+        # Joseph's form: a zero of a millimetre known to a tenth of a micrometre would lose the digits of a difference
+        left = np.eye(len(prior)) - seen @ problem.rows
+        mean, covariance = seen @ problem.values, left @ prior @ left.T + seen * self.sigma(theta) ** 2 @ seen.T
         turn, last = np.eye(len(mean)), slice(problem.first, None)
         for start, root in problem.roots:
             turn[start : start + len(root), start : start + len(root)] = root
@@ -100,10 +99,14 @@ class Dense:
     def expected(self, theta: Array, reading: int) -> Normal:
         """Return what the other readings expect of one, at θ."""
         covariance, mine = self.judging(theta), self.problem.reading == reading
+        beside = covariance - self.covariance(theta)
         seen = covariance[np.ix_(mine, ~mine)] @ np.linalg.inv(covariance[np.ix_(~mine, ~mine)])
-        return seen @ self.problem.values[~mine], covariance[np.ix_(mine, mine)] - seen @ covariance[
-            np.ix_(~mine, mine)
-        ]
+        apart = np.eye(len(mine))[mine]
+        apart[:, ~mine] = -seen
+        left, noise = apart @ self.problem.rows, apart * self.sigma(theta)
+        return seen @ self.problem.values[~mine], left @ self.prior_covariance(
+            theta
+        ) @ left.T + noise @ noise.T + apart @ beside @ apart.T
 
     def odds(self, thetas: Array, weights: Array, reading: int) -> float:
         """Return the odds that a reading is bad.  thetas : (n, k); weights : (n,)"""

@@ -1,7 +1,8 @@
 """The most probable sizes, and draws of those that readings leave possible.
 
-A size stays as stated if the information of the places at x = 0 is below the prior's and the readings do not contradict
-it. Otherwise a size that one number decides would make U larger with it.
+A size stays as stated if the information of the places is below the prior's and the readings do not contradict it.
+Otherwise a size that one number decides would make U larger with it. This is asked where the climb begins and again
+where it ends: a zero's drift shows once the noise turns out to be a fifth of what is stated.
 
 The prior of x is standard normal. Fisher scoring climbs to the mode: (J I J + 1) step = J g − x, J = dθ/dx. About the
 mode q is a normal with two halves along each principal axis. Two likelihoods measure the width of each (as INLA does).
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 from axiscal.description.usual import Sizes
 from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.problem import Problem
+from axiscal.estimation.promise.spaces import Slope
 from axiscal.estimation.promise.unknowns import Given, Space, space_of
 from axiscal.numerics import Array, even_points
 from axiscal.numerics.from_scipy import normal_quantile, normal_share
@@ -59,9 +61,9 @@ _ROUND = 0.01
 
 @dataclass(frozen=True, eq=False)
 class Mode:
-    """x : (k,) most probable, 0 of sizes that stay as stated; taught : (t,) which do not
+    """x : (k,) most probable, as stated of sizes that stay so; taught : (t,) which do not
 
-    covariance : (t, t) of the normal there; value : log L φ; stated : everything at x = 0
+    covariance : (t, t) of the normal there; value : log L φ; stated : everything at the sizes as stated
     """
 
     x: Array
@@ -73,9 +75,9 @@ class Mode:
 
 @dataclass(frozen=True, eq=False)
 class Draws:
-    """x : (n, k); log_proposal : (n + 1,) of the mixture that they are drawn from, over φ(x), the last one at x = 0
+    """x : (n, k); log_proposal : (n + 1,) of the mixture that they are drawn from, over φ(x), the last one as stated
 
-    stated : everything at x = 0, the sizes as stated
+    stated : everything at the sizes as stated
     """
 
     sizes: Sizes
@@ -131,35 +133,47 @@ def as_stated(space: Space) -> Considered:
 def mode(space: Space) -> Mode:
     """Return the most probable sizes, climbing from those that are stated."""
     sizes = space.problem.sizes
-    x = np.zeros(len(sizes))
-    found = as_stated(space)
+    x, found, taught = sizes.stated, as_stated(space), np.zeros(0, dtype=np.intp)
     if not len(x):
-        return Mode(x, np.zeros(0, dtype=np.intp), np.zeros((0, 0)), _valued(found.given, x), found)
-    value, gradient, information = _pull(sizes, found.given, x)
-    told = np.diagonal(information)
-    taught = np.flatnonzero((told > 1 + _TAUGHT) | (0.5 * gradient**2 / told > _SAID))
-    damped, among = _DAMPED, np.ix_(taught, taught)
+        return Mode(x, taught, np.zeros((0, 0)), _valued(found.given, x), found)
+    here = _pull(sizes, found.given, x)
+    while len(more := np.union1d(taught, _taught(here, x))) > len(taught):
+        taught = more
+        x, here = _climbed(space, taught, x, here)
+    among = np.ix_(taught, taught)
+    return Mode(x, taught, np.asarray(np.linalg.inv(here.information[among]), dtype=float), here.value, found)
+
+
+def _taught(here: Slope, x: Array) -> NDArray[np.intp]:
+    """Return the sizes that readings teach.  here : at x, the prior included"""
+    told = np.diagonal(here.information)
+    return np.flatnonzero((told > 1 + _TAUGHT) | (0.5 * (here.gradient + x) ** 2 / told > _SAID))
+
+
+def _climbed(space: Space, taught: NDArray[np.intp], x: Array, here: Slope) -> tuple[Array, Slope]:
+    """Return where log L φ is highest by some sizes, and its slope there.  here : at x"""
+    sizes, damped, among = space.problem.sizes, _DAMPED, np.ix_(taught, taught)
     for _ in range(_STEPS):
-        damping = damped * np.diag(np.diagonal(information)[taught])
+        information = here.information[among]
         step = np.zeros(len(x))
-        step[taught] = np.linalg.solve(information[among] + damping, gradient[taught])
+        step[taught] = np.linalg.solve(information + damped * np.diag(np.diagonal(information)), here.gradient[taught])
         step *= _LONGEST / max(_LONGEST, float(np.max(np.abs(step))))
-        if float(gradient @ step) < _SETTLED * 0.1:
+        if float(here.gradient @ step) < _SETTLED * 0.1:
             break
         there = space.given(sizes.theta(x + step)[0])
-        if there is not None and _valued(there, x + step) > value:
+        if there is not None and _valued(there, x + step) > here.value:
             x, damped = x + step, damped * _LESS
-            value, gradient, information = _pull(sizes, there, x)
+            here = _pull(sizes, there, x)
         else:
             damped = max(_MORE * damped, 0.05)
-    return Mode(x, taught, np.asarray(np.linalg.inv(information[among]), dtype=float), value, found)
+    return x, here
 
 
-def _pull(sizes: Sizes, found: Given, x: Array) -> tuple[float, Array, Array]:
+def _pull(sizes: Sizes, found: Given, x: Array) -> Slope:
     """Return log L φ, its gradient and its information by x.  found : at the sizes of x"""
     by, slope = sizes.theta(x)[1], found.slope()
     information = slope.information * by[:, None] * by + np.eye(len(x))
-    return slope.value - 0.5 * float(x @ x), slope.gradient * by - x, information
+    return Slope(slope.value - 0.5 * float(x @ x), slope.gradient * by - x, information)
 
 
 def draws(space: Space, best: Mode, count: int = COUNT) -> Draws:
@@ -176,13 +190,13 @@ def draws(space: Space, best: Mode, count: int = COUNT) -> Draws:
     points = normal_quantile(np.clip(even_points(count, k), _EDGE, 1 - _EDGE))
     centre = best.x[best.taught]
     own = np.where(of_prior[:, None], points, centre + _halved(points, wings) @ axes.T)
-    every = np.vstack([own, np.zeros(k)])
+    every = np.vstack([own, space.problem.sizes.stated[best.taught]])
     apart = (every - centre) @ axes
     scaled = apart / np.where(apart > 0, wings[1], wings[0])
     proposal = -0.5 * np.sum(scaled**2, axis=1) - np.log(wings.mean(axis=0)).sum() + 0.5 * np.sum(every**2, axis=1)
     share = float(of_prior.mean())
     mixed = np.logaddexp(np.log1p(-share) + proposal, np.log(share))
-    x = np.zeros((count, len(best.x)))
+    x = np.tile(best.x, (count, 1))
     x[:, best.taught] = own
     return Draws(space.problem.sizes, x, mixed, best.stated)
 

@@ -3,8 +3,8 @@
 A zero drifts by a line, Brownian motion over the time T of its set-up, and Matérn-1/2 in time with 6 min. The Brownian
 motion has Karhunen-Loève functions √2 sin((k − ½)π t/T)/((k − ½)π), k = 1…20, which leave 0.5 % of its variance. A
 linear axis grows by the coordinate over its travel times Matérn-3/2 in time with 0.4 T, linear between ten nodes. Of a
-reversal exp(−d/100 mm) may be missing, d the way since the axis turned. Without what usually goes wrong a zero wanders
-as stated (`measurement.cells`).
+reversal exp(−d/l) may be missing, d the way since the axis turned, l of 30, 100 and 350 mm each by itself. Without what
+usually goes wrong a zero wanders as stated (`measurement.cells`).
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ _CYCLE_SECONDS = 360.0
 """s, six minutes: assumption."""
 _MEMORY = 0.4
 """Of the set-up's time: over so much the growth of an axis forgets itself."""
-_WAY = 0.1
-"""m, over which a reversal comes: assumption."""
+_WAYS = (0.03, 0.1, 0.35)
+"""m, over which a reversal comes, one as likely as the other: a hand's breadth, from a third of it to three."""
 _LONGEST = 4 * 3600.0
 """s: over a longer time six minutes are too short to be told from noise."""
 _MOST = 300
@@ -99,9 +99,10 @@ def passing_columns(
             size_at += [sizes.index(kind, setup.name)] * made.shape[1]
             kinds += [kind] * made.shape[1]
         turns = turning(observation, index, mine.poses, mine.approaches) if usual else []
-        parts.append(np.zeros((len(reading), len(turns))))
-        for column, turn in zip(parts[-1].T, turns, strict=True):
-            for number, missing in enumerate(turn.missing(mine.poses, np.argsort(mine.clock, kind="stable"))):
+        ways = [(turn, way) for turn in turns for way in _WAYS]
+        parts.append(np.zeros((len(reading), len(ways))))
+        for column, (turn, way) in zip(parts[-1].T, ways, strict=True):
+            for number, missing in enumerate(turn.missing(mine.poses, np.argsort(mine.clock, kind="stable"), way)):
                 column[mine.first + number] = missing
             size_at.append(sizes.index("way", turn.name))
             kinds.append("way")
@@ -173,17 +174,17 @@ class Turning:
     sides: Array
     effects: Array
 
-    def missing(self, poses: Array, order: NDArray[np.intp]) -> Array:
+    def missing(self, poses: Array, order: NDArray[np.intp], way: float = _WAYS[1]) -> Array:
         """Return what is missing of each number of readings, (k, r) m or rad.
 
-        poses : (r, q); order : (r,) in which they are taken
+        poses : (r, q); order : (r,) in which they are taken; way : m, over which it comes
         """
         at, sides, since = poses[order, self.axis], self.sides[order], np.full(len(poses), self.overrun)
         step = np.diff(at) * sides[1:]
         for number in np.flatnonzero((sides[1:] == sides[:-1]) & (step >= 0)).tolist():
             since[number + 1] = since[number] + step[number]
         left = np.empty(len(poses))
-        left[order] = np.exp(-since / _WAY)
+        left[order] = np.exp(-since / way)
         return -WAY.size * left * self.effects
 
 
