@@ -21,7 +21,7 @@ from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.tables.offer import unknown_rms
+from axiscal.tables.offer import unknown
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine
 
 DRAWN = machine(5)
@@ -99,8 +99,8 @@ def test_a_control_that_corrects_what_is_known_leaves_what_is_not() -> None:
     for row in answered(known, {"all": control, "none": nothing}):
         assert row.left["none"] == pytest.approx(row.found, rel=1e-9)
         assert row.left["all"] < row.found
-        unknown = row.known / BAND if row.signed else unknown_rms(known.estimate())
-        assert row.left["all"] == pytest.approx(unknown, rel=1e-3)
+        missing = row.known / BAND if row.signed else unknown(known.estimate()).rms
+        assert row.left["all"] == pytest.approx(missing, rel=1e-3)
 
 
 def test_the_volume_is_known_to_the_u_of_the_report() -> None:

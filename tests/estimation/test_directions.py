@@ -23,7 +23,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import InputError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import even_points
-from axiscal.tables.offer import unknown_rms
+from axiscal.tables.offer import unknown
 from tests.commands import Command
 
 _EVERY_LINE = 'directions = ["z"]'
@@ -127,9 +127,9 @@ def test_sampled_means_are_those_in_closed_form() -> None:
 
 def test_what_files_are_said_to_leave_is_of_the_height() -> None:
     found = known().estimate()
-    heights = unknown_rms(found)
+    heights = unknown(found).rms
     assert heights == pytest.approx(known().accuracy.rms, rel=0.1)
-    assert unknown_rms(replace(found, counted=(True, True, True))) > 3 * heights
+    assert unknown(replace(found, counted=(True, True, True))).rms > 3 * heights
 
 
 @pytest.mark.parametrize("line", ["directions = []", 'directions = ["up"]', 'directions = "z"'])

@@ -14,7 +14,6 @@ from scipy.special import chdtr, chdtri
 
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.accuracy.expanded import LEVEL, expanded_of, reach
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import expanded_uncertainty
@@ -53,7 +52,7 @@ def test_over_many_places_u_is_that_of_draws_at_places_drawn_evenly(degrees: flo
     found = expanded_of(covariances, np.ones(200, dtype=bool), degrees=degrees)
     roots = np.linalg.cholesky(covariances)[rng.integers(0, 200, DRAWS)]
     draws = np.einsum("nij,nj->ni", roots, rng.standard_normal((DRAWS, 3)))
-    draws *= Belief([0.0], [[1.0]], degrees).stretches(rng, DRAWS)[:, None]
+    draws *= np.sqrt(1.0 if np.isinf(degrees) else (degrees - 2) / rng.chisquare(degrees, (DRAWS, 1)))
     assert found.space == pytest.approx(np.quantile(np.linalg.norm(draws, axis=1), LEVEL), rel=0.015)
     assert found.axes == pytest.approx(np.quantile(np.abs(draws), LEVEL, axis=0), rel=0.015)
 

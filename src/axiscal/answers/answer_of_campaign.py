@@ -52,7 +52,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.promise import asked
 from axiscal.record.copies import file_name
-from axiscal.tables.offer import places, unknown_rms
+from axiscal.tables.offer import places, unknown
 from axiscal.tables.registry import exporter, offered_control
 from axiscal.tables.surface import Control, left_by
 from axiscal.units import to_unit
@@ -108,7 +108,7 @@ def _answered(asked: AskedRow, known: Estimation, controls: Mapping[str, Control
     shown: Callable[[Array], Array]
     if functional is None:
         where, dimensions = places(estimate), sum(estimate.counted)
-        variances, shown = np.array(unknown_rms(estimate) ** 2), partial(_counted, estimate, where[0])
+        variances, shown = np.array(unknown(estimate).rms ** 2), partial(_counted, estimate, where[0])
     else:
         where, dimensions, shown = (functional.poses, functional.sides), functional.dimensions, functional.row
         variances = functional.spectra(errors, belief.factor).sum(axis=1)

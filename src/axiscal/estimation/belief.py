@@ -162,13 +162,9 @@ class Belief:
     def sample(self, generator: np.random.Generator, count: int) -> Array:
         """Return draws from the belief, a normal density (B&H eq. 16) or a t: (count, n)."""
         drawn = generator.standard_normal((count, self.size)) @ self.factor.T
-        return self.mean + self.stretches(generator, count)[:, None] * drawn
-
-    def stretches(self, generator: np.random.Generator, count: int) -> Array:
-        """Return by what draws of a normal are to be stretched, √((f − 2)/χ²_f), (count,): 1 for a normal itself."""
-        if math.isinf(self.degrees):
-            return np.ones(count)
-        return np.sqrt((self.degrees - 2) / generator.chisquare(self.degrees, count))
+        if not math.isinf(self.degrees):
+            drawn *= np.sqrt((self.degrees - 2) / generator.chisquare(self.degrees, (count, 1)))
+        return self.mean + drawn
 
 
 def _fill(belief: Belief, mean: Array, root: Array, degrees: float) -> Belief:

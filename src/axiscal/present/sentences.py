@@ -25,10 +25,7 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 UNSAID = later("not stated")
-U_OF_TABLES = later(
-    "U of the tables: 95 % of the places lie within it, with 95 % probability. U of the volume counts places and "
-    "probability together, and is smaller."
-)
+U_OF_TABLES = later("U of the tables: U² of the volume and (k times what they leave)² add up to its square.")
 
 UNITS = {"um": "µm", "urad": "µrad", "um/m": "µm/m", "arcsec": "″", "deg": "°", "mm": "mm", "min": "min"}
 _SHOWN = {"um": "µm", "urad": "µrad", "degC": "°C"}

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimation.accuracy.expanded import LEVEL
+from axiscal.estimation.accuracy.expanded import BAND, reach
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
@@ -24,8 +25,6 @@ from axiscal.units import format_quantity, said_quantity, to_unit
 
 POSES = 1000
 """Poses at which a file is tried: a file that adds the wrong thing does so at almost every pose."""
-_TRIED, _MACHINES = 400, 500
-"""Places and machines behind U: twice as many of either move it by 2 % at most."""
 _DEFECT = "do not load it: this is a defect of axiscal, please report it"
 _BEYOND = later("read more of the travel: beyond what was read they stay as they are at its end")
 _PART = 0.05
@@ -41,7 +40,7 @@ class Export:
     effect : of the estimated deviation over the volume; readme : the text that goes beside them
     unknown : RMS over the volume of what the estimate may be wrong by, m, one shift of everything taken off, or the
     motion of an aligned part
-    U : m, of 95 machines in 100 that the readings leave possible, 95 % of the deviations with the files are within it
+    U : m, 95 % of the deviations with the files are within it
     idle : the axes that the files never move; by_row : whether they take a row of the answer away
     """
 
@@ -96,15 +95,16 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     if estimate.sample is not None:
         tried = estimate.machine, estimate.deviation, draft.control, places(estimate)[0], estimate.box
         effect = effect_of_control(*tried, estimate.alignment, estimate.counted)
-    unknown, certain = unknown_rms(estimate), _within(estimate, draft.control)
+    known = unknown(estimate)
+    certain = known.beside(effect.after)
     parts = [part.removesuffix(".") for part in (draft.left_out, together, silent) if part]
     told = replace(draft, left_out="; ".join(parts))
-    left = effect_sentence("They", effect, unknown, certain)
+    left = effect_sentence("They", effect, known.rms, certain)
     readme = _readme(controller, told, left, (*draft.first, *foreword(estimate, draft.control)))
     moved = np.any(draft.control(poses, approaches), axis=0)
     idle = tuple(axis.name for axis, moves in zip(estimate.machine.axes, moved, strict=True) if not moves)
     by_row = any((table.axis, table.over) in estimate.told for table in draft.tables)
-    done = draft.files, draft.tables, draft.control, effect, unknown, certain, readme, idle
+    done = draft.files, draft.tables, draft.control, effect, known.rms, certain, readme, idle
     return Export(controller, *done, by_row)
 
 
@@ -130,15 +130,28 @@ def places(estimate: Estimate, count: int = POSES) -> tuple[Array, Array]:
     return tour(estimate.sample[even_subset(estimate.sample, count)], estimate.box)
 
 
+class Unknown(NamedTuple):
+    """What is not known of the TCP, less what does not count, m: RMS, and U of 95 %."""
+
+    rms: float
+    expanded: float
+
+    def beside(self, left: float) -> float:
+        """Return U where files leave some of the deviation as it is estimated: U² + (k left)².  left : RMS, m"""
+        factor = self.expanded / self.rms if self.rms > 0 else BAND
+        return float(np.hypot(self.expanded, factor * left))
+
+
 @remembered
-def unknown_rms(estimate: Estimate) -> float:
-    """Return the RMS over the part, or over the volume, of what is not known of the TCP, less what does not count, m.
+def unknown(estimate: Estimate) -> Unknown:
+    """Return what is not known over the part, or over the volume.
 
     Its square is the mean of trace((H - E[H]) C (H - E[H])ᵀ) and of the share of the rests. For an aligned part the
     alignment replaces E[H].
     """
-    spread, rest = _roots(estimate, *places(estimate))
-    return float(np.sqrt((np.sum(spread**2) + np.sum(rest**2)) / len(spread)))
+    covariances = np.sum([root @ root.transpose(0, 2, 1) for root in _roots(estimate, *places(estimate))], axis=0)
+    spectra = np.maximum(np.linalg.eigvalsh(covariances), 0.0)
+    return Unknown(float(np.sqrt(spectra.sum(axis=1).mean())), reach(spectra, estimate.belief.degrees))
 
 
 def _roots(estimate: Estimate, poses: Array, approaches: Array) -> tuple[Array, Array]:
@@ -148,28 +161,6 @@ def _roots(estimate: Estimate, poses: Array, approaches: Array) -> tuple[Array, 
     off = rows.mean(axis=0) if estimate.alignment is None else estimate.alignment.taken_off(poses)
     levers = estimate.model.levers(poses)[:, :, counts] * estimate.model.rests[:, None, None]
     return (rows - off)[:, counts] @ estimate.factor, levers.transpose(1, 2, 0)
-
-
-@remembered
-def _possible(estimate: Estimate) -> Array:
-    """Return what the estimate is wrong by on machines that the readings leave possible, (machines, m, d), m."""
-    poses, approaches = places(estimate, _TRIED)
-    spread, rest = _roots(estimate, poses, approaches)
-    rng = np.random.default_rng(0)
-    drawn = (spread.reshape(-1, spread.shape[2]) @ rng.standard_normal((spread.shape[2], _MACHINES))).T
-    drawn *= estimate.belief.stretches(rng, _MACHINES)[:, None]
-    scattered = rng.standard_normal((_MACHINES, len(poses), rest.shape[2]))
-    each: Array = drawn.reshape(_MACHINES, *spread.shape[:2]) + np.einsum("mdf,kmf->kmd", rest, scattered)
-    return each
-
-
-def _within(estimate: Estimate, control: Control) -> float:
-    """Return U with the files of a control, m."""
-    poses, approaches = places(estimate, _TRIED)
-    left = left_by(estimate.machine, estimate.deviation, control, poses, approaches)
-    left = left - left.mean(axis=0) if estimate.alignment is None else estimate.alignment.left(poses, left)
-    sizes = np.linalg.norm(left[:, list(estimate.counted)] + _possible(estimate), axis=2)
-    return float(np.quantile(np.quantile(sizes, LEVEL, axis=1), LEVEL))
 
 
 def effect_sentence(files: str, effect: Effect, unknown: float, certain: float) -> str:
@@ -183,7 +174,7 @@ def effect_sentence(files: str, effect: Effect, unknown: float, certain: float) 
     before, after, certainly = (said_quantity(value, "um") for value in sizes)
     return said(
         "{files} take the TCP deviation over the volume, with what is not known of it, from {before} RMS to {after}. "
-        "Then U = {U}: 95 % of the deviations lie within it, with 95 % probability.",
+        "Then U = {U}: 95 % of the deviations lie within it.",
         files=files,
         before=before,
         after=after,
