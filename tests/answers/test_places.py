@@ -86,7 +86,7 @@ def _figures(case: Case) -> Array:
     for each in (expanded(own, known.printed.belief), expanded_floor(own)):
         found += [each.space, *each.axes, each.worst]
     for row in answered(known, {"csv": tables.control}):
-        found += [row.known, row.floor or 0.0, row.found, row.largest, row.stated, *row.left.values()]
+        found += [row.known, row.floor or 0.0, row.found, row.largest, row.before, *row.left.values()]
     return np.array(found)
 
 

@@ -88,7 +88,7 @@ class PlannedRow(AnswerDocument):
     """How well a row is known, in `unit`: fields as of `estimation.known_rows.KnownRow`.
 
     lines : of the volume none, unless displacements of one axis are all that is described
-    known_to, known_before : U now, or after a plan, and before the first reading, as stated
+    known_to, known_before : U now, or after a plan, and without readings, at the sizes as learnt
     """
 
     row: str

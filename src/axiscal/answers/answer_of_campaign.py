@@ -41,7 +41,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows, offset_each
 from axiscal.estimation.functionals.functional import AxisLine, SignedSize, signed_numbers
-from axiscal.estimation.known_rows import KnownRow, known_row, known_rows, with_one_more, without_readings
+from axiscal.estimation.known_rows import KnownRow, known_row, known_rows, with_one_more
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
@@ -69,7 +69,6 @@ class AnsweredRow(KnownRow):
     """A row of an answer, all sizes m or rad.
 
     found, largest : RMS and largest size of the error over the places, with what is not known of it
-    stated : U before the first reading, as a plan says it: of the machine as described
     left : RMS that the tables of each control leave, by its name; none of rotations
     signed : its numbers that have a sign
     then : U of a row that is not measured, after one reading from the other side; None where that tells no more
@@ -77,7 +76,6 @@ class AnsweredRow(KnownRow):
 
     found: float
     largest: float
-    stated: float
     left: Mapping[str, float]
     signed: tuple[SignedSize, ...]
     then: float | None = None
@@ -126,11 +124,11 @@ def _answered(asked: AskedRow, known: Estimation, controls: Mapping[str, Control
         found: Array = np.sum(row.reshape(-1, dimensions) ** 2, axis=1) + variances
         return found
 
+    row = known_row(asked, known.case, belief, bool(known.readings))
     return AnsweredRow(
-        **vars(known_row(asked, known.case, belief, bool(known.readings))),
+        **vars(row) | {"before": np.sqrt(known.widening) * row.before},
         found=float(np.sqrt(np.mean(squares(at)))),
         largest=float(np.sqrt(np.max(squares(at)))),
-        stated=without_readings(asked, known.stated),
         left={name: float(np.sqrt(np.mean(squares(each)))) for name, each in left.items()},
         signed=() if functional is None else signed_numbers(functional, at, errors, belief),
     )
@@ -332,9 +330,9 @@ def _digits(value: float) -> float:
     return number(value, "a figure of the answer")
 
 
-def known_figures(row: KnownRow, before: float, axes: Sequence[Axis]) -> dict[str, Any]:
-    """Return the figures of `PlannedRow`.  before : U before the first reading, m or rad; axes : of the machine"""
-    sizes = {"known_to": row.known, "known_before": before, "floor": row.floor, "limit": row.limit}
+def known_figures(row: KnownRow, axes: Sequence[Axis]) -> dict[str, Any]:
+    """Return the figures of `PlannedRow`.  axes : of the machine"""
+    sizes = {"known_to": row.known, "known_before": row.before, "floor": row.floor, "limit": row.limit}
     return {
         "row": row.row.name,
         "kind": row.row.kind,
@@ -353,7 +351,7 @@ def _shown(row: KnownRow, size: float) -> float:
 
 def _row(row: AnsweredRow, axes: Sequence[Axis]) -> AnswerRow:
     return AnswerRow(
-        **known_figures(row, row.stated, axes),
+        **known_figures(row, axes),
         found=_shown(row, row.found),
         signed=[SignedNumber(direction=name, value=_shown(row, at), U=_shown(row, u)) for name, at, u in row.signed],
         largest=_shown(row, row.largest),

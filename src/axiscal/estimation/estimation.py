@@ -17,7 +17,7 @@ from axiscal.estimation.functionals.asked import AskedRow, rows_served
 from axiscal.estimation.judged import Doubt, objection
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.located import Absorbed, displayed
-from axiscal.estimation.machine_estimate import Estimate, map_grid, rest_means, where_read
+from axiscal.estimation.machine_estimate import Estimate, Unknown, map_grid, rest_means, where_read
 from axiscal.estimation.membership import Membership
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, CheckReading, Checks
 from axiscal.estimation.promise.posterior import Posterior
@@ -74,7 +74,11 @@ class Estimation:
     def printed(self) -> Knowledge:
         """Knowledge with the bands that are printed, sizes averaged over."""
         if self.membership is not None:
-            return Knowledge(self.knowledge.observation, self.membership.belief)
+            mixed, found = self.membership.belief, self.posterior
+            covariance = mixed.covariance.copy()
+            if found is not None:
+                covariance[: len(found.mean), : len(found.mean)] += found.shared
+            return Knowledge(self.knowledge.observation, Belief(mixed.mean, covariance))
         return printed(self.knowledge, self.posterior, self.widening)
 
     @property
@@ -142,7 +146,8 @@ class Estimation:
         rows = rows_served(description, used)
         told = [pair for each in rows for pair in each.pairs(description.machine) if self._tells(each)]
         open_yet = self.of_readings.factor[: errors.size]
-        told_by = read, frozenset(told), description.target.of_volume, open_yet
+        unknown = Unknown(self.accuracy.rms, expanded_uncertainty(self).space)
+        told_by = read, frozenset(told), description.target.of_volume, open_yet, unknown
         return Estimate(errors, self.printed.belief, *place, *told_by)
 
     def _tells(self, asked: AskedRow) -> bool:

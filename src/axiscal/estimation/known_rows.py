@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.description.target import RowName, dimension
-from axiscal.estimation.accuracy.expanded import expanded, expanded_floor, reach
+from axiscal.estimation.accuracy.expanded import expanded, expanded_by, expanded_floor, reach
 from axiscal.estimation.accuracy.yardstick import attainable
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
@@ -97,7 +97,7 @@ def known_rows(case: Case, knowledge: Knowledge, readings: Sequence[Reading]) ->
 
 def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool) -> KnownRow:
     """Return how well a belief knows a row.  read : whether any reading was taken"""
-    before, own, target = without_readings(asked, case), asked.own, case.description.target
+    before, own, target = without_readings(asked, case, belief.degrees), asked.own, case.description.target
     limit = target.expanded if asked.map is None else asked.want.limit
     if own is None:
         u, floor = expanded(case.yardstick, belief).space, expanded_floor(case.yardstick_as_sized).space
@@ -106,7 +106,7 @@ def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool) -> KnownR
         floor = reach(own.spectra(case.errors, case.yardstick_as_sized.left))
     angular = dimension(asked.want.row, case.description.machine) == "angle"
     measured = read if asked.map is None else before > NOUGHT and u <= _MEASURED * before
-    return KnownRow(asked.want.row, angular, u, before, floor, limit, bool(measured), asked.lines)
+    return KnownRow(asked.want.row, angular, u, before, min(floor, u), limit, bool(measured), asked.lines)
 
 
 def refuse_unmade(case: Case) -> None:
@@ -128,11 +128,12 @@ def _off_at_corners(case: Case) -> float:
     return float(np.abs(rows @ factor).max())
 
 
-def without_readings(asked: AskedRow, case: Case) -> float:
-    """Return U of a row at the sizes of a case, m or rad."""
+def without_readings(asked: AskedRow, case: Case, degrees: float = math.inf) -> float:
+    """Return U of a row at the sizes of a case, m or rad.  degrees : of freedom with which these are known"""
+    prior = case.prior.factor
     if asked.own is None:
-        return expanded(case.yardstick, case.prior).space
-    return reach(asked.own.spectra(case.errors, case.prior.factor))
+        return expanded_by(case.yardstick, prior, degrees).space
+    return reach(asked.own.spectra(case.errors, prior), degrees)
 
 
 _SOON = 10.0

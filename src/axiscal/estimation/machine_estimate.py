@@ -12,6 +12,7 @@ import numpy as np
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import EVERY_WAY, Box, Counted, deviation_of
 from axiscal.estimation.accuracy.alignment import Alignment
+from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
@@ -39,6 +40,18 @@ class Band(NamedTuple):
     std: Array
 
 
+class Unknown(NamedTuple):
+    """What is not known of the TCP over a volume, less what does not count, m: RMS, and U of 95 %."""
+
+    rms: float
+    expanded: float
+
+    def beside(self, left: float) -> float:
+        """Return U where files leave some of the deviation as it is estimated: U² + (k left)².  left : RMS, m"""
+        factor = self.expanded / self.rms if self.rms > 0 else BAND
+        return float(np.hypot(self.expanded, factor * left))
+
+
 @dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
 class Estimate:
     """A belief with what it is about.
@@ -51,6 +64,7 @@ class Estimate:
     counted : whether deviations along x, y and z of the workpiece frame count
     read : from where to where each axis was read while it moved, in chain order; none where nobody says
     told : (axis, over) where a row of the answer tells how one moves over the other; whole : whether others count, too
+    unknown : RMS and U of what is not known over the volume, m, as the answer has them; None where nobody said
     open : (size, n) root of what readings alone leave open, without causes of type B; None for all that the belief does
     """
 
@@ -66,6 +80,7 @@ class Estimate:
     told: frozenset[tuple[str, str]] = frozenset()
     whole: bool = True
     open: Array | None = None
+    unknown: Unknown | None = None
 
     @property
     def machine(self) -> Machine:

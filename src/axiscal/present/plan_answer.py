@@ -147,7 +147,7 @@ def _planned(
     reach = None if aims.met else _reach(case, aims.hopeless)
     return PlannedAnswer(
         verdict=verdict if reach is None else "unreachable",
-        rows=[PlannedRow(**known_figures(row, row.before, case.description.machine.axes)) for row in rows],
+        rows=[PlannedRow(**known_figures(row, case.description.machine.axes)) for row in rows],
         aims=[*aims.volume, *aims.lines],
         reach=reach,
         mostly=None if blank is None else _mostly(blank, known),

@@ -95,7 +95,7 @@ class CurveSummary:
 
     std : whole standard deviation, unmodelled rest and unseen part included
     std_seen : what the readings leave over, without the part that no allowed reading can see
-    prior_std : before any reading, as stated
+    prior_std : without readings, at the sizes as learnt
     truth : positions and values, where the truth is known
     from_readings : share of the variance at the sizes as learnt that the readings have taken away, 0 to 1
     """

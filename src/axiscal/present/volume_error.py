@@ -73,7 +73,6 @@ def _plane(estimation: Estimation, plane: PlaneError) -> PlaneSummary:
     whole -= whole.mean(axis=0)  # where the zero lies is no shape
     sign = float(errors.machine.axes[plane.axis].sign)
     rest, rests = plane.rest**2, sum(term.rest**2 for term in beside)
-    stated = estimation.stated.prior.factor[: errors.size]
     known, without = (_std(own, each.factor[: errors.size], rest) for each in (belief, estimation.case.prior))
     mean, unit = belief.mean[: errors.size], "urad" if plane.angular else "um"
     first, second = axes
@@ -86,7 +85,7 @@ def _plane(estimation: Estimation, plane: PlaneError) -> PlaneSummary:
         value_unit=unit,
         mean=_map(sign * (own @ mean), unit),
         std=_map(known, unit),
-        prior_std=_map(_std(own, stated, estimation.stated.errors.planes_by_name[plane.name].rest ** 2), unit),
+        prior_std=_map(np.sqrt(estimation.widening) * without, unit),
         whole_mean=_map(whole @ mean, unit),
         whole_std=_map(_std(whole, belief.factor[: errors.size], rests), unit),
         sign=sign,

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimation.accuracy.expanded import BAND, reach
-from axiscal.estimation.machine_estimate import Estimate
+from axiscal.estimation.accuracy.expanded import reach
+from axiscal.estimation.machine_estimate import Estimate, Unknown
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.description import Machine
@@ -130,18 +129,6 @@ def places(estimate: Estimate, count: int = POSES) -> tuple[Array, Array]:
     return tour(estimate.sample[even_subset(estimate.sample, count)], estimate.box)
 
 
-class Unknown(NamedTuple):
-    """What is not known of the TCP, less what does not count, m: RMS, and U of 95 %."""
-
-    rms: float
-    expanded: float
-
-    def beside(self, left: float) -> float:
-        """Return U where files leave some of the deviation as it is estimated: U² + (k left)².  left : RMS, m"""
-        factor = self.expanded / self.rms if self.rms > 0 else BAND
-        return float(np.hypot(self.expanded, factor * left))
-
-
 @remembered
 def unknown(estimate: Estimate) -> Unknown:
     """Return what is not known over the part, or over the volume.
@@ -149,6 +136,8 @@ def unknown(estimate: Estimate) -> Unknown:
     Its square is the mean of trace((H - E[H]) C (H - E[H])ᵀ) and of the share of the rests. For an aligned part the
     alignment replaces E[H].
     """
+    if estimate.unknown is not None:
+        return estimate.unknown
     covariances = np.sum([root @ root.transpose(0, 2, 1) for root in _roots(estimate, *places(estimate))], axis=0)
     spectra = np.maximum(np.linalg.eigvalsh(covariances), 0.0)
     return Unknown(float(np.sqrt(spectra.sum(axis=1).mean())), reach(spectra, estimate.belief.degrees))

@@ -56,8 +56,13 @@ class Expanded:
 
 def expanded(yardstick: Yardstick, belief: Belief) -> Expanded:
     """Return the expanded uncertainties of a belief over the yardstick's volume, shifts not counted taken off."""
-    covariances = yardstick.covariances(belief.factor)
-    return expanded_of(covariances, yardstick.evenly, yardstick.counted, belief.degrees, yardstick.errors.ways)
+    return expanded_by(yardstick, belief.factor, belief.degrees)
+
+
+def expanded_by(yardstick: Yardstick, factor: Array, degrees: float = np.inf) -> Expanded:
+    """Return the same of a covariance F Fᵀ.  factor : F (n, r); degrees : of freedom"""
+    covariances = yardstick.covariances(factor)
+    return expanded_of(covariances, yardstick.evenly, yardstick.counted, degrees, yardstick.errors.ways)
 
 
 @one_thread()
@@ -72,7 +77,7 @@ def known_to(name: str, yardstick: Yardstick, belief: Belief) -> float:
 
 def expanded_floor(yardstick: Yardstick) -> Expanded:
     """Return the expanded uncertainties that endless readings would leave."""
-    return expanded_of(yardstick.covariances(yardstick.left), yardstick.evenly, yardstick.counted)
+    return expanded_by(yardstick, yardstick.left)
 
 
 def floor_of(name: str, yardstick: Yardstick) -> float:
