@@ -124,9 +124,8 @@ def _answered(asked: AskedRow, known: Estimation, controls: Mapping[str, Control
         found: Array = np.sum(row.reshape(-1, dimensions) ** 2, axis=1) + variances
         return found
 
-    row = known_row(asked, known.case, belief, bool(known.readings))
     return AnsweredRow(
-        **vars(row) | {"before": np.sqrt(known.widening) * row.before},
+        **vars(known_row(asked, known.case, belief, bool(known.readings), known.without_readings)),
         found=float(np.sqrt(np.mean(squares(at)))),
         largest=float(np.sqrt(np.max(squares(at)))),
         left={name: float(np.sqrt(np.mean(squares(each)))) for name, each in left.items()},

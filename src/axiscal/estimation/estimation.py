@@ -95,6 +95,16 @@ class Estimation:
         return Belief(whole.mean, whole.covariance - self.widening * found.shared, whole.degrees)
 
     @cached_property
+    @one_thread()
+    def without_readings(self) -> Belief:
+        """What would be known without the readings, at the sizes that they leave possible."""
+        found, stated = self.posterior, self.case.prior
+        if found is None:
+            return stated
+        covariance = self.widening * sum(drawn.without_readings() for drawn in found.draws)
+        return Belief(np.zeros(len(found.mean)), covariance, found.degrees)
+
+    @cached_property
     def accuracy(self) -> Accuracy:
         """How well the machine is known, with the bands that are printed."""
         return self.case.yardstick.measure(self.printed.belief)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.description.target import RowName, dimension
-from axiscal.estimation.accuracy.expanded import expanded, expanded_by, expanded_floor, reach
+from axiscal.estimation.accuracy.expanded import expanded, expanded_floor, reach
 from axiscal.estimation.accuracy.yardstick import attainable
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
@@ -95,9 +95,12 @@ def known_rows(case: Case, knowledge: Knowledge, readings: Sequence[Reading]) ->
     return tuple(row for row in found if row.described)
 
 
-def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool) -> KnownRow:
-    """Return how well a belief knows a row.  read : whether any reading was taken"""
-    before, own, target = without_readings(asked, case, belief.degrees), asked.own, case.description.target
+def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool, prior: Belief | None = None) -> KnownRow:
+    """Return how well a belief knows a row.
+
+    read : whether any reading was taken; prior : what is known without, None for that at the sizes of the case
+    """
+    before, own, target = without_readings(asked, case, prior), asked.own, case.description.target
     limit = target.expanded if asked.map is None else asked.want.limit
     if own is None:
         u, floor = expanded(case.yardstick, belief).space, expanded_floor(case.yardstick_as_sized).space
@@ -128,12 +131,12 @@ def _off_at_corners(case: Case) -> float:
     return float(np.abs(rows @ factor).max())
 
 
-def without_readings(asked: AskedRow, case: Case, degrees: float = math.inf) -> float:
-    """Return U of a row at the sizes of a case, m or rad.  degrees : of freedom with which these are known"""
-    prior = case.prior.factor
+def without_readings(asked: AskedRow, case: Case, prior: Belief | None = None) -> float:
+    """Return U of a row without readings, m or rad.  prior : None for that at the sizes of the case"""
+    belief = case.prior if prior is None else prior
     if asked.own is None:
-        return expanded_by(case.yardstick, prior, degrees).space
-    return reach(asked.own.spectra(case.errors, prior), degrees)
+        return expanded(case.yardstick, belief).space
+    return reach(asked.own.spectra(case.errors, belief.factor), belief.degrees)
 
 
 _SOON = 10.0

@@ -65,7 +65,7 @@ def _curve(
     hidden = np.sum((rows @ known.case.yardstick.unseen[function.columns]) ** 2, axis=1)
     seen: Array = np.sqrt(np.maximum(told - hidden, 0.0) + function.rest**2)  # without what no allowed reading sees
     now = estimate.curve(function.name, positions)
-    before = replace(estimate, belief=known.case.prior).curve(function.name, positions).std
+    before = replace(estimate, belief=known.without_readings).curve(function.name, positions).std
     shown, true = to_unit(positions, position_unit).tolist(), None
     if truth is not None:
         own = (curve for term, curve in zip(truth.model.terms, truth.curves, strict=True) if term.name == function.name)
@@ -78,7 +78,7 @@ def _curve(
         mean=to_unit(now.mean, unit).tolist(),
         std=to_unit(now.std, unit).tolist(),
         std_seen=to_unit(seen, unit).tolist(),
-        prior_std=to_unit(np.sqrt(known.widening) * before, unit).tolist(),
+        prior_std=to_unit(before, unit).tolist(),
         position_unit=position_unit,
         value_unit=unit,
         truth=true,
@@ -112,7 +112,7 @@ def constants(estimation: Estimation) -> list[ConstantSummary]:
 
 def _found(known: Estimation, name: str, spoken: str, column: int, unit: str) -> ConstantSummary:
     """Return one number of the belief.  spoken : what it is"""
-    stds = (float(np.linalg.norm(each.factor[column])) for each in (known.printed.belief, known.case.prior))
+    stds = (float(np.linalg.norm(each.factor[column])) for each in (known.printed.belief, known.without_readings))
     mean, std, before = (to_unit(size, unit) for size in (float(known.printed.belief.mean[column]), *stds))
     return ConstantSummary(name, spoken, mean, std, before, unit)
 

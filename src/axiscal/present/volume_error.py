@@ -73,7 +73,7 @@ def _plane(estimation: Estimation, plane: PlaneError) -> PlaneSummary:
     whole -= whole.mean(axis=0)  # where the zero lies is no shape
     sign = float(errors.machine.axes[plane.axis].sign)
     rest, rests = plane.rest**2, sum(term.rest**2 for term in beside)
-    known, without = (_std(own, each.factor[: errors.size], rest) for each in (belief, estimation.case.prior))
+    known, without = (_std(own, each.factor[: errors.size], rest) for each in (belief, estimation.without_readings))
     mean, unit = belief.mean[: errors.size], "urad" if plane.angular else "um"
     first, second = axes
     return PlaneSummary(
@@ -85,7 +85,7 @@ def _plane(estimation: Estimation, plane: PlaneError) -> PlaneSummary:
         value_unit=unit,
         mean=_map(sign * (own @ mean), unit),
         std=_map(known, unit),
-        prior_std=_map(np.sqrt(estimation.widening) * without, unit),
+        prior_std=_map(without, unit),
         whole_mean=_map(whole @ mean, unit),
         whole_std=_map(_std(whole, belief.factor[: errors.size], rests), unit),
         sign=sign,

@@ -56,13 +56,8 @@ class Expanded:
 
 def expanded(yardstick: Yardstick, belief: Belief) -> Expanded:
     """Return the expanded uncertainties of a belief over the yardstick's volume, shifts not counted taken off."""
-    return expanded_by(yardstick, belief.factor, belief.degrees)
-
-
-def expanded_by(yardstick: Yardstick, factor: Array, degrees: float = np.inf) -> Expanded:
-    """Return the same of a covariance F Fᵀ.  factor : F (n, r); degrees : of freedom"""
-    covariances = yardstick.covariances(factor)
-    return expanded_of(covariances, yardstick.evenly, yardstick.counted, degrees, yardstick.errors.ways)
+    covariances = yardstick.covariances(belief.factor)
+    return expanded_of(covariances, yardstick.evenly, yardstick.counted, belief.degrees, yardstick.errors.ways)
 
 
 @one_thread()
@@ -77,7 +72,8 @@ def known_to(name: str, yardstick: Yardstick, belief: Belief) -> float:
 
 def expanded_floor(yardstick: Yardstick) -> Expanded:
     """Return the expanded uncertainties that endless readings would leave."""
-    return expanded_by(yardstick, yardstick.left)
+    covariances = yardstick.covariances(yardstick.left)
+    return expanded_of(covariances, yardstick.evenly, yardstick.counted, ways=yardstick.errors.ways)
 
 
 def floor_of(name: str, yardstick: Yardstick) -> float:

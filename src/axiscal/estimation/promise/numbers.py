@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.spaces import (
     Answered,
+    Caused,
     Slope,
     Sources,
-    TypeB,
     factors_of,
     raw_cells,
     turned,
@@ -174,12 +174,12 @@ class InNumbers:
         return Sources(np.sum(left**2, axis=0), np.sum(passed**2, axis=0) * noise)
 
     @cached_property
-    def type_b(self) -> TypeB:
+    def type_b(self) -> Caused:
         """What causes of type B do."""
         problem = self.space.problem
         spread = self.precision(problem.type_b)
         gains = problem.raw(self._shown.T @ spread, self.theta, self.roots)
-        return TypeB(gains, problem.type_b.T @ spread, spread.T @ problem.values)
+        return Caused(gains, problem.type_b.T @ spread, spread.T @ problem.values)
 
     def cell_means(self) -> Array:
         """Return the means of the rests of the cells that were visited, (c,) m or rad."""

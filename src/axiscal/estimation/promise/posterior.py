@@ -118,6 +118,13 @@ class Drawn:
     thetas: Array
     weights: Array
 
+    def without_readings(self) -> Array:
+        """Return the covariance of the answered unknowns without readings, the mean over the draws, m² and rad²."""
+        alone = np.eye(self.problem.answered + len(self.problem.scales))
+        roots = ([curves.roots(theta) for curves in self.problem.curves] for theta in self.thetas)
+        each = (self.problem.raw(alone, *sizes) for sizes in zip(self.thetas, roots, strict=True))
+        return np.asarray(sum(weight * root @ root.T for weight, root in zip(self.weights, each, strict=True)))
+
     def sources(self, figures: Array) -> tuple[Sources, Array]:
         """Return what each source leaves of figures in the mean over the draws, and each cause of type B, (c,).
 

@@ -40,7 +40,7 @@ class Answered(NamedTuple):
     covariance: Array
 
 
-class TypeB(NamedTuple):
+class Caused(NamedTuple):
     """What causes of type B do at one set of sizes, with B (m, c) of one standard deviation each.
 
     gains : G B (answered, c) m and rad; fisher : N = BᵀK⁻¹B (c, c); pulled : BᵀK⁻¹y (c,)

@@ -13,9 +13,9 @@ from axiscal.estimation.promise.numbers import InNumbers, Numbers
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
 from axiscal.estimation.promise.spaces import (
     Answered,
+    Caused,
     Slope,
     Sources,
-    TypeB,
     factors_of,
     raw_cells,
     times_roots,
@@ -182,7 +182,7 @@ class InUnknowns:
         return Sources(np.sum(left**2, axis=1), passed)
 
     @cached_property
-    def type_b(self) -> TypeB:
+    def type_b(self) -> Caused:
         """What causes of type B do, from products that no number of readings makes dear."""
         space, problem = self.space, self.space.problem
         weights = space.weights(self.theta)
@@ -192,7 +192,7 @@ class InUnknowns:
         )
         half = solution(self.root, turned(problem, rows.T, self.theta, self.roots).T)
         gains = problem.raw(back_solution(self.root, half)[problem.first :], self.theta, self.roots)
-        return TypeB(gains, fisher - half.T @ half, pulled - half.T @ self.half)
+        return Caused(gains, fisher - half.T @ half, pulled - half.T @ self.half)
 
     def cell_means(self) -> Array:
         """Return the means of the rests of the cells that were visited."""
