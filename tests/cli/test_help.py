@@ -19,7 +19,7 @@ from tests.docs.test_commands_on_pages import taken
 TEN = ["init", "plan", "measure", "serve", "finish", "export", "verify", "report", "demo", "fleet"]
 GROUPED = {
     "step": ["start", "next", "record", "undo", "accept", "note", "status", "run"],
-    "data": ["estimate", "iso230", "predict", "copy", "schema", "reproduce"],
+    "data": ["estimate", "iso230", "predict", "copy", "schema"],
     "shop": ["bring", "sync", "adopt", "type", "due", "check"],
 }
 LONGEST = 60

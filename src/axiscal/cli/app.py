@@ -58,7 +58,6 @@ _DATA = {
     "sign": "records.sign",
     "salvage": "records.salvage",
     "schema": "init.schema",
-    "reproduce": "estimate.reproduce",
 }
 _SHOP = {
     "bring": "folder.bring",
