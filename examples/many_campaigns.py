@@ -35,21 +35,22 @@ Row = dict[str, object]
 FIGURES = ("readings", "minutes", "U_um", "true_rms_um", "within_U", "reached", "error")
 
 
-def planned(campaign: CampaignDescription) -> tuple[Place, ...]:
-    """Return the places of a campaign's plan, which are the same for every machine."""
+def planned(campaign: CampaignDescription) -> tuple[Place, ...] | InputError:
+    """Return the places of a campaign's plan, the same for every machine, or why there is none."""
     case = case_of(campaign)
-    return placed(case, proposed(case, Limits.of(campaign.target)).plan)
-
-
-def outcome(campaign: CampaignDescription, places: Sequence[Place], machine: int) -> Row:
-    """Return what measuring one virtual machine comes to, or in words why it cannot be measured."""
     try:
-        case = case_of(campaign)
-        truth = ac.Simulator(campaign.machine, campaign.setups).drawn(machine)
-        readings = truth.measured(campaign.setups, places, ends_along(case, places), by_number(machine))
-        known = concluded(case, readings)
+        return placed(case, proposed(case, Limits.of(campaign.target)).plan)
     except InputError as wrong:
-        return {"error": str(wrong)}
+        return wrong
+
+
+def outcome(campaign: CampaignDescription, places: Sequence[Place] | InputError, machine: int) -> Row:
+    """Return what measuring one virtual machine comes to, or in words why it cannot be measured."""
+    if isinstance(places, InputError):
+        return {"error": str(places)}
+    case, truth = case_of(campaign), ac.Simulator(campaign.machine, campaign.setups).drawn(machine)
+    readings = truth.measured(campaign.setups, places, ends_along(case, places), by_number(machine))
+    known = concluded(case, readings)
     size, U = np.linalg.norm(missed(known, truth), axis=1), expanded_uncertainty(known).space
     return {
         "readings": len(readings),
@@ -68,7 +69,7 @@ def missed(known: Estimation, truth: VirtualMachine) -> Array:
         ways = np.full_like(stick.inside, side)
         left = truth.deviation(stick.inside, ways) - known.estimate().deviation(stick.inside, ways)
         found.append(left if stick.alignment is None else stick.alignment.left(stick.inside, left))
-    whole: Array = np.concatenate(found)
+    whole = np.concatenate(found)
     counted: Array = (whole - whole.mean(axis=0) * np.array(stick.zeroed)) * np.array(stick.counted)
     return counted
 
@@ -119,4 +120,7 @@ def main(words: Sequence[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    try:
+        main(sys.argv[1:])
+    except InputError as wrong:
+        sys.exit(str(wrong))
