@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from datetime import UTC, date, datetime
@@ -16,7 +17,6 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.numerics.threads import one_thread
-from axiscal.ports.study.study_case import processors_here
 from benchmarks.trust.attack_table import (
     FAR,
     FIRST,
@@ -358,7 +358,7 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=100, help="machines with something wrong, of each kind")
     parser.add_argument("--attacked", type=int, default=20, help="machines in each cell of the attack table")
     parser.add_argument("--only", help="attacks that begin so, parted by '; ': shown, not written to the page")
-    parser.add_argument("--processes", type=int, default=processors_here(), help="that try virtual machines at once")
+    parser.add_argument("--processes", type=int, default=os.cpu_count(), help="that try virtual machines at once")
     parser.add_argument("--minutes", type=float, default=math.inf, help="after which no more machines are attacked")
     parser.add_argument("--part", choices=list(PARTS), help="only this section, the others stay as they are")
     parser.add_argument("--out", type=Path, default=PAGE)

@@ -50,7 +50,7 @@ def attacked(machines: int, processes: int, seconds: float, which: Sequence[int]
 
     seconds : after which no more are begun; what is done is kept, and the next run goes on from there
     which : numbers of the attacks
-    Returns with them how many machines every cell has. Raises StudyError where one could not be tried.
+    Returns with them how many machines every cell has.
     """
     wanted = [Trial(number, where, FIRST + index) for index, number, where in product(range(machines), which, PLACES)]
     beside = [Path(__file__).with_name(name) for name in ("attacks.py", "benches.py")]

@@ -1,20 +1,18 @@
-"""Trials of virtual machines, worked on by the engine of studies: a run goes on where the one before was stopped."""
+"""Trials of virtual machines, each kept as a line of JSON: a run goes on where the one before was stopped."""
 
 from __future__ import annotations
 
 import json
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from dataclasses import dataclass
-from itertools import takewhile
+from itertools import islice, takewhile
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from axiscal.campaign.possible import versions
-from axiscal.exceptions import StudyError
-from axiscal.ports.study.results import Processes, Results, run_missing
-from axiscal.ports.study.study_case import Engine, Solve, WorkItem, canonical, here
 from benchmarks.trust.sources import ROOT, version
 
 KEPT = ROOT / "build" / "trust"
@@ -23,6 +21,8 @@ Trial = tuple[Any, ...]
 """What one machine is made from, as JSON has it."""
 Found = Mapping[str, Any]
 """The figures of a trial; None stands for what is no number."""
+Solve = Callable[[Any], Found]
+"""A pure function of a trial, which another process can find by its name."""
 Tried = Callable[[Solve, Sequence[Trial]], Iterable[Found]]
 """What makes the figures of trials, in their order, by a function of one of them."""
 
@@ -47,22 +47,33 @@ class Keeping:
     folder: Path = KEPT
 
     def found(self, solve: Solve, trials: Sequence[Trial]) -> dict[Trial, Found]:
-        """Return all that is kept once what is missing of some trials has been tried, as far as the time goes.
-
-        Raises StudyError where one could not be tried.
-        """
+        """Return all that is kept once what is missing of some trials has been tried, as far as the time goes."""
         until = time.monotonic() + self.seconds
-        begun = takewhile(lambda _: time.monotonic() < until, trials)
-        items = (WorkItem(canonical(list(trial)), trial) for trial in begun)
-        name = version(self.beside)
-        folder = self.folder / self.part / name
-        engine: Engine = Processes(self.processes) if self.processes > 1 else here
-        with Results(folder, self.part, name, versions(), resume=True) as results:
-            run_missing(results, items, len(trials), solve, engine)
-            found = results.found
-        if wrong := next((done for done in found.values() if done.result is None), None):
-            raise StudyError(f"{wrong.key} could not be tried: {wrong.error}", f"Mend it, and remove {folder}")
-        return {tuple(json.loads(key)): done.result or {} for key, done in found.items()}
+        file = self.folder / self.part / f"{version(self.beside)}.jsonl"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        known = file.read_text(encoding="utf-8").splitlines(keepends=True) if file.exists() else []
+        whole = [line for line in known if line.endswith("\n")]  # one that was torn is tried again
+        kept = {tuple(trial): figures for trial, figures in map(json.loads, whole)}
+        missing = (trial for trial in trials if tuple(trial) not in kept)
+        with file.open("w", encoding="utf-8", buffering=1) as lines:
+            lines.writelines(whole)
+            for trial, figures in self._worked(solve, takewhile(lambda _: time.monotonic() < until, missing)):
+                print(json.dumps([trial, figures]), file=lines)
+                kept[tuple(trial)] = figures
+        return kept
+
+    def _worked(self, solve: Solve, trials: Iterable[Trial]) -> Iterator[tuple[Trial, Found]]:
+        """Yield what comes of trials, as it comes."""
+        if self.processes == 1:
+            yield from ((trial, solve(trial)) for trial in trials)
+            return
+        coming = iter(trials)
+        with ProcessPoolExecutor(self.processes, get_context("spawn")) as pool:
+            running = {pool.submit(solve, trial): trial for trial in islice(coming, self.processes)}
+            while running:
+                for done in wait(running, return_when=FIRST_COMPLETED).done:
+                    yield running.pop(done), done.result()
+                    running |= {pool.submit(solve, trial): trial for trial in islice(coming, 1)}
 
     def __call__(self, solve: Solve, trials: Sequence[Trial]) -> list[Found]:
         """Return the figures of trials in their order, however long it takes."""

@@ -9,13 +9,15 @@ from functools import cache
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.prediction import tcp_prediction
 from axiscal.machine import ErrorEntry, Machine, load_machine
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.simulation import Simulator, VirtualMachine
-from axiscal.ports.study.study_case import curves_held, tcp_held
+from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine
+from axiscal.numerics import Array
 from axiscal.present.findings import findings
 from benchmarks.trust.kept import Trial, Tried, one_by_one
 
@@ -25,6 +27,8 @@ _ALL = "".join(kind.format(axis) for kind in (_LENGTH, _ANGLE) for axis in "xyz"
 SETUPS = {"one-axis": _LENGTH.format("x"), "three-axis-mill": _ALL, "dmu60": _ALL}
 READINGS = {"one-axis": 15, "three-axis-mill": 60, "dmu60": 90}
 _POSES = 80
+_POSITIONS = 101
+"""Of each curve; any number that is finer than its knots would do."""
 _JUDGED = 40
 """Machines whose reports are looked at."""
 _AMONG = 30
@@ -100,6 +104,32 @@ def held(trial: Trial) -> dict[str, float | None]:
         "tcp": float(tcp_held(estimation, machine, poses, approaches)),
         "misfit": float(any(each.code == "prior-misfit" for each in findings(estimation))) if seed < _JUDGED else None,
     }
+
+
+def curves_held(estimation: Estimation, machine: VirtualMachine) -> float:
+    """Return the share of all error curves, at 101 positions each, that lies in their 95 % bands."""
+    names = [term.name for term in machine.model.terms]
+    inside = [
+        _curve(estimation, name, machine.curves[names.index(name)])
+        for name in estimation.case.errors.names
+        if name in names
+    ]
+    return float(np.mean(np.concatenate(inside)))
+
+
+def _curve(estimation: Estimation, name: str, truth: Curve) -> Array:
+    function = estimation.case.errors.names[name]
+    positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], _POSITIONS)
+    mean, std = estimation.estimate().curve(name, positions)
+    return (np.abs(truth(positions) - mean) <= BAND * std).astype(float)
+
+
+def tcp_held(estimation: Estimation, machine: VirtualMachine, poses: Array, approaches: Array) -> float:
+    """Return the share of the TCP deviations along x, y, z at poses (m, q) that lies in their 95 % bands."""
+    mean, std = tcp_prediction(estimation, poses, approaches)
+    moves = std > 0
+    inside = np.abs(machine.deviation(poses, approaches) - mean)[moves] <= BAND * std[moves]
+    return float(inside.mean())
 
 
 def read_evenly(problem: Case, machine: VirtualMachine, rng: np.random.Generator, readings: int) -> list[Reading]:

@@ -208,7 +208,3 @@ class TravelError(ProgramError):
 
 class PortError(InputError):
     """What an installed package brings cannot be used."""
-
-
-class StudyError(InputError):
-    """A study that cannot be run, or gone on with."""

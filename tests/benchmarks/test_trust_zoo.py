@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from axiscal.ports.study.study_case import Solve
 from benchmarks.trust.__main__ import tight
-from benchmarks.trust.kept import Found, Trial
+from benchmarks.trust.kept import Found, Solve, Trial
 from benchmarks.trust.zoo import foreign_rows, width_rows, zoo_rows
 from tests.zoo.curves import FOREIGN
 from tests.zoo.every import EVERY

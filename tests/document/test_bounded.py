@@ -14,7 +14,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from axiscal.document.file import bounded_content
-from axiscal.document.quoting import toml_document, toml_value
+from axiscal.document.quoting import toml_value
 
 
 def test_a_file_is_read_whole_up_to_its_limit(tmp_path: Path) -> None:
@@ -55,12 +55,7 @@ VALUES: st.SearchStrategy[Any] = st.recursive(
 
 
 @given(VALUES)
+@example([{"name": "a", "park": {"Y": "1 mm"}, "at": math.pi}, {"name": "b", "part": {}}])
 @example("an axis \U0001f9ed of \x7f and \x00")
 def test_a_value_is_read_as_it_was(value: Any) -> None:
     assert tomllib.loads(f"key = {toml_value(value)}") == {"key": value}
-
-
-@given(st.dictionaries(st.text(), VALUES, max_size=5))
-@example({"setups": [{"name": "a", "park": {"Y": "1 mm"}}, {"name": "b"}], "target": {"rms": math.pi, "part": {}}})
-def test_a_document_is_read_as_it_was(data: dict[str, Any]) -> None:
-    assert tomllib.loads(toml_document(data)) == data

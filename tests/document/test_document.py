@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from axiscal.document import Document, Length, QuantityOf, dotted, read_model, shown
 from axiscal.document.validation import Beside, EachAs
-from axiscal.exceptions import DescriptionError, InputError, TargetError, UnitError
+from axiscal.exceptions import DescriptionError, InputError, UnitError
 
 TEXT = """\
 # a comment with [brackets] = and "quotes"
@@ -212,19 +212,19 @@ FAULTS: list[tuple[str, type[InputError], int | None, str]] = [
     (GOOD.replace('"2 um"', "true"), UnitError, 4, "true is not a quantity"),
     (GOOD.replace('"2 um"', "nan"), UnitError, 4, "nan has no unit"),
     (GOOD.replace('"2 s"', '"2 um"'), UnitError, 5, '"2 um" is a length, not a time'),
-    (GOOD.replace("pause", "pauze"), TargetError, 5, 'Perhaps "pause" is meant'),
-    (GOOD.replace("pause", "wibble"), TargetError, 5, "The keys here are noise, pause, count, ends, names"),
-    (GOOD.replace('noise = "2 um"', "count = 3"), TargetError, 3, 'Add a line such as noise = "0.3 um"'),
-    (GOOD + "count = 2.5", TargetError, 6, "2.5 is not possible here. Write a whole number, such as count = 7"),
-    (GOOD + "count = true", TargetError, 6, "true is not possible here"),
-    (GOOD + "count = 0", TargetError, 6, "setups[2].count: 0"),
-    (GOOD + "ends = [1]", TargetError, 6, "setups[2].ends has the wrong number of entries. Write ends = [1, 2]"),
-    (GOOD + "ends = [1, 2, 3]", TargetError, 6, "setups[2].ends has the wrong number of entries"),
-    (GOOD + "names = []", TargetError, 6, 'setups[2].names has the wrong number of entries. Write names = ["a"]'),
-    ("setups = 3", TargetError, 1, "Write a list in square brackets"),
-    ("setups = [3]", TargetError, 1, "setups[1]: 3"),
-    ("", TargetError, None, '"setups" is missing in the file'),
-    (GOOD + '[parks.left]\nnoise = "1 um"\nnoize = 1', TargetError, 8, 'Perhaps "noise" is meant'),
+    (GOOD.replace("pause", "pauze"), DescriptionError, 5, 'Perhaps "pause" is meant'),
+    (GOOD.replace("pause", "wibble"), DescriptionError, 5, "The keys here are noise, pause, count, ends, names"),
+    (GOOD.replace('noise = "2 um"', "count = 3"), DescriptionError, 3, 'Add a line such as noise = "0.3 um"'),
+    (GOOD + "count = 2.5", DescriptionError, 6, "2.5 is not possible here. Write a whole number, such as count = 7"),
+    (GOOD + "count = true", DescriptionError, 6, "true is not possible here"),
+    (GOOD + "count = 0", DescriptionError, 6, "setups[2].count: 0"),
+    (GOOD + "ends = [1]", DescriptionError, 6, "setups[2].ends has the wrong number of entries. Write ends = [1, 2]"),
+    (GOOD + "ends = [1, 2, 3]", DescriptionError, 6, "setups[2].ends has the wrong number of entries"),
+    (GOOD + "names = []", DescriptionError, 6, 'setups[2].names has the wrong number of entries. Write names = ["a"]'),
+    ("setups = 3", DescriptionError, 1, "Write a list in square brackets"),
+    ("setups = [3]", DescriptionError, 1, "setups[1]: 3"),
+    ("", DescriptionError, None, '"setups" is missing in the file'),
+    (GOOD + '[parks.left]\nnoise = "1 um"\nnoize = 1', DescriptionError, 8, 'Perhaps "noise" is meant'),
 ]
 
 
@@ -233,7 +233,7 @@ def test_a_fault_in_a_model_has_line_value_and_remedy(
     text: str, kind: type[InputError], line: int | None, fragment: str
 ) -> None:
     with pytest.raises(InputError) as failure:
-        read_model(Document.parse(text, "plan.toml"), Plan, TargetError)
+        read_model(Document.parse(text, "plan.toml"), Plan, DescriptionError)
     assert type(failure.value) is kind
     assert failure.value.line == line
     assert fragment in str(failure.value)

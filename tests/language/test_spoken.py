@@ -119,7 +119,6 @@ REFUSED = {
     "a line cut short": "data iso230 short.csv",
     "no readings": "data estimate campaign.toml none.csv --out estimated",
     "no store": "shop sync m.axiscal",
-    "no study": "study campaign.toml --out study",
 }
 
 

@@ -23,8 +23,6 @@ from axiscal.exceptions import RecordError
 from axiscal.present import rendering
 from tests.cli.test_results_are_a_set import CAMPAIGN, READINGS
 from tests.generators.texts import machine_text
-from tests.ports.texts import CAMPAIGN as STUDIED
-from tests.ports.texts import STUDY
 from tests.reliability.faults import HOWS, Fault, Outcome, Say, faults
 from tests.reliability.record_faults import events
 from tests.reliability.trial import Trial, scratch
@@ -51,8 +49,6 @@ INPUTS = {
     "campaign.toml": CAMPAIGN,
     "readings.csv": READINGS,
     "wrong.toml": WRONG,
-    "shop/campaign.toml": STUDIED,
-    "shop/study.toml": STUDY,
 }
 RECORD = "mill.axiscal"
 
@@ -98,7 +94,6 @@ CONTRADICTORY = (
         for i, value in enumerate((4, 12, 18, 20, 15))
     ),
 )
-STUDIED_HERE = _words("study shop/study.toml --out out --workers 1")
 SET, TABLES = "manifest.json", "manifest-linuxcnc.json"
 
 COMMANDS: Mapping[str, Command] = {
@@ -127,7 +122,6 @@ COMMANDS: Mapping[str, Command] = {
     "check": Command(_words(f"check {RECORD} --plan out.csv"), MEASURED, out="out.csv"),
     "verify": Command(_words(f"verify {RECORD} --points 5 --plan out.csv"), MEASURED, out="out.csv"),
     "type learn": Command(_words("type learn . --out out.type.json"), TWO, out="out.type.json"),
-    "study": Command(STUDIED_HERE, again=(*STUDIED_HERE, "--resume"), out="out"),
 }
 
 

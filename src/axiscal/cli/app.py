@@ -58,7 +58,6 @@ _DATA = {
     "sign": "records.sign",
     "salvage": "records.salvage",
     "schema": "init.schema",
-    "reproduce": "estimate.reproduce",
 }
 _SHOP = {
     "bring": "folder.bring",
@@ -77,7 +76,7 @@ _Places = Mapping[str, str | tuple[str, Mapping[str, str]]]
 """The file of each command; of a group what it is for, and the files of its commands."""
 _SECTIONS: Mapping[str, _Places] = {
     "Commands": _MAIN,
-    "More commands, in groups": {**_GROUPS, "machine": "machine", "study": "study"},
+    "More commands, in groups": {**_GROUPS, "machine": "machine"},
 }
 _UNGROUPED = {**_STEP, **_DATA, **_SHOP}
 """The names that commands had before there were groups: they work, and no help lists them."""

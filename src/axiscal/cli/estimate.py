@@ -1,8 +1,7 @@
-"""`axiscal data estimate`, `predict`, `iso230` and `reproduce`."""
+"""`axiscal data estimate`, `predict` and `iso230`."""
 
 from __future__ import annotations
 
-import json as json_text
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -13,11 +12,10 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs, RecordFile
 from axiscal.cli.outputs import write_outputs
-from axiscal.cli.printing import say, say_document, say_either, tell
+from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.progress import tell_mind, tell_unasked
 from axiscal.cli.record import placed_log
 from axiscal.description.placed_readings import placed_readings
-from axiscal.document.durable import write_whole
 from axiscal.estimation.prediction import predict_poses
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.evaluation.standards import Positioning, evaluate, figures_of, read_iso230
@@ -181,27 +179,3 @@ def iso230(
             say(f"{name:20}{figure} um   {said(_CIRCLE[name])}")
     for warning in found.warnings:
         say(warning)
-
-
-Folder = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for reproduce.html and its numbers.")]
-
-
-def reproduce(out: Folder = None, json: Json = False) -> None:
-    """Simulate the source paper again and draw its figures 4 to 7.
-
-    \b
-    Example:
-      axiscal data reproduce --out paper
-    """
-
-    from axiscal.ports.paper import paper_page, stack  # which no other command here needs
-
-    experiment = stack.run()
-    numbers = stack.document(experiment)
-    if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
-        page = out / "reproduce.html"
-        write_whole(page, paper_page.render(experiment).encode())
-        write_whole(out / "reproduce.json", f"{json_text.dumps(numbers, indent=2, allow_nan=False)}\n".encode())
-        tell(said("The figures are in {page}.", page=page))
-    say_either(json, stack.SCHEMA, numbers, [paper_page.table(experiment)])

@@ -111,12 +111,10 @@ QuantityText = Annotated[str, QuantityOf(None)]
 """A quantity whose dimension is known only later, kept as text."""
 
 
-def read_model(
-    document: Document, model: type[ModelT], error_class: type[InputError] = DescriptionError, context: object = None
-) -> ModelT:
+def read_model(document: Document, model: type[ModelT], context: object = None) -> ModelT:
     """Return the document as an instance of a pydantic model.  context : that its fields are read by
 
-    Raises UnitError for a quantity and `error_class` for everything else, at the first fault in the file. The error has
+    Raises UnitError for a quantity, DescriptionError for everything else, at the first fault in the file. The error has
     the line, the offending value and the remedy (from the field's `examples`, or the nearest known key).
     """
     from pydantic import ValidationError
@@ -134,7 +132,7 @@ def read_model(
     every = Faults()
     for detail in wrong:
         what, remedy = _wording(model, detail)
-        failure = UnitError if detail["type"] == "unit" else error_class
+        failure = UnitError if detail["type"] == "unit" else DescriptionError
         every.found.append(failure(what, remedy, document.path, document.line(*detail["loc"])))
     every.refuse()
     raise AssertionError(f"{wrong}: this is a defect of axiscal")

@@ -56,7 +56,7 @@ def render(summary: Summary) -> str:
         "picture": "" if (bent := summary.bent) is None else for_widths(lambda width: found_and_left(bent, width)),
         "code": Markup("<code>{}</code>").format,
     }
-    templates = environment("axiscal.present")
+    templates = environment()
     page = templates.get_template("report.html").render(report_values(summary) | drawn | inlined())
     return page.encode("utf-8", "replace").decode("utf-8")  # a file name may hold bytes that are no text
 
@@ -181,8 +181,8 @@ def panel_figure(curve: CurveSummary, shared: list[float], height: int) -> Figur
 def _points(curve: CurveSummary) -> list[Figure]:
     low, high = finite_range(_content(curve))
     near, found = [point for point in curve.points if low <= point.value <= high], list[Figure]()
-    dot = {"color": "var(--ink)", "symbol": "circle", "line": {"color": "var(--card)", "width": 0.6}}
-    ring = {"color": "var(--card)", "symbol": "circle-open", "line": {"color": "var(--alarm)", "width": 1.5}}
+    dot = {"color": "var(--ink)", "line": {"color": "var(--card)", "width": 0.6}}
+    ring = {"color": "var(--card)", "line": {"color": "var(--alarm)", "width": 1.5}, "hollow": True}
     for rejected, look in ((False, dot), (True, ring)):
         points = [point for point in near if point.rejected is rejected]
         bars = {"array": [number(BAND * p.std, "std of a point") for p in points], "color": "var(--whisker)"}
@@ -269,7 +269,7 @@ def filled(summary: Summary, folder: Path) -> str:
         "picture": "" if summary.bent is None else kept(alone(found_and_left(summary.bent, _PAPER))),
         "day": date.fromisoformat(summary.date),
     }
-    templates = environment("axiscal.present", _literal)
+    templates = environment(_literal)
     return templates.get_template("report.typ").render(report_values(summary) | drawn)
 
 
@@ -323,7 +323,7 @@ _UNKNOWN_COUNTRY = "ZZ"
 
 def certificate(summary: Summary) -> bytes:
     """Return the certificate as XML; raises SummaryError for a figure that is not finite, RecordError for a bad key."""
-    templates, told = environment("axiscal.present"), summary.particulars
+    templates, told = environment(), summary.particulars
     templates.filters |= {
         "plain": _plain,
         "si": lambda unit: _plain(_UNITS.get(str(unit), str(unit))),

@@ -216,16 +216,16 @@ def cause_words(name: str, owner: str) -> str:
     return said(_CAUSES[name], owner=said(owner) if owner else "")
 
 
-def environment(package: str, written: Callable[[object], object] | None = None) -> Environment:
-    """Return what renders the templates of a package, which may extend `standalone.html`.
+def environment(written: Callable[[object], object] | None = None) -> Environment:
+    """Return what renders templates, which may extend `standalone.html`.
 
     A name that has no value is a fault, and no value is markup. All functions here are filters.
     written : how a value is written, as markup, in a template that is not HTML
     """
-    from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined  # which no question needs
+    from jinja2 import Environment, PackageLoader, StrictUndefined  # which no question needs
 
     made = Environment(
-        loader=ChoiceLoader([PackageLoader(package), PackageLoader("axiscal.present")]),
+        loader=PackageLoader("axiscal.present"),
         autoescape=True,
         undefined=StrictUndefined,
         finalize=written,
@@ -235,11 +235,6 @@ def environment(package: str, written: Callable[[object], object] | None = None)
     made.filters |= {name: each for name, each in globals().items() if callable(each)} | {"capital": capital}
     made.globals |= {"said": said, "counted": counted, "rich": _rich, "language": spoken_now}
     return made
-
-
-def page_of(package: str, template: str, **values: object) -> str:
-    """Return a template of a package as a page, with what every page needs beside its own values."""
-    return environment(package).get_template(template).render(values | inlined())
 
 
 def _rich(message: str, **values: str) -> Markup:

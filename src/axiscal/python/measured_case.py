@@ -19,7 +19,7 @@ from types import MappingProxyType
 from typing import Any
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.document.quoting import toml_document
+from axiscal.document.quoting import toml_value
 from axiscal.estimation.case import Case as Mathematics
 from axiscal.estimation.inheritance import case_of
 from axiscal.machine.description import Machine
@@ -184,7 +184,7 @@ class Case:
         learn: bool = False,
     ) -> None:
         keys = {"machine": machine.name, "scales": "estimate" if learn else "stated", "target": target}
-        text = toml_document({**keys, "setups": list(setups)})
+        text = "".join(f"{key} = {toml_value(value)}\n" for key, value in {**keys, "setups": setups}.items())
         described = campaign_from_texts(text, "the case", machine.text, machine.name, fine_knots=machine.fine_knots)
         self.description, self.inner = described, case_of(described)
 

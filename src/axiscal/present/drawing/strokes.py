@@ -109,29 +109,11 @@ def dots(points: Sequence[Point], colour: str, size: float) -> str:
     return f'<path d="{d}" fill="none" stroke="{colour}" stroke-width="{size:g}" stroke-linecap="round"/>' if d else ""
 
 
-_CORNERS = {
-    "square": (4, 45.0, 1.15),
-    "diamond": (4, 0.0, 1.2),
-    "triangle-up": (3, -90.0, 1.25),
-    "triangle-down": (3, 90.0, 1.25),
-    "pentagon": (5, -90.0, 1.1),
-    "hexagon": (6, 0.0, 1.1),
-}
-"""Symbol -> corners, angle of the first in degrees, and how much larger than a circle it is to look as large."""
-
-
-def mark(at: Point, symbol: str, size: float, colour: str, edge: str, width: float) -> str:
-    """Return one mark.  size : its diameter; edge, width : of its outline"""
-    base, hollow = symbol.removesuffix("-open"), symbol.endswith("-open")
-    outline = f' stroke="{colour if hollow else edge}" stroke-width="{width:g}"' if width else ""
-    fill = f'fill="{"none" if hollow else colour}"{outline}'
-    half = size / 2
-    if base == "circle":
-        return f'<circle cx="{short_number(at[0])}" cy="{short_number(at[1])}" r="{short_number(half)}" {fill}/>'
-    count, first, larger = _CORNERS[base]
-    turns = [math.radians(first + 360 * k / count) for k in range(count)]
-    corners = [(at[0] + half * larger * math.cos(turn), at[1] + half * larger * math.sin(turn)) for turn in turns]
-    return f'<path d="{corners_way(corners)}z" {fill}/>'
+def mark(at: Point, size: float, colour: str, edge: str = "", width: float = 0) -> str:
+    """Return one round mark.  size : its diameter; edge, width : of its outline"""
+    outline = f' stroke="{edge}" stroke-width="{width:g}"' if width else ""
+    x, y, half = map(short_number, (*at, size / 2))
+    return f'<circle cx="{x}" cy="{y}" r="{half}" fill="{colour}"{outline}/>'
 
 
 def corners_way(corners: Iterable[Sequence[float]]) -> str:

@@ -48,19 +48,6 @@ _APART = {"x": 46.0, "y": 26.0}
 """Pixels between two ticks at least: a number has to fit between them."""
 
 
-SYMBOLS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "pentagon", "hexagon")
-"""Of points that are compared; they repeat after the last, beside another of the eight colours."""
-
-
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31", "#7b4173")
-"""Of lines that are compared; they repeat after the last."""
-
-
-def colour(number: int) -> str:
-    """Return the colour of a line that is compared with others, counted from 0."""
-    return COLOURS[number % len(COLOURS)]
-
-
 def axis_style(title: str, **more: Any) -> Figure:
     """Return the common style of a plot axis."""
     return {"gridcolor": "var(--grid)", "linecolor": "var(--rule)", "title": {"text": title}, **more}
@@ -190,7 +177,7 @@ def _trace(trace: Figure, frame: Frame) -> Iterator[str]:
         for point, y, half in zip(points, trace["y"], bars["array"], strict=True):
             low, high = (short_number(frame.y.pixel(y + sign * half)) for sign in (-1, 1))
             d[f"M{short_number(point[0])} {low}V{high}"] = None
-        yield line("".join(d), bars["color"], bars.get("thickness", 1))
+        yield line("".join(d), bars["color"], 1)
     if "markers" in mode:
         yield from _marks(trace, points)
 
@@ -199,18 +186,15 @@ def _marks(trace: Figure, points: Sequence[Point]) -> Iterator[str]:
     marker, texts = trace["marker"], trace.get("text", [])
     colour, size, edge = marker["color"], marker["size"], marker.get("line", {})
     if marker.get("round"):
-        yield dots(points, marker["line"]["color"], marker["size"] + 2 * marker["line"]["width"])
-        yield dots(points, marker["color"], marker["size"])
-        if marker["symbol"].endswith("-open"):
-            yield dots(points, marker["line"]["color"], marker["size"] - 3)
-    look = marker.get("symbol", "circle"), size, colour, edge.get("color", colour), edge.get("width", 0)
-    if texts and len(points) <= _POINTED_AT:
-        if marker.get("round"):
-            look = "circle", max(size, 10.0), "transparent", "", 0
-        for text, point in zip(texts, points, strict=True):  # a pointer over it shows the title
-            yield f"<g><title>{text_safe(text)}</title>{mark(point, *look)}</g>"
-    elif not marker.get("round"):
-        yield from (mark(point, *look) for point in points)
+        yield dots(points, edge["color"], size + 2 * edge["width"])
+        yield dots(points, colour, size)
+        if marker.get("hollow"):
+            yield dots(points, edge["color"], size - 3)
+        if len(points) <= _POINTED_AT:
+            for text, point in zip(texts, points, strict=True):  # a pointer over it shows the title
+                yield f"<g><title>{text_safe(text)}</title>{mark(point, max(size, 10.0), 'transparent')}</g>"
+    else:
+        yield from (mark(point, size, colour, edge.get("color", colour), edge.get("width", 0)) for point in points)
 
 
 def _colour_bar(trace: Figure, frame: Frame) -> Iterator[str]:

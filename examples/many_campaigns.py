@@ -1,0 +1,126 @@
+"""Which set-up pays: ways of measuring tried on the same virtual machines, into a table with a row for each case.
+
+    python examples/many_campaigns.py dial.toml laser.toml --machines 20 --out cases.csv
+    python examples/many_campaigns.py dial.toml laser.toml --machines 1000 --cluster tcp://head:8786
+
+A case is a campaign file and the number of a virtual machine, which draws its errors. Cases are worked on by the
+processors of this computer, or by a Dask cluster, whose workers need axiscal too.
+"""
+
+import argparse
+import csv
+import sys
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+import axiscal as ac
+from axiscal.campaign.ending import reaches
+from axiscal.description.campaign import CampaignDescription
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import Estimation, expanded_uncertainty
+from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.timed import ends_along
+from axiscal.exceptions import InputError
+from axiscal.measurement.reading import Place
+from axiscal.measurement.simulation import VirtualMachine, by_number
+from axiscal.numerics import Array
+from axiscal.planning.next_readings import placed
+from axiscal.planning.plan.task import Limits
+from axiscal.planning.proposal import proposed
+
+Row = dict[str, object]
+FIGURES = ("readings", "minutes", "U_um", "true_rms_um", "within_U", "reached", "error")
+
+
+def planned(campaign: CampaignDescription) -> tuple[Place, ...] | InputError:
+    """Return the places of a campaign's plan, the same for every machine, or why there is none."""
+    case = case_of(campaign)
+    try:
+        return placed(case, proposed(case, Limits.of(campaign.target)).plan)
+    except InputError as wrong:
+        return wrong
+
+
+def outcome(campaign: CampaignDescription, places: Sequence[Place] | InputError, machine: int) -> Row:
+    """Return what measuring one virtual machine comes to, or in words why it cannot be measured."""
+    if isinstance(places, InputError):
+        return {"error": str(places)}
+    case, truth = case_of(campaign), ac.Simulator(campaign.machine, campaign.setups).drawn(machine)
+    readings = truth.measured(campaign.setups, places, ends_along(case, places), by_number(machine))
+    known = concluded(case, readings)
+    size, U = np.linalg.norm(missed(known, truth), axis=1), expanded_uncertainty(known).space
+    return {
+        "readings": len(readings),
+        "minutes": known.timed.seconds / 60,
+        "U_um": 1e6 * U,
+        "true_rms_um": 1e6 * float(np.sqrt(np.mean(size**2))),
+        "within_U": float(np.mean(size <= U)),
+        "reached": reaches(campaign.target, known),
+    }
+
+
+def missed(known: Estimation, truth: VirtualMachine) -> Array:
+    """Return what the estimate misses of the deviation over the volume and is promised, (m, 3) m."""
+    stick, found = known.case.yardstick, list[Array]()
+    for side in (1.0, -1.0):
+        ways = np.full_like(stick.inside, side)
+        left = truth.deviation(stick.inside, ways) - known.estimate().deviation(stick.inside, ways)
+        found.append(left if stick.alignment is None else stick.alignment.left(stick.inside, left))
+    whole = np.concatenate(found)
+    counted: Array = (whole - whole.mean(axis=0) * np.array(stick.zeroed)) * np.array(stick.counted)
+    return counted
+
+
+def cases(files: Sequence[Path], machines: int, workers: Executor) -> Iterator[Row]:
+    """Yield a row for each case: all machines of the first file, then of the next."""
+    campaigns = [ac.read_campaign(file) for file in files]
+    for file, campaign, places in zip(files, campaigns, workers.map(planned, campaigns), strict=True):
+        found = workers.map(outcome, [campaign] * machines, [places] * machines, range(machines))
+        for machine, row in enumerate(found):
+            yield {"campaign": file.name, "machine": machine, **row}
+
+
+def compared(rows: Sequence[Row], figure: str) -> Iterator[str]:
+    """Yield how a figure of each other file differs from the first's, machine by machine, ± two standard errors."""
+    values = dict[object, dict[object, float]]()
+    for row in rows:
+        values.setdefault(row["campaign"], {})[row["machine"]] = float(str(row.get(figure, "nan")))
+    first, *others = values
+    for name in others:
+        more = np.array([values[name][machine] - values[first][machine] for machine in values[first]])
+        more = more[np.isfinite(more)]
+        error = 2 * more.std(ddof=1) / np.sqrt(len(more)) if len(more) > 1 else np.inf
+        yield f"{name} instead of {first}: {figure} {more.mean():+.2f} ± {error:.2f}"
+
+
+def main(words: Sequence[str]) -> None:
+    """Write the table, each row as soon as it is there, and print what the other files change."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("files", nargs="+", type=Path)
+    parser.add_argument("--machines", type=int, default=20)
+    parser.add_argument("--cluster")
+    parser.add_argument("--out", type=Path, default=Path("cases.csv"))
+    asked = parser.parse_args(words)
+    workers: Executor = ProcessPoolExecutor()
+    if asked.cluster:
+        from dask.distributed import Client  # pip install distributed
+
+        workers = Client(asked.cluster).get_executor()
+    rows = list[Row]()
+    with workers, asked.out.open("w", newline="", buffering=1) as file:
+        table = csv.DictWriter(file, ["campaign", "machine", *FIGURES])
+        table.writeheader()
+        for row in cases(asked.files, asked.machines, workers):
+            table.writerow(row)
+            rows.append(row)
+    print(*compared(rows, "minutes"), *compared(rows, "U_um"), sep="\n")
+
+
+if __name__ == "__main__":
+    try:
+        main(sys.argv[1:])
+    except InputError as wrong:
+        sys.exit(str(wrong))

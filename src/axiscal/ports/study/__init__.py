@@ -1,1 +1,0 @@
-"""Studies: thousands of virtual machines, measured in ways that are compared."""

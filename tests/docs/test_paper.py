@@ -1,0 +1,152 @@
+"""The paper's simulations, as the examples run them: the published sequence, and a dense twin of every step."""
+
+from __future__ import annotations
+
+import runpy
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from axiscal.estimation.accuracy.criterion import Root
+from axiscal.measurement.observation import Observation
+from axiscal.numerics import Array
+from benchmarks.beyond import beyond
+from tests.docs.examples import ROOT
+
+SEQUENCE = [8.435996, 6.86244, 5.29228, 3.73376, 2.21355, 1.07741, 0.62000, 0.19634, 0.09769, 0.07641, 0.06404]
+"""J, computed independently of this project."""
+POSITIONS = [5.8730, 2.3144, 8.7285, 4.1742, 1.3682, 0.0, 10.0, 7.0444, 3.1836, 5.0]
+KNOTS = np.linspace(0, 10, 7)
+
+
+SPLINE, STACKED = (
+    runpy.run_path(str(ROOT / "examples" / name)) for name in ("ex09_paper_spline.py", "ex06_stacked_axes.py")
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """positions : (m, joints), paper units; variances : J before the first reading and after each"""
+
+    positions: Array
+    variances: Sequence[float]
+
+
+@pytest.fixture(scope="module")
+def single() -> Chosen:
+    """Return ten readings of the single spline."""
+    at, variances = SPLINE["chosen"](10)
+    return Chosen(1e3 * np.array(at)[:, None], variances)
+
+
+@pytest.fixture(scope="module")
+def stacked() -> Chosen:
+    """Return the readings of the three joints."""
+    steps, known = STACKED["chosen"](24)
+    found = [STACKED["JOINT"].criterion(each.belief.factor) * 1e9 for each in known]
+    return Chosen(1e3 * np.array([step.pose for step in steps]), found)
+
+
+def dense_rows(positions: Array) -> Array:
+    """Return what readings see of the control values, with scipy's splines.  positions : (m, q)."""
+    parts = [CubicSpline(KNOTS, np.eye(7), bc_type="natural")(t) for t in positions.T]
+    return np.concatenate(parts, axis=1)
+
+
+def dense_weight() -> Array:
+    """Return W of one joint by quadrature."""
+    rows, weights = dense_rows(np.linspace(0, 10, 20_001)[:, None]), np.full(20_001, 10 / 20_000)
+    weights[[0, -1]] /= 2
+    gram: Array = rows.T @ (weights[:, None] * rows)
+    return gram
+
+
+def dense_variances(positions: Array, variance: float) -> list[float]:
+    """Return J after each reading: the information matrix inverted."""
+    rows, q = dense_rows(positions), positions.shape[1]
+    weight = np.kron(np.eye(q), dense_weight())
+    covariances = [np.linalg.inv(np.eye(7 * q) + r.T @ r / variance) for r in (rows[:k] for k in range(len(rows) + 1))]
+    return [float(np.trace(weight @ covariance)) for covariance in covariances]
+
+
+def test_the_single_spline_follows_the_published_sequence(single: Chosen) -> None:
+    """B&H eq. 26, 27: the overall variance falls as computed independently, to 1e-5."""
+    np.testing.assert_allclose(single.variances, SEQUENCE, atol=1e-5)
+    found = single.positions[:, 0]
+    mirrored = 10 - found if abs(found[0] - POSITIONS[0]) > 1 else found
+    np.testing.assert_allclose(mirrored, POSITIONS, atol=1e-4)
+
+
+@pytest.mark.parametrize(("name", "variance"), [("single", 1e-2), ("stacked", 1e-4)])
+def test_dense_algebra_gives_the_same_variances(name: str, variance: float, request: pytest.FixtureRequest) -> None:
+    """B&H eq. 36: the sum over all joints, from the positions alone."""
+    plan: Chosen = request.getfixturevalue(name)
+    np.testing.assert_allclose(plan.variances, dense_variances(plan.positions, variance), rtol=1e-6)
+
+
+@pytest.mark.long
+def test_the_squared_error_of_simulated_splines_is_the_overall_variance(single: Chosen) -> None:
+    at, before = (single.positions[:7, 0] / 1e3).tolist(), SPLINE["BEFORE"]
+    truths, rng = before.belief.sample(np.random.default_rng(0), 2000), np.random.default_rng(5)
+    missed = np.array([SPLINE["read"](truth, at, rng).mean - truth for truth in truths])
+    errors = np.sum((missed @ before.spline.gram()) * missed, axis=1) * 1e9
+    assert abs(errors.mean() - single.variances[7]) < 4.5 * errors.std(ddof=1) / np.sqrt(len(errors))
+
+
+def test_the_knees_stand_where_the_readings_span_what_can_be_seen(single: Chosen, stacked: Chosen) -> None:
+    for plan, knee in ((single, 7), (stacked, 19)):
+        falls = -np.diff(plan.variances)
+        assert falls[:knee].min() > 3 * falls[knee:].max()
+
+
+def test_two_combinations_of_constants_are_left(stacked: Chosen) -> None:
+    """c ⊗ 1 with Σ c = 0: variance 1/7 of each unit vector's mean, times the length 10, twice."""
+    assert STACKED["main"]()["J that no reading takes away"] == pytest.approx(20 / 7, rel=1e-5)
+    assert 20 / 7 < stacked.variances[-1] < 20 / 7 + 0.01
+
+
+def test_seven_chosen_together_beat_seven_in_turn(single: Chosen) -> None:
+    together = np.array([[0.0, 1.5723, 3.3141, 5.0, 6.6859, 8.4277, 10.0]]).T
+    assert dense_variances(together, 1e-2)[-1] == pytest.approx(0.08318, abs=1e-5)
+    assert single.variances[7] > 0.19
+
+
+def test_no_lattice_point_beats_a_reading_chosen() -> None:
+    root: Root = STACKED["JOINT"]
+    observation: Observation = STACKED["OBSERVATION"]
+    along = np.linspace(0, 0.01, 41)
+    poses = np.stack([g.ravel() for g in np.meshgrid(along, along, along, indexing="ij")], axis=1)
+    rows = observation.rows(0, poses, np.ones_like(poses)).rows
+
+    def gains(factor: Array, rows: Array) -> Array:
+        seen = rows @ factor
+        reach = seen @ root.times(factor).T
+        found: Array = np.sum(reach**2, axis=1) / (1e-10 + np.sum(seen**2, axis=1))
+        return found
+
+    for step, before in zip(*STACKED["chosen"](24), strict=False):
+        factor = before.belief.factor
+        assert np.max(gains(factor, rows)) / gains(factor, step.row[None])[0] - 1 <= 1e-9
+
+
+def test_no_point_of_a_line_beats_a_reading_of_the_single_spline(single: Chosen) -> None:
+    rows, line, weight = dense_rows(single.positions), dense_rows(np.linspace(0, 10, 10_001)[:, None]), dense_weight()
+    for count, (before, after) in enumerate(pairwise(single.variances)):
+        covariance = np.linalg.inv(np.eye(7) + rows[:count].T @ rows[:count] / 1e-2)
+        seen = line @ covariance
+        gains = np.sum((seen @ weight) * seen, axis=1) / (1e-2 + np.sum(seen * line, axis=1))
+        assert (before - after) / gains.max() > 1 - 1e-6
+
+
+@pytest.mark.long
+def test_where_joints_are_not_what_the_paper_assumes_its_method_misses_more() -> None:
+    last = [(np.median(found.linear[:, -1]), np.median(found.whole[:, -1])) for found in beyond()]
+    times = [linear / whole for linear, whole in last]
+    assert [whole < 6e-6 for _, whole in last] == [True] * 3
+    assert times[0] > 4
+    assert times[1] > 2
+    assert times[2] > 100
