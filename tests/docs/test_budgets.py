@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import math
 import shutil
 import subprocess
 import sys
@@ -22,15 +23,20 @@ CAMPAIGN = Path(__file__).parents[1] / "golden" / "campaigns" / "mill" / "campai
 
 
 class Budget(NamedTuple):
-    """today : more is a defect; whoever comes below it writes the new figure here; to_reach : what it is to become"""
+    """today : of the last release; to_reach : what it is to become"""
 
     today: int
     to_reach: int
 
+    @property
+    def most(self) -> int:
+        """More is a defect. Between releases there is 3 % of play, so that no first change of a stranger is red."""
+        return math.ceil(1.03 * self.today)
+
 
 SIZES = {
-    "lines of src": Budget(61_877, 50_000),
-    "files of src": Budget(325, 325),
+    "lines of src": Budget(61_416, 50_000),
+    "files of src": Budget(321, 321),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(24, 15),
     "public names of more than five functions": Budget(10, 10),
@@ -135,7 +141,7 @@ def test_the_house_stays_within_its_budgets() -> None:
         "classes that change": len(set(_changing())),
         "public names of more than five functions": len(_often()),
     }
-    assert {name: count for name, count in found.items() if count > SIZES[name].today} == {}
+    assert {name: count for name, count in found.items() if count > SIZES[name].most} == {}
 
 
 @pytest.fixture(scope="module")
@@ -162,7 +168,7 @@ def _walked(folder: Path, command: str) -> dict[str, int]:
 def test_a_command_walks_no_farther_than_it_did(begun: Path, tmp_path: Path, command: str) -> None:
     folder = shutil.copytree(begun, tmp_path / "campaign")
     found, budgets = _walked(folder, command), WALKS[command]
-    assert {name: count for name, count in found.items() if name in budgets and count > budgets[name].today} == {}
+    assert {name: count for name, count in found.items() if name in budgets and count > budgets[name].most} == {}
 
 
 @pytest.mark.parametrize("budgets", [SIZES, *WALKS.values()])

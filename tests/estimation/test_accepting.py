@@ -20,7 +20,7 @@ from axiscal.estimation.agreement_words import (
     named,
 )
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.agreement import Agreement, Explained
+from axiscal.estimation.promise.agreement import Agreement, Checks, Explained
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import Accepted
@@ -41,6 +41,7 @@ def known(
         readings=READINGS,
         agreement=Agreement(6, 4, 30.0, p, explained, described),
         left_out=frozenset(left_out),
+        checks=Checks(),
         name_of=lambda index: f"reading {READINGS[index].number}",
     )
     return cast("Estimation", found)

@@ -74,9 +74,11 @@ def test_noise_and_unknowns_are_those_of_josephs_form() -> None:
     kept = np.eye(len(prior)) - gain @ numbers.rows
     tool = np.zeros((len(case.yardstick.root.matrix), len(prior)))
     tool[:, : case.errors.size] = case.yardstick.root.matrix
-    wider = known.agreement.inflation**0.5
-    assert wider > 1.5
-    found = {source.kind: source.rms / wider for source in budget(known)}
+    assert known.posterior is not None
+    disagreeing = replace(known.posterior.agreement, count=30, c2=4.0)
+    wide = replace(known, posterior=replace(known.posterior, agreement=disagreeing))
+    assert wide.widening == 4.0
+    found = {source.kind: source.rms / 2 for source in budget(wide)}
     assert found["instrument"] == pytest.approx(float(np.linalg.norm(tool @ gain @ np.sqrt(noise))), rel=1e-5)
     column = case.errors.size + [u.name for u in observation.unknowns].index("growth")
     grown = np.linalg.norm(tool @ kept[:, column]) * np.sqrt(prior[column, column])

@@ -12,7 +12,8 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case, Rival
 from axiscal.estimation.promise import problem, unknowns
-from axiscal.estimation.promise.problem import MOST_COLUMNS, MOST_NUMBERS, Inherited, PlaneUnknowns, Problem
+from axiscal.estimation.promise.columns import PlaneUnknowns
+from axiscal.estimation.promise.problem import MOST_COLUMNS, MOST_NUMBERS, Inherited, Problem
 from axiscal.estimation.promise.spaces import parts_of
 from axiscal.estimation.promise.unknowns import Unknowns
 from axiscal.exceptions import DescriptionError

@@ -14,15 +14,13 @@ from scipy.stats import norm
 
 from axiscal.description.usual import Kind, Sizes
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.promise import posterior
+from axiscal.estimation.promise import left_out as left_out_of
 from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Mode, Weighed, _halved, _wings, draws, mode, redrawn, weighed
+from axiscal.estimation.promise.left_out import LeftOut, left_out, with_stated
 from axiscal.estimation.promise.posterior import (
-    LeftOut,
-    _as_stated,
     _half_and_half,
     _judged,
-    _left_out,
     _may_be_a_detail,
     _moments,
     _sizes,
@@ -150,9 +148,9 @@ def test_of_many_readings_the_heaviest_draw_judges_and_all_of_them_those_that_it
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     problem, found = _of_three_draws()
-    every = _left_out(problem, found)
-    monkeypatch.setattr(posterior, "MOST_NUMBERS", 11)
-    many, dense = _left_out(problem, found), Dense(problem)
+    every = left_out(problem, found)
+    monkeypatch.setattr(left_out_of, "MOST_NUMBERS", 11)
+    many, dense = left_out(problem, found), Dense(problem)
     left = {index: (problem.values[index], *dense.expected(found.thetas[1], index)) for index in many}
     suspected = [i for i, (value, mean, covariance) in left.items() if abs(value - mean) > 3 * covariance[0, 0] ** 0.5]
     assert 4 in suspected
@@ -172,7 +170,7 @@ def test_odds_of_a_bad_reading_count_the_sizes_as_stated_as_one_draw_more() -> N
     dense, share = Dense(problem), float(np.exp(found.log_stated))
     thetas = np.vstack([found.thetas, np.zeros(2)])
     weights = np.append(found.weights, share) / (1 + share)
-    left = _as_stated(problem, found, _left_out(problem, found))
+    left = with_stated(problem, found, left_out(problem, found))
     for index in (0, 4, 11):
         assert left[index].log_odds == pytest.approx(np.log(dense.odds(thetas, weights, index)), rel=1e-3, abs=1e-3)
 

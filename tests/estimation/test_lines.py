@@ -214,9 +214,9 @@ def test_what_is_known_of_rows_before_and_after_readings() -> None:
     assert backlash.known == pytest.approx(t.ppf(0.975, degrees) * np.sqrt(1 - 2 / degrees) * std, rel=1e-5)
     assert before["backlash X"].known == pytest.approx(1.959964 * 3e-6, rel=1e-5)
     assert [each.measured for each in before.values()] == [False] * 4
-    assert [each.measured for each in rows.values()] == [True, True, True]
+    assert [each.measured for each in rows.values()] == [True] * 4
     assert all(each.known < each.before for each in rows.values())
     assert backlash.floor < 0.01 * backlash.known  # endless readings tell it
     (asked,) = (each for each in asked_rows(CASE.description, ()) if each.map is None)
     assert known_row(asked, CASE, CASE.prior, read=False).before == pytest.approx(before["volume"].known)
-    assert not any(each.angular for each in rows.values())
+    assert [each.row.kind for each in rows.values() if each.angular] == ["scale"]

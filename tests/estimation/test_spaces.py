@@ -13,9 +13,10 @@ from scipy.special import gamma, kv
 
 from axiscal.description.usual import Sizes
 from axiscal.estimation.located import absorbed
+from axiscal.estimation.promise.columns import Curves
 from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.numbers import Numbers
-from axiscal.estimation.promise.problem import Curves, Problem
+from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.spaces import parts_of
 from axiscal.estimation.promise.unknowns import Given, Space, Unknowns
 from axiscal.numerics import Array

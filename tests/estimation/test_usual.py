@@ -99,7 +99,7 @@ def test_an_inherited_prior_keeps_its_sizes() -> None:
 
 def test_the_table_says_where_its_figures_come_from() -> None:
     causes = [each for each in vars(model).values() if isinstance(each, model.Cause)]
-    assert len(causes) == len({cause.name for cause in causes}) == 14
+    assert len(causes) == len({cause.name for cause in causes}) == 15
     assert all(cause.source and cause.kernel and cause.size > 0 and cause.factor >= 1 for cause in causes)
 
 
@@ -126,7 +126,7 @@ def test_slope_is_that_of_differences_and_far_out_nothing_overflows() -> None:
     above, below = (SEVERAL.theta(x + sign * step)[0] for sign in (1, -1))
     np.testing.assert_allclose(SEVERAL.theta(x)[1], (above - below) / (2 * step), rtol=1e-9)
     theta, slope = SEVERAL.theta(np.array([[40.0, -40.0, 40.0], [-40.0, 40.0, -40.0]]))
-    assert theta.tolist() == [[7.0, -7.0, np.log(30.0)], [-7.0, 7.0, -7.0]]
+    assert theta.tolist() == [[np.log(10.0), -7.0, np.log(30.0)], [-7.0, np.log(30.0), -7.0]]
     assert not slope.any()
 
 
@@ -148,7 +148,7 @@ def test_a_stated_drift_is_learnt_as_noise_is(sure: Sure, found: bool) -> None:
 def test_no_size_is_learnt_far_beyond_what_is_stated(kind: model.Kind, most: float) -> None:
     """Behind that it does not move; a length may be anything, and a noise as wide as a bad reading."""
     theta, slope = Sizes((Size(kind, ("EXX",), np.log(3.0)),)).theta(np.array([[1.0], [9.0], [-9.0]]))
-    assert np.exp(theta[:2, 0]).tolist() == [pytest.approx(3.5, rel=0.05), pytest.approx(most)]
+    assert np.exp(theta[1, 0]) == pytest.approx(most)
     assert theta[2, 0] == -7.0
     assert [bool(each) for each in slope[:, 0]] == [True, False, False]
 

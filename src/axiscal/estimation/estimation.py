@@ -17,7 +17,7 @@ from axiscal.estimation.functionals.asked import AskedRow, rows_served
 from axiscal.estimation.judged import Doubt, objection
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.located import Absorbed, displayed
-from axiscal.estimation.machine_estimate import Estimate, Unknown, map_grid, rest_means, where_read
+from axiscal.estimation.machine_estimate import Estimate, LeftUnknown, map_grid, rest_means, where_read
 from axiscal.estimation.membership import Membership
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, CheckReading, Checks
 from axiscal.estimation.promise.posterior import Posterior
@@ -156,7 +156,7 @@ class Estimation:
         rows = rows_served(description, used)
         told = [pair for each in rows for pair in each.pairs(description.machine) if self._tells(each)]
         open_yet = self.of_readings.factor[: errors.size]
-        unknown = Unknown(self.accuracy.rms, expanded_uncertainty(self).space)
+        unknown = LeftUnknown(self.accuracy.rms, expanded_uncertainty(self).space)
         told_by = read, frozenset(told), description.target.of_volume, open_yet, unknown
         return Estimate(errors, self.printed.belief, *place, *told_by)
 

@@ -40,7 +40,7 @@ class Band(NamedTuple):
     std: Array
 
 
-class Unknown(NamedTuple):
+class LeftUnknown(NamedTuple):
     """What is not known of the TCP over a volume, less what does not count, m: RMS, and U of 95 %."""
 
     rms: float
@@ -80,7 +80,7 @@ class Estimate:
     told: frozenset[tuple[str, str]] = frozenset()
     whole: bool = True
     open: Array | None = None
-    unknown: Unknown | None = None
+    unknown: LeftUnknown | None = None
 
     @property
     def machine(self) -> Machine:

@@ -36,9 +36,9 @@ from axiscal.units import Dimension
 MOST_PRODUCTS = 1600
 """Control values of one plane: 40 x 40; an update with more takes seconds."""
 LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-12
+"""m or rad."""
 _LARGEST_SCALE = 0.1
 """A tenth of what an axis shows: more is another unit."""
-"""m or rad."""
 AVERAGED = "estimate"
 """What is said of a rest that is to be learnt; in older files of a smoothness, too."""
 _MOST_JOINTS = 40

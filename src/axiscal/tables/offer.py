@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.estimation.accuracy.expanded import reach
-from axiscal.estimation.machine_estimate import Estimate, Unknown
+from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.description import Machine
@@ -130,7 +130,7 @@ def places(estimate: Estimate, count: int = POSES) -> tuple[Array, Array]:
 
 
 @remembered
-def unknown(estimate: Estimate) -> Unknown:
+def unknown(estimate: Estimate) -> LeftUnknown:
     """Return what is not known over the part, or over the volume.
 
     Its square is the mean of trace((H - E[H]) C (H - E[H])ᵀ) and of the share of the rests. For an aligned part the
@@ -140,7 +140,7 @@ def unknown(estimate: Estimate) -> Unknown:
         return estimate.unknown
     covariances = np.sum([root @ root.transpose(0, 2, 1) for root in _roots(estimate, *places(estimate))], axis=0)
     spectra = np.maximum(np.linalg.eigvalsh(covariances), 0.0)
-    return Unknown(float(np.sqrt(spectra.sum(axis=1).mean())), reach(spectra, estimate.belief.degrees))
+    return LeftUnknown(float(np.sqrt(spectra.sum(axis=1).mean())), reach(spectra, estimate.belief.degrees))
 
 
 def _roots(estimate: Estimate, poses: Array, approaches: Array) -> tuple[Array, Array]:

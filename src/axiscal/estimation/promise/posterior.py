@@ -7,15 +7,10 @@ multivariate t whose variance varies as much has degrees of freedom (as GUM G.4 
 
     f = 4 + 2 (Σ w s²_θ)²/Σ w (s²_θ − Σ w s²_θ)²
 
-A reading left out is expected with r = (K⁻¹_ii)⁻¹ (K⁻¹y)_i and covariance S = (K⁻¹_ii)⁻¹ (Rasmussen and Williams 2006,
-eq. 5.12). It is bad with odds, sizes integrated out, of
-
-    0.01/0.99 Σ w L_θ/N(r; 0, S) N(r; 0, S + (30 σ)²) / Σ w L_θ
-
-the sizes as stated among the draws, whatever their weight: a bad reading hides behind the noise that it teaches. Above
-1 the worst is taken out, with those of nearly the same odds, and again, up to a fifth of the readings. One reading
-alone cannot tell a slip from a detail of the machine. Others at its place can, if none of those is bad. Where none
-tell, the answers with it and without it count one half each if errors of the stated size could be as large:
+Where the odds of a bad reading (`left_out`) are above 1 the worst is taken out, with those of nearly the same odds, and
+again, up to a fifth of the readings. One reading alone cannot tell a slip from a detail of the machine. Others at its
+place can, if none of those is bad. Where none tell, the answers with it and without it count one half each if errors
+of the stated size could be as large:
 
     m = ½ (m₀ + m₁),    C = ½ (C₀ + C₁) + ¼ (m₀ − m₁)(m₀ − m₁)ᵀ
 """
@@ -28,36 +23,29 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from axiscal.description.usual import BAD, Kind
+from axiscal.description.usual import Kind
 from axiscal.estimation.promise.agreement import (
-    BAD_SHARE,
     MOST_BAD,
     SEVERAL,
     Agreement,
     Tried,
     Turned,
     agreement,
-    surprises,
 )
-from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Draws, Weighed, sized
 from axiscal.estimation.promise.jumps import jumped, likelier
-from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
-from axiscal.estimation.promise.spaces import Sources, parts_of
+from axiscal.estimation.promise.left_out import LeftOut, left_out, with_stated
+from axiscal.estimation.promise.problem import Problem
+from axiscal.estimation.promise.spaces import Sources
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 
-_ODDS = BAD_SHARE / (1 - BAD_SHARE)
-"""Of a bad reading before any is taken, by definition."""
 _UNSURE = 0.01
 """Probability below which a size is not so small: of what is said never to be reached."""
 _ALIKE = float(np.log(2.0))
 """Of log odds: which of such readings is bad nobody can say, and all go."""
-_DOUBTED = 3.0
-"""Standard deviations from which on all draws are asked about one of many readings."""
 _DETAIL = 2.0
 """Stated sizes: a detail is no larger, and what is larger is a slip."""
 _SAME = 0.9999
@@ -67,20 +55,6 @@ _ALL_ALIKE = 1e-6
 
 
 _Owned = tuple[Kind, str]
-
-
-@dataclass(frozen=True, eq=False)
-class LeftOut:
-    """What the others expect of one reading.
-
-    residual : (k,) read less expected, over the base noise; covariance : (k, k) of that; log_odds : that it is bad
-    z : of its numbers together, in standard deviations
-    """
-
-    residual: Array
-    covariance: Array
-    log_odds: float
-    z: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +123,7 @@ class _Judged:
     @cached_property
     def left(self) -> dict[int, LeftOut]:
         """What the others expect of each reading, by its index."""
-        return _as_stated(self.problem, self.found, _left_out(self.problem, self.found))
+        return with_stated(self.problem, self.found, left_out(self.problem, self.found))
 
 
 def _judged(problem: Problem, apart: Sequence[int], before: Draws | None = None) -> _Judged:
@@ -349,70 +323,3 @@ def _sizes(problem: Problem, found: Weighed) -> dict[tuple[Kind, str], float]:
         for size, root, middle in each
         for owner in size.owners
     }
-
-
-def _left_out(problem: Problem, found: Weighed) -> dict[int, LeftOut]:
-    """Return what the others expect of each reading, by its index.
-
-    The heaviest draw goes first if numbers are many; all draws then judge only the readings that it suspects.
-    """
-    result = dict[int, LeftOut]()
-    for part in parts_of(problem.reading):
-        each = (
-            _of_draws(problem, found, part) if len(problem.values) <= MOST_NUMBERS else _of_many(problem, found, part)
-        )
-        result.update(zip(problem.reading[part[:, 0]].tolist(), each, strict=True))
-    return dict(sorted(result.items()))
-
-
-def _as_stated(problem: Problem, found: Weighed, left: Mapping[int, LeftOut]) -> dict[int, LeftOut]:
-    """Return what is known of the readings that are left out, their odds with one draw more: the sizes as stated.
-
-    A bad reading makes noise seem large: without it the sizes may be those stated, of which no draw is left.
-    """
-    given, log_stated, result = found.drawn.stated, found.log_stated, dict(left)
-    log_total = np.logaddexp(0.0, log_stated)
-    for part in parts_of(problem.reading):
-        _, _, ratios = _of_draw(problem, given, given.theta, part)
-        for reading, ratio in zip(problem.reading[part[:, 0]].tolist(), ratios, strict=True):
-            odds = np.logaddexp(left[reading].log_odds, np.log(_ODDS) + log_stated + ratio)
-            result[reading] = replace(left[reading], log_odds=float(odds - log_total))
-    return result
-
-
-def _of_many(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[LeftOut]:
-    """Return what the others expect of many readings of k numbers.  part : (r, k)"""
-    heaviest = int(np.argmax(found.weights))
-    alone = replace(found, thetas=found.thetas[[heaviest]], weights=np.ones(1), given=(found.given[heaviest],))
-    result = _of_draws(problem, alone, part)
-    doubted = [i for i, each in enumerate(result) if each.z > _DOUBTED]
-    if doubted:
-        for i, each in zip(doubted, _of_draws(problem, found, part[doubted]), strict=True):
-            result[i] = each
-    return result
-
-
-def _of_draws(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[LeftOut]:
-    """Return what the others expect of readings of k numbers each, over all draws.  part : (r, k)"""
-    each = [_of_draw(problem, given, theta, part) for given, theta in zip(found.given, found.thetas, strict=True)]
-    residuals, covariances, ratios = (np.array(one) for one in zip(*each, strict=True))
-    residual = np.einsum("n,nrk->rk", found.weights, residuals)
-    apart = residuals - residual
-    spread = np.einsum("n,nrkl->rkl", found.weights, covariances + apart[..., :, None] * apart[..., None, :])
-    most = np.max(ratios, axis=0)
-    odds = np.log(_ODDS * (found.weights @ np.exp(ratios - most))) + most
-    z = surprises(residual, spread).tolist()
-    return [LeftOut(*one) for one in zip(residual, spread, odds.tolist(), z, strict=True)]
-
-
-def _of_draw(problem: Problem, given: Considered, theta: Array, part: NDArray[np.intp]) -> tuple[Array, Array, Array]:
-    """Return residuals (r, k), covariances (r, k, k) and log ratios of bad over good (r,) of readings at one draw."""
-    weighted, blocks = given.left_out(part)
-    covariances: Array = np.asarray(np.linalg.inv(blocks), dtype=float)
-    residuals = (covariances @ weighted[..., None])[..., 0]
-    sigma = np.exp(np.append(theta, 0.0))[problem.groups[part]]
-    wide = covariances + (BAD.size * sigma[:, :, None]) ** 2 * np.eye(part.shape[1])
-    inner = np.sum(residuals * np.linalg.solve(wide, residuals[..., None])[..., 0], axis=1)
-    log_dets = np.linalg.slogdet(blocks)[1] + np.linalg.slogdet(wide)[1]
-    gain = np.sum(residuals * weighted, axis=1) - inner - log_dets
-    return residuals, covariances, np.asarray(0.5 * gain)

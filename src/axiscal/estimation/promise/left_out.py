@@ -1,0 +1,111 @@
+"""What the others expect of a reading that is left out, and the odds that it is bad.
+
+It is expected with r = (K⁻¹_ii)⁻¹ (K⁻¹y)_i and covariance S = (K⁻¹_ii)⁻¹ (Rasmussen and Williams 2006, eq. 5.12). It is
+bad with odds, sizes integrated out, of
+
+    0.01/0.99 Σ w L_θ/N(r; 0, S) N(r; 0, S + (30 σ)²) / Σ w L_θ
+
+the sizes as stated among the draws, whatever their weight: a bad reading hides behind the noise that it teaches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.description.usual import BAD
+from axiscal.estimation.promise.agreement import BAD_SHARE, surprises
+from axiscal.estimation.promise.considered import Considered
+from axiscal.estimation.promise.draws import Weighed
+from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
+from axiscal.estimation.promise.spaces import parts_of
+from axiscal.numerics import Array
+
+_ODDS = BAD_SHARE / (1 - BAD_SHARE)
+"""Of a bad reading before any is taken, by definition."""
+_DOUBTED = 3.0
+"""Standard deviations from which on all draws are asked about one of many readings."""
+
+
+@dataclass(frozen=True, eq=False)
+class LeftOut:
+    """What the others expect of one reading.
+
+    residual : (k,) read less expected, over the base noise; covariance : (k, k) of that; log_odds : that it is bad
+    z : of its numbers together, in standard deviations
+    """
+
+    residual: Array
+    covariance: Array
+    log_odds: float
+    z: float
+
+
+def left_out(problem: Problem, found: Weighed) -> dict[int, LeftOut]:
+    """Return what the others expect of each reading, by its index.
+
+    The heaviest draw goes first if numbers are many; all draws then judge only the readings that it suspects.
+    """
+    result = dict[int, LeftOut]()
+    for part in parts_of(problem.reading):
+        each = (
+            _of_draws(problem, found, part) if len(problem.values) <= MOST_NUMBERS else _of_many(problem, found, part)
+        )
+        result.update(zip(problem.reading[part[:, 0]].tolist(), each, strict=True))
+    return dict(sorted(result.items()))
+
+
+def with_stated(problem: Problem, found: Weighed, left: Mapping[int, LeftOut]) -> dict[int, LeftOut]:
+    """Return what is known of the readings that are left out, their odds with one draw more: the sizes as stated.
+
+    A bad reading makes noise seem large: without it the sizes may be those stated, of which no draw is left.
+    """
+    given, log_stated, result = found.drawn.stated, found.log_stated, dict(left)
+    log_total = np.logaddexp(0.0, log_stated)
+    for part in parts_of(problem.reading):
+        _, _, ratios = _of_draw(problem, given, given.theta, part)
+        for reading, ratio in zip(problem.reading[part[:, 0]].tolist(), ratios, strict=True):
+            odds = np.logaddexp(left[reading].log_odds, np.log(_ODDS) + log_stated + ratio)
+            result[reading] = replace(left[reading], log_odds=float(odds - log_total))
+    return result
+
+
+def _of_many(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[LeftOut]:
+    """Return what the others expect of many readings of k numbers.  part : (r, k)"""
+    heaviest = int(np.argmax(found.weights))
+    alone = replace(found, thetas=found.thetas[[heaviest]], weights=np.ones(1), given=(found.given[heaviest],))
+    result = _of_draws(problem, alone, part)
+    doubted = [i for i, each in enumerate(result) if each.z > _DOUBTED]
+    if doubted:
+        for i, each in zip(doubted, _of_draws(problem, found, part[doubted]), strict=True):
+            result[i] = each
+    return result
+
+
+def _of_draws(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[LeftOut]:
+    """Return what the others expect of readings of k numbers each, over all draws.  part : (r, k)"""
+    each = [_of_draw(problem, given, theta, part) for given, theta in zip(found.given, found.thetas, strict=True)]
+    residuals, covariances, ratios = (np.array(one) for one in zip(*each, strict=True))
+    residual = np.einsum("n,nrk->rk", found.weights, residuals)
+    apart = residuals - residual
+    spread = np.einsum("n,nrkl->rkl", found.weights, covariances + apart[..., :, None] * apart[..., None, :])
+    most = np.max(ratios, axis=0)
+    odds = np.log(_ODDS * (found.weights @ np.exp(ratios - most))) + most
+    z = surprises(residual, spread).tolist()
+    return [LeftOut(*one) for one in zip(residual, spread, odds.tolist(), z, strict=True)]
+
+
+def _of_draw(problem: Problem, given: Considered, theta: Array, part: NDArray[np.intp]) -> tuple[Array, Array, Array]:
+    """Return residuals (r, k), covariances (r, k, k) and log ratios of bad over good (r,) of readings at one draw."""
+    weighted, blocks = given.left_out(part)
+    covariances: Array = np.asarray(np.linalg.inv(blocks), dtype=float)
+    residuals = (covariances @ weighted[..., None])[..., 0]
+    sigma = np.exp(np.append(theta, 0.0))[problem.groups[part]]
+    wide = covariances + (BAD.size * sigma[:, :, None]) ** 2 * np.eye(part.shape[1])
+    inner = np.sum(residuals * np.linalg.solve(wide, residuals[..., None])[..., 0], axis=1)
+    log_dets = np.linalg.slogdet(blocks)[1] + np.linalg.slogdet(wide)[1]
+    gain = np.sum(residuals * weighted, axis=1) - inner - log_dets
+    return residuals, covariances, np.asarray(0.5 * gain)
