@@ -274,7 +274,7 @@ def test_the_details_say_u_and_what_it_holds_for_and_the_tables_stand_beside_it(
     assert {table["controller"] for table in result["tables"]} == {"linuxcnc", "csv"}
     (left,) = (line for line in lines if line.startswith("linuxcnc: All files together take"))
     assert left.partition(" Then ")[2] in Path("d/tables/linuxcnc/README.txt").read_text()  # one U of the files
-    assert [row["row"] for row in result["rows"]] == ["positioning X", "backlash X", "volume"]
+    assert [row["row"] for row in result["rows"]] == ["positioning X", "scale X", "backlash X", "volume"]
     assert result["rows"][-1]["known_to"] == result["U_um"]
     assert any(line.startswith("MEASURED   12 readings") for line in lines)
 

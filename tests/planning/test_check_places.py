@@ -81,7 +81,8 @@ def test_small_plans_and_exact_ones_are_those_without_checks(target: str, above:
 
 
 def test_checks_come_on_top_of_what_an_accuracy_needs_and_fit_into_a_budget() -> None:
-    alone, both = plan_of('rms = "1.7 um"\nchecks = 0'), plan_of('rms = "1.7 um"')
+    target = 'rms = "1.2 um"\nrefers_to = "as read"'
+    alone, both = plan_of(f"{target}\nchecks = 0"), plan_of(target)
     assert len(alone) >= 12
     assert len(both) == len(alone) + max(3, round(len(alone) / 4))
     case = case_of('budget = "16 min"')
