@@ -21,7 +21,7 @@ from axiscal.answers.answer import (
     TablesChecked,
     Verdict,
 )
-from axiscal.answers.row_words import row_names, said_row, signed_text, signs_sentence
+from axiscal.answers.row_words import row_names, said_row, signed_text, signs_sentence, warmth_sentence
 from axiscal.language.spoken import counted, ending, joined, later, listed, put, said
 from axiscal.tables.registry import exporter
 
@@ -84,7 +84,8 @@ def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str 
     """
     groups = measured_rows(answer, ROOM)
     signs = "" if cut else signs_sentence(groups)  # a terminal has room where few rows are
-    found = [signs, _agreement(answer, agreement), _unmeasured(answer, cut), _beside(answer), _checked(answer.checked)]
+    found = [signs, _agreement(answer, agreement), _unmeasured(answer, cut), _beside(answer)]
+    found += [warmth_sentence(answer.rows), _checked(answer.checked)]
     return AnswerText(
         _first_line(answer),
         table_lines(groups, controls_of(groups)) if groups else [],
