@@ -393,4 +393,5 @@ class Folding:
             self.notes.remove(next(note for note in reversed(self.notes) if note.warmed is not None))
         else:
             self.finished = None
-        self.pending, self.highest, self.renew = step.pending, step.highest, True
+        self.pending, self.highest = step.pending, step.highest
+        self.renew |= not isinstance(step.event, Warmed)  # places do not depend on it

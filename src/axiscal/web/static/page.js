@@ -322,7 +322,7 @@ async function askCost(rest) {
 let warming = false;
 function asksForNote(visible, warm = false) {
   warming = warm;
-  document.querySelector("label[for=sentence]").textContent = warm ? said("Temperature of the machine's scale in °C; Back: not measured") : said("what is to be kept in the record? (the temperature: 21.4 °C)");
+  document.querySelector("label[for=sentence]").textContent = warm ? said("Temperature of the machine's scale in °C; empty: not measured") : said("what is to be kept in the record? (the temperature: 21.4 °C)");
   show("skip-form", false);
   show("note-form", visible);
   if (visible) find("sentence").focus();
@@ -356,6 +356,7 @@ on("note", "click", () => asksForNote(true));
 on("not-note", "click", () => asksForNote(false));
 on("note-form", "submit", async () => {
   const typed = find("sentence").value.trim();
+  if (warming && !typed) return asksForNote(false);
   const done = await plain("/notes", { text: warming && /\d$/.test(typed) ? `${typed} °C` : typed });
   if (!done?.ok) return;
   find("sentence").value = "";
