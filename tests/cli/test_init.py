@@ -90,6 +90,21 @@ def test_what_is_written_is_a_campaign(tmp_path: Path, machine: str, instruments
         assert fits(tomllib.loads(text), schema, schema)
 
 
+@pytest.mark.parametrize("instrument", ["interferometer", "tracker"])
+def test_the_line_on_the_temperature_can_be_used_as_it_stands(tmp_path: Path, instrument: str) -> None:
+    assert written(tmp_path, "three-axis-mill", instrument) == 0
+    file = tmp_path / "campaign.toml"
+    text, machine = file.read_text(), (tmp_path / "machine.toml").read_text()
+    assert {setup.warmer for setup in read_campaign(file).setups} == {None}
+    said = campaign_from_texts(text.replace("# temperature =", "temperature ="), "c.toml", machine, "machine.toml")
+    assert [setup.warmer for setup in said.setups] == pytest.approx([1.5] * len(said.setups))
+
+
+def test_a_dial_has_no_line_on_the_temperature(tmp_path: Path) -> None:
+    assert written(tmp_path, "three-axis-mill", "dial", "square", "level") == 0
+    assert "temperature" not in (tmp_path / "campaign.toml").read_text()
+
+
 def test_the_commands_it_names_can_be_given_as_they_stand(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert written(tmp_path / "my mill", "one-axis", "laser") == 0
     (plan,) = re.findall(r"axiscal (plan .+)", capsys.readouterr().out)

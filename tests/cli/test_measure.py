@@ -22,6 +22,7 @@ from tests.generators.begun import begun
 from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
 
 STANDS = "Enter when it stands, or ? > "
+WARM = "Temperature of the machine's scale [degC], Enter: not measured > "
 PATIENCE = 60.0
 """s: for a prompt to come on a busy computer."""
 
@@ -58,6 +59,12 @@ class Terminal:
         """Type a line."""
         os.write(self.terminal, (line + "\n").encode())
 
+    def stand(self, warm: str = "") -> None:
+        """Say that the laser stands, and how warm the scale is."""
+        self.type("")
+        self.until(WARM)
+        self.type(warm)
+
     def ended(self) -> int:
         """Return the exit status; minus the number of the signal that ended it."""
         return os.waitstatus_to_exitcode(os.waitpid(self.pid, 0)[1])
@@ -80,7 +87,7 @@ def test_a_whole_campaign_from_the_prompt_alone(folder: Path) -> None:
     terminal = Terminal(folder)
     shown = terminal.until(STANDS)
     assert 'Set-up "laser": mount the instrument (interferometer); it reads along x, while X moves' in shown
-    terminal.type("")
+    terminal.stand()
     shown = terminal.until("reading [um] > ")
     assert "reading 1 of 4" in shown
     assert "+ where the tool stands too far towards +x" in shown
@@ -113,6 +120,27 @@ def test_a_whole_campaign_from_the_prompt_alone(folder: Path) -> None:
     assert (folder / "mill-results" / "report.html").is_file()
     with Campaign.open(folder / "mill.axiscal", write=False) as campaign:
         assert [note.text for note in campaign.state.notes] == ["it was 21.4 °C"]
+
+
+def test_the_prompt_asks_once_how_warm_the_scale_is(folder: Path) -> None:
+    terminal = Terminal(folder)
+    terminal.until(STANDS)
+    terminal.stand("70")
+    assert '"70 degC" is too large. Write a value from -20 degC to 60 degC' in terminal.until(WARM)
+    terminal.type("warm")
+    assert "Write" in terminal.until(WARM)
+    terminal.type("21,4")
+    assert 'The readings of "laser" are brought from 21,4 degC to 20 degC' in terminal.until("reading [um] > ")
+    terminal.type("note 21.8 °C")
+    terminal.until("reading [um] > ")
+    terminal.type("undo")
+    assert 'Took back the temperature of "laser", 21.8 °C; 0 readings are kept.' in terminal.until("reading [um] > ")
+    terminal.type("1.5")
+    assert WARM not in terminal.until("reading 2 of 4")
+    terminal.type("pause")
+    assert terminal.ended() == 0
+    with Campaign.open(folder / "mill.axiscal", write=False) as campaign:
+        assert campaign.description.setup("laser").warmer == pytest.approx(1.4)
 
 
 TWO_SETUPS = (
@@ -162,7 +190,7 @@ def test_a_set_up_is_left_and_the_plan_goes_on_without_it(tmp_path: Path) -> Non
 def test_stopping_says_what_the_tables_would_reach_and_asks_first(folder: Path) -> None:
     terminal = Terminal(folder)
     terminal.until(STANDS)
-    terminal.type("")
+    terminal.stand()
     for value in ("1.2", "0.4"):
         terminal.until("reading [um] > ")
         terminal.type(value)
@@ -207,6 +235,9 @@ def test_the_prompt_speaks_german(folder: Path) -> None:
     terminal = Terminal(folder, "--language", "de")
     assert "das Messgerät aufbauen (Laserinterferometer)" in terminal.until("Eingabetaste, wenn es steht, oder ? > ")
     terminal.type("")
+    terminal.until("Eingabetaste: nicht gemessen > ")
+    terminal.type("21,5")
+    assert "Die Messwerte von „laser“ werden von 21,5 degC auf 20 degC gebracht" in terminal.until("Messung 1 von 4")
     assert "von unten" in (asked := terminal.until("Messwert [um] > ").replace("von oben", "von unten"))
     assert re.search(r"erwartet +-?\d+,\d ± ", asked)
     terminal.type("1,5")
@@ -237,7 +268,7 @@ def test_a_number_before_the_set_up_stands_is_no_reading(folder: Path) -> None:
 def test_a_pause_goes_on_where_it_was_and_does_not_mount_again(folder: Path) -> None:
     first = Terminal(folder)
     first.until(STANDS)
-    first.type("")
+    first.stand()
     first.until("reading [um] > ")
     first.type("2")
     first.until("reading [um] > ")
@@ -257,7 +288,7 @@ def test_a_pause_goes_on_where_it_was_and_does_not_mount_again(folder: Path) -> 
 def test_a_question_that_another_program_has_answered_is_not_answered_twice(folder: Path) -> None:
     terminal = Terminal(folder)
     terminal.until(STANDS)
-    terminal.type("")
+    terminal.stand()
     terminal.until("reading [um] > ")
     record = [sys.executable, "-m", "axiscal.cli", "record", "mill.axiscal", "2.5 um"]
     subprocess.run(record, cwd=folder, check=True, capture_output=True)
@@ -278,7 +309,7 @@ def test_a_question_that_another_program_has_answered_is_not_answered_twice(fold
 def test_what_was_said_to_be_on_the_disk_is_there_after_a_kill(folder: Path, blow: signal.Signals) -> None:
     terminal = Terminal(folder)
     terminal.until(STANDS)
-    terminal.type("")
+    terminal.stand()
     terminal.until("reading [um] > ")
     terminal.type("3.5")
     terminal.until("it is on the disk")

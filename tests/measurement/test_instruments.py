@@ -18,6 +18,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import judged
 from axiscal.exceptions import DescriptionError, InputError, ReadingError
 from axiscal.machine import load_machine
+from axiscal.machine.kinematics import frames
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
@@ -152,8 +153,35 @@ def test_a_temperature_that_makes_no_sense_is_refused(text: str, reason: str) ->
 
 
 def test_a_temperature_corrects_only_lengths_along_the_axis_that_moves() -> None:
-    with pytest.raises(DescriptionError, match="a length along the one linear axis that moves"):
+    with pytest.raises(DescriptionError, match="a length along the linear axes that move"):
         _description('instrument = "level"\ndirection = "x"\ntemperature = "23 degC"\nexpansion = "11.7 um/m/K"')
+
+
+@pytest.mark.parametrize(
+    "setup",
+    [
+        f'instrument = "tracker"\n{STATION}',
+        f'instrument = "tracer"\n{STATION}',
+        'instrument = "interferometer"\ndirection = [0.6, 0.8, 0.0]\nmoves = ["X", "Y"]',
+    ],
+)
+def test_a_warm_machine_takes_the_tool_farther_from_the_middle(setup: str) -> None:
+    """What is read of a machine at 23 degC that is right is 35.1 um/m of the way from the middle of all travels."""
+    warm, cold = (Case(_description(f"{setup}\n{text}")).observation for text in ('temperature = "23 degC"', ""))
+    places = np.array([[0.55, 0.35, 0.1], [0.1, 0.05, 0.3], [0.3, 0.2, 0.2]])
+    if "interferometer" in setup:
+        places[:, 2] = 0.2
+    count = 3 if "tracker" in setup else 1
+    readings = [Reading("0", tuple(each), (1, 1, 1), 0.0, others=(0.0,) * (count - 1)) for each in places.tolist()]
+    taken_off = (seen(cold, readings).values - seen(warm, readings).values).reshape(3, count)
+    grown = 35.1e-6 * (places - [0.3, 0.2, 0.2])
+    away = frames(warm.machine, places).tcp - [0.3, -0.8, -0.3]
+    by_hand = {
+        "tracker": grown,
+        "tracer": (np.linalg.norm(away + grown, axis=1) - np.linalg.norm(away, axis=1))[:, None],
+        "interferometer": (grown @ [0.6, 0.8, 0.0])[:, None],
+    }
+    assert taken_off == pytest.approx(by_hand[warm.setups[0].instrument], abs=1e-12)
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))])

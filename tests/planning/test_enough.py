@@ -84,7 +84,7 @@ def test_a_plan_names_the_temperature_where_it_is_most_of_u() -> None:
     assert cold.reach is not None
     assert cold.reach.helps is not None
     assert cold.reach.helps.measured
-    assert 'temperature (temperature_std = "0.3 K")' in plan_screen(cold, "campaign.toml").replace("\n", " ")
+    assert "the temperature (to 0.3 K)" in plan_screen(cold, "campaign.toml").replace("\n", " ")
     assert warm.mostly is None or not warm.mostly.measurable
 
 

@@ -108,10 +108,10 @@ def _rows(text: str) -> list[str]:
     return [line for line in text.splitlines() if line.startswith("  ") and "±" in line]
 
 
-def test_the_advice_on_the_temperature_names_its_key() -> None:
+def test_the_advice_on_the_temperature_says_how_well_to_measure_it() -> None:
     mostly = LargestCause(cause="temperature", owner="", share=0.9, measurable=True)
     answer = plan("reached", [], 1).model_copy(update={"mostly": mostly})
-    assert 'measure it, and state temperature_std = "0.3 K".' in " ".join(plan_screen(answer, "c.toml").split())
+    assert "measure it to 0.3 K; the prompt asks for it." in " ".join(plan_screen(answer, "c.toml").split())
 
 
 def test_a_bound_says_what_its_j_is() -> None:

@@ -162,9 +162,11 @@ def test_a_set_up_is_left_by_a_skip_of_the_rest(page: Served) -> None:
 def test_a_note_answers_nothing_so_who_has_seen_the_state_before_may_still_answer(page: Served) -> None:
     before = page.state()
     assert (before["due"]["ask"], before["due"]["temperature_degc"]) == (True, None)
-    assert page.call("notes", text="the workshop has 21,4 °C").status == 200
+    assert page.call("notes", text="the workshop has 23,4 °C").status == 200
+    assert page.state()["due"] | {"marker_minutes": None} == before["due"] | {"marker_minutes": None}
+    assert page.call("notes", text="21,4 °C").status == 200
     state = page.state()
-    assert [note["text"] for note in state["notes"]] == ["the workshop has 21,4 °C"]
+    assert [note["text"] for note in state["notes"]] == ["the workshop has 23,4 °C", "21,4 °C"]
     assert (state["due"]["ask"], state["due"]["temperature_degc"]) == (False, 21.4)
     assert page.call("notes", text=" ").document["problem"] == "refused"
     assert page.call("readings", after=before["last"], text="1.5").status == 200

@@ -134,9 +134,9 @@ WARM = tuple(
         f"scale or part not at 20 degC: {kelvin:+g} K, by laser",
         LASER.job,
         read(straight(40), LASER, _iso, warm(kelvin), slope=True),
-        quick=kelvin > 0,
+        quick=kelvin < 0,
     )
-    for kelvin in (1.5, -1.5)
+    for kelvin in (0.5, -1.0, 1.5)  # as the usual 1 K scatters
 )
 
 

@@ -119,6 +119,7 @@ class AnswerRow(PlannedRow):
     """A row, in `unit`: fields as of `AnsweredRow`.
 
     signed : its numbers where it is one number or one vector; one_more : U after one reading from the other side
+    kelvin : by how much warmer than 20 °C a scale would be, were it no lead error; None where nobody can mistake it
     """
 
     found: float
@@ -126,6 +127,7 @@ class AnswerRow(PlannedRow):
     largest: float
     left: Mapping[str, float]
     one_more: float | None = None
+    kelvin: float | None = None
 
 
 class Aim(AnswerDocument):

@@ -41,7 +41,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows, offset_each
 from axiscal.estimation.functionals.functional import AxisLine, SignedSize, signed_numbers
-from axiscal.estimation.known_rows import KnownRow, known_row, known_rows, with_one_more
+from axiscal.estimation.known_rows import KnownRow, known_row, known_rows, warmth, with_one_more
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
@@ -205,10 +205,10 @@ def answer_of(
         verdict, more, minutes = "more", len(coming), to_unit(campaign.seconds(coming) - campaign.seconds(), "min")
     seconds = known.timed.seconds if campaign.state.clocked is None else campaign.state.clocked
     offset = offset_each(known.stated.description)
-    axes, withheld = known.stated.description.machine.axes, known.agreement.withheld and not anyway
+    withheld = known.agreement.withheld and not anyway
     return ResultAnswer(
         verdict=verdict,
-        rows=[] if withheld else [_row(row, axes) for row in rows],
+        rows=[] if withheld else [_row(row, known) for row in rows],
         aims=[*aims.volume, *aims.lines],
         more=more,
         more_minutes=_digits(minutes),
@@ -348,14 +348,17 @@ def _shown(row: KnownRow, size: float) -> float:
     return _digits(to_unit(size, row.unit))
 
 
-def _row(row: AnsweredRow, axes: Sequence[Axis]) -> AnswerRow:
+def _row(row: AnsweredRow, known: Estimation) -> AnswerRow:
+    scale = row.row.kind == "scale" and row.measured
+    warm = warmth(known, row.row.axes[0], row.signed[0].value) if scale and row.signed else None
     return AnswerRow(
-        **known_figures(row, axes),
+        **known_figures(row, known.stated.description.machine.axes),
         found=_shown(row, row.found),
         signed=[SignedNumber(direction=name, value=_shown(row, at), U=_shown(row, u)) for name, at, u in row.signed],
         largest=_shown(row, row.largest),
         left={name: _shown(row, size) for name, size in row.left.items()},
         one_more=None if row.then is None else _shown(row, row.then),
+        kelvin=None if warm is None else _digits(warm),
     )
 
 

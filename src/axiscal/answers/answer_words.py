@@ -21,7 +21,7 @@ from axiscal.answers.answer import (
     TablesChecked,
     Verdict,
 )
-from axiscal.answers.row_words import row_names, said_row, signed_text, signs_sentence
+from axiscal.answers.row_words import row_names, said_row, signed_text, signs_sentence, warmth_sentence
 from axiscal.language.spoken import counted, ending, joined, later, listed, put, said
 from axiscal.tables.registry import exporter
 
@@ -83,8 +83,8 @@ def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str 
     agreement : said of readings that contradict or are not used; record, results : paths, or ""; cut : for a terminal
     """
     groups = measured_rows(answer, ROOM)
-    signs = "" if cut else signs_sentence(groups)  # a terminal has room where few rows are
-    found = [signs, _agreement(answer, agreement), _unmeasured(answer, cut), _beside(answer), _checked(answer.checked)]
+    spare = ["", ""] if cut else [signs_sentence(groups), warmth_sentence(answer.rows)]  # a terminal may have no room
+    found = [*spare, _agreement(answer, agreement), _unmeasured(answer, cut), _beside(answer), _checked(answer.checked)]
     return AnswerText(
         _first_line(answer),
         table_lines(groups, controls_of(groups)) if groups else [],
@@ -319,9 +319,10 @@ def screen(answer: ResultAnswer, agreement: str, record: str, results: str, repo
     last = [*below, *ending({said("Next"): text.commands, said("Report"): [report] if report else []})]
     room = LINES - len(first) - len(last) - 1
     groups = measured_rows(answer, room)
-    signs = wrapped(signs_sentence(groups)) if len(groups) < room else []
+    warm, signs, spare = wrapped(warmth_sentence(answer.rows)), wrapped(signs_sentence(groups)), room - len(groups)
+    beside = next((lines for lines in ([*signs, *warm], warm, signs) if len(lines) <= spare), [])
     advised = next((step.control for step in answer.steps if step.control), "")
-    return "\n".join([*first, *_table(groups, room, advised), *signs, *last])
+    return "\n".join([*first, *_table(groups, room, advised), *beside, *last])
 
 
 def first_lines(line: FirstLine) -> list[str]:

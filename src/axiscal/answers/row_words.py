@@ -78,6 +78,15 @@ def signs_sentence(groups: Sequence[Sequence[AnswerRow]]) -> str:
     return said("Signs: {kinds}.", kinds=listed("; ", [said(_ABOVE[kind]) for kind in kinds])) if kinds else ""
 
 
+def warmth_sentence(rows: Sequence[AnswerRow]) -> str:
+    """Return that scales may be warm instead of wrong, "" where nobody can mistake it."""
+    open_ = [(row.axes[0], row.kelvin) for row in rows if row.kelvin is not None]
+    sizes = [_number(SignedNumber(direction="", value=kelvin, U=1.0), named=False, band=False) for _, kelvin in open_]
+    axes, kelvin = (listed(*each) for each in ((" ", [axis for axis, _ in open_]), (", ", sizes)))
+    what = "Scale {axes}: a lead error, or {kelvin} K; its temperature is not stated."
+    return said(what, axes=axes, kelvin=kelvin) if open_ else ""
+
+
 def _number(number: SignedNumber, *, named: bool, band: bool) -> str:
     places = _places(number.U or number.value)
     value = round(number.value, places)

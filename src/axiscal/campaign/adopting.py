@@ -3,9 +3,9 @@
 Both logs begin alike up to the event where they parted. Later readings of the branch go behind those of the campaign,
 as given readings. A note keeps up to which event, so that a second time takes only new ones. Readings that are here
 already, from here or by way of another branch, are not taken again: they would count twice. Readings are taken over as
-they were recorded: mistakes that were accepted in the branch are not. A set-up that both have read has one zero in the
-model: a person must say whether it stayed mounted. If it was mounted anew for the branch, it is a new set-up here: its
-unknowns begin as stated, whatever is known of the other.
+they were recorded, with the temperatures that were said; mistakes that were accepted in the branch are not. A set-up
+that both have read has one zero in the model: a person must say whether it stayed mounted. If it was mounted anew for
+the branch, it is a new set-up here: its unknowns begin as stated, whatever is known of the other.
 """
 
 from __future__ import annotations
@@ -87,11 +87,14 @@ def adopted(
         what = "Both have read the same set-up, {names}, and mounted anew it has other unknowns"
         remedy = "Say whether it stayed mounted for both, --same-mounting, or not, --mounted-anew"
         raise RecordError(what, remedy, branch.path, names=", ".join(sorted(both)))
+    warm = [note.warmed for note in now.notes if note.warmed is not None and note not in there.notes]
     if new:
         brought = [each for each in now.mounted if each.name in names and names[each.name] == each.name]
         unknown = [each for each in brought if each not in campaign.state.mounted]
         note = _NOTE.format(branch=theirs[-1].chain[:_SHOWN], last=len(theirs))
-        campaign.adopt(new, note, (*unknown, *anew))
+        called = names | {each.setup: each.name for each in anew}
+        told = (replace(each, setup=called.get(each.setup, each.setup)) for each in warm)
+        campaign.adopt(new, note, (*unknown, *anew, *told))
     back = () if again else _not_among(_called([each for each in taken if each in set(now.written)], names), here)
     return Adopted(len(new), shared, tuple(sorted(undone)), len(back))
 

@@ -30,7 +30,7 @@ from axiscal.campaign.ending import (
     standing,
 )
 from axiscal.campaign.interrupt import noted_interrupts
-from axiscal.campaign.possible import beginning_of, described, jump_told, kept_text, refuse_of_branch, refuse_unreadable
+from axiscal.campaign.possible import beginning_of, described, jump_told, kept_text, note_told, refuse_unreadable
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.description.campaign import CampaignDescription
 from axiscal.document.durable import Closing
@@ -54,7 +54,6 @@ from axiscal.record.events import (
     Event,
     Finished,
     Gap,
-    Mounted,
     Noted,
     Planned,
     Recorded,
@@ -208,8 +207,7 @@ class Campaign(Closing):
         """
         refuse_finished(self.state.finished, self.path)
         place = at or self.open_question().place
-        refuse_of_branch(place.setup, self.state.mounted)
-        refuse_unreadable(self.description.setup(place.setup), (value, *others), std)
+        refuse_unreadable(self.description.setup(place.setup), (value, *others), std, self.state.mounted)
         time = self._clock() if live else None
         where = place.setup, place.pose, place.approach
         self._append(Recorded(Reading(*where, value, std, None, accepted, others, time, check=place.check)))
@@ -225,11 +223,11 @@ class Campaign(Closing):
         return asked
 
     def note(self, text: str) -> None:
-        """Keep a sentence in the record, for those who read it later; it may come after the end."""
-        self._append(Noted(kept_text(text, "note", "Write what is to be kept in the record")))
+        """Keep a sentence in the record, also after the end; or the temperature of a scale, which counts."""
+        self._append(note_told(self.description, self.state, text, self.path))
 
     def undo(self) -> Undoable:
-        """Take back the last reading, skip, accepted mistake or finish, and return it; its question is open again."""
+        """Take back the last reading, skip, accepted mistake, temperature or finish; its question is open again."""
         if not self.state.undo:
             raise RecordError("There is nothing to take back", "Go on with `axiscal step next`", self.path)
         step = self.state.undo[-1]
@@ -303,12 +301,12 @@ class Campaign(Closing):
         pairs = zip(path(self.estimate()), (None, *self.state.readings), strict=True)
         return tuple(Milestone(n, reading, at.accuracy, at.seconds) for n, (at, reading) in enumerate(pairs))
 
-    def adopt(self, readings: tuple[Reading, ...], note: str = "", mounted: Sequence[Mounted] = ()) -> None:
+    def adopt(self, readings: tuple[Reading, ...], note: str = "", before: Sequence[Event] = ()) -> None:
         """Keep readings that were taken without being asked for, in one transaction, set-up by set-up.
 
         Nobody has said how often a set-up was mounted for them: it counts once, whatever the order of a file's rows.
         note : where they are from, "" for nothing to note; they then get numbers of this campaign
-        mounted : set-ups that were mounted anew for them
+        before : set-ups that were mounted anew for them, and how warm they were
         """
         refuse_finished(self.state.finished, self.path)
         setups = dict.fromkeys(reading.setup for reading in readings)
@@ -316,7 +314,7 @@ class Campaign(Closing):
         taken = [replace(r, check=r.check or r.place in drawn) for each in setups for r in readings if r.setup == each]
         if note:
             taken = [replace(reading, number=self.state.free + n) for n, reading in enumerate(taken)]
-        self._append(*mounted, *map(Recorded, taken), *([Noted(note)] if note else []))
+        self._append(*before, *map(Recorded, taken), *([Noted(note)] if note else []))
 
     def run(self, source: Source, watch: Callable[[Milestone], None]) -> str:
         """Ask and record until a target is reached, and return why it stopped.
@@ -376,9 +374,9 @@ class Campaign(Closing):
         self._take_in(self._record.state())
 
     def _take_in(self, state: State) -> None:
-        """Go on from a state; with set-ups that were mounted anew, from another description, too."""
-        before, self.state = self.state.mounted, state
-        if state.mounted != before:
+        """Go on from a state; with set-ups that were mounted anew or are warm, from another description, too."""
+        before, self.state = self.state, state
+        if (state.mounted, state.warmed) != (before.mounted, before.warmed):
             self.description = described(self._record)
             self._memo = Memo(_ANSWERS)
 

@@ -9,20 +9,23 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 
+from axiscal.campaign.ending import refuse_finished
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
+from axiscal.description.fields import WARM
+from axiscal.description.stated_type_b import takes_temperature
 from axiscal.estimation.agreement_words import jump_before
 from axiscal.estimation.case import Case
 from axiscal.estimation.known_rows import refuse_unmade
-from axiscal.exceptions import ReadingError, RecordError
+from axiscal.exceptions import ReadingError, RecordError, UnitError
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
 from axiscal.measurement.reading import LARGEST, Place, Reading, reading_unit, refuse_other_values
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.record.accepted import Accepted
-from axiscal.record.events import Asked, Created, Event, Mounted, Planned, Recorded, State
+from axiscal.record.events import Asked, Created, Event, Mounted, Noted, Planned, Recorded, State, Warmed
 from axiscal.record.log import EventLog
 from axiscal.record.store import restoring
-from axiscal.units import format_quantity
+from axiscal.units import format_quantity, parse_quantity, within
 
 LONGEST_TEXT = 2000
 """Characters of a note or a reason that a person types; a matter of taste."""
@@ -51,7 +54,8 @@ def described(record: EventLog) -> CampaignDescription:
             what = "The record is damaged: event {number} cannot be: {reason}"
             raise RecordError(what, restoring(record.path), record.path, number=stored.number, reason=fault)
         possible = possible.after(stored.event)
-    return with_mounted(description, record.state().mounted)
+    state = record.state()
+    return with_mounted(description, state.mounted, state.warmed)
 
 
 def beginning_of(description: CampaignDescription) -> Created:
@@ -94,7 +98,7 @@ def refuse_absurd(*values: float) -> None:
             raise ReadingError("{value:g} m or rad is no deviation of a machine", remedy, value=value)
 
 
-def refuse_of_branch(setup: str, mounted: Sequence[Mounted]) -> None:
+def _refuse_of_branch(setup: str, mounted: Sequence[Mounted]) -> None:
     """Raise ReadingError for a set-up as it stood for a branch, or before its zero jumped: it has gone."""
     for each in mounted:
         if each.name == setup and not each.branch:
@@ -112,10 +116,7 @@ def jump_told(state: State, setup: str | None, number: int, path: Path) -> Accep
     setup : its name, by default of what is asked or was read last; number : of the first reading behind that
     Raises RecordError where none of its readings stands before that.
     """
-    if setup is None:
-        last = state.readings[-1:] if state.pending is None else [state.pending.place]
-        gone = {each.name: each.setup for each in state.mounted}
-        setup = next((gone.get(each.setup, each.setup) for each in last), "")
+    setup = _standing(state) if setup is None else setup
     mine = [reading.numbered(i) for i, reading in enumerate(state.readings) if reading.setup == setup]
     if not mine or not mine[0] < number <= state.free:
         what = 'No zero of "{setup}" can change before reading {number}: none of its readings stands before that'
@@ -124,8 +125,37 @@ def jump_told(state: State, setup: str | None, number: int, path: Path) -> Accep
     return jump_before(setup, number)
 
 
-def refuse_unreadable(setup: Setup, values: Sequence[float], std: float | None) -> None:
-    """Raise ReadingError for what a set-up's instrument does not read.  values, std : m or rad"""
+def note_told(description: CampaignDescription, state: State, text: str, path: Path) -> Noted | Warmed:
+    """Return a note, or where the text is a temperature such as "21.4 degC", that of the scale that is read.
+
+    Raises DescriptionError for one that no scale has, ReadingError where it changes nothing, RecordError at the end.
+    """
+    text = kept_text(text, "note", "Write what is to be kept in the record")
+    plain = text.replace(",", ".")
+    try:
+        parse_quantity(plain, "temperature")
+    except UnitError:
+        return Noted(text)
+    refuse_finished(state.finished, path)
+    name, kelvin = _standing(state), within(plain, "temperature", *WARM)
+    if not any(takes_temperature(each, description.machine) for each in description.setups if each.name == name):
+        what = '"{setup}" compares no length of the machine with one at 20 degC: its temperature changes nothing'
+        raise ReadingError(what, "Write a sentence: note the workshop has {text}", setup=name, text=text)
+    return Warmed(name, kelvin, text)
+
+
+def _standing(state: State) -> str:
+    """Return the set-up of what is asked, else read last, else planned first, "" for none."""
+    last = state.readings[-1:] or state.plan[:1] if state.pending is None else [state.pending.place]
+    gone = {each.name: each.setup for each in state.mounted}
+    return next((gone.get(each.setup, each.setup) for each in last), "")
+
+
+def refuse_unreadable(
+    setup: Setup, values: Sequence[float], std: float | None, mounted: Sequence[Mounted] = ()
+) -> None:
+    """Raise ReadingError for what a set-up's instrument does not read, or one that has gone.  values, std : m or rad"""
+    _refuse_of_branch(setup.name, mounted)
     for value in values:
         if not math.isfinite(value):
             remedy = "Give the reading, or skip it with its reason"
@@ -171,6 +201,8 @@ class Possible:
         """Return what is wrong with an event, "" if nothing is."""
         if isinstance(event, Recorded):
             return self._of_place(event.reading) or _of_values(event.reading, self.setups[event.reading.setup])
+        if isinstance(event, Warmed):
+            return self._of_setups([event.setup])
         if isinstance(event, Mounted):
             return self._of_setups([event.setup]) or self._of_new_name(event.name, "")
         if isinstance(event, Accepted):

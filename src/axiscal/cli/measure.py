@@ -29,9 +29,11 @@ from axiscal.present.guide.progress import (
     contradictions,
     doubted,
     jump_named,
+    open_temperature,
     others_doubted,
     set_anew,
     take_back,
+    take_note,
 )
 from axiscal.present.guide.question import (
     ACTIONS,
@@ -41,6 +43,7 @@ from axiscal.present.guide.question import (
     action,
     answer,
     coordinates_text,
+    degrees,
     question_text,
 )
 from axiscal.present.result_set import RECORD
@@ -79,6 +82,8 @@ class Prompt:
             named = said('Set-up "{setup}"', setup=question.setup)
             say("\n".join([f"\n{named}: {question.mount_sentence}.", *steps]))
             then = self._asked(said("Enter when it stands, or ? > "), question, standing=False)
+            if then == "stands" and open_temperature(self.campaign):
+                then = self._until_done(self._warmed)
             if then != "stands":
                 return then, mounted
         say(headline(self.campaign, question))
@@ -88,6 +93,16 @@ class Prompt:
     def _asked(self, prompt: str, question: Question, *, standing: bool) -> _Then:
         setup = self.campaign.description.setup(question.setup)
         return self._until_done(lambda: self._heed(answer(ask(prompt), setup), question, standing))
+
+    def _warmed(self) -> _Then:
+        """Ask how warm the scale is; Enter is that nobody has measured it."""
+        typed = ask(said("Temperature of the machine's scale [degC], Enter: not measured > "))
+        word, _, text = typed.strip().partition(" ")
+        if wanted := action(word):
+            return self._heed_anywhere(wanted, text)
+        if word:
+            say(f"  {take_note(self.campaign, degrees(typed))}")
+        return "stands"
 
     def _until_done(self, heed: Callable[[], _Then]) -> _Then:
         """Ask until something has been done; a refusal is said, and the same is asked again."""
@@ -217,8 +232,8 @@ class Prompt:
                 say(f"  {set_anew(self.campaign)}")
                 return "anew"
             case "note":
-                self.campaign.note(text or ask("  " + said("what is to be kept in the record?") + " "))
-                say("  " + said("noted; it is on the disk"))
+                sentence = text or ask("  " + said("what is to be kept in the record?") + " ")
+                say(f"  {take_note(self.campaign, sentence)}")
         return "same"
 
 
@@ -237,7 +252,7 @@ def help_text() -> str:
         (undo, said("take back the last reading or skip")),
         (f"{skip} {because}", said("the reading cannot be taken")),
         (f"{leave} {because}", said("nothing more can be read with this set-up; the plan is made anew without it")),
-        (f"{note} {text}", said("keep a sentence in the record, such as the temperature: {note} 21.4 °C", note=note)),
+        (f"{note} {text}", said("keep a sentence in the record, or how warm the scale is: {note} 21.4 °C", note=note)),
         (anew, said("the zero was set anew, bumped or mounted again: another one from this reading on")),
         (stop, said("end the campaign here: what would be left, and what the tables would reach, is said first")),
         (pause, said("stop for now; axiscal measure goes on here")),

@@ -18,7 +18,7 @@ from axiscal.estimation.agreement_words import (
     mistake_words,
 )
 from axiscal.language.spoken import put, said
-from axiscal.present.guide.progress import take_back
+from axiscal.present.guide.progress import take_back, take_note
 
 _MOST = 1e6
 """Odds beyond which nobody reads the digits."""
@@ -145,8 +145,9 @@ def note(
 ) -> None:
     """Keep a sentence in the record.
 
-    Such as who measured, how warm it was, or what was repaired. It changes nothing that is computed, is shown by
-    `axiscal step status`, and may come after the end of the campaign.
+    Such as who measured, or what was repaired. It changes nothing that is computed, is shown by `axiscal step status`,
+    and may come after the end of the campaign. A temperature alone, "21.4 degC", is that of the scale which the set-up
+    reads: it counts.
 
     \b
     Example:
@@ -155,7 +156,7 @@ def note(
     with opened_to_write(record) as campaign:
         for axis in renewed or ():
             campaign.description.machine.index(axis)  # raises for one that the machine does not have
-        campaign.note(" ".join(text) + (f" (renewed: {', '.join(renewed)})" if renewed else ""))
+        sentence = take_note(campaign, " ".join(text) + (f" (renewed: {', '.join(renewed)})" if renewed else ""))
         kept = campaign.state.notes
     document = {"note": kept[-1].text, "at": kept[-1].at, "notes": len(kept)}
-    say_either(json, "axiscal-note/1", document, [said("Noted; it is on the disk.")])
+    say_either(json, "axiscal-note/1", document, [sentence])

@@ -18,7 +18,7 @@ from axiscal.description.artefacts import read_artefacts
 from axiscal.description.campaign_schema import CampaignTable, ReportTable, SistersTable
 from axiscal.description.setups import at_each_place, read_setups
 from axiscal.description.sites import Surroundings
-from axiscal.description.stated_type_b import Unsourced, refers_to_20, unsourced
+from axiscal.description.stated_type_b import REFERENCE, Unsourced, refers_to_20, unsourced
 from axiscal.description.target import Target, read_target
 from axiscal.description.usual import usual_machine
 from axiscal.document import Document, read_model, shown
@@ -28,7 +28,7 @@ from axiscal.machine.entry import Sure
 from axiscal.machine.motion import Driving
 from axiscal.measurement.instruments.kind import CARRIED, TRUED
 from axiscal.measurement.setup import Setup, Vector
-from axiscal.record.events import Mounted
+from axiscal.record.events import Mounted, Warmed
 from axiscal.units import format_quantity
 
 
@@ -264,18 +264,27 @@ def _refuse_budget(target: Target, setups: tuple[Setup, ...], document: Document
         raise document.fault(fault, "target", "budget")
 
 
-def with_mounted(description: CampaignDescription, mounted: Sequence[Mounted]) -> CampaignDescription:
-    """Return a campaign with its set-ups as they were mounted anew behind them.
+def with_mounted(
+    description: CampaignDescription, mounted: Sequence[Mounted], warmed: Sequence[Warmed] = ()
+) -> CampaignDescription:
+    """Return a campaign with its set-ups as warm as somebody said, and as they were mounted anew behind them.
 
+    Of several temperatures of one set-up the mean counts.
     Unknowns of a set-up alone begin as stated, whatever is known of the other one: zero, slope, station, drift of the
     zero. Quantities of an artefact, a bar or a tool stay one; but where an artefact stood before a jump is its own.
     Raises DescriptionError where there is no such set-up.
     """
+
+    def warm(setup: Setup) -> Setup:
+        said = [each.temperature for each in warmed if each.setup == setup.name]
+        return replace(setup, warmer=sum(said) / len(said) - REFERENCE) if said else setup
+
+    description = replace(description, setups=tuple(map(warm, description.setups)))
     for each in mounted:
         setup = description.setup(each.setup)
         stood = setup.artefact.standing if setup.artefact and not each.branch else None
         moved = (replace(one, owner=each.name) if one.owner == stood else one for one in setup.unknowns)
-        anew = replace(setup, name=each.name, unknowns=tuple(moved))
+        anew = warm(replace(setup, name=each.name, unknowns=tuple(moved)))
         description = replace(description, setups=(*description.setups, anew))
     return description
 

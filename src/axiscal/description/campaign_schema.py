@@ -32,6 +32,7 @@ from axiscal.description.fields import (
     Spot,
     Table,
     Turn,
+    Warm,
     Warmth,
     arc_ends,
     coordinate,
@@ -181,7 +182,7 @@ class SetupTable(Table):
     # Before what is read by it: pydantic goes from key to key.
     instrument: Annotated[str, ReadAs(str, _instrument)] = Field(examples=['"interferometer"'])
     direction: Direction | None = Field(None, examples=['"x"'])
-    temperature: Annotated[float, QuantityOf("temperature")] | None = Field(None, examples=['"22.5 degC"'])
+    temperature: Warm | None = Field(None, examples=['"22.5 degC"'])
     temperature_std: Warmth | None = Field(None, examples=['"0.2 K"'])
     expansion: Annotated[float, QuantityOf("expansion")] | None = Field(None, examples=['"11.7 um/m/K"'])
     expansion_std: Growth | None = Field(None, examples=['"1 um/m/K"'])

@@ -27,6 +27,8 @@ _SHORTEST = 2e-3
 """m, of a line."""
 _SAME_WAY = 1e-6
 """Sine: rounding of two directions that are one."""
+WARM = 253.15, 333.15
+"""-20 and 60 degC, K: no scale is read outside."""
 _LETTER = re.compile(r"([+-]?)([xyzXYZ])")
 WAYS = later('Write "x", "-y" or three numbers such as [1, 0, 0], in the workpiece frame')
 
@@ -216,4 +218,5 @@ Duration = Annotated[float, QuantityOf("time", 0.0)]
 Feed = Annotated[float, QuantityOf("speed", _SLOWEST)]
 Warmth = Annotated[float, QuantityOf("temperature_difference", 0.0)]
 Growth = Annotated[float, QuantityOf("expansion", 0.0)]
+Warm = Annotated[float, QuantityOf("temperature", *WARM)]
 """What keys may say, in SI, with their bounds."""

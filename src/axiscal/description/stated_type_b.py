@@ -11,18 +11,18 @@ import numpy as np
 
 from axiscal.description.campaign_schema import CampaignTable, SetupTable
 from axiscal.description.fields import At
-from axiscal.description.type_b import WITH_LIGHT
+from axiscal.description.type_b import TEMPERATURE, WITH_LIGHT
 from axiscal.document import Document
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine import Machine
 from axiscal.measurement.artefact import Artefact
-from axiscal.measurement.instrument import Instrument, model_of
+from axiscal.measurement.instrument import INSTRUMENTS, Instrument, model_of
 from axiscal.measurement.instruments.kind import CARRIED, TOOL, TRUED, Nominal
 from axiscal.measurement.setup import STEEL, SaidOfDrift, Setup, Unknown, Vector
 from axiscal.units import format_quantity
 
-_REFERENCE = 293.15
+REFERENCE = 293.15
 """20 degC (ISO 1), K."""
 _ALONG = 0.99
 """Cosine; growth along an axis is meant where the direction is within 8 deg of it, and no set-up is between."""
@@ -108,18 +108,33 @@ def material_of(
     if table.temperature is None:
         return Material(None, expansion, (), stated)
     with at("temperature"):
-        _refuse_growth(usual, machine, direction, moves)
-    warmer = table.temperature - _REFERENCE
+        if not _grows(usual, machine, direction, moves):
+            what = "a temperature corrects a length along the linear axes that move, and this set-up reads none"
+            raise DescriptionError(what, "Take temperature out, or name the axis in moves")
+    warmer = table.temperature - REFERENCE
     std = math.hypot(expansion * (said["temperature"] or 0.0), warmer * (said["expansion"] or 0.0))
-    return Material(warmer, expansion, (Unknown("growth", std),) if std > 0 else (), stated)
+    unknown = std > 0 and "growth" in usual.model.unknown_reads
+    return Material(warmer, expansion, (Unknown("growth", std),) if unknown else (), stated)
 
 
-def _refuse_growth(usual: Instrument, machine: Machine, direction: Vector, moves: Sequence[int]) -> None:
-    linear = [machine.axes[index] for index in moves if not machine.axes[index].rotary]
-    along = len(linear) == 1 and abs(sum(a * b for a, b in zip(linear[0].direction, direction, strict=True)))
-    if "growth" not in usual.model.unknown_reads or not along or along < _ALONG:
-        what = "a temperature corrects a length along the one linear axis that moves, and this set-up reads none"
-        raise DescriptionError(what, "Take temperature out, or name the axis in moves")
+def _grows(usual: Instrument, machine: Machine, direction: Vector, moves: Sequence[int]) -> bool:
+    """Return whether an instrument reads how far a machine expands: it follows the tool, or reads along what moves."""
+    if not usual.model.directed:
+        return usual.name in WITH_LIGHT
+    linear = [machine.axes[index].direction for index in moves if not machine.axes[index].rotary]
+    ways = (sum(a * b for a, b in zip(each, direction, strict=True)) for each in linear)
+    return "growth" in usual.model.unknown_reads and math.hypot(*ways) >= _ALONG
+
+
+def takes_temperature(setup: Setup, machine: Machine) -> bool:
+    """Return whether a temperature changes what the readings of a set-up say of the machine."""
+    return setup.at_20 and _grows(INSTRUMENTS[setup.instrument], machine, setup.direction, setup.moves)
+
+
+def lacks_temperature(setup: Setup, machine: Machine) -> bool:
+    """Return whether a set-up compares a machine at 20 °C with a length, and nobody says how warm the machine is."""
+    stated = "temperature" in dict(setup.stated)
+    return TEMPERATURE.met(setup) and not stated and takes_temperature(setup, machine)
 
 
 def dense(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:

@@ -23,7 +23,7 @@ from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_tail
-from axiscal.record.events import Created, Mounted, Recorded
+from axiscal.record.events import Created, Mounted, Recorded, Warmed
 from axiscal.record.payload import PayloadError, decode
 
 
@@ -52,6 +52,7 @@ def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
         created = decode("created", json.dumps(document["created"]))
         events = [decode("recorded", json.dumps(fields)) for fields in document["readings"]]
         anew = [decode("mounted", json.dumps(fields)) for fields in document.get("mounted", ())]
+        warm = [decode("warmed", json.dumps(fields)) for fields in document.get("warmed", ())]
     except (PayloadError, ValueError, KeyError, TypeError) as error:
         remedy = "Start the campaign anew"
         raise RecordError("the last campaign cannot be read: {reason}", remedy, reason=error) from None
@@ -61,7 +62,8 @@ def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
     description = campaign_from_texts(
         *texts, prior_text=created.prior_text, usual_doubts=created.usual_doubts, fine_knots=created.fine_knots
     )
-    return with_mounted(description, [each for each in anew if isinstance(each, Mounted)]), readings
+    mounted = [each for each in anew if isinstance(each, Mounted)]
+    return with_mounted(description, mounted, [each for each in warm if isinstance(each, Warmed)]), readings
 
 
 def last_estimation(text: str) -> Estimation:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.first_campaign import OFFERED
+from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import Target
 from axiscal.description.type_b import MEASURED_TEMPERATURE, TEMPERATURE
 from axiscal.estimation.case import Case
 from axiscal.estimation.known_rows import known_rows
 from axiscal.exceptions import InputError, PlanError
 from axiscal.language.spoken import joined, put, quoted, said
+from axiscal.machine import Machine
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.setup import Setup
 from axiscal.planning.enough import enough, reached_by
@@ -55,7 +58,7 @@ def helping_setups(case: Case, target: Target) -> Helping | None:
     """Return what would let a target be reached or come nearer: something measured, or set-ups; None for nothing."""
     case, added = replace(case, description=replace(case.description, target=target), sized_from=None), list[str]()
     missed = before = _missed(case)
-    for name, measured in (("measured", _warmed), ("tool", _tooled)):
+    for name, measured in (("measured", partial(_warmed, case.description.machine)), ("tool", _tooled)):
         setups = tuple(measured(setup) for setup in case.description.setups)
         known = replace(case, description=replace(case.description, setups=setups))
         if setups != case.description.setups and _missed(known) < 1.0:
@@ -72,9 +75,9 @@ def helping_setups(case: Case, target: Target) -> Helping | None:
     return Helping(tuple(added), 0, 0.0, reached=False) if missed < _NEARER * before else None
 
 
-def _warmed(setup: Setup) -> Setup:
+def _warmed(machine: Machine, setup: Setup) -> Setup:
     """Return a set-up whose temperature is measured, as far from 20 °C as one that is not may be."""
-    return replace(setup, warmer=TEMPERATURE.size) if setup.at_20 and setup.warmer is None else setup
+    return replace(setup, warmer=TEMPERATURE.size) if lacks_temperature(setup, machine) else setup
 
 
 def _tooled(setup: Setup) -> Setup:
@@ -87,7 +90,7 @@ def helping_words(found: Helping) -> str:
     """Return in words what would help."""
     names = joined([quoted(name) for name in found.setups])
     if found.measured:
-        names = said('the temperature (temperature_std = "{size}")', size=said_quantity(MEASURED_TEMPERATURE.size, "K"))
+        names = said("the temperature (to {size})", size=said_quantity(MEASURED_TEMPERATURE.size, "K"))
     elif found.tool:
         names = put(
             'tool_length = "{size}", tool_eccentricity = "{size}", tool_certificate', size=said_quantity(_OF_TOOL, "um")

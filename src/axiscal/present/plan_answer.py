@@ -24,6 +24,7 @@ from axiscal.answers.answer import (
 )
 from axiscal.answers.answer_of_campaign import Aims, known_figures
 from axiscal.campaign.campaign import Campaign
+from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.type_b import TEMPERATURE
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
@@ -180,12 +181,13 @@ def _mostly(blank: Blank, known: Knowledge) -> LargestCause | None:
     limits = case.description.target.expanded is not None or case.description.target.rms is not None
     wanted = [row for row in rows if row.want.limit is not None or (limits and row.map is None)] or rows
     causes = unseen_parts(blank)
+    unsaid = any(lacks_temperature(setup, case.description.machine) for setup in case.description.setups)
     for row in wanted if causes else ():
         at = case.yardstick.root.matrix if row.map is None else row.map.rows(case.errors)
         whole = float(np.sum((at @ known.belief.factor[: at.shape[1]]) ** 2))
         for cause, moved in causes:
             share = float(np.sum((at @ moved[: at.shape[1]]) ** 2)) / max(whole, _NOUGHT)
-            unknown = cause.row is TEMPERATURE and not cause.stated
+            unknown = cause.row is TEMPERATURE and unsaid
             found.append(LargestCause(cause=cause.row.name, owner=cause.owner, share=share, measurable=unknown))
     largest = max(found, key=lambda each: each.share, default=None)
     return largest if largest is not None and largest.share > _MOSTLY else None

@@ -118,7 +118,7 @@ def _mostly(answer: PlannedAnswer) -> str:
         return ""
     if answer.mostly.measurable:
         size = said_quantity(MEASURED_TEMPERATURE.size, MEASURED_TEMPERATURE.unit)
-        return said('U is mostly the unknown temperature: measure it, and state temperature_std = "{size}".', size=size)
+        return said("U is mostly the unknown temperature: measure it to {size}; the prompt asks for it.", size=size)
     return said("U is mostly this: {cause}.", cause=cause_words(answer.mostly.cause, answer.mostly.owner))
 
 

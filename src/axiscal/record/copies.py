@@ -148,4 +148,5 @@ def carried_text(path: Path) -> str:
     document = {"created": json.loads(encode(created)[1]), "readings": readings} | (
         {"mounted": mounted} if mounted else {}
     )
+    document |= {"warmed": [json.loads(encode(each)[1]) for each in state.warmed]} if state.warmed else {}
     return json.dumps(document, ensure_ascii=False, separators=(",", ":"), sort_keys=True)

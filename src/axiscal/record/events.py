@@ -78,6 +78,15 @@ class Noted:
 
 
 @dataclass(frozen=True, slots=True)
+class Warmed:
+    """The scale that a set-up reads has a temperature, K, which counts.  text : as a person wrote it"""
+
+    setup: str
+    temperature: float
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class Continued:
     """No limit is reached by the readings before it; basis : what a plan made now rests on, as of `Planned`."""
 
@@ -132,7 +141,7 @@ class Newer:
     of_readings: bool = False
 
 
-Done = Recorded | Skipped | Accepted | Finished
+Done = Recorded | Skipped | Accepted | Warmed | Finished
 """What can be taken back."""
 Event = Created | Planned | Asked | Continued | Done | Noted | Mounted | Undone | Signed | Newer
 
@@ -166,11 +175,12 @@ class Gap:
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """A note, its time (UTC, ISO 8601), and the number of the reading before it, 0 before the first."""
+    """A note, its time (UTC, ISO 8601), the number of the reading before it, 0 for none, and the temperature it is."""
 
     text: str
     at: str
     after: int
+    warmed: Warmed | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,17 +203,14 @@ class State:
 
     readings : in the order they were taken, without those taken back; each has its number; accepted mistakes put right
     written : the same as they were recorded
-    skipped : what could not be measured
-    pending : what has been asked and not been answered
-    finished : why the campaign ended, if it has
+    skipped : what could not be measured; pending : what has been asked and not been answered
+    finished : why the campaign ended, if it has; last : number of the last event
     plan : places that have been planned and not been asked for yet; plan_basis : what they were planned on
     renew : whether something happened that was not planned: a skip, a reading elsewhere, something taken back
     continued : what a plan made now rests on, where no limit is reached by these readings; None where nobody has looked
     undo : what can be taken back, the latest last
-    notes : what was noted on the way
     mounted : set-ups that were mounted anew for a branch, or whose zero jumped later
-    newer : entries of a newer version, which say nothing of readings
-    last : number of the last event
+    notes : what was noted on the way; newer : entries of a newer version, which say nothing of readings
     name : the hash chained over the contents of all events, 64 hex digits; "" where they are in no record
     """
 
@@ -244,6 +251,11 @@ class State:
     def accepted(self) -> tuple[Accepted, ...]:
         """The mistakes that were accepted and not taken back."""
         return tuple(each.event for each in self.undo if isinstance(each.event, Accepted))
+
+    @property
+    def warmed(self) -> tuple[Warmed, ...]:
+        """The temperatures that were said and not taken back."""
+        return tuple(each.event for each in self.undo if isinstance(each.event, Warmed))
 
 
 class EventOrderError(ValueError):
@@ -296,11 +308,9 @@ class Folding:
     def add(self, stored: Stored) -> None:
         """Let one more event happen."""
         event = stored.event
-        first = isinstance(stored.event, Created)
-        if first and self.created is not None:
-            raise EventOrderError("the campaign was created twice")
-        if not first and self.created is None:
-            raise EventOrderError("the first event is not the creation of the campaign")
+        if isinstance(event, Created) is (self.created is not None):
+            first = "the first event is not the creation of the campaign"
+            raise EventOrderError("the campaign was created twice" if self.created else first)
         if self.finished is not None and not isinstance(stored.event, Undone | Noted | Signed | Newer):
             raise EventOrderError("it comes after the end of the campaign")
         if not isinstance(event, Planned | Asked | Noted | Signed | Newer):
@@ -315,9 +325,11 @@ class Folding:
                 del self.plan[0]
         elif isinstance(event, Undone):
             self._take_back(event)
-        elif isinstance(event, Noted):
+        elif isinstance(event, Noted | Warmed):
             after = self.readings[-1].number or len(self.readings) if self.readings else 0
-            self.notes.append(Note(event.text, stored.at, after))
+            warm = event if isinstance(event, Warmed) else None
+            self.notes.append(Note(event.text, stored.at, after, warm))
+            self.undo += [Undoable(stored.number, warm, self.pending, self.highest)] if warm else []
         elif isinstance(event, Mounted):
             self.mounted.append(event)
         elif isinstance(event, Newer):
@@ -379,6 +391,9 @@ class Folding:
         elif isinstance(step.event, Skipped):
             gap = self.skipped.pop()
             self.plan = [] if gap.whole else self.plan  # a plan without the set-up is none to go on from
+        elif isinstance(step.event, Warmed):
+            self.notes.remove(next(note for note in reversed(self.notes) if note.warmed is not None))
         else:
             self.finished = None
-        self.pending, self.highest, self.renew = step.pending, step.highest, True
+        self.pending, self.highest = step.pending, step.highest
+        self.renew |= not isinstance(step.event, Warmed)  # places do not depend on it

@@ -26,6 +26,7 @@ from axiscal.record.events import (
     Signed,
     Skipped,
     Undone,
+    Warmed,
 )
 from axiscal.record.signing import Hand
 
@@ -174,6 +175,9 @@ _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
     "recorded": _recorded,
     "skipped": lambda fields: Skipped(_is(str, fields["reason"]), _is(bool, fields.get("rest", False))),
     "noted": lambda fields: Noted(_is(str, fields["text"])),
+    "warmed": lambda fields: Warmed(
+        _is(str, fields["setup"]), _number(fields["temperature"]), _is(str, fields["text"])
+    ),
     "continued": lambda fields: Continued(_is(str, fields["grounds"])),
     "mounted": lambda fields: Mounted(*(_is(str, fields[name]) for name in ("setup", "name", "branch"))),
     "accepted": _accepted,

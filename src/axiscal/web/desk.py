@@ -33,6 +33,7 @@ from axiscal.present.guide.progress import (
     others_doubted,
     set_anew,
     take_back,
+    take_note,
 )
 from axiscal.present.guide.question import SURPRISING, Question, Word, answer, asked_text
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
@@ -158,7 +159,7 @@ class Desk:
     def _stands(self) -> object:
         """What an answer is about."""
         state = self.campaign.state
-        return state.readings, state.plan, state.finished
+        return state.readings, state.plan, state.finished, state.warmed
 
     def read(self, text: str) -> TypedShape:
         """Return what a typed text would mean for the question that is open."""
@@ -208,10 +209,10 @@ class Desk:
         if self._moved_on():  # somebody else has: what is seen on a page is no longer what is asked
             self._show()
         seen = self.campaign.state.last
-        self.campaign.note(text)
+        told = take_note(self.campaign, text)
         self._alike.add(seen)
         self._show(self._minds, noted=True)
-        return said("Noted; it is on the disk.")
+        return told
 
     def setup_picture(self, width: float) -> str:
         """Return the set-up of the next reading, on the machine, as SVG; "" if there is none.  width : pixels"""

@@ -128,11 +128,20 @@ def moves(setup: Setup, unknown: str, nominal: Nominal) -> Array:
     return -setup.artefact.moves(unknown, setup.artefact.nearest(nominal.tcp, setup.balls))
 
 
+def grown(setup: Setup, nominal: Nominal) -> Array:
+    """Return how much farther a machine that is warmer than 20 °C takes the tool from the middle, (m, 3) or (3,) m."""
+    if not setup.growth:
+        return np.zeros(3)
+    middle = frames(nominal.machine, np.array([setup.park])).tcp
+    away: Array = setup.growth * (nominal.tcp - middle)
+    return away
+
+
 def displaced(setup: Setup, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]) -> Array:
     """Return where the actual tool's point is from the nominal TCP, and from its ball, nothing linearised, (m, 3) m."""
     tool = np.array([unknowns.get(name, 0.0) for name in TOOL])
     held = rigid.rotation(actual.rotation) @ (nominal.tool @ tool)[:, :, None]
-    tip: Array = actual.displacement + held[:, :, 0]
+    tip: Array = actual.displacement + grown(setup, nominal) + held[:, :, 0]
     if setup.artefact is None:
         return tip
     return tip - setup.artefact.displacements(unknowns, setup.artefact.nearest(nominal.tcp, setup.balls))

@@ -7,12 +7,12 @@ Words say what `undo` would take back or has taken back, and which readings are 
 
 from __future__ import annotations
 
-import re
 from datetime import UTC, datetime
 from typing import Literal, NamedTuple
 
 from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
+from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import floor_of, known_to
 from axiscal.estimation.agreement_words import acceptance, agreement_words, change_words, jump_question
@@ -22,12 +22,12 @@ from axiscal.measurement.reading import reading_text, reading_unit
 from axiscal.planning.promise import foreseen, rejected
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted
-from axiscal.record.events import Recorded, Skipped
+from axiscal.record.events import Recorded, Skipped, Warmed
 from axiscal.units import format_quantity, said_quantity, to_unit
 
 
 def take_back(campaign: Campaign) -> tuple[dict[str, object], str]:
-    """Take back the last reading, skip, accepted mistake or finish; raises RecordError for none.
+    """Take back the last reading, skip, accepted mistake, temperature or finish; raises RecordError for none.
 
     Returns the kind of its event, the number of its reading and how many readings are kept, and a sentence of it.
     """
@@ -53,6 +53,8 @@ def last_step(campaign: Campaign) -> tuple[str, int | None]:
         return said("the skip of {reading}", reading=asked_text(campaign, asked)), asked.reading
     if isinstance(event, Accepted):
         return said("what was accepted: {change}", change=change_words(event)), None
+    if isinstance(event, Warmed):
+        return said('the temperature of "{setup}", {text}', setup=event.setup, text=event.text), None
     return said("the end"), None
 
 
@@ -120,6 +122,22 @@ def set_anew(campaign: Campaign, setup: str | None = None, before: int | None = 
     told = campaign.accept("jump", setup, campaign.state.free if before is None else before)
     what = 'Kept: "{setup}" has another zero from reading {number} on; undo takes it back.'
     return said(what, setup=told.setups[0], number=told.reading)
+
+
+def take_note(campaign: Campaign, text: str) -> str:
+    """Keep a sentence or a temperature in the record, and return a sentence of it."""
+    campaign.note(text)
+    warm = campaign.state.notes[-1].warmed
+    if warm is None:
+        return said("Noted; it is on the disk.")
+    what = 'The readings of "{setup}" are brought from {text} to 20 degC; undo takes it back.'
+    return said(what, setup=warm.setup, text=warm.text)
+
+
+def open_temperature(campaign: Campaign) -> bool:
+    """Return whether it counts how warm the scale is that the set-up asked for reads, and nobody has said it."""
+    asked, described = campaign.state.pending, campaign.description
+    return asked is not None and lacks_temperature(described.setup(asked.place.setup), described.machine)
 
 
 def contradictions(campaign: Campaign) -> list[str]:
@@ -191,14 +209,14 @@ def goals_text(target: Target) -> str:
     return " · ".join(goals)
 
 
-_DEGREES = re.compile(r"(-?[0-9]+(?:[.,][0-9]+)?)\s*(?:°\s*C|degC)\b")
 _EVERY = 30.0
 """Minutes after which the temperature is asked for again: a workshop moves by tenths of a kelvin in that time."""
 
 
 class Due(AnswerDocument):
-    """What is due beside the readings: the last temperature noted, how long ago, whether to note it now.
+    """What is due beside the readings: the last temperature that was said of the scale, and whether to say it now.
 
+    ask : nobody has said one, or half an hour ago
     marker_minutes : machine time until a place is read again that shows a drift, None where none is planned
     """
 
@@ -210,12 +228,12 @@ class Due(AnswerDocument):
 
 def due(campaign: Campaign) -> Due:
     """Return what is due now."""
-    noted = ((note.at, _DEGREES.search(note.text)) for note in reversed(campaign.state.notes))
-    at, found = next(((at, found) for at, found in noted if found), ("", None))
-    warm = None if found is None else float(found[1].replace(",", "."))
+    setup = campaign.state.pending.place.setup if campaign.state.pending else ""
+    told = [(note.at, note.warmed) for note in campaign.state.notes if note.warmed and note.warmed.setup == setup]
+    at, last = told[-1] if told else ("", None)
     since = (datetime.now(UTC) - datetime.fromisoformat(at)).total_seconds() / 60 if at else 0.0
-    ago = max(since, 0.0)
-    asked = warm is None or ago >= _EVERY
+    ago, warm = max(since, 0.0), None if last is None else round(to_unit(last.temperature, "degC"), 3)
+    asked = open_temperature(campaign) or ago >= _EVERY
     places, read = campaign.state.coming, {reading.place for reading in campaign.state.readings}
     first = next((n for n, place in enumerate(places) if place in read), None)
     until = None if first is None else to_unit(campaign.seconds(places[:first]) - campaign.seconds(), "min")

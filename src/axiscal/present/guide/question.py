@@ -82,6 +82,13 @@ def answer(text: str, setup: Setup) -> Array | Word:
     return np.array(values)
 
 
+def degrees(text: str) -> str:
+    """Return a temperature as it was typed, in degC where no unit is said; raises UnitError for another text."""
+    text = f"{text.strip()} degC" if _PLAIN.fullmatch(text.strip()) else text.strip()
+    parse_quantity(text.replace(",", "."), "temperature")
+    return text
+
+
 def value_texts(text: str, setup: Setup) -> list[str]:
     """Return the texts of the values of a reading; a unit after the last alone is of all. Raises ReadingError."""
     count = values_of(setup)

@@ -318,7 +318,11 @@ async function askCost(rest) {
   if (rest === (giving === "leave")) text("costs", ok ? cost.sentence : "");
 }
 
-function asksForNote(visible) {
+// A number alone is the temperature of the scale where that is asked for.
+let warming = false;
+function asksForNote(visible, warm = false) {
+  warming = warm;
+  document.querySelector("label[for=sentence]").textContent = warm ? said("Temperature of the machine's scale in °C; empty: not measured") : said("what is to be kept in the record? (the temperature: 21.4 °C)");
   show("skip-form", false);
   show("note-form", visible);
   if (visible) find("sentence").focus();
@@ -351,7 +355,9 @@ on("leave", "click", () => asksForReason(true, "leave"));
 on("note", "click", () => asksForNote(true));
 on("not-note", "click", () => asksForNote(false));
 on("note-form", "submit", async () => {
-  const done = await plain("/notes", { text: find("sentence").value });
+  const typed = find("sentence").value.trim();
+  if (warming && !typed) return asksForNote(false);
+  const done = await plain("/notes", { text: warming && /\d$/.test(typed) ? `${typed} °C` : typed });
   if (!done?.ok) return;
   find("sentence").value = "";
   asksForNote(false);
@@ -374,7 +380,8 @@ on("stands", "click", () => {
   renderQuestion();
   drawMachine();
   drawStrips();
-  find("field").focus();
+  if (state.due.ask) asksForNote(true, true);
+  else find("field").focus();
 });
 find("field").addEventListener("input", () => { show("doubt", false); preview(); });
 addEventListener("resize", () => {
