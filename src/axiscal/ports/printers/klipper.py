@@ -20,7 +20,7 @@ from axiscal.measurement.readers.bed_map import is_mesh
 from axiscal.measurement.readers.bed_map import mesh as saved_mesh
 from axiscal.measurement.readers.csv_table import TextFile
 from axiscal.numerics import Array
-from axiscal.ports.printers.contents import TRIED, content_of, in_words
+from axiscal.ports.printers.contents import TRIED, content_of, in_words, zero_note
 from axiscal.tables import vcomp_file
 from axiscal.tables.exporter import Draft, ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile
@@ -85,7 +85,9 @@ def _bed(estimate: Estimate, count: int) -> Mesh:
     for function in estimate.model.functions:
         mean[function.columns] = 0.0
     alone = Belief(mean, np.zeros((len(mean), len(mean))))
-    return mesh_of(Estimate(estimate.model, alone, estimate.box), count if estimate.model.planes else 2)
+    return mesh_of(Estimate(estimate.model, alone, estimate.box), count if estimate.model.planes else 2).zeroed(
+        0.0, 0.0
+    )
 
 
 def _notes(limit: float) -> tuple[str, ...]:
@@ -133,7 +135,7 @@ class Klipper(MapFormat):
         name, skew = options.name, content.skew
         files, notes = dict[str, str](), tuple[str, ...]()
         for mesh in content.meshes:
-            files[_MESH], notes = write_mesh(mesh, name), _mesh_notes(mesh, name)
+            files[_MESH], notes = write_mesh(mesh, name), (*_mesh_notes(mesh, name), zero_note(mesh, options))
         if skew:
             files[_SKEW], notes = write_skew(skew, name), notes + _skew_notes(skew, name)
         steps = {"X": 1e-8, "Y": 1e-8, "Z": float(from_unit(2e-6, "mm"))}

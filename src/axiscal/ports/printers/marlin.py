@@ -11,7 +11,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, play_of
+from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, play_of, zero_note
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import Mesh, Skew, plane_axes
@@ -41,7 +41,8 @@ class Marlin(MapFormat):
         reach = max(abs(end) for axis in machine.axes for end in axis.travel)
         steps = {"X": _STEP + 2e-7 * reach, "Y": _STEP + 2e-7 * reach, "Z": 2 * _STEP}
         files = {_FILE: text_of(content)} if mesh or skew or play else {}
-        return Written(files, steps, _notes(mesh, skew, play), in_words(content))
+        where = [zero_note(each, options) for each in content.meshes]
+        return Written(files, steps, (*_notes(mesh, skew, play), *where), in_words(content))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what commands made active: a report of M503 or the file of an earlier export; raises TableError."""
