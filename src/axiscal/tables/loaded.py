@@ -19,7 +19,7 @@ from axiscal.description.ini_file import IniFile, IniValue, read_ini
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
-from axiscal.measurement.readers.csv_table import read_text
+from axiscal.measurement.readers.bed_map import read_part
 from axiscal.numerics import Array
 from axiscal.tables.surface import Control, Mesh, Skew, mesh_control, skew_control, sum_of
 from axiscal.tables.table import CompensationTable
@@ -80,7 +80,7 @@ def _named(name: str, folder: Path) -> Iterator[OldFile]:
 
 
 def _text(path: Path) -> str:
-    return "\n".join(read_text(path).lines)
+    return "\n".join(read_part(path).lines)
 
 
 def _joints(path: Path) -> Iterator[OldFile]:

@@ -204,9 +204,11 @@ class Mesh:
 
 
 def mesh_of_nodes(nodes: Sequence[RawReading]) -> Mesh:
-    """Return the mesh of readings at nodes of a grid; where there is none nothing is added."""
+    """Return the mesh of readings at nodes of a grid; where there is none their plane, as RepRapFirmware has it."""
     (x, columns), (y, rows) = (np.unique([node.position[a] for node in nodes], return_inverse=True) for a in "XY")
-    added = np.zeros((len(y), len(x)))
+    tilt = np.column_stack([x[columns], y[rows], np.ones(len(nodes))])
+    a, b, c = np.linalg.lstsq(tilt, np.array([-node.value for node in nodes]))[0]
+    added = a * x[None, :] + b * y[:, None] + c
     added[rows, columns] = [-node.value for node in nodes]
     return Mesh(x, y, added)
 

@@ -146,7 +146,7 @@ class Klipper(MapFormat):
         meshes, skew = list[Mesh](), dict[str, float]()
         for file in files:
             text = TextFile(file.name, tuple(file.text.splitlines()))
-            meshes += [mesh_of_nodes(saved_mesh(text))] if is_mesh(text) else []
+            meshes += [mesh_of_nodes(saved_mesh(text, filled=True))] if is_mesh(text) else []
             found = {plane.upper(): float(value) for plane, value in _SAVED_SKEW.findall(file.text)}
             skew = found or read_skew(file.text) or skew
             if not found and not _PLANE.search(file.text) and not is_mesh(text):
