@@ -17,7 +17,7 @@ import numpy as np
 
 from axiscal.description.ini_file import IniFile, IniValue, read_ini
 from axiscal.errors.model import ErrorModel
-from axiscal.exceptions import TableError
+from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import read_part
 from axiscal.numerics import Array
@@ -136,6 +136,7 @@ class Loaded:
 
     tables : what it takes away; meshes : height maps; skew : tangents by plane, as set
     errors : by name, to a control that knows the chain; others : what does more than that
+    untaken : entries that its reader has no use for, a failure each, with file and line
     """
 
     tables: tuple[CompensationTable, ...] = ()
@@ -143,6 +144,7 @@ class Loaded:
     skew: Skew = field(default_factory=dict)
     errors: Mapping[str, SampledError] = field(default_factory=dict)
     others: tuple[Control, ...] = ()
+    untaken: tuple[InputError, ...] = ()
 
     def control(self, machine: Machine) -> Control:
         """Return what it adds to commands."""

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator, Mapping
+
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
 from axiscal.ports.printers.homing import Place, zero_in
 from axiscal.tables.exporter import ExportOptions, summed
-from axiscal.tables.loaded import Loaded, lost_motion
+from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.sampling import backlash
 from axiscal.tables.surface import Mesh, height_seen, mesh_of, skew_of
 from axiscal.units import to_unit
+
+_COMMAND = re.compile(r"(?<![;\w])\b(M425|M556|M852)\b([^;\n*]*)")
 
 LEFT_OUT = (
     "positioning errors, straightness in the plane, reversal that changes along an axis or runs ahead, and what the "
@@ -30,6 +36,16 @@ def content_of(estimate: Estimate, options: ExportOptions, points: int | None) -
     lost = ((axis, value) for axis, value in backlash(estimate).items() if value > 0)
     play = summed([*lost, *play_of(old).items()])
     return Loaded(lost_motion(estimate.machine, play), meshes, old.under_skew(skew_of(estimate)))
+
+
+def other_words(file: OldFile, allowed: Mapping[str, str]) -> Iterator[TableError]:
+    """Yield a failure for each command with a word that its reader has no use for.  allowed : letters by command"""
+    for line, text in enumerate(file.text.splitlines(), 1):
+        found = _COMMAND.search(text)
+        if found and found[1] in allowed and re.sub(rf"[{allowed[found[1]]}]\s*-?[\d.]+", "", found[2]).strip():
+            what, remedy = "{text!r} has a word that is not taken", "known are {letters}, each with its number"
+            letters = " ".join(allowed[found[1]])
+            yield TableError(what, remedy, file.name, line, text=found[0].strip()[:60], letters=letters)
 
 
 def _zero_of(mesh: Mesh, options: ExportOptions) -> Place:

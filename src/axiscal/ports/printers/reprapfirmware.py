@@ -12,7 +12,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import height_map, is_height_map
 from axiscal.measurement.readers.csv_table import TextFile
-from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, play_of, zero_note
+from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, other_words, play_of, zero_note
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import PLANES, Mesh, Skew, mesh_of_nodes
@@ -71,7 +71,9 @@ class RepRapFirmware(MapFormat):
                 skew = _skew({letter: float(word) for letter, word in commands["M556"].items()})
             own = {axis: word for axis, word in commands.get("M425", {}).items() if axis in "XYZ"}
             play |= {axis: float(from_unit(float(word), "mm")) for axis, word in own.items()}
-        return Loaded(lost_motion(machine, play), tuple(meshes), skew)
+        letters = {"M425": "XYZS", "M556": "XYZSP"}
+        untaken = tuple(each for file in files for each in other_words(file, letters))
+        return Loaded(lost_motion(machine, play), tuple(meshes), skew, untaken=untaken)
 
 
 def _notes(content: Loaded, play: Mapping[str, float]) -> tuple[str, ...]:
