@@ -29,7 +29,7 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.exceptions import EvaluationError
-from axiscal.language.spoken import said
+from axiscal.language.spoken import joined, said
 from axiscal.measurement.readers.csv_readings import RawReading, iso_readings, read_direction
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, CsvTable, TextFile, read_text, table_of
 from axiscal.measurement.readers.renishaw import is_rtl, rtl_readings
@@ -54,13 +54,17 @@ _AtTarget = Mapping[str, float | None]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PositioningTest:
-    """Deviations of one axis: targets (n,), up and down (n, runs), all m or rad; a direction not measured is None."""
+    """Deviations of one axis: targets (n,), up and down (n, runs), all m or rad; a direction not measured is None.
+
+    warnings : targets that were left out
+    """
 
     targets: Array
     up: Array | None
     down: Array | None
     rotary: bool = False
     file: str | None = None
+    warnings: tuple[str, ...] = ()
 
     @property
     def measured(self) -> dict[str, Array]:
@@ -72,7 +76,7 @@ class PositioningTest:
 class Positioning:
     """The figures of one axis, m or rad, with what falls short of the standard's test in plain words.
 
-    figures : of `FIGURES`, those that were measured
+    figures : of `FIGURES`, those that were measured; none that needs repeats where a direction was run once
     uncertainty : expanded (k = 2), of each figure that was measured
     vdi3441 : the figures of VDI/DGQ 3441 of the same readings by name, empty where one direction was not measured
     """
@@ -120,24 +124,34 @@ def read_iso230(path: str | Path) -> PositioningTest:
 def positioning_test(file: TextFile) -> PositioningTest:
     """Return the test of a file; raises ReadingError as `read_iso230`."""
     readings = rtl_readings(file) if is_rtl(file) else iso_readings(table_of(file))
-    targets = sorted({reading.position[""] for reading in readings})
+    seen, rotary = dict[float, set[tuple[int, int]]](), readings[0].dimension == "angle"
+    for reading in readings:
+        seen.setdefault(reading.position[""], set()).add((reading.approach[""], reading.run))
+    missing = [target for target in sorted(seen) if seen[target] != set().union(*seen.values())]
+    if len(seen) - len(missing) < 2:
+        missing = []  # and the first reading that is missing is refused
+    targets, places = sorted(seen.keys() - missing), [said_quantity(at, "deg" if rotary else "mm") for at in missing]
     up, down = (_passes(file, readings, targets, direction) for direction in (1, -1))
-    return PositioningTest(np.array(targets), up, down, readings[0].dimension == "angle", file.name)
+    words = "Left out, because a run has no reading there: {places}."
+    warnings = (said(words, places=joined(places)),) if missing else ()
+    return PositioningTest(np.array(targets), up, down, rotary, file.name, warnings)
 
 
 def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
-    """Compute the figures of ISO 230-2; raises EvaluationError when a direction has fewer than two runs.
+    """Compute the figures of ISO 230-2, those of the means alone where a direction was run once.
 
     noise : m or rad, standard uncertainty of the instrument that all runs at a target share
     """
-    sides = {name: _direction(test, runs) for name, runs in test.measured.items()}
+    sides = {name: _direction(runs) for name, runs in test.measured.items()}
     if not sides:
         raise EvaluationError("there are no readings", "measure at least one direction twice", test.file)
     found = _figures({name: (side.mean[None], side.s[None]) for name, side in sides.items()})
-    figures = {name: float(found[name][0]) for name in FIGURES if name in found}
+    figures = {name: float(found[name][0]) for name in FIGURES if name in found and np.isfinite(found[name][0])}
     per_target = tuple(_at_target(test, sides, i) for i in range(len(test.targets)))
-    warnings = tuple(_shortfalls(test, min(side.runs for side in sides.values())))
-    return Positioning(figures, per_target, test.rotary, warnings, _uncertainty(sides, noise), _vdi3441(sides))
+    fewest = min(side.runs for side in sides.values())
+    warnings = (*test.warnings, *_shortfalls(test, fewest))
+    spread = _uncertainty(sides, noise) if fewest > 1 else {}
+    return Positioning(figures, per_target, test.rotary, warnings, spread, _vdi3441(sides))
 
 
 def _figures(sides: Mapping[str, tuple[Array, Array]]) -> dict[str, Array]:
@@ -186,7 +200,8 @@ def _vdi3441(sides: _Sides) -> dict[str, float]:
     half = (reversal + scatter) / 2
     figures = {"P": float(np.max(mean + half) - np.min(mean - half)), "P_a": float(np.ptp(mean))}
     figures |= {"P_s": float(np.max(scatter)), "P_s_mean": float(np.mean(scatter))}
-    return figures | {"U": float(np.max(reversal)), "U_mean": float(np.mean(reversal))}
+    figures |= {"U": float(np.max(reversal)), "U_mean": float(np.mean(reversal))}
+    return {name: value for name, value in figures.items() if np.isfinite(value)}
 
 
 def _uncertainty(sides: _Sides, noise: float) -> dict[str, float]:
@@ -222,12 +237,11 @@ def _at_target(test: PositioningTest, sides: _Sides, i: int) -> _AtTarget:
     return row
 
 
-def _direction(test: PositioningTest, runs: Array) -> _Direction:
-    """Mean and standard deviation (n - 1) of each target over the runs (n, runs)."""
-    if runs.shape[1] < 2:
-        remedy = "repeat the run: the standard deviation needs two at least, ISO 230-2 asks for five"
-        raise EvaluationError("a direction was run only once", remedy, test.file)
-    return _Direction(np.mean(runs, axis=1), np.std(runs, axis=1, ddof=1), runs.shape[1])
+def _direction(runs: Array) -> _Direction:
+    """Mean and standard deviation (n - 1) of each target over the runs (n, runs), nan of a single run."""
+    alone = runs.shape[1] < 2
+    s = np.full(len(runs), np.nan) if alone else np.std(runs, axis=1, ddof=1)
+    return _Direction(np.mean(runs, axis=1), s, runs.shape[1])
 
 
 def _passes(file: TextFile, readings: Sequence[RawReading], targets: list[float], direction: int) -> Array | None:
@@ -251,6 +265,8 @@ def _shortfalls(test: PositioningTest, runs: int) -> Iterable[str]:
     n, asked = len(test.targets), _targets_asked(test)
     if n < asked:
         yield said("ISO 230-2 asks for {asked} targets on this travel; there are {count}.", asked=asked, count=n)
+    if runs < 2:
+        yield said("A direction was run once: A, R and all ± need repeats and are withheld.")
     if runs < 5 and not _is_long(test):
         yield said("ISO 230-2 asks for five runs in each direction; there are {runs}.", runs=runs)
     if len(test.measured) < 2:
@@ -315,7 +331,7 @@ def _targets_asked(test: PositioningTest) -> int:
 
 
 def _shown(value: float | None, unit: str) -> float | None:
-    return None if value is None else round(to_unit(value, unit), 9)
+    return None if value is None or not np.isfinite(value) else round(to_unit(value, unit), 9)
 
 
 _AROUND = 8
