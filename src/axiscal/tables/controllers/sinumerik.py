@@ -57,7 +57,7 @@ def read(
             remedy = "this is a defect of axiscal"
             raise TableError("SINUMERIK would not understand {text!r}", remedy, text=line[:60])
         _, kind, key, first, second, third, value = found.groups()
-        place = (kind, first) if kind == "CEC" else (kind, first, (third or second or ""))
+        place: tuple[str, ...] = (kind, first) if kind == "CEC" else (kind, first, (third or second or ""))
         index = key or f"#{second}"
         tables.setdefault(place, {})[index] = value
         begins.setdefault(place, (number, line))
@@ -254,7 +254,7 @@ def _only_axis(file: OldFile) -> str:
     if len(found) != 1:
         what, remedy = "this file has tables of {known}", "give it without AXIS=, and each axis its --number"
         raise TableError(what, remedy, file.name, known=", ".join(sorted(found)) or "-")
-    return found.pop()
+    return str(found.pop())
 
 
 def _names(machine: Machine, options: ExportOptions) -> dict[str, str]:
