@@ -12,9 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from axiscal.cli.app import run
 from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate, read_iso230
 from axiscal.exceptions import EvaluationError, ReadingError
 from axiscal.numerics import Array
+from tests.generators.field import FIELD
 
 GOLDEN = Path(__file__).resolve().parents[1] / "golden" / "iso230"
 REAL = ["ess_target_x", "ess_muts_x", "ess_muts_y"]
@@ -192,9 +194,40 @@ def test_equal_spacing_is_pointed_out() -> None:
 
 def test_a_single_run_has_no_standard_deviation(tmp_path: Path) -> None:
     text = "".join(line for line in GOOD.splitlines(keepends=True) if ",2," not in line)
-    with pytest.raises(EvaluationError, match=r"run only once.*Repeat the run") as caught:
-        evaluated(tmp_path, text)
-    assert caught.value.file == str(tmp_path / "test.csv")
+    found = evaluated(tmp_path, text)
+    shown = {name: found.as_json()[name] for name in ("E", "E_up", "B", "B_mean", "M", "A", "A_up", "R", "R_down")}
+    assert shown == {"E": 3.0, "E_up": 1.0, "B": 1.0, "B_mean": 0.0, "M": 2.0} | dict.fromkeys(
+        ("A", "A_up", "R", "R_down")
+    )
+    assert found.uncertainty == {}
+    assert found.warnings[1].endswith("need repeats and are withheld.")
+    assert {"P_a", "U", "U_mean"} == found.vdi3441.keys()
+
+
+def test_one_run_down_withholds_its_own_figures_alone(tmp_path: Path) -> None:
+    found = evaluated(tmp_path, "".join(line for line in GOOD.splitlines(keepends=True) if "-,2," not in line))
+    assert found.figures["A_up"] == evaluated(tmp_path, GOOD).figures["A_up"]
+    assert not {"A", "A_down", "R", "R_down"} & found.figures.keys()
+
+
+def test_a_missing_reading_costs_its_target_alone(tmp_path: Path) -> None:
+    more = "".join(f"50,{way},{run},{value}\n" for way, run, value in (("+", 1, 9), ("-", 1, 9), ("+", 2, 9)))
+    found = evaluated(tmp_path, GOOD + more)
+    assert found.figures == evaluated(tmp_path, GOOD).figures
+    assert found.warnings[0] == "Left out, because a run has no reading there: 50 mm."
+
+
+def test_tests_of_the_field_give_what_they_can(capsys: pytest.CaptureFixture[str]) -> None:
+    folder = FIELD / "03-single-run"
+    if folder.is_dir():
+        single, missing = (evaluate(read_iso230(folder / name)) for name in ("single.rtl", "missing.csv"))
+        assert 1e6 * single.figures["E"] == pytest.approx(9.4957 + 2.1509, abs=1e-9)
+        assert "A" not in single.figures
+        assert 1e6 * missing.figures["A"] == pytest.approx(11.221, abs=0.001)
+        assert "300 mm" in missing.warnings[0]
+        for name in ("single.rtl", "missing.csv"):
+            assert run(["data", "iso230", str(folder / name)]) == 0
+        assert "withheld" in capsys.readouterr().out
 
 
 def test_no_direction_at_all_is_refused() -> None:
@@ -217,7 +250,7 @@ BAD: dict[str, tuple[str | bytes, str, int | None]] = {
     "number with unit": (GOOD.replace("2.5", "2.5 um"), "'2.5 um' is not a number.*unit stands in the header", 8),
     "python number": (GOOD.replace("2.5", "2_5"), "'2_5' is not a number", 8),
     "duplicate": (GOOD + "100,-,2,9\n", "target 100, direction -, run 2 was read in line 10 already", 11),
-    "left out": (GOOD.replace("100,+,2,2.5\n", ""), r"run 2 in direction \+, .* has no reading at 100 mm", 7),
+    "left out": (GOOD.replace("100,+,2,2.5\n", ""), "fewer than two targets have a reading in every run", None),
     "direction": (GOOD.replace("100,+,2", "100,up,2"), "direction 'up' is not known", 8),
     "run": (GOOD.replace("100,+,2", "100,+,two"), "run 'two' is not a whole number", 8),
     "run fraction": (GOOD.replace("100,+,2", "100,+,2.0"), "run '2.0' is not a whole number", 8),

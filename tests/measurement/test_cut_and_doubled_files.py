@@ -17,12 +17,12 @@ NODES = "\n".join(MAP.split("\n")[:2])
 NOTHING_PROBED = NODES + "\n0,10,0,10,-1,10,10,2,2\n0,0\n0,0\n"
 FOUND = [
     ("RepRapFirmware height map file v2\nxmin,xmax\n0,1", "line 3.*the height map is cut off"),
-    (MAP.replace("30.00,30.00,3,2", "30.00,30.00,9,2"), "line 3.*9 nodes 30 mm apart do not fit the range"),
-    (MAP.replace("30.00,30.00,3,2", "0,30.00,3,2"), "3 nodes 0 mm apart do not fit"),
-    (MAP.replace("30.00,30.00,3,2", "30.00,30.00,0,2"), "0 nodes 30 mm apart do not fit"),
+    (MAP.replace("30.00,30.00,3,2", "30.00,30.00,9,2"), "line 3.*9 nodes from 10 to 70 mm, 30 mm apart, are no map"),
+    (MAP.replace("30.00,30.00,3,2", "0,30.00,3,2"), "3 nodes from 10 to 70 mm, 0 mm apart, are no map"),
+    (MAP.replace("30.00,30.00,3,2", "30.00,30.00,0,2"), "0 nodes from 10 to 70 mm, 30 mm apart, are no map"),
     (NOTHING_PROBED, "line 3.*no node was probed"),
-    (MESH.replace("max_x = 70.0", "max_x = 10.0"), "line 4.*3 nodes from 10 to 10 mm are no mesh"),
-    (MESH.replace("x_count = 3", "x_count = 1"), "1 nodes from 10 to 70 mm are no mesh"),
+    (MESH.replace("max_x = 70.0", "max_x = 10.0"), "line 4.*3 nodes from 10 to 10 mm, 0 mm apart, are no map"),
+    (MESH.replace("x_count = 3", "x_count = 1"), "1 nodes from 10 to 70 mm, 60 mm apart, are no map"),
     (RTL[: RTL.index("1   1   0.100")], "there are no deviations"),
     (RTL.replace("0.000000 50.000000\n100.000000\n", ""), "line 5.*there are no targets"),
     ("X_mm,value_um\n" * (MOST_LINES + 1), f"has {MOST_LINES + 2:,} lines, and at most {MOST_LINES:,} are read"),

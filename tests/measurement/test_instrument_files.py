@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from axiscal.evaluation.standards import evaluate, read_iso230
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.files import read_any
 from tests.commands import Command
+from tests.generators.field import with_field
 from tests.generators.texts import machine_text
 
 RTL = """HEADER::
@@ -96,6 +98,20 @@ def test_a_rtl_file_is_a_positioning_test(tmp_path: Path, encoding: str, ends: s
     assert test.up[1] == pytest.approx([1.3e-6, 1.1e-6])
     assert test.down[2] == pytest.approx([0.2e-6, 0.4e-6])
     assert pytest.approx(0.6e-6) == evaluate(test).figures["B"]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (RTL.replace("File type  : rtl", "File type  : rta"), "line 2: this is a test of angles (File type : rta)"),
+        (RTL.replace("File type  : rtl", "File Type: RTS"), "line 2: this is a test of straightness (File type : rts)"),
+        *((text, "line 2: this is a test of angles") for text in with_field({}, "02-angular-rtl/b.rta")),
+    ],
+)
+def test_a_file_of_the_same_form_for_another_test_is_refused_by_name(tmp_path: Path, text: str, said: str) -> None:
+    for read in (read_any, read_iso230):
+        with pytest.raises(ReadingError, match=re.escape(said)):
+            read(_file(tmp_path, text))
 
 
 def test_the_flags_can_say_that_all_runs_go_up(tmp_path: Path) -> None:

@@ -168,7 +168,8 @@ def iso230(
         for name, words in _WORDS.items():
             value, figure = document[name], f"{said('not measured'):>12}"
             if value is not None:
-                figure = decimals(f"{value:12.3f} {unit} ± {to_unit(found.uncertainty[name], unit):.3f}")
+                around = f" ± {to_unit(found.uncertainty[name], unit):.3f}" if name in found.uncertainty else ""
+                figure = decimals(f"{value:12.3f} {unit}{around}")
             say(f"{name:7}{figure}   {said(words)}")
         if found.vdi3441:
             shown = ", ".join(f"{name} {to_unit(value, unit):.3f}" for name, value in found.vdi3441.items())

@@ -62,6 +62,13 @@ def export(
     mesh: Annotated[
         int | None, typer.Option(metavar="N", help="Points of a height map along each side; default: as the map read.")
     ] = None,
+    zero: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE|PLACE",
+            help='Where the printer homes Z: printer.cfg, homez.g, Configuration.h, or "150 mm, 150 mm".',
+        ),
+    ] = None,
     flip: Annotated[bool, typer.Option("--flip", help="The control takes the values with the other sign.")] = False,
     pivots: Annotated[
         bool, typer.Option("--pivots", help="linuxcnc: put where rotary axes lie into xyzac- or xyzbc-trt-kins.")
@@ -121,6 +128,7 @@ def export(
         template_name=str(template or "the template"),
         name=name,
         mesh=mesh,
+        zero=None if zero is None else _zero(zero),
         flip=flip,
         pivots=pivots,
         encoder=measuring_system,
@@ -129,6 +137,8 @@ def export(
     others = {"--coordinates": coordinates, "--ini": ini, "--load": load}
     registry.refuse_untaken(to, [*(name for name, value in others.items() if value is not None), *options.given])
     loader = None if load is None else ours("ports.printers.printer_source:loader_at")(load, to)
+    if loader is not None and zero is None:
+        options = replace(options, zero=loader.zero())
     with speaking("en"), Campaign.open(record, write=False) as campaign:  # README.txt is in English
         estimation = campaign.estimate(ended=True)
         options = informed(options, estimation.case.description, to)
@@ -186,6 +196,17 @@ def _spacing(texts: list[str]) -> float | dict[str, float] | None:
     if "" in found and len(found) > 1:
         raise TableError("a spacing is given for all linear axes and for some", 'Give it for each: --spacing "X=25 mm"')
     return found.get("", found or None)
+
+
+def _zero(text: str) -> tuple[float, float]:
+    """Return the place where a printer homes Z, m, stated or from its file; raises TableError, UnitError."""
+    if Path(text).is_file():
+        found: tuple[float, float] | None = ours("ports.printers.homing:zero_in")(read_old([text])[0].text)
+        if found is None:
+            raise TableError("this file states no place where Z is homed", 'write --zero "150 mm, 150 mm"', text)
+        return found
+    x, _, y = text.partition(",")
+    return parse_quantity(x.strip(), "length"), parse_quantity(y.strip(), "length")
 
 
 def _numbers(texts: list[str], coordinates: str | None) -> dict[str, tuple[int, ...]]:

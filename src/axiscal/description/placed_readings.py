@@ -337,7 +337,7 @@ def _coordinate(setup: Setup, axis: Axis, index: int, position: Mapping[str, flo
     value, unit = position[axis.name], axis.unit
     slack, (low, high) = _STILL[False] if setup.base else 1e-9 * axis.length, setup.span(axis, index)
     if not low - slack <= value <= high + slack:
-        _refuse_outside(setup, axis, value)
+        _refuse_outside(setup, axis, index, value)
     if not moves and abs(value - setup.park[index]) > _STILL[axis.rotary]:
         park = format_quantity(setup.park[index], unit, 9)
         what = '{axis} = {value}, but the set-up "{setup}" parks it at {park}'
@@ -348,15 +348,21 @@ def _coordinate(setup: Setup, axis: Axis, index: int, position: Mapping[str, flo
     return min(max(value, low), high)
 
 
-def _refuse_outside(setup: Setup, axis: Axis, value: float) -> NoReturn:
-    shown, unit = format_quantity(value, axis.unit, 9), axis.unit
-    if not axis.travel[0] <= value <= axis.travel[1]:
-        what = "{axis} = {shown} is outside the travel"
-        raise ReadingError(what, "{axis} goes from {travel}", axis=axis.name, shown=shown, travel=axis.travel_text)
-    what = "at {axis} = {shown} a foot of the {instrument} stands outside the travel"
-    base = format_quantity(setup.base or 0.0, unit, 9)
-    remedy, travel = "Give where the middle of its base of {base} stood; {axis} goes from {travel}", axis.travel_text
-    raise ReadingError(what, remedy, axis=axis.name, shown=shown, instrument=setup.instrument, base=base, travel=travel)
+def _refuse_outside(setup: Setup, axis: Axis, index: int, value: float) -> NoReturn:
+    """Raise ReadingError that names the limit: the travel, or the reach of the set-up."""
+    reached = replace(axis, travel=axis.travel if setup.reach is None else setup.reach[index])
+    limit = axis if reached.travel == axis.travel or not axis.travel[0] <= value <= axis.travel[1] else reached
+    what, remedy = "{axis} = {shown} is outside the travel", "{axis} goes from {travel}"
+    if limit.travel[0] <= value <= limit.travel[1]:
+        what = "at {axis} = {shown} a foot of the {instrument} stands outside the travel"
+        what = what if limit is axis else "at {axis} = {shown} a foot of the {instrument} stands outside the reach"
+        remedy = "Give where the middle of its base of {base} stood; {axis} goes from {travel}"
+    elif limit is reached:
+        what = '{axis} = {shown} is within the travel and outside the reach of the set-up "{setup}"'
+        remedy = "Its reach is {travel}: correct the reading, or the reach in campaign.toml"
+    values = {"axis": axis.name, "shown": format_quantity(value, axis.unit, 9), "travel": limit.travel_text}
+    base = format_quantity(setup.base or 0.0, axis.unit, 9)
+    raise ReadingError(what, remedy, setup=setup.name, instrument=setup.instrument, base=base, **values)
 
 
 def off_chart(machine: Machine, chart: Chart, pose: Array) -> float:

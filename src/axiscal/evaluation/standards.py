@@ -29,20 +29,18 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.exceptions import EvaluationError
-from axiscal.language.spoken import said
+from axiscal.language.spoken import joined, said
 from axiscal.measurement.readers.csv_readings import RawReading, iso_readings, read_direction
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, CsvTable, TextFile, read_text, table_of
 from axiscal.measurement.readers.renishaw import is_rtl, rtl_readings
 from axiscal.numerics import Array
-from axiscal.units import format_quantity, said_quantity, to_unit
+from axiscal.units import said_quantity, to_unit
 
 COVERAGE_FACTOR = 2.0
 _DRAWS = 1000
 """Tests drawn at random: their scatter is known to two percent of itself."""
 _FEWEST_TO_DOUBT, _TELLING, _STANDS_OFF = 3, 15, 5.0
-"""Of two runs nobody can say which one is wrong; with so many degrees of freedom one in 6,000 stands off so far by
-chance.
-"""
+"""Of two runs nobody can say which is wrong; with so many degrees of freedom one in 6,000 stands off so far."""
 _FEWEST_RUNS, _STEADILY = 6, 5.0
 """A line through the means of so many runs is believed at so many standard deviations: by chance once in 500."""
 FIGURES = ("A", "A_up", "A_down", "E", "E_up", "E_down", "R", "R_up", "R_down", "B", "B_mean", "M")
@@ -54,13 +52,14 @@ _AtTarget = Mapping[str, float | None]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PositioningTest:
-    """Deviations of one axis: targets (n,), up and down (n, runs), all m or rad; a direction not measured is None."""
+    """Deviations of one axis, m or rad: targets (n,), up and down (n, runs), None for a direction not measured."""
 
     targets: Array
     up: Array | None
     down: Array | None
     rotary: bool = False
     file: str | None = None
+    left_out: str = ""
 
     @property
     def measured(self) -> dict[str, Array]:
@@ -72,7 +71,7 @@ class PositioningTest:
 class Positioning:
     """The figures of one axis, m or rad, with what falls short of the standard's test in plain words.
 
-    figures : of `FIGURES`, those that were measured
+    figures : of `FIGURES`, those that were measured, with repeats where they need them
     uncertainty : expanded (k = 2), of each figure that was measured
     vdi3441 : the figures of VDI/DGQ 3441 of the same readings by name, empty where one direction was not measured
     """
@@ -113,28 +112,35 @@ _Sides = Mapping[str, _Direction]
 
 
 def read_iso230(path: str | Path) -> PositioningTest:
-    """Read a test of one axis, a table or a `.rtl` file; raises ReadingError where a run leaves out a target."""
+    """Read a test of one axis, a table or a `.rtl` file; raises ReadingError."""
     return positioning_test(read_text(path))
 
 
 def positioning_test(file: TextFile) -> PositioningTest:
     """Return the test of a file; raises ReadingError as `read_iso230`."""
     readings = rtl_readings(file) if is_rtl(file) else iso_readings(table_of(file))
-    targets = sorted({reading.position[""] for reading in readings})
-    up, down = (_passes(file, readings, targets, direction) for direction in (1, -1))
-    return PositioningTest(np.array(targets), up, down, readings[0].dimension == "angle", file.name)
+    seen, rotary = dict[float, set[tuple[int, int]]](), readings[0].dimension == "angle"
+    for reading in readings:
+        seen.setdefault(reading.position[""], set()).add((reading.approach[""], reading.run))
+    missing = [target for target in sorted(seen) if seen[target] != set().union(*seen.values())]
+    if len(seen) - len(missing) < min(2, len(seen)):
+        what = "fewer than two targets have a reading in every run"
+        raise file.fail(what, "add the readings, or take out the run that was cut off")
+    targets, places = sorted(seen.keys() - missing), [said_quantity(at, "deg" if rotary else "mm") for at in missing]
+    up, down = (_passes(readings, targets, direction) for direction in (1, -1))
+    return PositioningTest(np.array(targets), up, down, rotary, file.name, joined(places) if places else "")
 
 
 def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
-    """Compute the figures of ISO 230-2; raises EvaluationError when a direction has fewer than two runs.
+    """Compute the figures of ISO 230-2, those of the means alone where a direction was run once.
 
     noise : m or rad, standard uncertainty of the instrument that all runs at a target share
     """
-    sides = {name: _direction(test, runs) for name, runs in test.measured.items()}
+    sides = {name: _direction(runs) for name, runs in test.measured.items()}
     if not sides:
         raise EvaluationError("there are no readings", "measure at least one direction twice", test.file)
     found = _figures({name: (side.mean[None], side.s[None]) for name, side in sides.items()})
-    figures = {name: float(found[name][0]) for name in FIGURES if name in found}
+    figures = {name: float(found[name][0]) for name in FIGURES if name in found and np.isfinite(found[name][0])}
     per_target = tuple(_at_target(test, sides, i) for i in range(len(test.targets)))
     warnings = tuple(_shortfalls(test, min(side.runs for side in sides.values())))
     return Positioning(figures, per_target, test.rotary, warnings, _uncertainty(sides, noise), _vdi3441(sides))
@@ -186,7 +192,8 @@ def _vdi3441(sides: _Sides) -> dict[str, float]:
     half = (reversal + scatter) / 2
     figures = {"P": float(np.max(mean + half) - np.min(mean - half)), "P_a": float(np.ptp(mean))}
     figures |= {"P_s": float(np.max(scatter)), "P_s_mean": float(np.mean(scatter))}
-    return figures | {"U": float(np.max(reversal)), "U_mean": float(np.mean(reversal))}
+    figures |= {"U": float(np.max(reversal)), "U_mean": float(np.mean(reversal))}
+    return {name: value for name, value in figures.items() if np.isfinite(value)}
 
 
 def _uncertainty(sides: _Sides, noise: float) -> dict[str, float]:
@@ -195,6 +202,8 @@ def _uncertainty(sides: _Sides, noise: float) -> dict[str, float]:
     Means scatter by s/√runs, standard deviations as √(χ²/(runs − 1)) of normal readings. The common part of all runs at
     a target is the instrument's (ISO/TR 230-9: device, repeatability of the set-up). Simulated, always the same draws.
     """
+    if min(side.runs for side in sides.values()) < 2:
+        return {}
     rng = np.random.default_rng(0)
     offset = noise * rng.standard_normal((_DRAWS, len(next(iter(sides.values())).mean)))
     drawn = dict[str, tuple[Array, Array]]()
@@ -222,35 +231,28 @@ def _at_target(test: PositioningTest, sides: _Sides, i: int) -> _AtTarget:
     return row
 
 
-def _direction(test: PositioningTest, runs: Array) -> _Direction:
-    """Mean and standard deviation (n - 1) of each target over the runs (n, runs)."""
-    if runs.shape[1] < 2:
-        remedy = "repeat the run: the standard deviation needs two at least, ISO 230-2 asks for five"
-        raise EvaluationError("a direction was run only once", remedy, test.file)
-    return _Direction(np.mean(runs, axis=1), np.std(runs, axis=1, ddof=1), runs.shape[1])
+def _direction(runs: Array) -> _Direction:
+    """Mean and standard deviation (n - 1) of each target over the runs (n, runs), nan of a single run."""
+    s = np.std(runs, axis=1, ddof=1) if runs.shape[1] > 1 else np.full(len(runs), np.nan)
+    return _Direction(np.mean(runs, axis=1), s, runs.shape[1])
 
 
-def _passes(file: TextFile, readings: Sequence[RawReading], targets: list[float], direction: int) -> Array | None:
-    """Arrange one direction as (targets, runs), None if not measured; raises ReadingError for a missing target."""
-    runs: dict[int, dict[float, RawReading]] = {}
-    for reading in readings:
-        if reading.approach[""] == direction:
-            runs.setdefault(reading.run, {})[reading.position[""]] = reading
-    for run, rows in runs.items():
-        if (missing := next((target for target in targets if target not in rows), None)) is not None:
-            first, sign = next(iter(rows.values())), "+" if direction > 0 else "-"
-            shown = format_quantity(missing, "deg" if first.dimension == "angle" else "mm")
-            what = "run {run} in direction {sign}, which starts here, has no reading at {shown}"
-            remedy = "every run must visit every target: add the reading or take out the run"
-            raise file.fail(what, remedy, first.line, run=run, sign=sign, shown=shown)
-    return np.array([[rows[t].value for rows in runs.values()] for t in targets]) if runs else None
+def _passes(readings: Sequence[RawReading], targets: Sequence[float], direction: int) -> Array | None:
+    """Return one direction as (targets, runs), None if not measured."""
+    found = {(each.run, each.position[""]): each.value for each in readings if each.approach[""] == direction}
+    runs = list(dict.fromkeys(run for run, _ in found))
+    return np.array([[found[run, target] for run in runs] for target in targets]) if runs else None
 
 
 def _shortfalls(test: PositioningTest, runs: int) -> Iterable[str]:
     """Say what ISO 230-2 asks for and this test does not have."""
     n, asked = len(test.targets), _targets_asked(test)
+    if test.left_out:
+        yield said("Left out, because a run has no reading there: {places}.", places=test.left_out)
     if n < asked:
         yield said("ISO 230-2 asks for {asked} targets on this travel; there are {count}.", asked=asked, count=n)
+    if runs < 2:
+        yield said("A direction was run once: A, R and all ± need repeats and are withheld.")
     if runs < 5 and not _is_long(test):
         yield said("ISO 230-2 asks for five runs in each direction; there are {runs}.", runs=runs)
     if len(test.measured) < 2:
@@ -315,7 +317,7 @@ def _targets_asked(test: PositioningTest) -> int:
 
 
 def _shown(value: float | None, unit: str) -> float | None:
-    return None if value is None else round(to_unit(value, unit), 9)
+    return None if value is None or not np.isfinite(value) else round(to_unit(value, unit), 9)
 
 
 _AROUND = 8

@@ -108,6 +108,7 @@ _OPTIONS = {
     "template": "--template",
     "name": "--name",
     "mesh": "--mesh",
+    "zero": "--zero",
     "flip": "--flip",
     "pivots": "--pivots",
     "encoder": "--measuring-system",
@@ -125,7 +126,8 @@ class ExportOptions:
     numbers : of the joints or of the machine axis of each axis, where the order of the letters is not theirs
     template : text of a file that the control saved, template_name : how it is called
     name : of a mesh or profile; mesh : points of a height map along each side, as many as the map that was read or the
-    curves have where nobody says
+    curves have where nobody says; zero : X and Y at which it adds nothing, m, None for where the printer says, or the
+    middle
     pivots : put location errors of rotary axes into the kinematics (linuxcnc) instead of the tables
     encoder : measuring system, 1 or 2
     flip : the control takes the values with the other sign, as a check at one point has shown
@@ -141,6 +143,7 @@ class ExportOptions:
     template_name: str = "the template"
     name: str = "axiscal"
     mesh: int | None = None
+    zero: tuple[float, float] | None = None
     flip: bool = False
     pivots: bool = False
     encoder: int = 1
@@ -344,7 +347,7 @@ class TableFormat(Exporter):
 class MapFormat(Exporter):
     """A control of X, Y and Z whose files hold the height over the plane, and what else a printer knows."""
 
-    takes = frozenset({"--mesh", "--on-top-of"})
+    takes = frozenset({"--mesh", "--on-top-of", "--zero"})
 
     @abstractmethod
     def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:

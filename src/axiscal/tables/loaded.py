@@ -17,9 +17,9 @@ import numpy as np
 
 from axiscal.description.ini_file import IniFile, IniValue, read_ini
 from axiscal.errors.model import ErrorModel
-from axiscal.exceptions import TableError
+from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import Machine
-from axiscal.measurement.readers.csv_table import read_text
+from axiscal.measurement.readers.bed_map import read_part
 from axiscal.numerics import Array
 from axiscal.tables.surface import Control, Mesh, Skew, mesh_control, skew_control, sum_of
 from axiscal.tables.table import CompensationTable
@@ -80,7 +80,7 @@ def _named(name: str, folder: Path) -> Iterator[OldFile]:
 
 
 def _text(path: Path) -> str:
-    return "\n".join(read_text(path).lines)
+    return "\n".join(read_part(path).lines)
 
 
 def _joints(path: Path) -> Iterator[OldFile]:
@@ -136,6 +136,7 @@ class Loaded:
 
     tables : what it takes away; meshes : height maps; skew : tangents by plane, as set
     errors : by name, to a control that knows the chain; others : what does more than that
+    untaken : entries that its reader has no use for, a failure each, with file and line
     """
 
     tables: tuple[CompensationTable, ...] = ()
@@ -143,6 +144,7 @@ class Loaded:
     skew: Skew = field(default_factory=dict)
     errors: Mapping[str, SampledError] = field(default_factory=dict)
     others: tuple[Control, ...] = ()
+    untaken: tuple[InputError, ...] = ()
 
     def control(self, machine: Machine) -> Control:
         """Return what it adds to commands."""

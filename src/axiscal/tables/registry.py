@@ -11,7 +11,7 @@ from axiscal.document import meant, shown
 from axiscal.document.ports import names, one_of, ours
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import AxiscalError, TableError
+from axiscal.exceptions import AxiscalError, Faults, TableError
 from axiscal.language.spoken import joined, later
 from axiscal.language.stages import stage
 from axiscal.machine.description import Machine
@@ -104,6 +104,12 @@ def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
         what = "a number that {controller} needs is missing, or is none ({reason})"
         remedy = "give the files as the control saved them"
         raise TableError(what, remedy, named, controller=controller, reason=fault) from fault
+    faults, known = Faults(), {name for table in found.tables for name in (table.axis, table.over)}
+    faults.found += found.untaken
+    for file in (each for each in options.old_files if each.axis and each.axis not in known):
+        remedy = "give it without AXIS=, or name the file of that axis"
+        faults.found.append(TableError("no table of {axis} is in this file", remedy, file.name, axis=file.axis))
+    faults.refuse()
     for table in found.tables:
         if not np.all(np.abs([table.forward, table.reverse]) < _ABSURD):
             what = "the table of {axis} over {over} moves it by a metre, or a radian, or more"

@@ -198,11 +198,17 @@ class Mesh:
         high = (1 - u) * self.added[rows + 1, columns] + u * self.added[rows + 1, columns + 1]
         return (1 - v) * low + v * high
 
+    def zeroed(self, x: float, y: float) -> Mesh:
+        """Return the mesh that adds nothing at a place, m."""
+        return replace(self, added=self.added - self.at(np.array([x]), np.array([y])))
+
 
 def mesh_of_nodes(nodes: Sequence[RawReading]) -> Mesh:
-    """Return the mesh of readings at nodes of a grid; where there is none nothing is added."""
+    """Return the mesh of readings at nodes of a grid; where there is none their plane, as RepRapFirmware has it."""
     (x, columns), (y, rows) = (np.unique([node.position[a] for node in nodes], return_inverse=True) for a in "XY")
-    added = np.zeros((len(y), len(x)))
+    tilt = np.column_stack([x[columns], y[rows], np.ones(len(nodes))])
+    a, b, c = np.linalg.lstsq(tilt, np.array([-node.value for node in nodes]))[0]
+    added = a * x[None, :] + b * y[:, None] + c
     added[rows, columns] = [-node.value for node in nodes]
     return Mesh(x, y, added)
 
@@ -243,7 +249,6 @@ def mesh_of(estimate: Estimate, count: int | None = None) -> Mesh:
     """Return the mesh that is nearest to minus the mean deviation along z, over the volume.
 
     count : of points along each side, over the travel; None takes the map that was read, or as many as the curves have
-    The height is zero at the machine's zero, x and y at 0 or at the end of travel nearest to it.
     """
     x, y, z = plane_axes(estimate.machine)
     sides = [hats_along(estimate, axis, at) for axis, at in zip((x, y), _places(estimate, (x, y), count), strict=True)]
@@ -251,8 +256,7 @@ def mesh_of(estimate: Estimate, count: int | None = None) -> Mesh:
     for height, weight in zip(*_heights(estimate.box[z]), strict=True):
         deviation += weight * _deviation(estimate, (x, y, z), sides, height)
     found = sides[0].best(sides[1].best(deviation).T).T
-    free = Mesh(sides[0].points, sides[1].points, -found)
-    return replace(free, added=free.added - free.at(np.zeros(1), np.zeros(1)))
+    return Mesh(sides[0].points, sides[1].points, -found)
 
 
 def mesh_control(machine: Machine, mesh: Mesh) -> Control:

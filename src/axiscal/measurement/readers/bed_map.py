@@ -1,18 +1,87 @@
-"""Bed maps of printers, as RepRapFirmware (`heightmap.csv`) and Klipper (saved blocks of `printer.cfg`) keep them.
+"""Bed maps of printers, as RepRapFirmware (`heightmap.csv`) and Klipper (`[bed_mesh NAME]`) keep them.
 
 A height is where the bed lies, positive where it is high; a printer adds it to Z. Each node is one reading along z at X
-and Y, of minus the height. RepRapFirmware writes 0 without decimals where it did not probe: that is no reading.
+and Y, of minus the height. Cells that nobody probed are no readings: RepRapFirmware's 0 without decimals, whatever lies
+outside its radius, and the copies with which Klipper fills the rows of a round bed.
 """
 
 from __future__ import annotations
 
+import re
+from dataclasses import dataclass
+from math import hypot
+from pathlib import Path
+
 from axiscal.measurement.readers.csv_readings import RawReading
-from axiscal.measurement.readers.csv_table import TextFile
+from axiscal.measurement.readers.csv_table import TextFile, read_text
 from axiscal.units import from_unit
 
 _RRF = "RepRapFirmware height map file"
-_BLOCK = "#*# [bed_mesh "
-_NOT_PROBED = ("0", "")
+_BLOCK = re.compile(r"(?:#\*#\s*)?\[bed_mesh\s+([^\]]+?)\s*\]")
+_RECTANGLE, _ROUND = re.compile(r"\[bed_mesh\]"), re.compile(r"\s*mesh_radius\s*[:=]")
+_NOT_PROBED = frozenset({"", ".", "nan"})
+_SLACK = 1e-4
+"""m, of a radius: Klipper cuts its distances to 0.01 mm."""
+_KEYS = "{0}min min{1} min_{0}", "{0}max max{1} max_{0}", "{0}num num{1} {0}_count", "{0}spacing spacing{1} spacing"
+"""Of a side: as RepRapFirmware writes them today, in its newest version, and Klipper, or its first version."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Grid:
+    """The cells of a map.  x : m; rows : y, m, the line and its cells"""
+
+    file: TextFile
+    x: list[float]
+    rows: list[tuple[float, int, list[str]]]
+
+    def readings(self, skipped: set[tuple[int, int]]) -> tuple[RawReading, ...]:
+        """Return the readings of the cells that were probed.  skipped : column and row of others"""
+        found = []
+        for j, (y, number, cells) in enumerate(self.rows):
+            if len(cells) != len(self.x):
+                what = "the row has {count} heights, and {along} are announced"
+                raise self.file.fail(what, "copy the whole file", number, count=len(cells), along=len(self.x))
+            for i, (x, cell) in enumerate(zip(self.x, cells, strict=True)):
+                if (i, j) not in skipped and cell.lower() not in _NOT_PROBED:
+                    low = -from_unit(self.file.number(cell, "height", number), "mm")
+                    found.append(RawReading("", {"X": x, "Y": y}, {}, low, None, "length", number, error="z"))
+        if not found:
+            raise self.file.fail("no node was probed", "probe the bed and save the map again", 3)
+        return tuple(found)
+
+    def filled(self) -> set[tuple[int, int]]:
+        """Return the cells that Klipper filled: off the circle, and all of them copies of their row's last inside.
+
+        A [bed_mesh] without mesh_radius in the same file says that the bed is no circle.
+        """
+        lines, x, y = self.file.lines, self.x, [row[0] for row in self.rows]
+        rectangle = any(map(_RECTANGLE.match, lines)) and not any(map(_ROUND.match, lines))
+        radius, found = (x[-1] - x[0]) / 2 + _SLACK, set[tuple[int, int]]()
+        if rectangle or abs(y[-1] - y[0] - x[-1] + x[0]) > _SLACK:
+            return found
+        for j, (at, _, cells) in enumerate(self.rows):
+            off = [hypot(each - (x[0] + x[-1]) / 2, at - (y[0] + y[-1]) / 2) > radius for each in x]
+            inside = [cell for cell, aside in zip(cells, off, strict=False) if not aside]
+            if not inside or cells != [inside[0]] * off.index(False) + inside + [inside[-1]] * off[::-1].index(False):
+                return set()
+            found |= {(i, j) for i, aside in enumerate(off) if aside}
+        return found
+
+
+def read_part(path: str | Path) -> TextFile:
+    """Return a file, of FILE#NAME with the mesh profile NAME alone; raises ReadingError."""
+    whole, _, name = str(path).rpartition("#")
+    if not whole or Path(path).exists():
+        return read_text(path)
+    file, kept, section = read_text(whole), list[str](), ""
+    for line in file.lines:
+        if line.removeprefix("#*#").lstrip().startswith("["):
+            section = begin[1] if (begin := _BLOCK.match(line)) else ""
+        kept.append(line if section in ("", name) else "")
+    if name not in _profiles(file).values():
+        known = ", ".join(_profiles(file).values()) or "-"
+        raise file.fail("no mesh {name} is saved here", "saved are: {known}", name=name[:40], known=known)
+    return TextFile(str(path), tuple(kept))
 
 
 def is_height_map(file: TextFile) -> bool:
@@ -22,95 +91,40 @@ def is_height_map(file: TextFile) -> bool:
 
 def is_mesh(file: TextFile) -> bool:
     """Return whether a Klipper mesh is saved in this file."""
-    return any(line.startswith(_BLOCK) for line in file.lines)
+    return bool(_profiles(file))
+
+
+def _profiles(file: TextFile) -> dict[int, str]:
+    """Return the names of the meshes by their lines."""
+    return {number: begin[1] for number, line in enumerate(file.lines, 1) if (begin := _BLOCK.match(line))}
 
 
 def height_map(file: TextFile) -> tuple[RawReading, ...]:
-    """Return the readings of the probed nodes of a RepRapFirmware map, both versions of it; raises ReadingError."""
+    """Return the readings of the probed nodes of a RepRapFirmware map, any version of it; raises ReadingError."""
     if len(file.lines) < 4:
         raise file.fail("the height map is cut off", "copy the whole heightmap.csv", len(file.lines))
     head = dict(zip(_cells(file.lines[1]), _cells(file.lines[2]), strict=False))
-    x, y = (_axis(file, head, number) for number in (0, 1))
-    rows = [(number, line) for number, line in enumerate(file.lines[3:], 4) if line.strip()]
-    if len(rows) != len(y):
-        remedy = "copy the whole heightmap.csv"
-        raise file.fail("{count} rows are announced, and there are {rows}", remedy, 3, count=len(y), rows=len(rows))
-    return _nodes(file, x, [(at, number, _cells(line)) for at, (number, line) in zip(y, rows, strict=True)])
+    grid = _grid(file, head, [(n, _cells(line)) for n, line in enumerate(file.lines[3:], 4) if line.strip()], 3, True)
+    radius = from_unit(file.number(head.get("radius", "-1"), "radius", 3), "mm")
+    places = ((i, j, x, cells[i : i + 1], y) for j, (y, _, cells) in enumerate(grid.rows) for i, x in enumerate(grid.x))
+    return grid.readings({(i, j) for i, j, x, cell, y in places if cell == ["0"] or 0 <= radius < hypot(x, y)})
 
 
-def mesh(file: TextFile) -> tuple[RawReading, ...]:
-    """Return the readings of the only mesh that is saved in a Klipper configuration; raises ReadingError."""
-    begins = [number for number, line in enumerate(file.lines, 1) if line.startswith(_BLOCK)]
-    if len(begins) > 1:
-        names = ", ".join(file.lines[number - 1][len(_BLOCK) :].rstrip("] ") for number in begins)
-        remedy = "keep one of them"
-        raise file.fail("{count} meshes are saved here: {names}", remedy, begins[1], count=len(begins), names=names)
-    keys, points = _block(file, begins[0])
-    sides = []
-    for name in "xy":
-        low, high, count = (
-            _value(file, keys, key, begins[0]) for key in (f"min_{name}", f"max_{name}", f"{name}_count")
-        )
-        sides.append(_spread(file, low, high, int(count), begins[0]))
-    if len(points) != len(sides[1]):
-        what = "{count} rows are announced, and there are {rows}"
-        raise file.fail(what, "copy the whole block", begins[0], count=len(sides[1]), rows=len(points))
-    rows = [(at, number, cells) for at, (number, cells) in zip(sides[1], points, strict=True)]
-    return _nodes(file, sides[0], rows, zero_is_height=True)
+def mesh(file: TextFile, filled: bool = False) -> tuple[RawReading, ...]:
+    """Return the readings of the only mesh that is saved in a Klipper configuration; raises ReadingError.
 
-
-def _cells(line: str) -> list[str]:
-    return [cell.strip() for cell in line.split(",")]
-
-
-def _axis(file: TextFile, head: dict[str, str], which: int) -> list[float]:
-    """Return the coordinates of one axis of a height map, m; v1 has one spacing, v3 names the axes."""
-    name, number = "xy"[which], str(which)
-    low, high, spacing, count = (
-        _first(file, head, keys)
-        for keys in (
-            (f"{name}min", f"min{number}"),
-            (f"{name}max", f"max{number}"),
-            (f"{name}spacing", f"spacing{number}", "spacing"),
-            (f"{name}num", f"num{number}"),
-        )
-    )
-    if not 1 <= count <= 1000 or spacing <= 0 or low + (count - 1) * spacing > high + spacing:
-        what = "{count:g} nodes {spacing:g} mm apart do not fit the range"
-        raise file.fail(what, "copy the whole heightmap.csv", 3, count=count, spacing=spacing)
-    return [from_unit(low + i * spacing, "mm") for i in range(int(count))]
-
-
-def _first(file: TextFile, head: dict[str, str], keys: tuple[str, ...]) -> float:
-    for key in keys:
-        if key in head:
-            return file.number(head[key], key, 3)
-    raise file.fail("there is no {key} in the second line", "copy the whole heightmap.csv", 2, key=keys[0])
-
-
-def _nodes(
-    file: TextFile, x: list[float], rows: list[tuple[float, int, list[str]]], zero_is_height: bool = False
-) -> tuple[RawReading, ...]:
-    found = []
-    for y, number, cells in rows:
-        if len(cells) != len(x):
-            what = "the row has {count} heights, and {along} are announced"
-            raise file.fail(what, "copy the whole file", number, count=len(cells), along=len(x))
-        for at, cell in zip(x, cells, strict=True):
-            if zero_is_height or cell not in _NOT_PROBED:
-                low = -from_unit(file.number(cell, "height", number), "mm")
-                found.append(RawReading("", {"X": at, "Y": y}, {}, low, None, "length", number, error="z"))
-    if not found:
-        raise file.fail("no node was probed", "probe the bed and save the map again", 3)
-    return tuple(found)
-
-
-def _block(file: TextFile, begin: int) -> tuple[dict[str, str], list[tuple[int, list[str]]]]:
-    """Return the keys of a saved block, and its rows of points with their lines."""
+    filled : with the cells that Klipper filled, as it corrects by them
+    """
+    names = _profiles(file)
+    begin, *others = names
+    if others:
+        what, known = "{count} meshes are saved here: {names}", ", ".join(names.values())
+        name = f"{Path(file.name).name}#{names[others[-1]]}"
+        raise file.fail(what, "name one of them: {name}", others[0], count=len(names), names=known, name=name)
     keys, points, inside = dict[str, str](), list[tuple[int, list[str]]](), False
     for number, line in enumerate(file.lines[begin:], begin + 1):
         text = line.removeprefix("#*#").strip()
-        if not line.startswith("#*#") or text.startswith("["):
+        if text.startswith("["):
             break
         key, equals, value = text.partition("=")
         if equals:
@@ -118,17 +132,32 @@ def _block(file: TextFile, begin: int) -> tuple[dict[str, str], list[tuple[int, 
             keys[key.strip()] = value.strip()
         elif inside and text:
             points.append((number, _cells(text.rstrip(", "))))
-    return keys, points
+    grid = _grid(file, keys, points, begin, False)
+    return grid.readings(set() if filled else grid.filled())
 
 
-def _value(file: TextFile, keys: dict[str, str], key: str, line: int) -> float:
-    if key not in keys:
-        raise file.fail("the mesh has no {key}", "copy the whole block", line, key=key)
-    return file.number(keys[key], key, line)
+def _cells(line: str) -> list[str]:
+    return [cell.strip() for cell in line.split(",")]
 
 
-def _spread(file: TextFile, low: float, high: float, count: int, line: int) -> list[float]:
-    if not 2 <= count <= 1000 or high <= low:
-        what = "{count} nodes from {low:g} to {high:g} mm are no mesh"
-        raise file.fail(what, "copy the whole block", line, count=count, low=low, high=high)
-    return [from_unit(low + i * (high - low) / (count - 1), "mm") for i in range(count)]
+def _grid(file: TextFile, keys: dict[str, str], points: list[tuple[int, list[str]]], line: int, spaced: bool) -> _Grid:
+    """Return the cells at their places; raises ReadingError.  spaced : by a distance that is stated"""
+    x, y = (_side(file, keys, [each.format("xy"[k], k).split() for each in _KEYS], line, spaced) for k in (0, 1))
+    if len(points) != len(y):
+        what = "{count} rows are announced, and there are {rows}"
+        raise file.fail(what, "copy the whole map", line, count=len(y), rows=len(points))
+    return _Grid(file, x, [(at, number, cells) for at, (number, cells) in zip(y, points, strict=True)])
+
+
+def _side(file: TextFile, keys: dict[str, str], names: list[list[str]], line: int, spaced: bool) -> list[float]:
+    """Return the coordinates of one side, m."""
+    found = [next((name for name in each if name in keys), "") for each in names[: 3 + spaced]]
+    if "" in found:
+        key = names[found.index("")][0 if spaced else -1]
+        raise file.fail("the map has no {key}", "copy the whole map", line - spaced, key=key)
+    low, high, count, *stated = (file.number(keys[name], name, line) for name in found)
+    spacing = stated[0] if stated else (high - low) / max(count - 1, 1)
+    if not 2 - spaced <= count <= 1000 or spacing <= 0 or low + (count - 1) * spacing > high + spacing:
+        what = "{count:g} nodes from {low:g} to {high:g} mm, {spacing:g} mm apart, are no map"
+        raise file.fail(what, "copy the whole map", line, count=count, low=low, high=high, spacing=spacing)
+    return [from_unit(low + i * spacing, "mm") for i in range(int(count))]

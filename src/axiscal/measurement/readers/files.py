@@ -39,7 +39,6 @@ from axiscal.measurement.readers.csv_table import (
     Row,
     TextFile,
     axis_names,
-    read_text,
     table_of,
 )
 from axiscal.measurement.reading import columns_of
@@ -66,7 +65,7 @@ class FileReader(Protocol):
 
 def read_any(path: str | Path, axes: Sequence[Axis] = (), setups: Sequence[Setup] = ()) -> tuple[RawReading, ...]:
     """Return the readings of a file of any kind, in its order; raises ReadingError, with the header for these axes."""
-    file = read_text(path)
+    file = bed_map.read_part(path)
     if renishaw.is_rtl(file):
         return renishaw.rtl_readings(file)
     if file.lines[0].strip().lower() == SURVEY_MARK:

@@ -9,11 +9,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from axiscal.language.spoken import later, said
 from axiscal.measurement.readers.csv_readings import RawReading, of_test
 from axiscal.measurement.readers.csv_table import TextFile
 from axiscal.units import from_unit
 
 _ONE_WAY = "1"
+_OTHERS = {
+    "rta": (later("angles"), later("give its values as value_urad of READINGS.csv: they are in mm/m, 1000 urad each")),
+    "rts": (
+        later("straightness"),
+        later("give its values as value_um of READINGS.csv, with a set-up that reads across"),
+    ),
+}
+"""Files of the same form for other tests: why they are refused, and what to do."""
 _SHORTENED = "export it again from the laser software; the file seems to be cut or edited"
 
 
@@ -25,6 +34,11 @@ def is_rtl(file: TextFile) -> bool:
 def rtl_readings(file: TextFile) -> tuple[RawReading, ...]:
     """Return the readings of a `.rtl` file; raises ReadingError."""
     sections = dict(_sections(file))
+    for line, text in sections.get("HEADER", []):
+        kind = text.partition(":")[2].strip().lower()
+        if text.lower().startswith("file type") and kind in _OTHERS:
+            what = "this is a test of {kind} (File type : {type}), not of positioning"
+            raise file.fail(what, _OTHERS[kind][1], line, kind=said(_OTHERS[kind][0]), type=kind)
     targets, one_way = _targets(file, sections)
     rows: dict[tuple[int, int], RawReading] = {}
     for line, text in _deviations(file, sections):

@@ -13,14 +13,14 @@ import numpy as np
 
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import TableError
+from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import later
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import is_mesh
 from axiscal.measurement.readers.bed_map import mesh as saved_mesh
 from axiscal.measurement.readers.csv_table import TextFile
 from axiscal.numerics import Array
-from axiscal.ports.printers.contents import TRIED, content_of, in_words
+from axiscal.ports.printers.contents import TRIED, content_of, in_words, zero_note
 from axiscal.tables import vcomp_file
 from axiscal.tables.exporter import Draft, ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile
@@ -85,7 +85,9 @@ def _bed(estimate: Estimate, count: int) -> Mesh:
     for function in estimate.model.functions:
         mean[function.columns] = 0.0
     alone = Belief(mean, np.zeros((len(mean), len(mean))))
-    return mesh_of(Estimate(estimate.model, alone, estimate.box), count if estimate.model.planes else 2)
+    return mesh_of(Estimate(estimate.model, alone, estimate.box), count if estimate.model.planes else 2).zeroed(
+        0.0, 0.0
+    )
 
 
 def _notes(limit: float) -> tuple[str, ...]:
@@ -114,6 +116,7 @@ _SAME = 1e-6
 """mm: rounding of a height that is written with six decimals."""
 _MESH, _SKEW = "bed_mesh.cfg", "skew.gcode"
 _SAVED_SKEW = re.compile(r"^(?:#\*# )?(xy|xz|yz)_skew\s*=\s*(\S+)", re.MULTILINE)
+_SET = re.compile(r"^(?:#\*#\s*)?\[skew_correction\s+\S|^\s*SET_SKEW\s.*=")
 _PLANE = re.compile(r"(XY|XZ|YZ)=([\d.]+),([\d.]+),([\d.]+)")
 
 
@@ -133,7 +136,7 @@ class Klipper(MapFormat):
         name, skew = options.name, content.skew
         files, notes = dict[str, str](), tuple[str, ...]()
         for mesh in content.meshes:
-            files[_MESH], notes = write_mesh(mesh, name), _mesh_notes(mesh, name)
+            files[_MESH], notes = write_mesh(mesh, name), (*_mesh_notes(mesh, name), zero_note(mesh, options))
         if skew:
             files[_SKEW], notes = write_skew(skew, name), notes + _skew_notes(skew, name)
         steps = {"X": 1e-8, "Y": 1e-8, "Z": float(from_unit(2e-6, "mm"))}
@@ -141,16 +144,21 @@ class Klipper(MapFormat):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what a printer.cfg has saved, or G-code sets; raises ReadingError, TableError."""
-        meshes, skew = list[Mesh](), dict[str, float]()
+        meshes, skew, untaken = list[Mesh](), dict[str, float](), list[InputError]()
         for file in files:
             text = TextFile(file.name, tuple(file.text.splitlines()))
-            meshes += [mesh_of_nodes(saved_mesh(text))] if is_mesh(text) else []
+            meshes += [mesh_of_nodes(saved_mesh(text, filled=True))] if is_mesh(text) else []
             found = {plane.upper(): float(value) for plane, value in _SAVED_SKEW.findall(file.text)}
             skew = found or read_skew(file.text) or skew
+            lines = [each for each in enumerate(text.lines, 1) if _SET.search(each[1])]
+            profiles = [(n, line) for n, line in lines if "=" not in line][1:]
+            profiles += [(n, line) for n, line in lines if line.count("=") > len(_PLANE.findall(line))]
+            what, remedy = "{text!r} is not taken", "keep one skew, as in SET_SKEW XY=AC,BD,AD"
+            untaken += [TableError(what, remedy, file.name, n, text=line.strip()[:60]) for n, line in profiles]
             if not found and not _PLANE.search(file.text) and not is_mesh(text):
                 remedy = "give the printer.cfg with its saved block"
                 raise TableError("no mesh and no skew is saved here", remedy, file.name)
-        return Loaded(meshes=tuple(meshes), skew=skew)
+        return Loaded(meshes=tuple(meshes), skew=skew, untaken=tuple(untaken))
 
 
 def _mesh_notes(mesh: Mesh, name: str) -> tuple[str, ...]:

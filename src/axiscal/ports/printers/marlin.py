@@ -11,7 +11,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, play_of
+from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, other_words, play_of, zero_note
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import Mesh, Skew, plane_axes
@@ -41,7 +41,8 @@ class Marlin(MapFormat):
         reach = max(abs(end) for axis in machine.axes for end in axis.travel)
         steps = {"X": _STEP + 2e-7 * reach, "Y": _STEP + 2e-7 * reach, "Z": 2 * _STEP}
         files = {_FILE: text_of(content)} if mesh or skew or play else {}
-        return Written(files, steps, _notes(mesh, skew, play), in_words(content))
+        where = [zero_note(each, options) for each in content.meshes]
+        return Written(files, steps, (*_notes(mesh, skew, play), *where), in_words(content))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what commands made active: a report of M503 or the file of an earlier export; raises TableError."""
@@ -54,7 +55,9 @@ class Marlin(MapFormat):
                 raise TableError(what, "send M503, and save what Marlin answers", file.name)
             meshes, skew = (*meshes, *found.meshes), found.skew or skew
             play |= play_of(found)
-        return Loaded(lost_motion(machine, play), meshes, skew)
+        letters = {"M425": "XYZFS", "M852": "IJKS"}
+        untaken = tuple(each for file in files for each in other_words(file, letters))
+        return Loaded(lost_motion(machine, play), meshes, skew, untaken=untaken)
 
 
 def _points(options: ExportOptions) -> int | None:
@@ -107,7 +110,7 @@ def read(text: str, machine: Machine) -> Loaded:
             skew = {plane: values[letter] for plane, letter in _SKEW.items() if letter in values}
         elif command[1] == "M425":
             share = values.pop("F", 1.0)
-            play = {axis: share * float(from_unit(v, "mm")) for axis, v in values.items() if axis != "S"}
+            play = {axis: share * float(from_unit(v, "mm")) for axis, v in values.items() if axis in "XYZ"}
         elif values.keys() >= set("IJZ"):
             heights[int(values["I"]), int(values["J"])] = values["Z"]
         else:

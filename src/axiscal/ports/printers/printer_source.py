@@ -30,13 +30,14 @@ from axiscal.language.spoken import later, said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import tip_at
 from axiscal.measurement.touched import FROM_ABOVE, cycle_of, met_from, read_as, stated
+from axiscal.ports.printers.homing import Place, homed_at, zero_of
 from axiscal.ports.printers.klipper import holds_heights, plain_profile
 from axiscal.ports.printers.printer import Duet, Moonraker, Printer, found_at
 from axiscal.units import from_unit, to_unit
 
 _CONFIG = "axiscal_mesh.cfg"
 _INCLUDE = re.compile(r"^\[include\s+(\S.*?)\s*\]", re.MULTILINE)
-_MAP = "0:/sys/heightmap.csv"
+_MAP, _HOMES_Z = "0:/sys/heightmap.csv", "0:/sys/homez.g"
 _STARTING = (404, 503)
 """How Moonraker answers for Klipper while that starts: no such page yet, or nobody there."""
 _RESTART = 60.0
@@ -95,6 +96,10 @@ class _Loader(Printer):
         self._store(file, new)
         return said
 
+    @abstractmethod
+    def zero(self) -> Place | None:
+        """Return where the printer homes Z, m, None where its files do not say; raises SourceError."""
+
     def accepted_text(self, files: Mapping[str, str]) -> str:
         """Return the text that the printer takes; raises TableError where an export does not hold it."""
         if self._file not in files:
@@ -127,6 +132,10 @@ class MoonrakerLoader(_Loader, Moonraker):
             what = "the printer {host} does not hold the profile {name} as it was sent"
             raise self._not_ready(what, "Look at its console", name=name)
         return f"{_CONFIG} is in the printer, and its profile {name} is in force{kept}. It has to be homed again."
+
+    def zero(self) -> Place | None:
+        """Ask for the configuration that Klipper has read."""
+        return zero_of(found_at(self._status(configfile="config"), "configfile", "config") or {})
 
     def _stored(self, file: str) -> bytes | None:
         return self._held(f"/server/files/config/{file}")
@@ -171,6 +180,11 @@ class DuetLoader(_Loader, Duet):
             self._switch("G29 S2", "none")  # else that of before would be taken for the new one
         self._switch("G29 S1", "mesh")
         return f"{_MAP} is in the printer and in force{kept}."
+
+    def zero(self) -> Place | None:
+        """Read the file that homes Z; G30 probes beside the nozzle."""
+        x, y = (float(from_unit(each, "mm")) for each in self.probe_offset())
+        return homed_at((self._stored(_HOMES_Z) or b"").decode(errors="replace"), (x, y))
 
     def _switch(self, code: str, kind: str) -> None:
         """Execute a line and wait until the compensation is of a kind; raises SourceError."""

@@ -12,7 +12,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import height_map, is_height_map
 from axiscal.measurement.readers.csv_table import TextFile
-from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, play_of
+from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, other_words, play_of, zero_note
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import PLANES, Mesh, Skew, mesh_of_nodes
@@ -56,7 +56,8 @@ class RepRapFirmware(MapFormat):
         if content.skew or play:
             files[_CODE] = code_of(content.skew, play)
         steps = {"X": _STEP, "Y": _STEP, "Z": _STEP if "Z" in play else 2e-9}
-        return Written(files, steps, _notes(content, play), in_words(content))
+        notes = (*_notes(content, play), *(zero_note(mesh, options) for mesh in content.meshes))
+        return Written(files, steps, notes, in_words(content))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what height maps hold, and what G-code sets; raises ReadingError, TableError."""
@@ -70,7 +71,9 @@ class RepRapFirmware(MapFormat):
                 skew = _skew({letter: float(word) for letter, word in commands["M556"].items()})
             own = {axis: word for axis, word in commands.get("M425", {}).items() if axis in "XYZ"}
             play |= {axis: float(from_unit(float(word), "mm")) for axis, word in own.items()}
-        return Loaded(lost_motion(machine, play), tuple(meshes), skew)
+        letters = {"M425": "XYZS", "M556": "XYZSP"}
+        untaken = tuple(each for file in files for each in other_words(file, letters))
+        return Loaded(lost_motion(machine, play), tuple(meshes), skew, untaken=untaken)
 
 
 def _notes(content: Loaded, play: Mapping[str, float]) -> tuple[str, ...]:

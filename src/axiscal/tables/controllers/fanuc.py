@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import TableError
+from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import later, said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
@@ -279,13 +279,29 @@ class Fanuc(TableFormat):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the control makes of punched files; raises TableError."""
-        numbers, tables = options.numbered(machine), list[CompensationTable]()
+        numbers, tables, untaken = options.numbered(machine), list[CompensationTable](), list[InputError]()
         for file in files:
             records = read_records(file.text, file.name)
             plans = read_plans(records, file.name, machine, numbers)
             taken = ((name, plan.positions, -options.sign * _sums(records, plan)) for name, plan in plans.items())
             tables += [CompensationTable(name, at, values, values) for name, at, values in taken]
-        return Loaded(tuple(tables))
+            untaken += _untaken(file, records, plans, options)
+        return Loaded(tuple(tables), untaken=tuple(untaken))
+
+
+def _untaken(
+    file: OldFile, records: Records, plans: Mapping[str, PitchParameters], options: ExportOptions
+) -> Iterator[TableError]:
+    """Yield a failure for each entry of no axis that is known here, but for those that the template keeps."""
+    kept = read_records(options.saved("FANUC"), options.template_name)
+    taken = {FIRST_DATA + point for plan in plans.values() for point in plan.numbers}
+    for line, text in enumerate(file.text.splitlines(), 1):
+        found = _RECORD.fullmatch(text.strip())
+        number = int(found[1]) if found else 0
+        beyond = FIRST_DATA <= number < FIRST_DATA + 10**_DIGITS and number not in taken
+        if beyond and any(map(float, records[number].values())) and kept.get(number) != records[number]:
+            what, remedy = "{text!r} belongs to no axis", "its number is in no range of 3621 to 3622: take it out"
+            yield TableError(what, remedy, file.name, line, text=text.strip()[:40])
 
 
 def _template(options: ExportOptions, machine: Machine) -> dict[str, PitchParameters]:

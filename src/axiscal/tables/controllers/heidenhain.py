@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import TableError
+from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.exporter import FLIP, ExportOptions, TableFormat, Written
@@ -93,7 +93,9 @@ class Heidenhain(TableFormat):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what tables do; raises TableError."""
-        return Loaded(tuple(one for file in files for one in _read(file, machine, options.sign)))
+        untaken = list[InputError]()
+        tables = [one for file in files for one in _read(file, machine, options.sign, untaken)]
+        return Loaded(tuple(tables), untaken=tuple(untaken))
 
 
 def read_layout(text: str, file: str) -> Layout:
@@ -121,7 +123,7 @@ def read_layout(text: str, file: str) -> Layout:
     return Layout(lines[0], lines[1], heads, edges, lines[-1], decimals)
 
 
-def _read(file: OldFile, machine: Machine, sign: float) -> list[CompensationTable]:
+def _read(file: OldFile, machine: Machine, sign: float, untaken: list[InputError]) -> list[CompensationTable]:
     """Return what the control makes of one file: the axis that its name begins with is looked up, or the one named."""
     read_layout(file.text, file.name)
     first, header, *rows, _ = (line for line in file.text.splitlines() if line.strip())
@@ -129,6 +131,9 @@ def _read(file: OldFile, machine: Machine, sign: float) -> list[CompensationTabl
     table = np.array([[float(word) for word in row.split()] for row in rows])
     columns = dict(zip(header.split(), table.T, strict=True))
     at = from_unit(columns["AXISPOS"], over.unit)
+    what, remedy = "no axis is known for the column {name}", "describe that axis, or set the column to 0"
+    taken = {"NR", "AXISPOS", "BACKLASH", *(axis.name for axis in machine.axes)}
+    untaken += [TableError(what, remedy, file.name, 2, name=n) for n in columns.keys() - taken if columns[n].any()]
     tables = []
     for axis in (axis for axis in machine.axes if axis.name in columns):
         values, step = (sign * from_unit(columns[name], axis.unit) for name in (axis.name, "BACKLASH"))

@@ -15,7 +15,7 @@ from typing import ClassVar
 import numpy as np
 
 from axiscal.document.file import number_or_none
-from axiscal.exceptions import TableError
+from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import later
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
@@ -32,18 +32,24 @@ _MOST_POINTS = 100_000
 
 
 def read(
-    text: str, names: Mapping[str, str], machine: Machine, flip: bool = False, encoder: int | None = None
+    text: str,
+    names: Mapping[str, str],
+    machine: Machine,
+    flip: bool = False,
+    encoder: int | None = None,
+    untaken: list[InputError] | None = None,
 ) -> list[CompensationTable]:
     """Return what a SINUMERIK makes of a file, by its manuals: one assignment after the other.
 
     flip : CEC values are added as they are, instead of taken away as encoder compensation is
     encoder : 0 or 1, the measuring system that is looked at; None for the one that there is
+    untaken : takes a failure for each table with values that has no use here
     Raises TableError for a line that is none, for tables that are not whole, and for one that is multiplied by another.
     """
     own = {f"{name}1": name for name in names} | {name: name for name in names}
     axes = own | {identifier: name for name, identifier in names.items()}
-    tables: dict[tuple[str, ...], dict[str, str]] = {}
-    for line in (_PLAIN.sub("", each.split(";")[0]).strip() for each in text.splitlines()):
+    tables, begins = dict[tuple[str, ...], dict[str, str]](), dict[tuple[str, ...], tuple[int, str]]()
+    for number, line in enumerate((_PLAIN.sub("", each.split(";")[0]).strip() for each in text.splitlines()), 1):
         if not line or line.startswith(("%_N_", "CHANDATA(")) or line in ("M17", "M30"):
             continue
         found = _VALUE.fullmatch(line)
@@ -51,13 +57,22 @@ def read(
             remedy = "this is a defect of axiscal"
             raise TableError("SINUMERIK would not understand {text!r}", remedy, text=line[:60])
         _, kind, key, first, second, third, value = found.groups()
-        if kind == "ENC_COMP" and encoder not in (None, int(first)):
-            continue
-        place = (kind, first) if kind == "CEC" else (kind, first, (third or second or ""))
+        place: tuple[str, ...] = (kind, first) if kind == "CEC" else (kind, first, (third or second or ""))
         index = key or f"#{second}"
         tables.setdefault(place, {})[index] = value
-    found_ones = (_understood(place, values, axes, machine, flip) for place, values in tables.items())
-    return [table for table in found_ones if table is not None]
+        begins.setdefault(place, (number, line))
+    found_ones = list[CompensationTable]()
+    for place, values in tables.items():
+        other = place[0] == "ENC_COMP" and encoder not in (None, int(place[1]))
+        table = None if other else _understood(place, values, axes, machine, flip)
+        found_ones += [] if table is None else [table]
+        if table is None and untaken is not None and any(_number(v) for key, v in values.items() if key[0] == "#"):
+            what = "the table that begins with {text!r} is for no axis that is known here, or has no STEP"
+            remedy = "Say whose it is: --number X=1 for AX1, or --on-top-of X=FILE; else take it out of the file"
+            if other:
+                what, remedy = "{text!r} is of another measuring system", "Say --measuring-system 2, or take it out"
+            untaken.append(TableError(what, remedy, None, begins[place][0], text=begins[place][1][:60]))
+    return found_ones
 
 
 def _understood(
@@ -219,14 +234,27 @@ class Sinumerik(TableFormat):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what tables did of the chosen measuring system; raises TableError."""
-        names, tables = _names(machine, options), list[CompensationTable]()
+        names, tables, untaken = _names(machine, options), list[CompensationTable](), list[InputError]()
         for file in files:
+            own = {machine.axis(file.axis).name: _only_axis(file)} if file.axis else names
+            left = list[InputError]()
             try:
-                tables += read(file.text, names, machine, options.flip, options.encoder - 1)
+                tables += read(file.text, own, machine, options.flip, options.encoder - 1, left)
             except TableError as fault:
                 remedy = "give AX_EEC.INI and NC_CEC.INI as the control saved them"
                 raise TableError(fault.what, remedy, file.name) from None
-        return Loaded(tuple(tables))
+            untaken += [fault.placed(file.name, fault.line) for fault in left]
+        return Loaded(tuple(tables), untaken=tuple(untaken))
+
+
+def _only_axis(file: OldFile) -> str:
+    """Return the axis that a file of one axis is for, as it writes it; raises TableError for several."""
+    found = {third or second for _, kind, _, _, second, third, _ in _VALUE.findall(file.text) if kind == "ENC_COMP"}
+    found = {name for name in found if not name.isdigit()}
+    if len(found) != 1:
+        what, remedy = "this file has tables of {known}", "give it without AXIS=, and each axis its --number"
+        raise TableError(what, remedy, file.name, known=", ".join(sorted(found)) or "-")
+    return str(found.pop())
 
 
 def _names(machine: Machine, options: ExportOptions) -> dict[str, str]:

@@ -16,7 +16,7 @@ import numpy as np
 from axiscal.document.file import number_or_none
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import TableError
+from axiscal.exceptions import InputError, TableError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.ports.linuxcnc.tables import cross, pivots
@@ -30,6 +30,7 @@ from axiscal.units import from_unit
 
 _CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-(\d+)\s+(\S+)")
 
+_POINT = re.compile(r"\s*setp\s+\S*[xy]-val-\d+\s")
 _LARGEST = 1e6
 """In the machine's unit: a kilometre in millimetres, which no table corrects."""
 
@@ -97,14 +98,15 @@ class Linuxcnc(TableFormat):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what files did, by what they say alone; raises TableError."""
-        joints, tables = options.joints(machine), list[CompensationTable]()
+        joints, tables, untaken = options.joints(machine), list[CompensationTable](), list[InputError]()
         for file in files:
             if file.name.lower().endswith(".hal"):
-                tables += _curves(file, machine, options.unit)
+                tables += _curves(file, machine, options.unit, untaken)
+            elif file.backlash:
+                tables += _backlash(file, _axis(file, machine, joints), machine, options.unit)
             else:
-                one = _backlash if file.backlash else _table
-                tables += one(file, _axis(file, machine, joints), machine, options.unit)
-        return Loaded(tuple(tables))
+                tables += _table(file, _axis(file, machine, joints), machine, options.unit, untaken)
+        return Loaded(tuple(tables), untaken=tuple(untaken))
 
 
 def _pivots(estimate: Estimate) -> pivots.Pivots:
@@ -204,10 +206,15 @@ def _axis(file: OldFile, machine: Machine, joints: Mapping[str, Sequence[int]]) 
     raise TableError("nothing says which axis this table is for", remedy, file.name, path=file.name)
 
 
-def _table(file: OldFile, axis: str, machine: Machine, machine_unit: str) -> list[CompensationTable]:
+def _table(
+    file: OldFile, axis: str, machine: Machine, machine_unit: str, untaken: list[InputError]
+) -> list[CompensationTable]:
     kept = _parsed(file, _type(file))
     if not len(kept.nominal):
         raise TableError("LinuxCNC reads no row of this file", "name a COMP_FILE", file.name)
+    what, remedy = "LinuxCNC skips this row: {text!r}", "take it out, or mend it: rows increase, 256 of them at most"
+    lines = file.text.split("\n")
+    untaken += [TableError(what, remedy, file.name, n, text=lines[n - 1].strip()[:40]) for n in kept.skipped]
     unit = "deg" if machine.axis(axis).rotary else machine_unit
     at, forward, reverse = (from_unit(values, unit) for values in (kept.nominal, kept.forward, kept.reverse))
     return [CompensationTable(axis, at, -forward, -reverse)]
@@ -238,9 +245,13 @@ def _backlash(file: OldFile, axis: str, machine: Machine, unit: str) -> list[Com
     return [*lost_motion(machine, {axis: lost})]
 
 
-def _curves(file: OldFile, machine: Machine, unit: str) -> list[CompensationTable]:
+def _curves(file: OldFile, machine: Machine, unit: str, untaken: list[InputError]) -> list[CompensationTable]:
     """Return the curves of axes over other axes."""
     found: dict[tuple[str, str], dict[str, dict[int, float]]] = {}
+    for line, text in enumerate(file.text.splitlines(), 1):
+        if _POINT.match(text) and not _CURVE.search(text):
+            what, remedy = "{text!r} names no axis over another one", "name the curve as in setp y-x.x-val-00 0"
+            untaken.append(TableError(what, remedy, file.name, line, text=text.strip()[:60]))
     for moved, over, side, place, value in _CURVE.findall(file.text):
         if (number := number_or_none(value)) is None:
             remedy = "give the HAL file as it is"

@@ -1,0 +1,142 @@
+"""A mesh is zero where the printer homes Z: by its own files, over the network, as stated, or in the middle."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.cli.app import run
+from axiscal.numerics import Array
+from axiscal.ports.printers.homing import zero_in
+from axiscal.ports.printers.printer_source import loader_at
+from tests.campaign.test_printer_loader import Keeping, at
+from tests.campaign.test_printer_source import serving
+from tests.generators.field import FIELD, with_field
+from tests.tables.test_bed_round_trips import (
+    X,
+    Y,
+    bed,
+    duet_map,
+    estimated,
+    exported,
+    klipper_file,
+    klipper_profile,
+    marlin_words,
+)
+
+PROBE = "[bltouch]\nx_offset: -20\ny_offset: 5\nz_offset: 1\n"
+BY_PROBE = "[stepper_z]\nendstop_pin: probe:z_virtual_endstop\n"
+HOME = "[safe_z_home]\nhome_xy_position: 110, 90  # mm\n"
+OVERRIDE = (
+    "[homing_override]\naxes: xyz\ngcode:\n    G90\n    G28 X Y\n    G0 X100Y50 F6000\n    G1 Y60\n    G28 Z0\n"
+    "    G0 X1 Y1\n"
+)
+MACRO = "[gcode_macro START]\ngcode:\n  G1 X5 Y5\n  G28\n"
+DUET = "; homez.g\nG91\nG1 H2 Z5\nG90\nG1 X130 Y80 F6000 ; middle\nG30\n"
+MARLIN = "#define Z_SAFE_HOMING\n#define Z_SAFE_HOMING_X_POINT {}  // X point\n#define Z_SAFE_HOMING_Y_POINT 70.5\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        (f"{HOME}[bed_mesh]\nzero_reference_position = 150, 140\n", (150, 140)),
+        (HOME, (110, 90)),
+        (HOME + PROBE, (110, 90)),
+        (HOME + PROBE + BY_PROBE, (90, 95)),
+        (OVERRIDE + MACRO, (100, 60)),
+        (OVERRIDE + PROBE + BY_PROBE, (80, 65)),
+        (OVERRIDE.replace("G1 Y60", "G1 Y{params.Y}"), None),
+        (MACRO + BY_PROBE, None),
+        (klipper_file(X, Y, bed(X, Y)), None),
+        (DUET, (130, 80)),
+        (f"G31 P500 X-25.5 Y10 Z2\n{DUET}", (104.5, 90)),
+        (DUET.replace("G30", "G1 H1 Z-300"), None),
+        (DUET.replace("X130", "X{global.middle}"), None),
+        (MARLIN.format("60"), (60, 70.5)),
+        (MARLIN.format("X_CENTER"), None),
+        *((text, (150, 150)) for text in with_field({}, "04-bed-map-zero/bowl.cfg")),
+        *((text, None) for text in with_field({}, "15-two-profiles/two.cfg")),
+    ],
+)
+def test_files_of_a_printer_say_where_it_homes(text: str, place: tuple[float, float] | None) -> None:
+    found = zero_in(text)
+    assert found == (None if place is None else pytest.approx((place[0] * 1e-3, place[1] * 1e-3)))
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return estimated(tmp_path_factory.mktemp("bed"), klipper_file(X, Y, bed(X, Y)), "printer.cfg")
+
+
+def height(x: Array, y: Array, mesh: Array, at: tuple[float, float]) -> float:
+    """Return a mesh at a place: linear along x, then along y.  x, y : mm"""
+    return float(np.interp(at[1], y, [np.interp(at[0], x, row) for row in mesh]))
+
+
+@pytest.mark.parametrize(
+    ("option", "place"),
+    [((), (150.0, 120.0)), (("--zero", "70 mm, 20 mm"), (70.0, 20.0)), (("--zero", "home.cfg"), (90.0, 95.0))],
+)
+def test_the_files_of_every_printer_are_zero_where_it_homes(
+    record: Path, option: tuple[str, ...], place: tuple[float, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(record.parent)
+    Path("home.cfg").write_text(HOME + PROBE + BY_PROBE)
+    files = {control: exported(record, control, *option) for control in ("klipper", "reprapfirmware", "marlin")}
+    x, y, mesh = klipper_profile(files["klipper"]["bed_mesh.cfg"], "axiscal")
+    assert np.ptp(mesh) > 0.1
+    assert height(x, y, mesh, place) == pytest.approx(0.0, abs=1e-6)
+    assert height(*duet_map(files["reprapfirmware"]["heightmap.csv"]), place) == pytest.approx(0.0, abs=1e-6)
+    points = np.array([word["Z"] for word in marlin_words(files["marlin"]["axiscal.gcode"], "M421")])
+    assert height(x, y, points.reshape(len(y), len(x)), place) == pytest.approx(0.0, abs=2e-4)
+    for texts in files.values():
+        assert f"zero at X{place[0]:g} Y{place[1]:g}" in texts["README.txt"]
+
+
+def test_a_file_that_does_not_say_is_refused_by_name(
+    record: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "macros.cfg").write_text(MACRO)
+    words = ["export", str(record), "--to", "klipper", "--out", str(tmp_path / "k"), "--zero", "macros.cfg"]
+    monkeypatch.chdir(tmp_path)
+    assert run(words) != 0
+    assert "macros.cfg: this file states no place where Z is homed" in " ".join(capsys.readouterr().err.split())
+
+
+def test_the_printer_is_asked_where_it_homes() -> None:
+    with serving(Keeping()) as server:
+        server.klipper["configfile"]["config"] = {
+            "safe_z_home": {"home_xy_position": "110, 90"},
+            "stepper_z": {"endstop_pin": "probe:z_virtual_endstop"},
+            "bltouch": {"x_offset": "20", "y_offset": "-5"},
+        }
+        assert loader_at(at("moonraker", server), "klipper").zero() == pytest.approx((0.13, 0.085))
+        server.files["0:/sys/homez.g"] = DUET
+        assert loader_at(at("duet", server), "reprapfirmware").zero() == pytest.approx((0.15, 0.075))
+        server.files["0:/sys/homez.g"] = "G28\n"
+        assert loader_at(at("duet", server), "reprapfirmware").zero() is None
+
+
+def test_a_bowl_of_the_field_is_zero_where_its_printer_homes(tmp_path: Path) -> None:
+    folder = FIELD / "04-bed-map-zero"
+    if folder.is_dir():
+        assert (
+            run(
+                [
+                    "data",
+                    "estimate",
+                    str(folder / "campaign.toml"),
+                    str(folder / "bowl.cfg"),
+                    "--out",
+                    str(tmp_path / "o"),
+                ]
+            )
+            == 0
+        )
+        x, y, mesh = klipper_profile(
+            exported(tmp_path / "o" / "campaign.axiscal", "klipper")["bed_mesh.cfg"], "axiscal"
+        )
+        assert height(x, y, mesh, (150.0, 150.0)) == pytest.approx(0.0, abs=1e-6)
+        assert mesh[0, 0] == pytest.approx(0.243, abs=0.002)
