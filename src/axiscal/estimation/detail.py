@@ -3,7 +3,7 @@
 Curves of one kind go together: displacements or angles, of linear or rotary axes. Descriptions are weighed by the same
 readings, sizes integrated over. A quarter of the distance comes first: where it is no better, half of it is neither.
 Of detail that half cannot follow the sizes take all for a rest. Knots that somebody stated stay, and so do those of an
-inherited belief.
+inherited belief; so do those of a kind of which more would be added than numbers were read.
 """
 
 from __future__ import annotations
@@ -42,6 +42,8 @@ def as_fine_as_shown(stated: Case, known: Estimation) -> Case:
     highest = _log_evidence(judged)
     for mine in names.values():
         once = _halved(best, mine)
+        if once is best or once.errors.size - best.errors.size > len(judged.values):
+            continue
         twice = _halved(once, mine)
         if (finest := _log_evidence(_posed(twice, known, judged))) < highest + _CERTAIN:
             continue
