@@ -35,8 +35,8 @@ def as_fine_as_shown(stated: Case, known: Estimation) -> Case:
 
     known : what the readings make known by it while others are to follow
     """
-    names = {} if known.posterior is None or stated.inherited is not None else _free(stated.description.machine)
-    if not names or known.posterior is None:
+    names = _free(stated.description.machine)
+    if not names or known.posterior is None or stated.inherited is not None:
         return stated
     judged, best = known.posterior.draws[0].problem, stated
     highest = _log_evidence(judged)
