@@ -94,7 +94,7 @@ def test_what_lies_beside_a_record_says_nothing(record: Path) -> None:
 def test_a_station_in_two_places_does_not_refuse_the_reading_that_decides(
     record: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(running, "concluded", _ambiguous)
+    monkeypatch.setattr(running, "in_detail", _ambiguous)
     with Campaign.open(record, write=False) as campaign:
         assert campaign.estimate().readings
         with pytest.raises(AmbiguityError):
@@ -102,7 +102,7 @@ def test_a_station_in_two_places_does_not_refuse_the_reading_that_decides(
 
 
 def test_a_station_in_two_places_has_a_status_after_its_end(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(running, "concluded", _ambiguous)
+    monkeypatch.setattr(running, "in_detail", _ambiguous)
     with Campaign.open(record) as campaign:
         campaign.finish("no more time")
         assert campaign.status().accuracy == campaign.estimate().accuracy
@@ -111,7 +111,7 @@ def test_a_station_in_two_places_has_a_status_after_its_end(record: Path, monkey
 def test_each_answer_is_found_once_for_the_same_readings(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with Campaign.open(record) as campaign:
         first = campaign.status(), campaign.reached(), campaign.estimate(ended=True)
-        for name in ("concluded", "standing"):
+        for name in ("in_detail", "standing"):
             monkeypatch.setattr(running, name, None)
         assert (campaign.status(), campaign.reached(), campaign.estimate(ended=True)) == first
         campaign.undo()

@@ -36,7 +36,7 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.document.durable import Closing
 from axiscal.estimation.agreement_words import named
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.estimate import estimated, in_detail
 from axiscal.estimation.estimation import Estimation, path
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import Doubt
@@ -129,7 +129,7 @@ class Campaign(Closing):
         """
         readings = self.state.readings
         if ended:
-            return self._memo.answer(("ended", readings), lambda: concluded(self.case(), readings, self.estimate()))
+            return self._memo.answer(("ended", readings), lambda: in_detail(self.case(), readings, self.estimate()))
         return self._memo.answer(readings, lambda: estimated(self.case(), readings))
 
     def next(self, *, beyond: bool = False) -> Asked | Ended:

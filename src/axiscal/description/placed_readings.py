@@ -360,9 +360,9 @@ def _refuse_outside(setup: Setup, axis: Axis, index: int, value: float) -> NoRet
     elif limit is reached:
         what = '{axis} = {shown} is within the travel and outside the reach of the set-up "{setup}"'
         remedy = "Its reach is {travel}: correct the reading, or the reach in campaign.toml"
-    values = {"axis": axis.name, "shown": format_quantity(value, axis.unit, 9), "travel": limit.travel_text}
-    base = format_quantity(setup.base or 0.0, axis.unit, 9)
-    raise ReadingError(what, remedy, setup=setup.name, instrument=setup.instrument, base=base, **values)
+    shown, base = (format_quantity(each, axis.unit, 9) for each in (value, setup.base or 0.0))
+    whose = {"setup": setup.name, "instrument": setup.instrument, "base": base}
+    raise ReadingError(what, remedy, None, None, axis=axis.name, shown=shown, travel=limit.travel_text, **whose)
 
 
 def off_chart(machine: Machine, chart: Chart, pose: Array) -> float:

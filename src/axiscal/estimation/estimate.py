@@ -2,9 +2,11 @@
 
     known = estimated(case, readings)
     known = concluded(case, readings)
+    known = in_detail(case, readings)
 
-Both are the same for readings that are linear enough, as nearly all are. `concluded` also tests whether a station may
-as well stand elsewhere. It uses rows at the machine as found where those of the nominal one mislead.
+The first two are the same for readings that are linear enough, as nearly all are. `concluded` also tests whether a
+station may as well stand elsewhere. It uses rows at the machine as found where those of the nominal one mislead. The
+last one also halves knots where the readings show finer detail.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from axiscal.estimation.case import Case
+from axiscal.estimation.detail import as_fine_as_shown
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import Doubt, judged
 from axiscal.estimation.learnt import posed, posterior_of, turned, without_bad
@@ -64,6 +67,13 @@ def concluded(stated: Case, readings: Sequence[Reading], so_far: Estimation | No
         return last if side == before.side else _finished(case, _estimated(stated, case, readings))
 
     return _of_likeliest(stated, found, before.side)
+
+
+def in_detail(stated: Case, readings: Sequence[Reading], so_far: Estimation | None = None) -> Estimation:
+    """Return the same with knots as close as the readings ask for; the case called stated then has them, too."""
+    before = so_far or estimated(stated, readings)
+    finer = as_fine_as_shown(stated, before)
+    return concluded(finer, readings, before if finer is stated else None)
 
 
 def _finished(case: Case, known: Estimation) -> Estimation:

@@ -235,6 +235,12 @@ class ErrorEntry:
         """The rest before any reading, m or rad: as stated, a guess where it is to be learnt, else none."""
         return GUESSED_REST * self.std if self.rest is None and self.rest_estimated else self.rest or 0.0
 
+    @property
+    def follows_length(self) -> bool:
+        """Whether it is a curve of which nobody says how many knots it has: they follow from its length."""
+        curve = self.kind == "motion" and self.parts.shape == "curve"
+        return curve and self.length is not None and self.knots is None and self.spacing is None
+
     def knot_count(self, axis: Axis) -> int:
         """Return the number of equidistant knots over the travel, both ends included; 1 for a constant.
 

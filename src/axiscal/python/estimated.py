@@ -15,7 +15,7 @@ from axiscal.errors.model import ErrorFunction
 from axiscal.errors.prior import matern
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
-from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimate import in_detail
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.machine_estimate import Band
@@ -150,7 +150,7 @@ def estimate(campaign: Case | str | Path, readings: Sequence[Reading] | str | Pa
         raw = read_any(Path(readings), description.machine.axes, description.setups)
         file, readings = readings, placed_readings(raw, description, readings)
         refuse_implausible(readings, description, file)
-    return Estimated(concluded(case_of(description), tuple(readings)))
+    return Estimated(in_detail(case_of(description), tuple(readings)))
 
 
 class Estimated(Mapping[str, Curve]):

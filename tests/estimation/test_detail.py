@@ -1,0 +1,145 @@
+"""Knots by evidence: detail that was read is followed, a smooth axis and what somebody said keep their knots."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.accuracy.expanded import expanded
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded, in_detail
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.promise.problem import Inherited
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from tests.generators.texts import campaign_text, machine_text, setup_text
+
+Curve = Callable[[Array], Array]
+
+LASER = campaign_text(
+    "m", setup_text("laser", "interferometer", direction="x", noise="0.3 um", approach="+"), compensation_active=False
+)
+
+
+def case(errors: dict[str, str], *, fine_knots: bool = True) -> Case:
+    text = machine_text("w-b-X-t", {"X": (0, 1000)}, errors)
+    return Case(campaign_from_texts(LASER, "c.toml", text, "m", fine_knots=fine_knots))
+
+
+FREE = case({"EXX": 'std = "10 um", length = "400 mm"'})
+
+
+def smooth(x: Array) -> Array:
+    """Return an error in m that three knots to a wave follow."""
+    return 8e-6 * np.sin(3 * x) + 4e-6 * x
+
+
+def detailed(x: Array) -> Array:
+    """Return one that has waves of 200 mm as well, beside knots at 100 mm."""
+    return smooth(x) + 5e-6 * np.sin(2 * np.pi * x / 0.2)
+
+
+def read(curve: Curve, count: int, seed: int = 1) -> list[Reading]:
+    rng = np.random.default_rng(seed)
+    at = rng.permutation(np.linspace(0.0, 1.0, count) + rng.uniform(-0.3, 0.3, count) / count).clip(0, 1)
+    shown = curve(at) + 0.3e-6 * rng.standard_normal(count)
+    return [Reading("laser", (x,), (1,), v, time=30.0 * i) for i, (x, v) in enumerate(zip(at, shown, strict=True))]
+
+
+def knots(known: Estimation, name: str = "EXX") -> int:
+    return len(known.case.errors.names[name].basis.knots)
+
+
+def left(known: Estimation, curve: Curve) -> float:
+    """Return the RMS that is left at places that were not read, a constant taken off, m."""
+    at = np.linspace(0.013, 0.987, 300)[:, None]
+    return float(np.std(curve(at[:, 0]) - known.estimate().deviation(at, np.ones_like(at))[:, 0]))
+
+
+@pytest.mark.parametrize("count", [40, 80, 160])
+def test_detail_that_was_read_is_followed(count: int) -> None:
+    readings = read(detailed, count)
+    before, after = concluded(FREE, readings), in_detail(FREE, readings)
+    assert knots(after) > knots(before)
+    assert knots(after) % 2 == 1
+    assert left(after, detailed) < 0.5e-6
+    assert left(after, detailed) < 0.5 * left(before, detailed)
+    u = [expanded(each.case.yardstick, each.printed.belief).space for each in (before, after)]
+    assert u[1] < u[0]
+
+
+def test_what_follows_is_of_the_knots_that_were_found() -> None:
+    known = in_detail(FREE, read(detailed, 80))
+    assert known.stated.errors.size == known.case.errors.size == len(known.estimate().mean)
+    again = concluded(known.stated, known.readings)
+    np.testing.assert_allclose(again.printed.belief.mean, known.printed.belief.mean, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("count", [12, 40, 120])
+def test_a_smooth_axis_keeps_its_knots(count: int, seed: int) -> None:
+    readings = read(smooth, count, seed)
+    assert knots(in_detail(FREE, readings)) == knots(concluded(FREE, readings))
+
+
+def test_a_right_machine_is_known_better_with_more_readings() -> None:
+    every = [in_detail(FREE, read(smooth, count)) for count in (15, 45, 135)]
+    u = [expanded(each.case.yardstick, each.printed.belief).space for each in every]
+    assert u[0] >= u[1] >= u[2]
+
+
+@pytest.mark.parametrize(
+    "fixed",
+    [
+        case({"EXX": 'std = "10 um", length = "400 mm", knots = 11'}),
+        case({"EXX": 'std = "10 um", length = "400 mm", spacing = "100 mm"'}),
+        case({"EXX": 'std = "10 um", length = "400 mm"'}, fine_knots=False),
+        replace(FREE, inherited=Inherited(np.zeros(FREE.errors.size), FREE.errors.prior_covariance())),
+    ],
+    ids=["knots stated", "spacing stated", "record of before", "inherited"],
+)
+def test_knots_that_are_fixed_stay(fixed: Case) -> None:
+    assert knots(in_detail(fixed, read(detailed, 80))) == knots(concluded(fixed, read(detailed, 80)))
+
+
+TRACKER = campaign_text(
+    "m",
+    setup_text(
+        "tracker", "tracker", station=["500 mm", "-2000 mm", "0 mm"], noise="0.3 um",
+        unknowns={f"turn_{axis}": "20 mrad" for axis in "xyz"},
+    ),
+    compensation_active=False,
+)  # fmt: skip
+PLANE = machine_text(
+    "w-Y'-b-X-t",
+    {"X": (0, 1000), "Y": (0, 600)},
+    {"EXX": 'std = "10 um", length = "400 mm"', "EYY": 'std = "10 um", length = "240 mm"', "C0Y": "30 urad"},
+)
+
+
+@pytest.mark.long
+def test_only_what_shows_detail_is_followed_and_a_turned_tracker_is_no_hindrance() -> None:
+    """The tracker is turned by 5 mrad: readings are linear about that turn alone, with other knots as well."""
+    plane, rng = Case(campaign_from_texts(TRACKER, "c.toml", PLANE, "m")), np.random.default_rng(4)
+    x, y = rng.uniform(0, 1, 60), rng.uniform(0, 0.6, 60)
+    names = [axis.name for axis in plane.description.machine.axes]
+    seen = np.column_stack([x + detailed(x), y + smooth(y), 0 * x])
+    turned = np.array([[1, -5e-3, 0], [5e-3, 1, 0], [0, 0, 1]]) / np.array([np.sqrt(1 + 25e-6)] * 2 + [1])
+    station = np.array([0.5, -2.0, 0.0])
+    shown = (seen - station) @ turned.T + station - np.column_stack([x, y, 0 * x])
+    shown += 0.3e-6 * rng.standard_normal(shown.shape)
+    poses = np.column_stack([{"X": x, "Y": y}[name] for name in names])
+    readings = [
+        Reading("tracker", tuple(pose), (1, 1), float(value[0]), others=tuple(value[1:]), time=30.0 * i)
+        for i, (pose, value) in enumerate(zip(poses.tolist(), shown, strict=True))
+    ]
+    before, known = concluded(plane, readings), in_detail(plane, readings)
+    assert before.case.about is not None
+    assert knots(known) > knots(before)
+    along = np.linspace(0, 1, 201)
+    off = detailed(along) - known.estimate().curve("EXX", along).mean
+    assert np.std(off - np.polyval(np.polyfit(along, off, 1), along)) < 0.4e-6
