@@ -241,7 +241,7 @@ def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array)
     values = hats.best(shown.T).T
     left = estimate.factor if estimate.open is None else estimate.open
     roots = estimate.factor, estimate.model.prior_root(), left
-    known, before, read = (_Spread.from_rows(free, anchor, root) for root in roots)
+    known, before, read = (_Spread.from_rows(free, anchor, root, hats.points) for root in roots)
     departure = max(hats.departure(curve, line) for curve, line in zip(shown, values, strict=True))
     values = values + _rest_read(estimate, axis, over, hats.points)
     own, looked_up = estimate.machine.axes[axis], estimate.machine.axes[over]
@@ -256,36 +256,50 @@ def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array)
         _silent(before, known),
         departure,
         float(np.hypot(np.sqrt(np.mean(known.shape**2)), rest)),
-        read.tell(values, rest),
+        read.tell(values, hats.points, rest),
     )
+
+
+def _bent(rows: Array, along: Array) -> Array:
+    """Return rows (s, points, n) less the best-fit line of each over the points.  along : (points,)"""
+    line = np.stack([np.ones(len(along)), along - along.mean()], axis=1)
+    fitted: Array = line @ (np.linalg.pinv(line) @ rows)
+    return rows - fitted
 
 
 class _Spread(NamedTuple):
     """Standard deviations of a table's values, the larger of both directions, (points,).
 
     free : before a constant is taken off; anchored : after it; shape : less the mean over the table
+    bent : less the best-fit line of each direction, which may be how the part lies
     """
 
     free: Array
     anchored: Array
     shape: Array
+    bent: Array
 
     @classmethod
-    def from_rows(cls, rows: Array, anchor: Array, root: Array) -> _Spread:
-        """Return those of rows (s, points, size), less an anchor (size,), by F with F Fᵀ the covariance."""
+    def from_rows(cls, rows: Array, anchor: Array, root: Array, along: Array) -> _Spread:
+        """Return those of rows (s, points, size), less an anchor (size,), by F with F Fᵀ the covariance.
+
+        along : (points,) where they stand
+        """
         counts = np.any(rows, axis=(0, 1)) | (anchor != 0)
         known = root[counts]
         each = rows[:, :, counts] @ known
         off, mean = anchor[counts] @ known, each.mean(axis=(0, 1))
-        return cls(*(np.sqrt(np.max(np.sum((each - less) ** 2, axis=-1), axis=0)) for less in (0.0, off, mean)))
+        less = each, each - off, each - mean, _bent(each, along)
+        return cls(*(np.sqrt(np.max(np.sum(one**2, axis=-1), axis=0)) for one in less))
 
-    def tell(self, values: Array, rest: float) -> bool:
-        """Return whether values (s, points) are more than twice what they are known to: they, or they less their mean.
+    def tell(self, values: Array, along: Array, rest: float) -> bool:
+        """Return whether values (s, points) are more than twice what they are known to: as they stand, or their shape.
 
         rest : standard deviation of what no curve follows, of each of them
         """
-        sizes = np.array([np.sqrt(np.mean(values**2)), np.std(values)])
-        known = [np.hypot(np.sqrt(np.mean(each**2)), rest) for each in (self.anchored, self.shape)]
+        shapes = values, values - values.mean(), _bent(values[..., None], along)
+        sizes = np.array([np.sqrt(np.mean(each**2)) for each in shapes])
+        known = [np.hypot(np.sqrt(np.mean(each**2)), rest) for each in (self.anchored, self.shape, self.bent)]
         return bool(np.any(sizes > np.maximum(_TOLD * np.array(known), _NOTHING)))
 
 
