@@ -24,6 +24,8 @@ _WORTH = 1e-3
 """Share of J that a set-up more must bring, or it is mounted for nothing."""
 _EVERY_SUBSET = 4
 """Sets of up to so many set-ups are all tried; beyond it they would be hundreds."""
+_ROUNDING = 1e-9
+"""Share of a budget: what takes longer by less fits."""
 _MOST = 1000
 """A plan of more readings is for a robot; what it asks takes days."""
 _STALLED = 1e-7
@@ -78,7 +80,7 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
     if not limits.accurate or len(everything) > _EVERY_SUBSET:
         parts = _parts(task, everything)
         sets = _growing(base, parts, limits, times)
-        return _changed(sets, parts, key) if limits.accurate else _of_best_size(sets, key)
+        return _changed(sets, parts, key) if limits.accurate else of_best_size(sets, key)
     # all of them first: what takes longer than they do to reach the accuracy is given up at once
     values = {everything: key(everything)}
     values |= {s: key(s) for count in range(1, len(everything)) for s in combinations(everything, count)}
@@ -87,7 +89,7 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
 
 def sets_within(task: Task, limits: Limits) -> list[Setups]:
     """Return sets of set-ups that grow, all of which a budget can mount and read; none where it is too short."""
-    most, first = limits.budget or 0.0, first_seconds(task)
+    most, first = (limits.budget or 0.0) * (1 + _ROUNDING), first_seconds(task)
 
     def fits(setups: Setups) -> bool:
         return sum(first[setup] for setup in setups) <= most
@@ -156,7 +158,7 @@ def _evenly(candidates: NDArray[np.intp], count: int, shift: float) -> NDArray[n
     return candidates[((np.arange(count) + shift) * len(candidates) / max(count, 1)).astype(np.intp)]
 
 
-def _of_best_size(sets: Sequence[Setups], key: Callable[[Setups], tuple[float, float]]) -> Setups:
+def of_best_size(sets: Sequence[Setups], key: Callable[[Setups], tuple[float, float]]) -> Setups:
     """Return the best of sets that grow: every next one is better up to it, and hardly better behind it."""
     low, high = 0, len(sets) - 1
     while low < high:

@@ -33,11 +33,6 @@ from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.plan.task import Limits, Task
 
 
-def seconds_of(task: Task, places: Places) -> float:
-    """Return the time of readings on a short way, set-up by set-up."""
-    return seconds_along(task, _by_setup(task, places))
-
-
 def seconds_along(task: Task, order: Places) -> float:
     """Return the time of readings in this order."""
     return float(sum(seconds_each(task, order).tolist()))

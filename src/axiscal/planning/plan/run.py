@@ -24,7 +24,7 @@ class Ways:
 
     def __init__(self, task: Task, lattice: Places) -> None:
         self.task, self.lattice, self.of = task, lattice, dict(lattice.by_setup())
-        self._known = dict[bytes, tuple[Array, Array]]()
+        self._known = dict[tuple[int, int], tuple[Array, Array]]()
 
     def seconds(self, start: Places, stop: Places) -> Array:
         """Return the seconds from each place to each of others in the same set-up, (m, k)."""
@@ -34,13 +34,13 @@ class Ways:
         sides = counting(self.task, stop)[None]
         return way_seconds(machine, setup, start.poses[:, None], stop.poses[None], sides, straight=True)
 
-    def around(self, place: Places) -> tuple[Array, Array]:
-        """Return the seconds from a place to each candidate of its set-up, and from each to it, (m,)."""
-        key = place.setups.tobytes() + place.poses.tobytes() + place.approaches.tobytes()
-        if key not in self._known:
-            mine = self.lattice.within(self.of[int(place.setups[0])])
-            self._known[key] = self.seconds(place, mine)[0], self.seconds(mine, place)[:, 0]
-        return self._known[key]
+    def around(self, setup: int, candidate: int) -> tuple[Array, Array]:
+        """Return the seconds from a candidate of a set-up to each of its candidates, and from each to it, (m,)."""
+        if (setup, candidate) not in self._known:
+            mine = self.lattice.within(self.of[setup])
+            place = mine.single(candidate)
+            self._known[setup, candidate] = self.seconds(place, mine)[0], self.seconds(mine, place)[:, 0]
+        return self._known[setup, candidate]
 
 
 class Run:
@@ -51,15 +51,16 @@ class Run:
     """
 
     def __init__(self, ways: Ways, setup: int) -> None:
-        self._ways, self.setup, mine = ways, setup, ways.lattice.within(ways.of[setup])
+        self._ways, self.setup, self._mine = ways, setup, ways.lattice.within(ways.of[setup])
         described, here = ways.task.observation.setups[setup], ways.task.here
-        self._here = here if here is not None and int(here.setups[0]) == setup else mine.within(slice(0, 0))
+        self._here = here if here is not None and int(here.setups[0]) == setup else self._mine.within(slice(0, 0))
         self.mounting = 0.0 if len(self._here) else described.setup_time
         self.reading, self._round = reading_seconds(described), returns(described)
-        self._begin = ways.seconds(self._here, mine).sum(axis=0)
-        self.slots, self.places = np.zeros(0, dtype=np.intp), mine.within(slice(0, 0))
-        self._away = self._back = np.zeros((0, len(mine)))
+        self._begin = ways.seconds(self._here, self._mine).sum(axis=0)
+        self.slots, self.places = np.zeros(0, dtype=np.intp), self._mine.within(slice(0, 0))
+        self._away = self._back = np.zeros((0, len(self._mine)))
         self._legs, self._first = np.zeros((0, 0)), np.zeros(0)
+        self._gaps: Array | None = None
 
     @property
     def seconds(self) -> float:
@@ -73,6 +74,11 @@ class Run:
 
         The first reading of a set-up bears its mounting.
         """
+        if self._gaps is None:
+            self._gaps = self._found_gaps()
+        return self._gaps
+
+    def _found_gaps(self) -> Array:
         if not len(self.slots):
             return self.mounting + self._begin[None]
         there, legs = np.vstack([self._begin, self._away]), np.diagonal(self._legs, 1)[:, None]
@@ -89,29 +95,37 @@ class Run:
         other._take(np.delete(np.arange(len(self.slots)), at))
         return other
 
-    def insert(self, at: int, slot: int, place: Places, candidate: int | None = None) -> None:
-        """Put a reading before another.  candidate : which of its set-up it is, if any"""
-        away, back = self._ways.around(place)
-        if candidate is None:
-            to, here = self._ways.seconds(self.places, place)[:, 0], self._ways.seconds(place, self.places)[0]
-        else:
-            to, here = self._away[:, candidate], self._back[:, candidate]
+    def through(self, slots: NDArray[np.intp], places: Places) -> Self:
+        """Return the run with readings of a plan in this order."""
+        other = copy.copy(self)
+        other.slots, other.places, other._gaps = slots, places, None
+        other._away, other._back = self._ways.seconds(places, self._mine), self._ways.seconds(self._mine, places).T
+        other._legs, other._first = (
+            self._ways.seconds(places, places),
+            self._ways.seconds(self._here, places).sum(axis=0),
+        )
+        return other
+
+    def insert(self, at: int, slot: int, candidate: int) -> None:
+        """Put a candidate of the set-up before a reading."""
+        away, back = self._ways.around(self.setup, candidate)
+        to, here = self._away[:, candidate], self._back[:, candidate]
         self._legs = np.insert(np.insert(self._legs, at, here, axis=0), at, np.insert(to, at, 0.0), axis=1)
-        self._first = np.insert(self._first, at, self._ways.seconds(self._here, place).sum())
+        self._first = np.insert(self._first, at, self._begin[candidate])
         self._away, self._back = np.insert(self._away, at, away, axis=0), np.insert(self._back, at, back, axis=0)
-        self.slots = np.insert(self.slots, at, slot)
+        self.slots, self._gaps, place = np.insert(self.slots, at, slot), None, self._mine.single(candidate)
         self.places = Places.joined([self.places.within(slice(at)), place, self.places.within(slice(at, None))])
 
     def shorten(self) -> None:
         """Bring the readings into a shorter order: out and back where they are read so."""
-        if self._round:
-            self._take(out_and_back(self._ways.task, self.places))
-        elif len(self.slots) > 2:
-            self._take(shortened(self._legs, self._first))
+        if len(self.slots) > 1:
+            task = self._ways.task
+            self._take(out_and_back(task, self.places) if self._round else shortened(self._legs, self._first))
 
     def _take(self, kept: NDArray[np.intp]) -> None:
         self._legs, self._first, self.slots = self._legs[np.ix_(kept, kept)], self._first[kept], self.slots[kept]
         self._away, self._back, self.places = self._away[kept], self._back[kept], self.places.within(kept)
+        self._gaps = None
 
 
 def first_seconds(task: Task) -> dict[int, float]:

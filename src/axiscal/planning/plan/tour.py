@@ -9,7 +9,7 @@ off the lattice within its minutes.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
+from functools import cache, partial
 from typing import Self
 
 import numpy as np
@@ -20,7 +20,7 @@ from axiscal.numerics.ties import ALIKE, first_best, ranked
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.exchange import Timed, relocated
-from axiscal.planning.plan.greedy import Setups, openings
+from axiscal.planning.plan.greedy import Setups, of_best_size, openings
 from axiscal.planning.plan.order import seconds_along, seconds_around, set_ups_in_order
 from axiscal.planning.plan.run import Run, Ways
 from axiscal.planning.plan.task import Limits, Patience, Task, work_of_climb
@@ -37,10 +37,15 @@ _SWEEPS, _SETTLED, _BETTER = 20, 3e-4, 1e-7
 """Sweeps of swaps at most; share of J that one must gain to be followed by another; rounding of a gain."""
 _ROUNDS = 3
 """Rounds of swaps and climbs at most: each begins where the one before left the lattice."""
-_WORK = 2e10
-"""Operations after which no tour is begun: by work, not by the clock, for the same plan anywhere."""
+_WORK, _SHARES = 1e10, 4
+"""Operations after which no tour is begun, and the part of them for one round of swaps: by work, not by the clock, for
+the same plan anywhere."""
+_CALLS, _EACH = 2e6, 20.0
+"""Operations that the calls into numpy for one reading are worth, and those for a candidate beside a reading."""
+_ROUNDING = 1e-9
+"""Share of a budget: sums of seconds that differ by less are the same."""
 _INSTANT = 1e-3
-"""Seconds: what takes no time is not worth endlessly much."""
+"""Seconds: what takes no time is not worth endlessly much, and of ways that differ by less the first is taken."""
 
 
 class Tour:
@@ -51,7 +56,7 @@ class Tour:
 
     def __init__(self, ways: Ways, scores: Scores, setups: Setups, limits: Limits) -> None:
         self.scores, self.ways, self.work = scores, ways, 0.0
-        self.budget, self.most = limits.budget or 0.0, min(limits.readings or _MOST, _MOST)
+        self.budget, self.most = (limits.budget or 0.0) * (1 + _ROUNDING), min(limits.readings or _MOST, _MOST)
         self.runs = {setup: Run(ways, setup) for setup in setups}
 
     @classmethod
@@ -59,9 +64,8 @@ class Tour:
         """Return the tour of places in their order.  scores : before the first, taken over"""
         tour = cls(ways, scores, setups, limits)
         tour.scores.enter_all(places)
-        for slot in range(len(places)):
-            run = tour.runs[int(places.setups[slot])]
-            run.insert(len(run.slots), slot, places.single(slot))
+        for setup, mine in places.by_setup():
+            tour.runs[setup] = tour.runs[setup].through(mine, places.within(mine))
         return tour
 
     @property
@@ -100,11 +104,17 @@ class Tour:
             self.enter(first_best(np.where(fits, gains / np.maximum(extra, _INSTANT) ** power, -np.inf), ALIKE))
             tidy = False
 
-    def swap(self, better: float) -> None:
-        """Put for each reading what gains most within the minutes.  better : share by which it must gain more"""
+    def swap(self, better: float, most: float) -> None:
+        """Put for each reading what gains most within the minutes.
+
+        better : share by which it must gain more; most : of the work
+        """
         for slot in ranked(-self.scores.losses(), ALIKE).tolist():
             if self.scores.held_alone(slot):
                 continue
+            if self.work > most:
+                return
+            self.work += _CALLS + _EACH * len(self.scores.pool) * len(self.scores.places)
             gains, own = self.scores.without(slot)
             run, others = self._leaving(slot)
             runs = {**self.runs, run.setup: others}
@@ -133,12 +143,14 @@ class Tour:
     def _put(self, index: int, slot: int) -> None:
         run = self.runs[int(self.scores.pool.lattice.setups[index])]
         candidate = index - int(self.ways.of[run.setup][0])
-        at = int(run.gaps()[:, candidate].argmin())
-        run.insert(at, slot, self.scores.pool.lattice.single(index), candidate)
+        longer = run.gaps()[:, candidate]
+        at = int((longer <= longer.min() + _INSTANT).argmax())
+        run.insert(at, slot, candidate)
         if len(run.slots) <= _SHORT:
             run.shorten()
         pool, state = self.scores.pool, self.scores.state
-        self.work += len(pool) * (6.0 * len(self.scores.places) + 2.0 * pool.size) + 20.0 * state.factor.size
+        products = len(pool) * (_EACH * len(self.scores.places) + 2.0 * pool.size) + 20.0 * state.factor.size
+        self.work += 2 * _CALLS + products
 
     def _extra(self, runs: dict[int, Run]) -> Array:
         """Return the seconds more of each candidate, infinite in other set-ups, (M,)."""
@@ -153,16 +165,13 @@ def toured(task: Task, limits: Limits, sets: Sequence[Setups], patience: float) 
 
     sets : of set-ups, of which each can be mounted within the budget; patience : operations that climbs may take
     """
-    coarse, tried = task.coarse, list[Tour]()
-    base = _base(coarse)
-    for number in range(len(sets) + _STARTS - 1):
-        if number >= len(sets) and sum(tour.work for tour in tried) > _WORK:
-            break
-        best = min(tried, key=_value, default=None)
-        setups = sets[number] if best is None or number < len(sets) else tuple(best.runs)
-        tried.append(_begun(coarse, base, setups, limits, np.random.default_rng([_SEED, number])))
-    best = min(tried, key=_value)
-    return retoured(task, limits, tuple(best.runs), best.places, patience)
+    coarse = task.coarse
+    begun = cache(partial(_begun, limits, *_base(coarse)))
+    setups = of_best_size(sets, lambda each: (1.0, begun(each, 0).scores.state.value))
+    tried = [begun(setups, 0)]
+    while len(tried) < _STARTS and sum(tour.work for tour in tried) < _WORK:
+        tried.append(begun(setups, len(tried)))
+    return retoured(task, limits, setups, _best(tried).places, patience)
 
 
 def retoured(
@@ -184,8 +193,7 @@ def retoured(
         patient.take(work_of_climb(scores.pool.size, scores.pool.size) * len(tour.scores.places))
         moved = relocated(task.state, tour.places, Timed(tour.budget, partial(seconds_around, task)))
         climbed = through(scores.fork(), setups, limits, moved)
-        if climbed.left >= 0 and climbed.scores.state.value < tour.scores.state.value:
-            tour = climbed
+        tour = _best([tour, climbed]) if climbed.left >= 0 else tour
         if before - tour.scores.state.value <= _SETTLED * before:
             break
     while len(tour.scores.places) > 1 and seconds_along(task, tour.places) > tour.budget:  # ways may lead aside
@@ -198,13 +206,13 @@ def _base(task: Task) -> tuple[Ways, Scores]:
     return Ways(task, pool.lattice), Scores(pool, task.state)
 
 
-def _value(tour: Tour) -> float:
-    return tour.scores.state.value
+def _best(tours: Sequence[Tour]) -> Tour:
+    return tours[first_best(-np.array([tour.scores.state.value for tour in tours]), ALIKE)]
 
 
-def _begun(task: Task, base: tuple[Ways, Scores], setups: Setups, limits: Limits, rng: np.random.Generator) -> Tour:
-    """Return a tour that began at random candidates."""
-    ways, scores = base
+def _begun(limits: Limits, ways: Ways, scores: Scores, setups: Setups, number: int) -> Tour:
+    """Return a tour that began at random candidates.  scores : before the first; number : of the start"""
+    rng = np.random.default_rng([_SEED, number])
     power, tour = float(rng.uniform(*_POWERS)), Tour(ways, scores.fork(), setups, limits)
     for setup in setups[: tour.most]:
         tour.enter(int(rng.choice(ways.of[setup])))
@@ -218,13 +226,14 @@ def _begun(task: Task, base: tuple[Ways, Scores], setups: Setups, limits: Limits
 
 
 def _settle(tour: Tour, rng: np.random.Generator, power: float, shaken: float, better: float) -> None:
-    """Swap and fill until a sweep gains little."""
+    """Swap and fill until a sweep gains little, or there was much to do."""
+    most = tour.work + _WORK / _SHARES
     for _ in range(_SWEEPS):
         before = tour.scores.state.value
-        tour.swap(better)
+        tour.swap(better, most)
         tour.shorten()
         tour.fill(rng, power, shaken)
-        if before - tour.scores.state.value <= _SETTLED * before:
+        if before - tour.scores.state.value <= _SETTLED * before or tour.work > most:
             return
 
 
