@@ -346,9 +346,9 @@ def with_checks(
         return found
     # the search fills all the time that it may: checks get their share of what comes after the first reading
     now = _seconds(case, task, places)
-    most = now + (now - _seconds(case, task, places[:1])) / _SHARE
+    share = now + (now - _seconds(case, task, places[:1])) / _SHARE
     tried = (_with_drawn(case, task, places, checks.within(slice(kept))) for kept in range(count, -1, -1))
-    longer = next((longer for each in tried if (longer := _seconds(case, task, each)) <= most), now)
+    longer = next((longer for each in tried if (longer := _seconds(case, task, each)) <= share), now)
     places = plan(replace(limits, budget=budget - longer + now), own)
     tried = (_with_drawn(case, task, places, checks.within(slice(kept))) for kept in range(count, 0, -1))
     return next((each for each in tried if _seconds(case, task, each) <= budget), places)

@@ -80,7 +80,8 @@ class Run:
 
     def _found_gaps(self) -> Array:
         if not len(self.slots):
-            return self.mounting + self._begin[None]
+            mounted: Array = self.mounting + self._begin[None]
+            return mounted
         there, legs = np.vstack([self._begin, self._away]), np.diagonal(self._legs, 1)[:, None]
         there[0] -= self._first[0]
         there[:-1] += self._back
