@@ -35,10 +35,10 @@ def gantry(candidates: int, speed: float, zero: float = 0.0, reading: float = 1.
     axes = tuple(Axis.named(name, False, (0.0, far), speed, 1.0) for name, far in (("X", 2.0), ("Y", 1.5)))
     errors = tuple(ErrorEntry(name, 2e-5, knots=4) for name in ("EZX", "EZY", "EAX"))
     machine, unknowns = Machine("m", axes, 0.0, errors, "", ""), (Unknown("zero", zero),) if zero else ()
-    way, noises, times = (0.0, 0.0, 1.0), 1e-6 / np.arange(1, settings + 1), (0.0, reading, (0.0, 0.0), "both")
+    way, still, noises = (0.0, 0.0, 1.0), ((0, 1), (1.0, 0.75)), 1e-6 / np.arange(1, settings + 1)
     setups = tuple(
-        Setup(f"s{n}", "indicator", way, (0, 1), (1.0, 0.75), float(noise), unknowns, 60.0 * n, *times)
-        for n, noise in enumerate(noises)
+        Setup(f"s{n}", "indicator", way, *still, noise, unknowns, 60.0 * n, 0.0, reading, (0.0, 0.0), "both")
+        for n, noise in enumerate(noises.tolist())
     )
     return problem(machine, setups, candidates)
 
@@ -54,7 +54,8 @@ def shortest(seconds: Array) -> Array:
             if subset >> to & 1 and (before := subset & ~(1 << to)):
                 ends[subset, to] = (ends[before] + seconds[:, to]).min()
     ends[0] = 0.0
-    return ends.min(axis=1)
+    least: Array = ends.min(axis=1)
+    return least
 
 
 def best_of_all(asked: Task, budget: float) -> float:

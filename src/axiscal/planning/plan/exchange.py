@@ -83,7 +83,7 @@ class _Free(NamedTuple):
         return replace(places, poses=poses)
 
 
-class Timed(NamedTuple):
+class Minutes(NamedTuple):
     """The seconds that readings in their order may take.
 
     around : of readings (f,) moved to other places, the seconds of all and of the ways to and from each, (f,)
@@ -102,7 +102,7 @@ class Timed(NamedTuple):
         return share, slopes / self.budget
 
 
-def relocated(state: Covariance, places: Places, timed: Timed | None = None) -> Places:
+def relocated(state: Covariance, places: Places, timed: Minutes | None = None) -> Places:
     """Return the readings, of the same set-ups and from the same sides, where J is lower; the same where it is not.
 
     state : before the first; timed : the time that they may take, in their order; what takes little more is returned
@@ -326,6 +326,7 @@ def _climb(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb
 
 
 _SHRINKS = 60
+"""Readings that are taken out at most: exchange leaves few that an accuracy does not need."""
 
 
 def drop(scores: Scores, times: Clock) -> None:

@@ -9,7 +9,7 @@ off the lattice within its minutes.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache, partial
+from functools import partial
 from typing import Self
 
 import numpy as np
@@ -19,7 +19,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.ties import ALIKE, first_best, ranked
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
-from axiscal.planning.plan.exchange import Timed, relocated
+from axiscal.planning.plan.exchange import Minutes, relocated
 from axiscal.planning.plan.greedy import Setups, of_best_size, openings
 from axiscal.planning.plan.order import seconds_along, seconds_around, set_ups_in_order
 from axiscal.planning.plan.run import Run, Ways
@@ -166,9 +166,15 @@ def toured(task: Task, limits: Limits, sets: Sequence[Setups], patience: float) 
     sets : of set-ups, of which each can be mounted within the budget; patience : operations that climbs may take
     """
     coarse = task.coarse
-    begun = cache(partial(_begun, limits, *_base(coarse)))
-    setups = of_best_size(sets, lambda each: (1.0, begun(each, 0).scores.state.value))
-    tried = [begun(setups, 0)]
+    begun, first = partial(_begun, limits, *_base(coarse)), dict[Setups, Tour]()
+
+    def value(setups: Setups) -> tuple[float, float]:
+        first[setups] = first.get(setups) or begun(setups, 0)
+        return 1.0, first[setups].scores.state.value
+
+    setups = of_best_size(sets, value)
+    value(setups)
+    tried = [first[setups]]
     while len(tried) < _STARTS and sum(tour.work for tour in tried) < _WORK:
         tried.append(begun(setups, len(tried)))
     return retoured(task, limits, setups, _best(tried).places, patience)
@@ -191,7 +197,7 @@ def retoured(
         if patient.spent or not len(tour.scores.places):
             break
         patient.take(work_of_climb(scores.pool.size, scores.pool.size) * len(tour.scores.places))
-        moved = relocated(task.state, tour.places, Timed(tour.budget, partial(seconds_around, task)))
+        moved = relocated(task.state, tour.places, Minutes(tour.budget, partial(seconds_around, task)))
         climbed = through(scores.fork(), setups, limits, moved)
         tour = _best([tour, climbed]) if climbed.left >= 0 else tour
         if before - tour.scores.state.value <= _SETTLED * before:
