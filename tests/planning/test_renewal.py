@@ -13,7 +13,7 @@ from axiscal.machine import load_machine
 from axiscal.machine.motion import approach_seconds
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.planning.next_readings import next_places
-from axiscal.planning.plan.order import seconds_of
+from axiscal.planning.plan.order import in_order, seconds_along
 from axiscal.planning.plan.plan import make_plan, renewed
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.promise import promised
@@ -155,7 +155,7 @@ def test_a_set_up_that_has_come_to_be_needless_is_not_mounted() -> None:
 @pytest.mark.parametrize("share", [0.6, 0.95, 1.3])
 def test_a_budget_is_kept(share: float) -> None:
     after = taken(ASKED, part(PLAN, 0, 4))
-    whole = seconds_of(after, part(PLAN, 4))
+    whole = seconds_along(after, in_order(after, part(PLAN, 4)))
     rest = renewed(after, Limits(budget=share * whole), part(PLAN, 4))
     assert 0.5 * share * whole < way(after, rest) <= share * whole
     assert share < 1 or len(rest) > len(part(PLAN, 4))

@@ -69,6 +69,17 @@ def test_other_last_bits_make_the_same_plan(name: str) -> None:
 
 
 @pytest.mark.long
+def test_other_last_bits_make_the_same_plan_of_minutes() -> None:
+    """Where climbs end J is flat; on the lattice the readings are the same ones."""
+    asked = levered(300)
+    first, other = (
+        make_plan(each, Limits(budget=900.0), bounded=False, patience=0.0) for each in (asked, _turned(asked, 0))
+    )
+    np.testing.assert_array_equal(other.places.poses, first.places.poses)
+    assert other.value == pytest.approx(first.value, rel=1e-7)
+
+
+@pytest.mark.long
 def test_two_axes_that_are_alike_may_still_be_planned_otherwise_and_hardly_worse() -> None:
     """Where both axes can change places as well, a step refused by a hair leads elsewhere; J to 0.2 % so far."""
     asked = splines(2, 5, 0.1)

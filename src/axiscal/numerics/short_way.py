@@ -51,6 +51,15 @@ def route(seconds: Array, first: Array | None = None) -> Order:
     return np.array(best[1:], dtype=np.intp)
 
 
+def shortened(seconds: Array, first: Array | None = None) -> Order:
+    """Return a shorter order (m,) than the one that places are in, by 2-opt and Or-opt.  Arguments as of `route`"""
+    count = len(seconds)
+    table = np.zeros((count + 1, count + 1))
+    table[:count, :count] = seconds
+    table[count, :count] = 0.0 if first is None else first
+    return np.array(_improved([count, *range(count)], table)[1:], dtype=np.intp)
+
+
 def _kicked(order: list[int], table: Array) -> list[int]:
     """Return the way, or a shorter one found by exchanging two neighbouring parts at random and improving that."""
     rng, shortest = np.random.default_rng(0), route_seconds(order, table)

@@ -15,13 +15,14 @@ from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_rows
-from axiscal.measurement.reading import Place, Reading
+from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.other_readings import with_both_sides, with_rooms
-from axiscal.planning.plan.greedy import chosen_setups, picked
+from axiscal.planning.plan.greedy import chosen_setups, picked, sets_within
 from axiscal.planning.plan.order import in_order
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.plan.tour import retoured
 from axiscal.planning.promise import FEW, foreseen, promised
 
 AT_ONCE = 150
@@ -138,8 +139,12 @@ def _for_volume(case: Case, task: Task, limits: Limits, readings: Sequence[Readi
 
 
 def roughly(case: Case, task: Task, limits: Limits) -> tuple[Place, ...]:
-    """Return about as many readings as a plan has, picked from some hundred candidates."""
-    return with_rooms(case, in_order(task, picked(task.coarse, limits, chosen_setups(task, limits))))
+    """Return about as many readings as a plan has, from some hundred candidates."""
+    coarse = task.coarse
+    if limits.budget is not None and not limits.accurate:
+        none = Places.none(len(case.description.machine.axes))
+        return with_rooms(case, retoured(coarse, limits, max(sets_within(coarse, limits), key=len), none, 0.0))
+    return with_rooms(case, in_order(task, picked(coarse, limits, chosen_setups(task, limits))))
 
 
 def _searched(case: Case, known: Knowledge, own: Accuracy, limits: Limits) -> Limits:

@@ -342,11 +342,14 @@ def with_checks(
     drawn = drawn_places(distinct(task.lattice), among, count - len(open_ones), len(readings))
     checks = Places.joined([open_ones, drawn])
     found, budget = _with_drawn(case, task, places, checks), limits.budget
-    longer = _seconds(case, task, found)
-    if budget is None or longer <= budget:
+    if budget is None or _seconds(case, task, found) <= budget:
         return found
-    # the search and its order fill all the time that they may
-    places = plan(replace(limits, budget=max(budget - longer + _seconds(case, task, places), 0.0)), own)
+    # the search fills all the time that it may: checks get their share of what comes after the first reading
+    now = _seconds(case, task, places)
+    share = now + (now - _seconds(case, task, places[:1])) / _SHARE
+    tried = (_with_drawn(case, task, places, checks.within(slice(kept))) for kept in range(count, -1, -1))
+    longer = next((longer for each in tried if (longer := _seconds(case, task, each)) <= share), now)
+    places = plan(replace(limits, budget=budget - longer + now), own)
     tried = (_with_drawn(case, task, places, checks.within(slice(kept))) for kept in range(count, 0, -1))
     return next((each for each in tried if _seconds(case, task, each) <= budget), places)
 

@@ -2,7 +2,7 @@
 
 On the lattice a reading and its replacement cost O(M) to look at. Afterwards all readings move off the lattice at once,
 and each climbs, given all the others.
-In the end the plan fits its limits: no reading that an accuracy does not need, none for which there is no time.
+In the end it has no reading that an accuracy does not need.
 
 All readings of a plan moved at once, off the lattice, to where together they leave least.
 
@@ -13,7 +13,7 @@ own here: where two of them would share a cell, the true J decides whether the m
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -31,13 +31,14 @@ from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance, RunningAccuracy
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.gains.running_gains import Allowed, Scores
-from axiscal.planning.plan.greedy import Trial, affordable, filled
-from axiscal.planning.plan.order import seconds_of
+from axiscal.planning.plan.greedy import Trial, affordable
 from axiscal.planning.plan.task import Clock, Limits, Patience, Task, work_of_climb
 from axiscal.planning.step.climb import Climb
 
 _STEP = 1e-6
 """Share of the travel: central differences of smooth rows lose below 1e-8 to bending or rounding, ten times off too."""
+_DEAR, _WITHIN = 1e4, 0.9997
+"""Times J, what the square of a share too long costs, and the share of a budget that is aimed at: it is just kept."""
 _ITERATIONS = 80
 """Iterations; where they are left early the plan is still no worse than before."""
 
@@ -54,6 +55,11 @@ class _Free(NamedTuple):
     low: Array
     high: Array
     charts: tuple[Chart | None, ...]
+
+    @property
+    def alone(self) -> _Free:
+        """The same where each coordinate has a reading of its own."""
+        return self._replace(reading=np.arange(len(self.reading)))
 
     def coordinates(self, places: Places) -> Array:
         """Return them, (f,) m or rad."""
@@ -77,10 +83,30 @@ class _Free(NamedTuple):
         return replace(places, poses=poses)
 
 
-def relocated(state: Covariance, places: Places) -> Places:
+class Minutes(NamedTuple):
+    """The seconds that readings in their order may take.
+
+    around : of readings (f,) moved to other places, the seconds of all and of the ways to and from each, (f,)
+    """
+
+    budget: float
+    around: Callable[[Places, NDArray[np.intp], Places], tuple[float, Array]]
+
+    def over(self, places: Places, free: _Free) -> tuple[float, Array]:
+        """Return by what share of the budget readings take too long, and its derivative by each free coordinate."""
+        further, nearer = _beside(places, free)
+        seconds, longer = self.around(places, free.reading, further)
+        apart = _apart(further, nearer, free)
+        slopes = (longer - self.around(places, free.reading, nearer)[1]) / apart
+        share = seconds / self.budget - _WITHIN
+        return share, slopes / self.budget
+
+
+def relocated(state: Covariance, places: Places, timed: Minutes | None = None) -> Places:
     """Return the readings, of the same set-ups and from the same sides, where J is lower; the same where it is not.
 
-    state : before the first.  Coordinates on a raster stay; what leaves what its chart can give goes back.
+    state : before the first; timed : the time that they may take, in their order; what takes little more is returned
+    Coordinates on a raster stay; what leaves what its chart can give goes back.
     """
     free = _free(state, places)
     if not len(free.reading) or not np.any(state.weighted):  # or the tool point moves by no error
@@ -91,8 +117,15 @@ def relocated(state: Covariance, places: Places) -> Places:
         return free.put(places, free.low + shares * span)
 
     def value(shares: Array) -> tuple[float, Array]:
-        return _value(state, placed(shares), free)
+        at = placed(shares)
+        left, slopes = _value(state, at, free)
+        if timed is None:
+            return left, slopes
+        over, slower = timed.over(at, free)
+        weight = _DEAR * begun * max(over, 0.0)
+        return left + weight * over, slopes + 2 * weight * slower
 
+    begun = state.after_readings(places).value / state.value
     start = (free.coordinates(places) - free.low) / span
     ended = placed(np.clip(lowest(value, start, 0.0, 1.0, _ITERATIONS), 0.0, 1.0))
     ended = _that_can_be_taken(state, places, ended)
@@ -150,18 +183,28 @@ def _value(state: Covariance, places: Places, free: _Free) -> tuple[float, Array
     return float(np.sum(left * target)) / total, gradient
 
 
-def _changes(state: Covariance, places: Places, free: _Free) -> list[Array]:
-    """Return the derivative of the rows of its reading with respect to the share of each free coordinate."""
-    alone, count, span = places.within(free.reading), len(free.reading), free.high - free.low
-    own = free._replace(reading=np.arange(count))
+def _beside(places: Places, free: _Free) -> tuple[Places, Places]:
+    """Return the reading of each free coordinate with a little more of it, and with a little less."""
+    alone, span, own = places.within(free.reading), free.high - free.low, free.alone
     further, nearer = (
         own.put(alone, np.clip(own.coordinates(alone) + sign * _STEP * span, free.low, free.high)) for sign in (1, -1)
     )
+    return further, nearer
+
+
+def _apart(further: Places, nearer: Places, free: _Free) -> Array:
+    """Return how far these are apart, shares of where a reading may be, (f,)."""
+    apart = (free.alone.coordinates(further) - free.alone.coordinates(nearer)) / (free.high - free.low)
+    return np.where(apart > 0, apart, 1.0)  # where a chart gives no pose beside it, nothing changes
+
+
+def _changes(state: Covariance, places: Places, free: _Free) -> list[Array]:
+    """Return the derivative of the rows of its reading with respect to the share of each free coordinate."""
+    count, (further, nearer) = len(free.reading), _beside(places, free)
     rows, owner = state.whitened(Places.joined([further, nearer]))
     first = np.searchsorted(owner, np.arange(2 * count + 1))
     ends = [rows[first[k] : first[k + 1]] for k in range(2 * count)]
-    apart = (own.coordinates(further) - own.coordinates(nearer)) / span
-    apart = np.where(apart > 0, apart, 1.0)  # where a chart gives no pose beside it, nothing changes
+    apart = _apart(further, nearer, free)
     return [(ends[i] - ends[count + i]) / apart[i] for i in range(count)]
 
 
@@ -283,23 +326,7 @@ def _climb(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb
 
 
 _SHRINKS = 60
-"""Halvings of a time: to a second of any budget after twenty."""
-
-
-def fitted(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
-    """Return the plan without what an accuracy does not need, and within the time as the true way takes it."""
-    if limits.accurate:
-        trial = _shrunk(task, limits, times, trial)
-    if limits.budget is None:
-        return trial
-    if not trial.met:
-        meter = RunningAccuracy.from_factor(task.yardstick, trial.scores.state.factor)
-        in_time, spent = replace(limits, rms=None, worst=None), seconds_of(task, trial.scores.places)
-        filled(trial.scores, meter, in_time, times, trial.setups, begun=spent)  # what is too much goes again
-    while len(trial.scores.places) > 1 and (over := seconds_of(task, trial.scores.places) - limits.budget) > 0:
-        for _ in range(min(1 + int(over / times.reading.max()), len(trial.scores.places) - 1)):
-            drop(trial.scores, times)
-    return trial
+"""Readings that are taken out at most: exchange leaves few that an accuracy does not need."""
 
 
 def drop(scores: Scores, times: Clock) -> None:
@@ -307,13 +334,13 @@ def drop(scores: Scores, times: Clock) -> None:
     scores.leave(first_best(-scores.losses() / times.reading[scores.places.setups], ALIKE))
 
 
-def _shrunk(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
+def shrunk(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
     """Take out the readings that are worth least per second, while the accuracy asked for holds."""
 
     def met(scores: Scores) -> bool:
         return limits.met(RunningAccuracy.from_factor(task.yardstick, scores.state.factor).accuracy)
 
-    if not met(trial.scores):
+    if not limits.accurate or not met(trial.scores):
         return trial
     trial = replace(trial, met=True)
     for _ in range(_SHRINKS):

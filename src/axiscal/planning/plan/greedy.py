@@ -16,6 +16,7 @@ from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import LowRank, RunningAccuracy, informed
 from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import Clock, Limits, Task, clock
 
 _TRIED = 150
@@ -23,6 +24,8 @@ _WORTH = 1e-3
 """Share of J that a set-up more must bring, or it is mounted for nothing."""
 _EVERY_SUBSET = 4
 """Sets of up to so many set-ups are all tried; beyond it they would be hundreds."""
+_ROUNDING = 1e-9
+"""Share of a budget: what takes longer by less fits."""
 _MOST = 1000
 """A plan of more readings is for a robot; what it asks takes days."""
 _STALLED = 1e-7
@@ -58,8 +61,8 @@ class Trial:
 def chosen_setups(task: Task, limits: Limits) -> Setups:
     """Return the set-ups that are worth their mounting, by picks from a coarse lattice.
 
-    For so many readings or so much time one set of each size is tried, see `_growing`. For an accuracy all sets of up
-    to four set-ups are; of more one of each size, and the best of these grows and shrinks by one while it helps.
+    For so many readings one set of each size is tried, see `_growing`. For an accuracy all sets of up to four set-ups
+    are; of more one of each size, and the best of these grows and shrinks by one while it helps.
     """
     everything = tuple(int(s) for s in np.unique(task.lattice.setups))
     if len(everything) == 1:
@@ -77,11 +80,24 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
     if not limits.accurate or len(everything) > _EVERY_SUBSET:
         parts = _parts(task, everything)
         sets = _growing(base, parts, limits, times)
-        return _changed(sets, parts, key) if limits.accurate else _of_best_size(sets, key)
+        return _changed(sets, parts, key) if limits.accurate else of_best_size(sets, key)
     # all of them first: what takes longer than they do to reach the accuracy is given up at once
     values = {everything: key(everything)}
     values |= {s: key(s) for count in range(1, len(everything)) for s in combinations(everything, count)}
     return min(values, key=lambda setups: (values[setups], len(setups)))
+
+
+def sets_within(task: Task, limits: Limits) -> list[Setups]:
+    """Return sets of set-ups that grow, all of which a budget can mount and read; none where it is too short."""
+    most, first = (limits.budget or 0.0) * (1 + _ROUNDING), first_seconds(task)
+
+    def fits(setups: Setups) -> bool:
+        return sum(first[setup] for setup in setups) <= most
+
+    everything = tuple(setup for setup in first if fits((setup,)))
+    parts = [part for part in _parts(task, everything) if fits(part)]
+    sets = parts if len(parts) < 2 else _growing(_coarse(task)[0], parts, limits, clock(task))
+    return [setups for setups in sets if fits(setups)]
 
 
 def worth_most(task: Task) -> int:
@@ -142,7 +158,7 @@ def _evenly(candidates: NDArray[np.intp], count: int, shift: float) -> NDArray[n
     return candidates[((np.arange(count) + shift) * len(candidates) / max(count, 1)).astype(np.intp)]
 
 
-def _of_best_size(sets: Sequence[Setups], key: Callable[[Setups], tuple[float, float]]) -> Setups:
+def of_best_size(sets: Sequence[Setups], key: Callable[[Setups], tuple[float, float]]) -> Setups:
     """Return the best of sets that grow: every next one is better up to it, and hardly better behind it."""
     low, high = 0, len(sets) - 1
     while low < high:
@@ -203,15 +219,12 @@ def filled(
         left = min(most - picks + 1, readings - len(scores.places))
         if picks > most or spent > longest or (longest < np.inf and _hopeless(missed, left)):
             break
-        open_to = allowed & (spent + cost <= (limits.budget or np.inf))
-        if not open_to.any():
-            break
-        rate = np.where(open_to, scores.gains / (cost if limits.timed else 1.0), -np.inf)
+        rate = np.where(allowed, scores.gains / (cost if limits.timed else 1.0), -np.inf)
         best = first_best(rate, ALIKE)
         gain = scores.enter(best)
         meter, spent = meter.after(scores.last) if limits.accurate else meter, spent + float(cost[best])
         missed.append(limits.missed(meter.accuracy))
-        if gain < _STALLED * start and limits.readings is None and limits.budget is None:
+        if gain < _STALLED * start and limits.readings is None:
             break
     return Trial(scores, setups, spent, met)
 

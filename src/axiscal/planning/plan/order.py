@@ -33,26 +33,36 @@ from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.plan.task import Limits, Task
 
 
-def seconds_of(task: Task, places: Places) -> float:
-    """Return the time of readings on a short way, set-up by set-up."""
-    return seconds_along(task, _by_setup(task, places))
-
-
 def seconds_along(task: Task, order: Places) -> float:
     """Return the time of readings in this order."""
     return float(sum(seconds_each(task, order).tolist()))
 
 
-def seconds_each(task: Task, order: Places) -> Array:
+def seconds_around(task: Task, order: Places, readings: NDArray[np.intp], moved: Places) -> tuple[float, Array]:
+    """Return the time of readings in this order, and that to and from each where it has moved, (f,), ways as straight.
+
+    readings : (f,) which; moved : where each has moved to, while the others stay
+    """
+    own, ends = len(order) + np.arange(len(moved)), np.diff(order.setups, prepend=-1, append=-1) != 0
+    before = np.where(ends[readings], own, readings - 1)
+    after = np.where(ends[readings + 1], own, readings + 1)
+    triples = Places.joined([order, moved]).within(np.stack([before, own, after], axis=1).ravel())
+    around = seconds_each(task, triples, straight=True).reshape(-1, 3)[:, 1:].sum(axis=1)
+    return float(seconds_each(task, order, straight=True).sum()), around
+
+
+def seconds_each(task: Task, order: Places, straight: bool = False) -> Array:
     """Return what each reading takes after the one before, (m,): mounting where the set-up changes, way, settling,
     reading.
+
+    straight : as for `way_seconds`
     """
     setups = task.observation.setups
     stays, start = _before(task, order)
     ways, counted = np.zeros(len(order)), counting(task, order)
     for setup, mine in order.by_setup():
         places = start[mine], order.poses[mine], counted[mine]
-        ways[mine] = way_seconds(task.observation.machine, setups[setup], *places)
+        ways[mine] = way_seconds(task.observation.machine, setups[setup], *places, straight=straight)
     mounting, reading = np.array([(s.setup_time, reading_seconds(s)) for s in setups])[order.setups].T
     seconds: Array = np.where(stays, ways, mounting) + reading
     return seconds
@@ -75,10 +85,19 @@ def counting(task: Task, places: Places) -> Array:
 
 
 def in_order(task: Task, places: Places) -> Places:
-    """Return the readings in travel order; the set-up that takes J down fastest per second comes first."""
-    groups = {setup: _by_setup(task, places.within(mine), exact=True) for setup, mine in places.by_setup()}
+    """Return the readings in travel order, set-ups as of `set_ups_in_order`."""
+    parts = [_by_setup(task, places.within(mine), exact=True) for _, mine in places.by_setup()]
+    return set_ups_in_order(task, Places.joined(parts)) if parts else places
+
+
+def set_ups_in_order(task: Task, places: Places) -> Places:
+    """Return readings set-up by set-up: the one that takes J down fastest per second comes first.
+
+    places : those of each set-up in their order
+    """
+    groups = {setup: places.within(mine) for setup, mine in places.by_setup()}
     if len(groups) <= 1:
-        return groups.popitem()[1] if groups else places
+        return places
     done, state = list[Places](), task.state
     first = None if task.here is None else int(task.here.setups[0])
     while groups:
@@ -117,7 +136,7 @@ def _on_a_short_way(task: Task, places: Places, exact: bool) -> Places:
     machine, approaches, first = task.observation.machine, counting(task, places), None
     setup = task.observation.setups[int(places.setups[0])]
     if returns(setup):
-        return _out_and_back(task, setup, places, approaches)
+        return places.within(out_and_back(task, places))
     if task.here is not None and task.here.setups[0] == places.setups[0]:
         first = way_seconds(machine, setup, task.here.poses[0], places.poses, approaches)
     once, again = _repeats(np.column_stack([places.poses, approaches]))
@@ -191,17 +210,16 @@ def returns(setup: Setup) -> bool:
     return setup.chart is None and len(setup.moves) == 1
 
 
-def _out_and_back(task: Task, setup: Setup, places: Places, counted: Array) -> Places:
-    """Return the readings of such a set-up out and back: the shorter of both ways round, the rising one if equal.
-
-    counted : (m, q) approaches, 0 where any side will do
-    """
+def out_and_back(task: Task, places: Places) -> NDArray[np.intp]:
+    """Return the order (m,) of readings of such a set-up: the shorter way round, the rising one if equal."""
+    setup = task.observation.setups[int(places.setups[0])]
     (k,) = setup.moves
-    rises = _rises(setup, places.poses[:, k], counted[:, k])
+    rises = _rises(setup, places.poses[:, k], counting(task, places)[:, k])
     along = np.argsort(places.poses[:, k], kind="stable")
     out, back = along[rises[along]], along[~rises[along]][::-1]
-    rising, falling = (places.within(np.concatenate(way)) for way in ((out, back), (back, out)))
-    return falling if seconds_along(task, falling) < seconds_along(task, rising) - _LONGER else rising
+    rising, falling = np.concatenate([out, back]), np.concatenate([back, out])
+    longer = seconds_along(task, places.within(rising)) - _LONGER
+    return falling if seconds_along(task, places.within(falling)) < longer else rising
 
 
 def _rises(setup: Setup, at: Array, sides: Array) -> NDArray[np.bool_]:

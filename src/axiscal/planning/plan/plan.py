@@ -24,18 +24,30 @@ from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import PlanError
 from axiscal.language.stages import stage
 from axiscal.measurement.reading import Places
-from axiscal.numerics import Array
+from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics.threads import one_thread
 from axiscal.numerics.ties import ALIKE, ranked
 from axiscal.planning.bound.lower_bound import Bound, lower_bound
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import RunningAccuracy, after_each
 from axiscal.planning.gains.running_gains import Scores
-from axiscal.planning.plan.beginnings import best_of_random, evenly_spaced, plain_designs
-from axiscal.planning.plan.exchange import SWEEPS, drop, exchange, fitted, polish
-from axiscal.planning.plan.greedy import Setups, Trial, affordable, chosen_setups, filled, scores_among, within_reach
+from axiscal.planning.plan.beginnings import best_of_random, plain_designs
+from axiscal.planning.plan.exchange import SWEEPS, drop, exchange, polish, shrunk
+from axiscal.planning.plan.greedy import (
+    Setups,
+    Trial,
+    affordable,
+    chosen_setups,
+    filled,
+    scores_among,
+    sets_within,
+    within_reach,
+)
+from axiscal.planning.plan.irregular import shaken, spread_if_as_good
 from axiscal.planning.plan.order import arriving, in_order, interleaved, seconds_along, seconds_each
+from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import PATIENCE, Clock, Limits, Patience, Task, clock
+from axiscal.planning.plan.tour import retoured, toured
 
 _SWEEPS = 3
 _WORTH = 0.01
@@ -57,27 +69,49 @@ def renewed(
     usual : with what usually goes wrong: what is new is interleaved with the rest
     None are returned where there is no time for any of these set-ups, or they fall short by much and others do not.
     """
-    times = clock(task)
-    left = _mountable(limits, times, left)
+    left = _mountable(task, limits, left)
     mounted = [] if task.here is None else task.here.setups.tolist()
-    setups, places = tuple(sorted({*mounted, *left.setups.tolist()})), left
-    if np.isin(task.lattice.setups, setups).any():
-        base = scores_among(task, setups)
-        others = np.setdiff1d(task.lattice.setups, setups) if limits.accurate else np.zeros(0, dtype=np.intp)
-        trial = _filled(task, limits, times, _begun(base.fork(), limits, times, setups, left), others)
-        if len(others) and not trial.met and within_reach(task, limits):
+    setups, order = tuple(sorted({*mounted, *left.setups.tolist()})), left
+    within = tuple(setup for setup in setups if setup in task.lattice.setups)
+    hurried = _hurried(task, limits)
+    if within and not hurried:
+        places = _renewed(task, replace(limits, budget=None), setups, left, patience, unsure)
+        if places is None:
             return Places.none(left.poses.shape[1])
-        exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
-        polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS_OF_RENEWAL, Patience(patience))
-        trial = fitted(task, limits.times(1 / unsure), times, trial)
-        places = _needed(task, limits, times, base, trial.scores.places)
-    order = _ordered(task, limits, places, left, usual)
+        order = _ordered(task, limits, in_order(task, places), left, usual)
+    if within and (hurried or _too_long(task, limits, order)):
+        order = _ordered(task, limits, retoured(task, limits, within, left, patience, _WORTH), left, usual)
     return replace(order, approaches=arriving(task, order))
 
 
-def _ordered(task: Task, limits: Limits, places: Places, left: Places, usual: bool) -> Places:
+def _renewed(task: Task, limits: Limits, setups: Setups, left: Places, patience: float, unsure: float) -> Places | None:
+    """Return readings to come of these set-ups in any order; None where they fall short and others do not."""
+    base, times = scores_among(task, setups), clock(task)
+    others = np.setdiff1d(task.lattice.setups, setups) if limits.accurate else np.zeros(0, dtype=np.intp)
+    trial = _filled(task, limits, times, _begun(base.fork(), limits, times, setups, left), others)
+    if len(others) and not trial.met and within_reach(task, limits):
+        return None
+    exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
+    polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS_OF_RENEWAL, Patience(patience))
+    trial = shrunk(task, limits.times(1 / unsure), times, trial)
+    return _needed(task, limits, times, base, trial.scores.places)
+
+
+def _hurried(task: Task, limits: Limits) -> bool:
+    """Return whether minutes decide: there is no other limit, or no time for as many readings as there may be."""
+    if limits.budget is None or limits.accurate:
+        return False
+    quickest = min(reading_seconds(setup) for setup in task.observation.setups)
+    return limits.readings is None or limits.readings * quickest > limits.budget
+
+
+def _too_long(task: Task, limits: Limits, order: Places) -> bool:
+    return limits.budget is not None and seconds_along(task, order) > limits.budget
+
+
+def _ordered(task: Task, limits: Limits, order: Places, left: Places, usual: bool) -> Places:
     """Return readings in their order: as it was where it holds the same ones, and a way out and back takes no less."""
-    order, same = in_order(task, places), places.same_as(left)
+    same = order.same_as(left)
     if same and (usual or seconds_along(task, left) <= seconds_along(task, order)):
         return left
     return interleaved(task, limits, order) if usual else order
@@ -95,17 +129,16 @@ def _needed(task: Task, limits: Limits, times: Clock, base: Scores, places: Plac
     scores = _begun(base.among(here), limits, times, here, places.within(mine)).scores
     meter = RunningAccuracy.from_factor(task.yardstick, scores.state.factor)
     spent, longest = (seconds_along(task, in_order(task, each)) for each in (places.within(mine), places))
-    alone = filled(scores, meter, replace(limits, budget=None), times, here, _MOST, longest, begun=spent)
+    alone = filled(scores, meter, limits, times, here, _MOST, longest, begun=spent)
     return scores.places if alone.met else places
 
 
-def _mountable(limits: Limits, times: Clock, left: Places) -> Places:
+def _mountable(task: Task, limits: Limits, left: Places) -> Places:
     """Return the readings of the set-ups that there is time to mount, one after another."""
-    spent, kept = 0.0, set[int]()
+    first, spent, kept = first_seconds(task), 0.0, set[int]()
     for setup in dict.fromkeys(left.setups.tolist()):
-        first = float(times.mounting[setup] + times.reading[setup])
-        if limits.budget is None or spent + first <= limits.budget:
-            spent += first
+        if limits.budget is None or spent + first.get(setup, 0.0) <= limits.budget:
+            spent += first.get(setup, 0.0)
             kept.add(setup)
     return left.within(np.isin(left.setups, list(kept)))
 
@@ -119,18 +152,16 @@ def _begun(scores: Scores, limits: Limits, times: Clock, setups: Setups, left: P
 
 
 def _filled(task: Task, limits: Limits, times: Clock, trial: Trial, others: NDArray[np.intp]) -> Trial:
-    """Return the plan with more readings where it misses the accuracy; a budget is filled later.
+    """Return the plan with more readings where it misses the accuracy.
 
     others : set-ups that could be mounted instead of reading on for longer than that takes
     """
-    if limits.budget is not None and not limits.accurate:
-        return trial
     most, longest = _MORE, np.inf
     if len(others):
         mounted = float((times.mounting + times.reading)[others].max())
         most, longest = _MOST, max(mounted, _FAR * float(times.reading[list(trial.setups)].min()))
     meter = RunningAccuracy.from_factor(task.yardstick, trial.scores.state.factor)
-    return filled(trial.scores, meter, replace(limits, budget=None), times, trial.setups, most, longest, begun=0.0)
+    return filled(trial.scores, meter, limits, times, trial.setups, most, longest, begun=0.0)
 
 
 _RANDOM = 0.2
@@ -139,13 +170,6 @@ _MUCH = 1e9
 """Operations of exchange from which on only the best beginning is swept, or goes on after its first sweep."""
 _ROUNDS = 6
 """Rounds end where no reading moves; this only ends what would go round."""
-_SHAKES, _SHARE, _SEED = 10, 0.02, 1
-"""How many, by how much of the travel at most, and any seed: a plan is the same every time."""
-_FEWEST = 8
-"""Readings of a set-up below which every place counts more than what may repeat."""
-_DRAWN, _AS_GOOD = 0.8, 1.15
-"""Share of its part in which a place is drawn, and times J: of drawn shapes such readings miss less than those of the
-plan (`benchmarks/bench_grid.py`)."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -210,18 +234,38 @@ def make_plan(
     usual : with what usually goes wrong: places keep no regular distances, and their order is interleaved
     """
     _refuse(task, limits)
-    times = clock(task)
+    order = None if _hurried(task, limits) else _any_time(task, limits, patience, usual)
+    if order is None or _too_long(task, limits, order):
+        order = _in_minutes(task, limits, patience, usual)
+    return judged(task, limits, replace(order, approaches=arriving(task, order)), bounded)
+
+
+def _any_time(task: Task, within: Limits, patience: float, usual: bool) -> Places:
+    """Return readings in their order, however long they take; they are interleaved within a budget."""
+    limits, times = replace(within, budget=None), clock(task)
     with stage("which set-ups"):
         setups = chosen_setups(task, limits)
     with stage("readings chosen together"):
         trial = _together(task, limits, times, setups, _RANDOM * patience)
     with stage("off the lattice"):
         polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
-    places = fitted(task, limits, times, trial).scores.places
+    places = shrunk(task, limits, times, trial).scores.places
     if usual and len(places):
-        places = _spread_if_as_good(task, limits, shaken(task, places))
-    order = interleaved(task, limits, in_order(task, places)) if usual else in_order(task, places)
-    return judged(task, limits, replace(order, approaches=arriving(task, order)), bounded)
+        places = spread_if_as_good(task, limits, shaken(task, places))
+    order = in_order(task, places)
+    return interleaved(task, within, order) if usual else order
+
+
+def _in_minutes(task: Task, limits: Limits, patience: float, usual: bool) -> Places:
+    """Return readings in their order that a budget has time for."""
+    with stage("which set-ups"):
+        sets = sets_within(task, limits)
+    with stage("readings chosen together"):
+        order = toured(task, limits, sets, patience)
+        if not usual or not len(order):
+            return order
+        places, setups = spread_if_as_good(task, limits, shaken(task, order)), tuple(np.unique(order.setups).tolist())
+        return interleaved(task, limits, retoured(task, limits, setups, places, 0.0, np.inf))
 
 
 def _refuse(task: Task, limits: Limits) -> None:
@@ -229,12 +273,13 @@ def _refuse(task: Task, limits: Limits) -> None:
         raise PlanError("nothing would ever end this plan", "Say how many readings, which accuracy or how much time")
     if not len(task.lattice):
         raise PlanError("there is no place where a reading may be taken", "Allow an axis to move, or add a set-up")
-    times = clock(task)
-    first = float((times.mounting + times.reading)[np.unique(task.lattice.setups)].min())
-    if limits.budget is not None and limits.budget < first:
-        what = "{given:.3g} min is less than the {needed:.3g} min that the first reading takes"
+    first = first_seconds(task)
+    quickest = min(first, key=lambda setup: first[setup])
+    if limits.budget is not None and limits.budget < first[quickest]:
+        what = '{given:.3g} min is less than the {needed:.3g} min that the first reading takes with "{setup}"'
         remedy = "Allow more time, or give a set-up that is mounted faster"
-        raise PlanError(what, remedy, given=limits.budget / 60, needed=first / 60)
+        setup = task.observation.setups[quickest].name
+        raise PlanError(what, remedy, given=limits.budget / 60, needed=first[quickest] / 60, setup=setup)
 
 
 def _together(task: Task, limits: Limits, times: Clock, setups: Setups, work: float) -> Trial:
@@ -268,7 +313,8 @@ def judged(task: Task, limits: Limits, places: Places, bounded: bool = True) -> 
 
     bounded : whether the lower bound is wanted
     """
-    state, among = task.state, chosen_setups(task, limits)
+    state = task.state
+    among = chosen_setups(task, limits) if limits.budget is None else tuple(np.unique(places.setups).tolist())
     lattice = task.lattice.within(np.isin(task.lattice.setups, among))
     before = RunningAccuracy.from_factor(task.yardstick, state.factor).accuracy
     ends = np.cumsum(seconds_each(task, places)).tolist()
@@ -290,81 +336,3 @@ def _bound(task: Task, limits: Limits, pool: Pool, places: Places) -> Bound:
         seconds = np.array([s.settle + s.reading_time for s in task.observation.setups])[of]
         costs = seconds if seconds.min(initial=np.inf) > 0 else costs
     return lower_bound(pool, task.state, places, costs, float(costs[len(pool) :].sum()))
-
-
-def shaken(task: Task, places: Places) -> Places:
-    """Return the best of ten plans, places shaken by some hundredths of the travel; as they are where none may be.
-
-    The best plan is nearly regular, and hides what repeats. Shaking costs about 4 % of J; without it an error with a
-    period near the distance of the places is missed as a whole.
-    """
-    reach, state = _reach(task, places), task.state
-    if not np.any(reach):
-        return places
-    rng = np.random.default_rng(_SEED)
-    drawn = [places.poses + reach * rng.uniform(-1.0, 1.0, places.poses.shape) for _ in range(_SHAKES)]
-    found = [replace(places, poses=_within(task, places, poses)) for poses in drawn]
-    return min(found, key=lambda each: state.after_readings(each).value)
-
-
-def _spread_if_as_good(task: Task, limits: Limits, places: Places) -> Places:
-    """Return a reading in each of equal parts, where set-ups move one axis each and J is not much larger.
-
-    Real errors are rougher than any model of them. Of two plans about as good by J the evener one misses less, and
-    places drawn within their parts hide few periods. Two stand at each end if J allows it: a slip alone there would
-    pass for a detail. Else the first and the last stand at the ends.
-    """
-    setups, axes = task.observation.setups, task.observation.machine.axes
-    if not np.all(np.any(_reach(task, places), axis=1)) or any(len(setups[s].moves) > 1 for s in places.setups):
-        return places
-    before = task.state.after_readings(places).value
-    for shares in (_twice_at_ends, _from_end_to_end):
-        even = evenly_spaced(task, [(setup, len(mine)) for setup, mine in places.by_setup()])
-        for setup, mine in even.by_setup():
-            (axis,) = setups[setup].moves
-            low, high = setups[setup].span(axes[axis], axis)
-            even.poses[mine, axis] = low + (high - low) * shares(len(mine))
-        after = task.state.after_readings(even)
-        reached = not limits.accurate or limits.met(RunningAccuracy.from_factor(task.yardstick, after.factor).accuracy)
-        if reached and after.value <= _AS_GOOD * before:
-            return even
-    return places
-
-
-def _twice_at_ends(count: int) -> Array:
-    """Return a place in each of count - 2 equal parts of a travel, two in the first and the last, shares of it."""
-    parts = np.clip(np.arange(-1, count - 1), 0, count - 3) + 0.5
-    return (parts + _drawn(count)) / (count - 2)
-
-
-def _from_end_to_end(count: int) -> Array:
-    """Return places from one end of a travel to the other, each near its place among even ones, shares of it."""
-    drawn = _drawn(count)
-    drawn[[0, -1]] = 0.0
-    return (np.arange(count) + drawn) / (count - 1)
-
-
-def _drawn(count: int) -> Array:
-    """Return how far places lie from the middles of their parts, shares of a part."""
-    return _DRAWN * np.random.default_rng(_SEED).uniform(-0.5, 0.5, count)
-
-
-def _reach(task: Task, places: Places) -> Array:
-    """Return how far each coordinate of each place may be shaken, (m, q) m or rad."""
-    reach, axes = np.zeros_like(places.poses), task.observation.machine.axes
-    for index, mine in places.by_setup():
-        setup = task.observation.setups[index]
-        if setup.chart is None and setup.artefact is None and len(places.poses[mine]) >= _FEWEST:
-            for k in setup.moves:
-                reach[mine, k] = _SHARE * axes[k].length if setup.raster[k] == 0 else 0.0
-    return reach
-
-
-def _within(task: Task, places: Places, poses: Array) -> Array:
-    """Return poses within the span in which each set-up is read."""
-    held, axes = poses.copy(), task.observation.machine.axes
-    for index, mine in places.by_setup():
-        setup = task.observation.setups[index]
-        for k in setup.moves:
-            held[mine, k] = np.clip(poses[mine, k], *setup.span(axes[k], k))
-    return held

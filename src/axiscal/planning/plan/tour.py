@@ -1,0 +1,249 @@
+"""Readings for the minutes that there are, chosen and put in order together.
+
+A tour begins at a random candidate of each set-up. The candidate with the most gain per second^α enters at its cheapest
+place until no second is left, and 2-opt shortens the way meanwhile. Then readings leave one at a time, and what gains
+most within the minutes takes their place. α and the gains are drawn anew for each of several tours. The best one moves
+off the lattice within its minutes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Self
+
+import numpy as np
+
+from axiscal.measurement.reading import Places
+from axiscal.numerics import Array
+from axiscal.numerics.ties import ALIKE, first_best, ranked
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.plan.exchange import Minutes, relocated
+from axiscal.planning.plan.greedy import Setups, of_best_size, openings
+from axiscal.planning.plan.order import seconds_along, seconds_around, set_ups_in_order
+from axiscal.planning.plan.run import Run, Ways
+from axiscal.planning.plan.task import Limits, Patience, Task, work_of_climb
+
+_STARTS, _SEED = 8, 1
+"""Tours that are begun for one set of set-ups; any seed: a plan is the same every time."""
+_POWERS, _SHAKEN = (0.2, 1.0), 0.3
+"""Between which α is drawn, and the standard deviation of the logarithm of gains: starts differ by them."""
+_SHORT = 40
+"""Readings of a set-up up to which each insertion is followed by 2-opt: of speed; it follows in the end anyway."""
+_MOST = 1000
+"""Readings of a plan at most."""
+_SWEEPS, _SETTLED, _BETTER = 20, 3e-4, 1e-7
+"""Sweeps of swaps at most; share of J that one must gain to be followed by another; rounding of a gain."""
+_ROUNDS = 3
+"""Rounds of swaps and climbs at most: each begins where the one before left the lattice."""
+_WORK, _SHARES = 1e10, 4
+"""Operations after which no tour is begun, and the part of them for one round of swaps: by work, not by the clock, for
+the same plan anywhere."""
+_CALLS, _EACH = 2e6, 20.0
+"""Operations that the calls into numpy for one reading are worth, and those for a candidate beside a reading."""
+_ROUNDING = 1e-9
+"""Share of a budget: sums of seconds that differ by less are the same."""
+_INSTANT = 1e-3
+"""Seconds: what takes no time is not worth endlessly much, and of ways that differ by less the first is taken."""
+
+
+class Tour:
+    """Readings within a time in the order in which they are taken.
+
+    scores : gains of the candidates; runs : readings of each set-up; work : operations done so far
+    """
+
+    def __init__(self, ways: Ways, scores: Scores, setups: Setups, limits: Limits) -> None:
+        self.scores, self.ways, self.work = scores, ways, 0.0
+        self.budget, self.most = (limits.budget or 0.0) * (1 + _ROUNDING), min(limits.readings or _MOST, _MOST)
+        self.runs = {setup: Run(ways, setup) for setup in setups}
+
+    @classmethod
+    def through(cls, ways: Ways, scores: Scores, setups: Setups, limits: Limits, places: Places) -> Self:
+        """Return the tour of places in their order.  scores : before the first, taken over"""
+        tour = cls(ways, scores, setups, limits)
+        tour.scores.enter_all(places)
+        for setup, mine in places.by_setup():
+            tour.runs[setup] = tour.runs[setup].through(mine, places.within(mine))
+        return tour
+
+    @property
+    def left(self) -> float:
+        """Seconds that are left; below zero where it takes too long."""
+        return self.budget - sum(run.seconds for run in self.runs.values())
+
+    @property
+    def places(self) -> Places:
+        """The readings, run by run, in their order."""
+        return self.scores.places.within(np.concatenate([run.slots for run in self.runs.values()]).astype(np.intp))
+
+    def enter(self, index: int) -> None:
+        """Take in a candidate where it costs least."""
+        self.scores.enter(index)
+        self._put(index, len(self.scores.places) - 1)
+
+    def shorten(self) -> None:
+        """Bring each run into a shorter order."""
+        for run in self.runs.values():
+            run.shorten()
+
+    def fill(self, rng: np.random.Generator, power: float, shaken: float) -> None:
+        """Take in what gains most per second^power until no second is left.  shaken : of the gains' logarithms"""
+        tidy = False
+        while len(self.scores.places) < self.most:
+            extra = self._extra(self.runs)
+            fits = extra <= self.left
+            if not fits.any() and tidy:
+                return
+            if not fits.any():
+                self.shorten()
+                tidy = True
+                continue
+            gains = self.scores.gains * np.exp(shaken * rng.standard_normal(len(extra)))
+            self.enter(first_best(np.where(fits, gains / np.maximum(extra, _INSTANT) ** power, -np.inf), ALIKE))
+            tidy = False
+
+    def swap(self, better: float, most: float) -> None:
+        """Put for each reading what gains most within the minutes.
+
+        better : share by which it must gain more; most : of the work
+        """
+        for slot in ranked(-self.scores.losses(), ALIKE).tolist():
+            if self.scores.held_alone(slot):
+                continue
+            if self.work > most:
+                return
+            self.work += _CALLS + _EACH * len(self.scores.pool) * len(self.scores.places)
+            gains, own = self.scores.without(slot)
+            run, others = self._leaving(slot)
+            runs = {**self.runs, run.setup: others}
+            fits = self._extra(runs) <= self.left + run.seconds - others.seconds
+            best = first_best(np.where(fits, gains, -np.inf), ALIKE)
+            if fits[best] and gains[best] > own * (1 + better):
+                self.scores.exchange(slot, best)
+                self.runs = runs
+                self._put(best, slot)
+
+    def drop(self) -> None:
+        """Take out the reading that is worth least per second."""
+        leaving = [self._leaving(slot) for slot in range(len(self.scores.places))]
+        seconds = np.array([max(run.seconds - others.seconds, _INSTANT) for run, others in leaving])
+        slot = first_best(-self.scores.losses() / seconds, ALIKE)
+        self.scores.leave(slot)
+        self.runs[leaving[slot][0].setup] = leaving[slot][1]
+        for run in self.runs.values():
+            run.slots = run.slots - (run.slots > slot)
+
+    def _leaving(self, slot: int) -> tuple[Run, Run]:
+        """Return the run of a reading, and the same without it."""
+        run = self.runs[int(self.scores.places.setups[slot])]
+        return run, run.without(int(np.flatnonzero(run.slots == slot)[0]))
+
+    def _put(self, index: int, slot: int) -> None:
+        run = self.runs[int(self.scores.pool.lattice.setups[index])]
+        candidate = index - int(self.ways.of[run.setup][0])
+        longer = run.gaps()[:, candidate]
+        at = int((longer <= longer.min() + _INSTANT).argmax())
+        run.insert(at, slot, candidate)
+        if len(run.slots) <= _SHORT:
+            run.shorten()
+        pool, state = self.scores.pool, self.scores.state
+        products = len(pool) * (_EACH * len(self.scores.places) + 2.0 * pool.size) + 20.0 * state.factor.size
+        self.work += 2 * _CALLS + products
+
+    def _extra(self, runs: dict[int, Run]) -> Array:
+        """Return the seconds more of each candidate, infinite in other set-ups, (M,)."""
+        extra = np.full(len(self.scores.pool), np.inf)
+        for setup, run in runs.items():
+            extra[self.ways.of[setup]] = run.gaps().min(axis=0) + run.reading
+        return extra
+
+
+def toured(task: Task, limits: Limits, sets: Sequence[Setups], patience: float) -> Places:
+    """Return readings for a budget in their order.
+
+    sets : of set-ups, of which each can be mounted within the budget; patience : operations that climbs may take
+    """
+    coarse = task.coarse
+    begun, first = partial(_begun, limits, *_base(coarse)), dict[Setups, Tour]()
+
+    def value(setups: Setups) -> tuple[float, float]:
+        first[setups] = first.get(setups) or begun(setups, 0)
+        return 1.0, first[setups].scores.state.value
+
+    setups = of_best_size(sets, value)
+    value(setups)
+    tried = [first[setups]]
+    while len(tried) < _STARTS and sum(tour.work for tour in tried) < _WORK:
+        tried.append(begun(setups, len(tried)))
+    return retoured(task, limits, setups, _best(tried).places, patience)
+
+
+def retoured(
+    task: Task, limits: Limits, setups: Setups, left: Places, patience: float, better: float = _BETTER
+) -> Places:
+    """Return readings for a budget in their order that begin with those of another plan.
+
+    left : in their order; better : share by which what takes their place must gain more
+    """
+    ways, scores = _base(task)
+    patient, through = Patience(patience), partial(Tour.through, ways)
+    tour = through(scores.fork(), setups, limits, left)
+    _cut(tour)
+    for _ in range(_ROUNDS):
+        before = tour.scores.state.value
+        _settle(tour, np.random.default_rng(_SEED), 1.0, 0.0, better)
+        if patient.spent or not len(tour.scores.places):
+            break
+        patient.take(work_of_climb(scores.pool.size, scores.pool.size) * len(tour.scores.places))
+        moved = relocated(task.state, tour.places, Minutes(tour.budget, partial(seconds_around, task)))
+        climbed = through(scores.fork(), setups, limits, moved)
+        tour = _best([tour, climbed]) if climbed.left >= 0 else tour
+        if before - tour.scores.state.value <= _SETTLED * before:
+            break
+    while len(tour.scores.places) > 1 and seconds_along(task, tour.places) > tour.budget:  # ways may lead aside
+        tour.drop()
+    return set_ups_in_order(task, tour.places)
+
+
+def _base(task: Task) -> tuple[Ways, Scores]:
+    pool = Pool(task.observation, task.lattice)
+    return Ways(task, pool.lattice), Scores(pool, task.state)
+
+
+def _best(tours: Sequence[Tour]) -> Tour:
+    return tours[first_best(-np.array([tour.scores.state.value for tour in tours]), ALIKE)]
+
+
+def _begun(limits: Limits, ways: Ways, scores: Scores, setups: Setups, number: int) -> Tour:
+    """Return a tour that began at random candidates.  scores : before the first; number : of the start"""
+    rng = np.random.default_rng([_SEED, number])
+    power, tour = float(rng.uniform(*_POWERS)), Tour(ways, scores.fork(), setups, limits)
+    for setup in setups[: tour.most]:
+        tour.enter(int(rng.choice(ways.of[setup])))
+    _, opened = openings(tour.scores, setups, tour.most - len(tour.scores.places))
+    for index, _ in opened:
+        tour.enter(index)
+    _cut(tour)
+    tour.fill(rng, power, _SHAKEN)
+    _settle(tour, rng, power, _SHAKEN, _BETTER)
+    return tour
+
+
+def _settle(tour: Tour, rng: np.random.Generator, power: float, shaken: float, better: float) -> None:
+    """Swap and fill until a sweep gains little, or there was much to do."""
+    most = tour.work + _WORK / _SHARES
+    for _ in range(_SWEEPS):
+        before = tour.scores.state.value
+        tour.swap(better, most)
+        tour.shorten()
+        tour.fill(rng, power, shaken)
+        if before - tour.scores.state.value <= _SETTLED * before or tour.work > most:
+            return
+
+
+def _cut(tour: Tour) -> None:
+    """Take readings out until the others fit into the time."""
+    while len(tour.scores.places) and (tour.left < 0 or len(tour.scores.places) > tour.most):
+        tour.drop()
