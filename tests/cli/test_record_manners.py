@@ -52,7 +52,7 @@ def asked(record: Path, capsys: pytest.CaptureFixture[str]) -> str:
 def test_what_is_misspelt_is_said_before_anything_is_estimated(
     record: Path, words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
-    for name in ("estimated", "concluded"):
+    for name in ("estimated", "in_detail"):
         monkeypatch.setattr(running, name, None)
     assert "unit" in command("record", record, *words, "--setup", "along x").refusal
 

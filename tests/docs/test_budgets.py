@@ -35,11 +35,11 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(61_416, 50_000),
-    "files of src": Budget(321, 321),
+    "lines of src": Budget(61_877, 50_000),
+    "files of src": Budget(325, 325),
     "mechanisms that remember": Budget(3, 1),
-    "classes that change": Budget(24, 15),
-    "public names of more than five functions": Budget(10, 10),
+    "classes that change": Budget(26, 15),
+    "public names of more than five functions": Budget(13, 10),
 }
 WALKS = {
     "next m.axiscal": {"files": Budget(43, 43), "functions": Budget(283, 250), "frames": Budget(20, 16)},

@@ -35,8 +35,8 @@ def test_most_campaigns_write_results_on_a_screen_in_both_languages() -> None:
     assert sum(len(list(written(campaign))) for campaign in names()) >= 2 * 20
 
 
-_PROMISED = re.compile(r"Compensation for (\S+), made by axiscal\..*?known U = (\S+) um:", re.DOTALL)
-_SCREEN = re.compile(r"^\$ axiscal export [^\n]*--to (\S+)[^$]*?known\s+U\s+=\s+(\S+)\s+um:", re.MULTILINE)
+_PROMISED = re.compile(r"Compensation for (\S+), made by axiscal\..*?Then\s+U\s+=\s+(\S+)\s+um:", re.DOTALL)
+_SCREEN = re.compile(r"^\$ axiscal export [^\n]*--to (\S+)[^$]*?Then\s+U\s+=\s+(\S+)\s+um:", re.MULTILINE)
 
 
 def promised(campaign: str) -> Iterator[tuple[str, str, float]]:

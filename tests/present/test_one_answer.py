@@ -99,8 +99,8 @@ def test_the_page_counts_the_open_question_and_the_clock_as_every_screen_does(tm
         assert [found.minutes, found.more_minutes] == pytest.approx([progress.minutes, progress.left_minutes], rel=1e-5)
 
 
-def test_what_was_known_before_is_as_the_plan_says_at_every_stage(tmp_path: Path) -> None:
-    """Readings that teach sizes do not change it: here they are three times as large as stated."""
+def test_what_was_known_before_is_at_the_sizes_as_learnt(tmp_path: Path) -> None:
+    """A plan has them as stated; here they turn out three times as large, and no row is known less than before."""
     described = MACHINE.replace('std = "10 um"', 'std = "3 um"')
     wants = 'readings = 12\nwants = ["positioning X 0.2 um", "backlash X", "volume"]'
     text = CAMPAIGN.replace('rms = "3 um"', wants)
@@ -120,9 +120,12 @@ def test_what_was_known_before_is_as_the_plan_says_at_every_stage(tmp_path: Path
             end()
             summary = summarise(campaign, campaign.so_far(), Extras())
             answers = standing_answer(campaign), summary.answer
-            assert all({row.row: row.known_before for row in each.rows} == before for each in answers)
+            for row in (row for each in answers for row in each.rows):
+                assert row.known_before >= row.known_to * (1 - 1e-6)
+            (curve,) = (row for row in answers[0].rows if row.row == "positioning X")
+            assert curve.known_before > 1.1 * before["positioning X"]
             assert summary.history[0] == first.history[0]
-            assert summary.curves[0].prior_std == first.curves[0].prior_std
+            assert max(summary.curves[0].prior_std) > 1.5 * max(first.curves[0].prior_std)
         assert "prior-misfit" in [each.code for each in summary.warnings]
 
 

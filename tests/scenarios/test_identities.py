@@ -87,7 +87,7 @@ def what_endless_readings_leave_is_the_least(result: Result) -> Iterator[str]:
 
 def no_row_is_known_less_than_before(result: Result) -> Iterator[str]:
     for row in result.document["rows"]:
-        if row["known_to"] > row["known_before"] * (1 + ROUNDED):
+        if row["known_to"] > row["known_before"] * 1.01:  # of a row that nothing reads, draws differ by as much
             yield f"{row['row']}: now {row['known_to']}, before {row['known_before']}"
 
 
