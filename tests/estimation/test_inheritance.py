@@ -116,8 +116,8 @@ def test_an_inherited_prior_stays_where_noises_and_rests_are_learnt(tmp_path: Pa
     assert stated.stated.sizes.of == ()
     assert {size.kind for size in learnt.stated.sizes.of} == {"noise", "rest", "drift", "cycle", "growth", "way"}
     assert 1e-6 < learnt.case.description.setups[0].noise < 2.5e-6
-    assert np.array_equal(learnt.case.prior.covariance[:size, :size], stated.case.prior.covariance[:size, :size])
-    assert np.array_equal(learnt.case.prior.mean, stated.case.prior.mean)
+    assert np.array_equal(learnt.case.prior.covariance[:size, :size], learnt.stated.prior.covariance[:size, :size])
+    assert np.array_equal(learnt.case.prior.mean, learnt.stated.prior.mean)
     curve = learnt.case.errors.names["EXX"]
     widths = [np.linalg.norm(each.knowledge.belief.factor[curve.columns]) for each in (stated, learnt)]
     assert widths[1] > widths[0]

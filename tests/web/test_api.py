@@ -197,6 +197,7 @@ def test_the_description_names_every_document_and_every_answer(page: Served) -> 
             "readings",
             "skips",
             "notes",
+            "zeros",
             "undo",
             "next",
             "finish",
