@@ -34,8 +34,8 @@ PROBE = '[[setups]]\nname = "along y"\ninstrument = "probe"\ndirection = "y"\nno
 SEED = 5
 
 
-def _description(*setups: str, machine: str = MACHINE) -> CampaignDescription:
-    text = 'machine = "m.toml"\n[target]\nrms = "1.5 um"\nreadings = 24\n' + "".join(setups)
+def _description(*setups: str, machine: str = MACHINE, target: str = 'rms = "1.5 um"') -> CampaignDescription:
+    text = f'machine = "m.toml"\n[target]\n{target}\nreadings = 24\n' + "".join(setups)
     return campaign_from_texts(text, "c.toml", machine, "m.toml")
 
 
@@ -66,8 +66,9 @@ def test_the_right_tables_pass_and_another_machine_is_noticed(
 
 @pytest.fixture(scope="module")
 def two(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A record of a tracker along X and a probe."""
-    return _record(tmp_path_factory.mktemp("two") / "m.axiscal", NEAR + 'moves = ["X"]\n', PROBE)
+    """A record of a tracker along X and a probe, all of its readings taken: no plan of these makes Y known to 1.5 um."""
+    description = _description(NEAR + 'moves = ["X"]\n', PROBE, target="")
+    return measured(tmp_path_factory.mktemp("two") / "m.axiscal", description, SEED)
 
 
 def test_the_sheet_to_fill_in_has_a_column_for_every_value(

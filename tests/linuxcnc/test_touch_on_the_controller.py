@@ -51,7 +51,7 @@ def program(campaign: CampaignDescription) -> tuple[Program, list[Place]]:
 def codes(text: str) -> list[str]:
     """Return the lines for MDI, as fast as can be: without stops, and without the program's own question."""
     text = re.sub(r" F\d+", " F60000", text)
-    asked = re.sub(r"O100 IF.*?O100 ENDIF\n", "", text, flags=re.DOTALL)
+    asked = re.sub(r"O(1\d0) IF.*?O\1 ENDIF\n", "", text, flags=re.DOTALL)
     lines = [line for line in asked.splitlines() if line not in ("M0", "M2") and not line.startswith("(MSG")]
     return [code for line in lines for code in SWITCHED.get(line, [line])]
 

@@ -56,6 +56,7 @@ def test_nothing_takes_no_time_and_a_sphere_is_left_and_come_back_to() -> None:
         float(approach_seconds(DMU, poses[0], poses[1], free[0])) + 2 * off_seconds(DMU, SPHERE)
     )
     assert off_seconds(DMU, SPHERE) == pytest.approx(2 * np.sqrt(0.05 / 4.0))
+    assert way_seconds(DMU, NEST, poses[:0], poses[:0], np.zeros((0, poses.shape[1]))).shape == (0,)
 
 
 def test_coming_from_the_other_side_goes_past_the_place_and_back() -> None:

@@ -133,11 +133,11 @@ def test_a_row_that_these_set_ups_cannot_make_known_is_named_before_the_first_re
     (square, _) = rows(of, ()).values()
     assert reach_answer(of) is None
     assert square.floor > 4e-6
-    found = reach_answer(dial('wants = ["squareness XY 5 urad", "straightness X in Y 5 um"]'))
+    found = reach_answer(dial('wants = ["squareness XY 4 urad", "straightness X in Y 5 um"]'))
     assert found is not None
     (missed,) = found.missed
     assert missed.name == "squareness XY"
-    assert missed.limit == pytest.approx(5.0)
+    assert missed.limit == pytest.approx(4.0)
     assert missed.floor == pytest.approx(1e6 * square.floor)
 
 

@@ -49,6 +49,7 @@ INPUTS = {
     "campaign.toml": CAMPAIGN,
     "readings.csv": READINGS,
     "wrong.toml": WRONG,
+    "shop/machine.toml": MACHINE,
 }
 RECORD = "mill.axiscal"
 
@@ -73,9 +74,9 @@ def _words(text: str) -> tuple[str, ...]:
     return tuple(word.replace("_", " ") for word in text.split())
 
 
-START, NEXT, TAKEN = _words(f"start campaign.toml {RECORD}"), _words(f"next {RECORD}"), _words(f"record {RECORD} 1_um")
+START, NEXT, TAKEN = _words(f"start campaign.toml {RECORD}"), _words(f"next {RECORD}"), _words(f"record {RECORD} 20_um")
 BEGUN = (START, NEXT)
-MEASURED = (START, NEXT, TAKEN, NEXT, TAKEN)
+MEASURED = (START, NEXT, _words(f"record {RECORD} -20_um"), NEXT, TAKEN)
 FINISH = _words(f"finish {RECORD} --out out")
 EXPORT = _words(f"export {RECORD} --to linuxcnc --out out")
 RUN = _words("run campaign.toml --source sim:3 --out out")
@@ -110,7 +111,7 @@ COMMANDS: Mapping[str, Command] = {
     "finish": Command(FINISH, MEASURED, out="out", manifest=SET),
     "finish, over earlier results": Command(FINISH, (*MEASURED, FINISH, UNDONE, UNDONE), out="out", manifest=SET),
     "export": Command(EXPORT, MEASURED, out="out", manifest=TABLES),
-    "export, over earlier tables": Command(EXPORT, (*MEASURED, EXPORT, UNDONE), out="out", manifest=TABLES),
+    "export, over earlier tables": Command(EXPORT, (*MEASURED, NEXT, TAKEN, EXPORT, UNDONE), out="out", manifest=TABLES),
     "run": Command(RUN, again=(*RUN, "--resume"), out="out", manifest=SET),
     "estimate": Command(ESTIMATE, out="out", manifest=SET),
     "report": Command(_words(f"report {RECORD} --out out/page.html"), MEASURED, out="out/page.html"),

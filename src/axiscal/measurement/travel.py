@@ -208,9 +208,8 @@ def held_seconds(machine: Machine, chart: Chart, start: Array, stop: Array) -> A
     """Return the time of ways straight in u with all axes together, (m,).  start, stop : (m, size)"""
     share = np.linspace(0.0, 1.0, _SAMPLES)[:, None, None]
     places = start + share * (stop - start)
-    return path_seconds(
-        machine, chart.poses(places.reshape(-1, len(chart.coordinates))).reshape(_SAMPLES, len(start), -1)
-    )
+    poses = chart.poses(places.reshape(-1, len(chart.coordinates)))
+    return path_seconds(machine, poses.reshape(_SAMPLES, len(start), len(machine.axes)))
 
 
 def path_seconds(machine: Machine, path: Array) -> Array:

@@ -7,6 +7,7 @@ import unicodedata
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
+from itertools import count
 
 import numpy as np
 
@@ -156,6 +157,7 @@ class _Writer:
         self._machine, self._dialect, self._setup, self._places = machine, dialect, setup, places
         self._axes = ProgramAxes.from_setup(machine, setup, [_decimals(axis, setup, dialect) for axis in machine.axes])
         self.touches = log and setup.contact == "retracted" and setup.instrument == "sphere"
+        self._holds_so_far = count(100, 10)  # a label may stand in a program once; those of the log follow the first
 
     def draft(self) -> tuple[tuple[Step, ...], tuple[Listed, ...]]:
         """Return the actions of the program, and its readings."""
@@ -246,7 +248,8 @@ class _Writer:
                 return [self._dialect.tip_move.format(to=self._dialect.words(step.to), feed=step.feed)]
             case Hold():
                 length = f"{to_unit(self._machine.tool, 'mm'):.{self._dialect.tip_decimals}f}"
-                return filled(self._dialect.tip_on, tool=length, to=self._dialect.words(step.at))
+                to = self._dialect.words(step.at)
+                return filled(self._dialect.tip_on, tool=length, to=to, label=next(self._holds_so_far))
             case Release():
                 return filled(self._dialect.tip_off, to=self._dialect.words(step.at))
             case Dwell():
