@@ -12,7 +12,7 @@ from tests.certify import endings, first_lines
     "seed",
     [
         pytest.param(1, id="another set-up has to be mounted"),
-        pytest.param(76, id="few readings take sizes for larger"),
+        pytest.param(65, id="the worst place"),
         pytest.param(88, id="nine readings take sizes for twice as large"),
     ],
 )
@@ -25,7 +25,7 @@ def test_a_target_that_a_plan_reaches_is_reached(seed: int) -> None:
 
 @pytest.mark.long
 def test_ten_readings_more_do_not_bring_what_no_reading_can() -> None:
-    found = endings.infeasible(11)
+    found = endings.infeasible(0)
     assert found is not None
     assert "cannot be reached: endless readings would leave" in found.because
     assert not found.refuted
