@@ -135,7 +135,7 @@ def _refuse_too_noisy(case: Case, target: float) -> None:
 
 
 def _met(yardstick: Yardstick, target: float, value: float) -> bool:
-    return Limits(rms=target).met(yardstick.figures(value, np.zeros(1)))
+    return yardstick.figures(value, np.zeros(1)).meets(target, None)
 
 
 def _half_the_noise(case: Case, relaxation: Relaxation) -> str:
@@ -171,7 +171,7 @@ def proposed(
     """
     refuse_unmade(case)
     task = posed(case, case.knowledge, candidates=candidates)
-    heeded = enough(case, task, limits)
+    heeded = enough(case, limits)
     if places := first_places(case, task, heeded):
         places += _after(case, task, heeded, places)
     else:
@@ -191,7 +191,12 @@ def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...]) -> 
     then = posed(case, case.knowledge.read(readings), readings=readings, candidates=len(task.lattice))
     try:
         return with_checks(
-            case, then, left, readings, (), lambda within, _: planned_places(case, then, within, readings)
+            case,
+            then,
+            left,
+            readings,
+            (),
+            lambda within, _: planned_places(case, then, within, readings, believed=readings),
         )
     except PlanError:  # there is no time for another
         return ()
