@@ -273,7 +273,9 @@ def _in_minutes(task: Task, limits: Limits, patience: float, usual: bool, goal: 
         if not usual or order is None or not len(order):
             return order
         places = spread_if_as_good(task, goal, shaken(task, order))
-        return interleaved(task, limits, retoured(task, limits, _those_of(order), places, 0.0, np.inf, goal))
+        if not places.same_as(order):
+            order = retoured(task, limits, _those_of(order), places, 0.0, np.inf, goal)
+        return interleaved(task, limits, order)
 
 
 def _refuse(task: Task, limits: Limits) -> None:

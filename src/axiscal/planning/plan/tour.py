@@ -40,6 +40,8 @@ _MOST = 1000
 """Readings of a plan at most."""
 _SWEEPS, _SETTLED, _BETTER = 20, 3e-4, 1e-7
 """Sweeps of swaps at most; share of J that one must gain to be followed by another; rounding of a gain."""
+_WORTH = 1e-2
+"""Share by which a swap must gain more while minutes are bisected: of speed."""
 _ROUNDS = 3
 """Rounds of swaps and climbs at most: each begins where the one before left the lattice."""
 _WORK, _SHARES = 1e10, 4
@@ -230,7 +232,7 @@ def quickest(task: Task, limits: Limits, sets: Sequence[Setups], goal: Goal, pat
         return None
     begun = partial(_begun, replace(limits, budget=longest), ways, scores, tuple(best.runs))
     tour = _best_begun([best], begun, _WORK / _SHARES)
-    tour = _shortest(tour, goal, _settled) if goal.reached(tour.places) else best
+    tour = _shortest(tour, goal, partial(_settled, better=_WORTH)) if goal.reached(tour.places) else best
     return retoured(task, limits, tuple(tour.runs), tour.places, patience, goal=goal)
 
 
@@ -277,7 +279,7 @@ def retoured(
         if before - tour.scores.state.value <= _SETTLED * before:
             break
     if goal is not None:
-        tour = _shortest(tour, goal, settle)
+        tour = _shortest(tour, goal, partial(_settled, better=max(better, _WORTH)))
     hard = tour.budget if goal is None else np.inf if limits.budget is None else limits.budget
     while len(tour.scores.places) > 1 and seconds_along(task, tour.places) > hard:  # ways may lead aside
         tour.drop()
