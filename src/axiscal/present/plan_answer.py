@@ -90,7 +90,6 @@ class PlanAnswer(PlannedAnswer):
     bound_J: float | None  # noqa: N815 as outsiders know it
     bound_rms_um: float | None
     ratio: float | None
-    percent_from_best: float | None
     bound_holds_for: str | None
     proof_gap_percent: float | None
 
@@ -118,7 +117,6 @@ def plan_answer(case: Case, proposal: Proposal, limits: Limits, *, ends: bool = 
         bound_J=None if plan.bound is None else plan.bound.value,
         bound_rms_um=bound,
         ratio=finite(ratio),
-        percent_from_best=finite(100 * ((ratio if bound is None else ratio**0.5) - 1)),
         bound_holds_for=_holds_for(proposal),
         proof_gap_percent=None if proposal.gap is None else finite(_gap_percent(case, proposal)),
     )

@@ -157,7 +157,7 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
 
 
 def bound_sentence(answer: PlanAnswer) -> str:
-    """Return what no plan can bring, and by a proof how far from the best possible one this plan is."""
+    """Return what no plan can bring, and where the proof of it stopped."""
     if answer.bound_J is None or answer.bound_holds_for is None:
         return "No bound was asked for."
     bound = answer.bound_rms_um
@@ -171,8 +171,7 @@ def bound_sentence(answer: PlanAnswer) -> str:
     own = f"{answer.J:.4g}" if bound is None else f"{answer.rms_um:.3g} um"
     text = f"No plan of {readings} {where} can {best}; this one gives {own}"
     if answer.proof_gap_percent is not None:
-        text += f": {_percent(answer.percent_from_best)} from the best possible; "
-        text += f"search stopped at a gap of {_percent(answer.proof_gap_percent)}"
+        text += f"; the proof stopped at a gap of {_percent(answer.proof_gap_percent)}"
     if bound is None:
         return f'{text}. J is the figure that criterion = "{answer.criterion}" makes small.'
     if answer.reachable_rms_um < _MUCH * bound:
