@@ -202,6 +202,24 @@ def test_no_proof_where_boxes_cannot_be_cut(
     assert "..." not in said
 
 
+def test_what_half_the_minutes_these_and_twice_as_many_buy_is_shown(campaign: Path, command: Command) -> None:
+    document = command("plan", campaign, "--readings", "8", "--json").document
+    half, own, twice = document["bought"]
+    assert [half["minutes"], twice["minutes"]] == pytest.approx([own["minutes"] / 2, 2 * own["minutes"]])
+    assert own["minutes"] == pytest.approx(document["minutes"])
+    assert half["expanded_um"] > own["expanded_um"] > twice["expanded_um"]
+    assert "What minutes buy" in command("plan", campaign, "--readings", "8", "--details").printed
+
+
+def test_a_set_up_that_no_budget_reaches_is_named(
+    campaign: Path, command: Command, capsys: pytest.CaptureFixture[str]
+) -> None:
+    slow = CAMPAIGN[CAMPAIGN.index("[[setups]]") :].replace('name = "dial"', 'name = "slow"')
+    campaign.write_text(f'{CAMPAIGN}\n{slow}\nsetup_time = "50 min"\n')
+    assert run(["plan", str(campaign), "--budget", "30 min"]) == 0
+    assert 'than the 30 min there are: "slow" (50' in " ".join(capsys.readouterr().err.split())
+
+
 def test_details_say_how_long_it_would_take_if_all_that_is_stated_were_exact(campaign: Path, command: Command) -> None:
     assert re.search(
         r"^If all that is stated were exact, .*: \d+ min\.$",

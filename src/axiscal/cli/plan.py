@@ -26,6 +26,8 @@ from axiscal.planning.enough import few_more
 from axiscal.planning.next_readings import CANDIDATES, placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import (
+    beyond_budget,
+    bought,
     proposed,
     proven,
     reached_unread,
@@ -120,6 +122,8 @@ def plan(
     if (unread := reached_unread(case, limits)) is not None:
         tell_mind(unread)
         limits = few_more(limits)
+    if (late := beyond_budget(case, limits)) is not None:
+        tell_mind(late)
     proposal = proposed(case, limits, candidates, bounded=(details or json) and not prove)
     if prove:
         of_figure = 2 if case.description.target.criterion == "volume" else 1  # the RMS is the root of a J
@@ -133,7 +137,8 @@ def plan(
         machine, setups = case.description.machine, case.description.setups
         count = len(write_programs(machine, setups, placed(case, proposal.plan), gcode, out, log))
         written.append(f"{out} ({count} files, README.txt there)")
-    answer = plan_answer(case, proposal, limits, ends=ends)
+    buys = bought(case, proposal, candidates) if details or json else ()
+    answer = plan_answer(case, proposal, limits, buys, ends=ends)
     if details and limits.accurate:
         with suppress(PlanError):
             exact = proposed(case_of(as_exact(case.description)), limits, candidates).plan

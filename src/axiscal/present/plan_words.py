@@ -150,10 +150,20 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
         after = f"RMS {um_text(point.rms_um):>8}, {point.minutes:6.1f} min"
         check = "  " + said("check") if point.check else ""
         yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}{check}"
+    if answer.bought:
+        yield _bought(answer)
     yield bound_sentence(answer)
     if answer.certain_minutes is not None:
         minutes = put("{minutes:.0f}", minutes=answer.certain_minutes)
         yield said("If all that is stated were exact, and nothing else went wrong: {minutes} min.", minutes=minutes)
+
+
+def _bought(answer: PlanAnswer) -> str:
+    """Return what half the minutes, these, and twice as many buy."""
+    marks = [
+        put("{minutes:.3g} min ± {u}", minutes=each.minutes, u=um_text(each.expanded_um)) for each in answer.bought
+    ]
+    return said("What minutes buy, over the volume: {marks}.", marks=listed(", ", marks))
 
 
 def bound_sentence(answer: PlanAnswer) -> str:

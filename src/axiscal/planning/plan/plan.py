@@ -93,7 +93,8 @@ def _reaching(task: Task, limits: Limits, setups: Setups, left: Places, goal: Go
         times, spent = clock(task), seconds_along(task, left)
         mounted = float((times.mounting + times.reading)[others].max())
         longest = min(longest, spent + max(mounted, _FAR * float(times.reading[list(setups)].min())))
-    found = grown(task, limits, setups, left, goal, longest)
+    reached = goal.reached(left) and seconds_along(task, left) <= longest
+    found = left if reached else grown(task, limits, setups, left, goal, longest)
     here: Setups = () if task.here is None else (int(task.here.setups[0]),)
     if here == setups or not np.isin(here, setups).any():
         return found

@@ -226,8 +226,7 @@ def quickest(task: Task, limits: Limits, sets: Sequence[Setups], goal: Goal, pat
         opened = _opened(endless, ways, scores, setups, np.random.default_rng(_SEED))
         found = _grown(opened, goal, longest)
         if found is not None and found.seconds <= longest:
-            best = _shortest(found, goal, lambda tour: None)
-            longest = best.seconds
+            best, longest = found, found.seconds
     if best is None:
         return None
     begun = partial(_begun, replace(limits, budget=longest), ways, scores, tuple(best.runs))
@@ -338,7 +337,11 @@ def _grown(tour: Tour, goal: Goal, longest: float) -> Tour | None:
         tour.most = most
         if len(tour.scores.places) == count:
             return None
-    return tour
+    return _shortest(tour, Goal(goal.reached, goal.reached), _as_cut) if earlier else tour
+
+
+def _as_cut(tour: Tour) -> None:
+    """Leave a tour as it is."""
 
 
 def _shortest(tour: Tour, goal: Goal, settle: Callable[[Tour], None]) -> Tour:
@@ -346,6 +349,8 @@ def _shortest(tour: Tour, goal: Goal, settle: Callable[[Tour], None]) -> Tour:
 
     settle : makes the most of less time
     """
+    if not goal.surely(tour.places):
+        return tour
     mounted = sum(run.mounting for run in tour.runs.values() if len(run.slots))
     low, high, saved = 0.0, tour.seconds - mounted, _SHORTER
     for _ in range(_TRIED):
