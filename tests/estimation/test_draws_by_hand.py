@@ -15,7 +15,6 @@ from scipy.stats import norm
 from axiscal.description.usual import Kind, Sizes
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise import left_out as left_out_of
-from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Mode, Weighed, _halved, _wings, draws, mode, redrawn, weighed
 from axiscal.estimation.promise.left_out import LeftOut, left_out, with_stated
 from axiscal.estimation.promise.posterior import (
@@ -139,7 +138,7 @@ def _of_three_draws() -> tuple[Problem, Weighed]:
     problem = sized(asked("axis", 12, 3), ("std", "noise"))
     problem = replace(problem, values=problem.values + 60.0 * (problem.reading == 4))
     space, thetas = space_of(problem), np.array([[-0.4, 0.2], [0.1, 0.1], [0.3, -0.2]])
-    given = tuple(Considered(each) for theta in thetas if (each := space.given(theta)) is not None)
+    given = tuple(each for theta in thetas if (each := space.given(theta)) is not None)
     found = weighed(space, draws(space, mode(space)))
     return problem, replace(found, thetas=thetas, weights=np.array([0.3, 0.5, 0.2]), given=given)
 

@@ -33,9 +33,9 @@ from axiscal.estimation.promise.agreement import (
     Tried,
     tail_of,
 )
-from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Weighed, as_stated, sized
 from axiscal.estimation.promise.problem import Problem
+from axiscal.estimation.promise.spaces import Given
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_tail
@@ -144,11 +144,11 @@ def suspects(problem: Problem, told: Sequence[Explained] = ()) -> Iterator[Suspe
     """
     space = space_of(problem)
     stated = as_stated(space)
-    if chi_square_tail(len(problem.values), stated.square) >= CONTRADICTS:
+    if chi_square_tail(len(problem.values), stated.misfit) >= CONTRADICTS:
         return
     kept = np.array([size.kind in ("length", "noise") for size in problem.sizes.of], dtype=bool)
     larger = space.given(np.where(kept, 0.0, _LARGER))
-    each = [stated] if larger is None else [stated, Considered(larger)]
+    each = [stated] if larger is None else [stated, larger]
     for setup in np.unique(problem.setup).tolist():
         mine = problem.setup == setup
         of = np.unique(problem.reading[mine])
@@ -163,7 +163,7 @@ def suspects(problem: Problem, told: Sequence[Explained] = ()) -> Iterator[Suspe
 
 
 def _suspect(
-    problem: Problem, each: list[Considered], mine: NDArray[np.bool_], readings: NDArray[np.intp], stands: bool
+    problem: Problem, each: list[Given], mine: NDArray[np.bool_], readings: NDArray[np.intp], stands: bool
 ) -> Suspect:
     """Return the likeliest of the jumps before some readings.  stands : the first of them is that of the set-up"""
     ways = ways_of(problem, mine) / problem.noise * float(np.median(problem.noise[mine]))
@@ -179,9 +179,9 @@ def _suspect(
     return Suspect(Explained(name, odds, (setup,), int(readings[best])), _JUMPS[size] * columns[best], places)
 
 
-def _gains(given: Considered, columns: Array, values: Array) -> Array:
+def _gains(given: Given, columns: Array, values: Array) -> Array:
     """Return the gain of log L of each size of a jump, (s, r).  columns : (r, k, m)"""
-    weighted = given.precision(columns.reshape(-1, len(values)).T).T.reshape(columns.shape)
+    weighted = given.judged(columns.reshape(-1, len(values)).T).T.reshape(columns.shape)
     fisher, pulled = columns @ weighted.transpose(0, 2, 1), weighted @ values
     alone, gains = np.eye(columns.shape[1]), np.empty((len(_JUMPS), len(columns)))
     for k, size in enumerate(_JUMPS):

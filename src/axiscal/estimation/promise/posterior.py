@@ -99,18 +99,14 @@ class Drawn:
         each = (self.problem.raw(alone, *sizes) for sizes in zip(self.thetas, roots, strict=True))
         return np.asarray(sum(weight * root @ root.T for weight, root in zip(self.weights, each, strict=True)))
 
-    def sources(self, figures: Array) -> tuple[Sources, Array]:
-        """Return what each source leaves of figures in the mean over the draws, and each cause of type B, (c,).
+    def sources(self, figures: Array) -> Sources:
+        """Return what each source leaves of figures in the mean over the draws.
 
         figures : F (k, answered), of the answered unknowns
         """
-        space, found = space_of(self.problem), list[tuple[Array, Array, Array]]()
-        for theta in self.thetas:
-            if (given := space.given(theta)) is not None:
-                moved = figures @ given.type_b.gains
-                found.append((*given.sources(figures), np.sum(moved**2, axis=0)))
-        columns, numbers, causes = (self.weights @ np.array(each) for each in zip(*found, strict=True))
-        return Sources(columns, numbers), causes
+        space = space_of(self.problem)
+        found = [given.sources(figures) for theta in self.thetas if (given := space.given(theta)) is not None]
+        return Sources(*(self.weights @ np.array(each) for each in zip(*found, strict=True)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -281,7 +277,7 @@ def _moments(judged: Sequence[_Judged], volume: Array) -> _Moments:
     givens = [given for each in judged for given in each.found.given]
     size, counts = judged[0].problem.answered, len(volume)
     means, squares, total = np.empty((len(givens), size)), np.empty(len(givens)), np.zeros((size, size))
-    moved = np.hstack([np.sqrt(w) * each.given.type_b.gains for w, each in zip(weights, givens, strict=True)])
+    moved = np.hstack([np.sqrt(w) * each.type_b.gains for w, each in zip(weights, givens, strict=True)])
     over = np.zeros_like(total)
     over[:counts, :counts] = volume
     for i, given in enumerate(givens):
