@@ -297,7 +297,7 @@ def _other_values(problem: Problem) -> Iterator[tuple[Mistake, tuple[int, ...], 
         yield "sign", (setup,), np.where(mine, -values, values) / problem.noise, -1.0
         for step in (1, -1):
             moved = values.copy()
-            moved[mine] = np.roll(values[mine], step * _numbers(problem.reading[mine]))
+            moved[mine] = np.roll(values[mine], step * numbers_of_one(problem.reading[mine]))
             yield "shifted", (setup,), moved / problem.noise, float(step)
     for first in range(len(setups)):
         for second in range(first + 1, len(setups)):
@@ -308,6 +308,6 @@ def _other_values(problem: Problem) -> Iterator[tuple[Mistake, tuple[int, ...], 
                 yield "swapped", (setups[first], setups[second]), swapped / problem.noise, 1.0
 
 
-def _numbers(reading: NDArray[np.intp]) -> int:
-    """Return how many numbers a reading has."""
+def numbers_of_one(reading: NDArray[np.intp]) -> int:
+    """Return how many numbers a reading of a set-up has."""
     return int(np.sum(reading == reading[0]))
