@@ -204,11 +204,11 @@ def test_two_answers_that_count_one_half_each_are_their_mixture() -> None:
     problem, _, _ = _learnt()
     each, volume = [_judged(problem, apart) for apart in ((), (3, 7))], np.zeros((0, 0))
     one, other = (_moments([judged], volume) for judged in each)
-    found = _moments(each, volume)
+    found_mean, found_covariance, *_, cells = _moments(each, volume)
     mean, covariance = mixture([one[:2], other[:2]], np.array([0.5, 0.5]))
-    np.testing.assert_allclose(found.mean, mean, rtol=1e-9, atol=1e-12 * np.abs(mean).max())
-    np.testing.assert_allclose(found.covariance, covariance, rtol=1e-9, atol=1e-9 * np.abs(covariance).max())
-    np.testing.assert_allclose(found.cells, (one.cells + other.cells) / 2, rtol=1e-9)
+    np.testing.assert_allclose(found_mean, mean, rtol=1e-9, atol=1e-12 * np.abs(mean).max())
+    np.testing.assert_allclose(found_covariance, covariance, rtol=1e-9, atol=1e-9 * np.abs(covariance).max())
+    np.testing.assert_allclose(cells, (one[-1] + other[-1]) / 2, rtol=1e-9)
 
 
 def test_a_detail_is_no_larger_than_two_stated_sizes_of_the_curves() -> None:

@@ -1,6 +1,7 @@
 """What is known while a machine is read: the map to readings and the belief over its unknowns, in one object.
 
-    knowledge = case.knowledge.read(readings)
+    knowledge = Knowledge.before(observation)
+    knowledge = knowledge.read(readings)
 
 A reading opens the rest of each cell that it meets as a separate unknown. So reading there again does not average the
 rest away. Map and belief grow together, and neither can be forgotten.
@@ -34,6 +35,12 @@ class Knowledge:
 
     observation: Observation
     belief: Belief
+
+    @classmethod
+    def before(cls, observation: Observation) -> Knowledge:
+        """Return what is known before the first reading: the prior."""
+        covariance = observation.prior_covariance()
+        return cls(observation, Belief(np.zeros(len(covariance)), covariance))
 
     def opened(self, readings: Sequence[Reading], among: Collection[Cell] | None = None) -> Knowledge:
         """Return the same with the unknowns of cells and drifts that readings will meet.
