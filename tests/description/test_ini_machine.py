@@ -81,7 +81,7 @@ def test_it_reads_what_the_real_controller_takes(tmp_path: Path) -> None:
     machine = built(read)
     np.testing.assert_allclose(machine.axis("X").travel, [0, 24 * 0.0254], rtol=1e-9)
     np.testing.assert_allclose(machine.axis("Z").acceleration, 20 * 0.0254, rtol=1e-9)
-    assert read.compensated == (2,)
+    assert (read.compensated, read.servo_period) == ((2,), 1e-3)
 
 
 def test_an_axis_of_two_joints_is_a_bridge_that_carries_the_others(tmp_path: Path) -> None:

@@ -64,13 +64,14 @@ class IniAxis:
 class IniMachine:
     """A machine as its INI file has it.
 
-    compensated : joints with a table or backlash that LinuxCNC applies
+    compensated : joints with a table or backlash that LinuxCNC applies; servo_period : s, None where nobody said
     """
 
     name: str
     axes: tuple[IniAxis, ...]
     build: IniBuild
     compensated: tuple[int, ...]
+    servo_period: float | None
 
 
 def lacking_limits(ini: IniFile) -> dict[str, str]:
@@ -93,12 +94,13 @@ def machine_of(ini: IniFile, given: Mapping[str, tuple[float, float]] | None = N
     build = build_of(ini, tuple(joints), tuple(name for name in joints if len(joints[name]) > 1), linear)
     built = [name for name in joints if name in re.findall(r"[A-Z]", build.chain)]
     axes = tuple(_axis(ini, name, joints[name], angular if name in "ABC" else linear, given) for name in built)
-    named = ini.get("EMC", "MACHINE")
+    named, period = ini.get("EMC", "MACHINE"), ini.get("EMCMOT", "SERVO_PERIOD")
     return IniMachine(
         name=(named.text if named and named.text else ini.path.stem)[:80],
         axes=axes,
         build=build,
         compensated=tuple(n for n in sorted(sum(joints.values(), ())) if _compensated(ini, n)),
+        servo_period=None if period is None else period.number("SERVO_PERIOD") * 1e-9,
     )
 
 
