@@ -222,11 +222,23 @@ class Yardstick:
         return here.reshape(len(self.rows), 3, -1)
 
     @cached_property
-    def _beside(self) -> Array:
-        """Covariance that rests add at each pose, less the constant shifts that are not counted, (m, 3, 3) m²."""
-        loose = (self.errors.levers(self.poses[0]) * self.errors.rests[:, None, None]).transpose(1, 2, 0)
-        hidden = self._here - (self.moments.mean - self._shift) @ self.unseen
-        return _squared(loose) + _squared(hidden) - _squared(self._here)
+    def _hidden(self) -> Array:
+        """Variance that the allowed readings cannot see, at each pose, constant shifts not counted, m²."""
+        shift = (self.moments.mean - self._shift) @ self.unseen
+        hidden: Array = np.sum((self._counts * (self._here - shift)) ** 2, axis=(1, 2))
+        return hidden
+
+    @cached_property
+    def _correction(self) -> Array:
+        """Variance that the rests add at each pose, less the constant shifts that are not counted, m²."""
+        loose, here = self._loose[:, :, list(self.counted)], self._here[:, list(self.counted)]
+        corrected: Array = np.sum(loose**2, axis=(0, 2)) + self._hidden - np.sum(here**2, axis=(1, 2))
+        return corrected
+
+    @cached_property
+    def _loose(self) -> Array:
+        """Effect of one standard deviation of each rest at each pose, counted or not, (terms, m, 3), m."""
+        return self.errors.levers(self.poses[0]) * self.errors.rests[:, None, None]
 
     @cached_property
     def evenly(self) -> NDArray[np.bool_]:
@@ -239,13 +251,16 @@ class Yardstick:
 
         factor : F (n, r) with C = F Fᵀ
         """
-        return _squared(self._seen(factor, self._every_row).reshape(len(self.rows), 3, -1)) + self._beside
+        seen = self._seen(factor, self._every_row).reshape(len(self.rows), 3, -1)
+        loose = self._loose.transpose(1, 2, 0)
+        hidden = self._here - (self.moments.mean - self._shift) @ self.unseen
+        return _squared(seen) + _squared(loose) + _squared(hidden) - _squared(self._here)
 
     def variances(self, factor: Array) -> Array:
         """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
         seen = self._seen(factor, self.rows)
-        spread = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3) + np.einsum("pcc->pc", self._beside) * self._counts.T
-        return np.asarray(spread.sum(axis=1))
+        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._correction
+        return spread
 
     def _seen(self, factor: Array, rows: Array) -> Array:
         """Return H F at each pose, (3 m, r), r no more than the errors have coefficients.
