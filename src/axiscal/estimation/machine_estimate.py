@@ -43,16 +43,13 @@ class Band(NamedTuple):
 class LeftUnknown(NamedTuple):
     """What is not known of the TCP over a volume, less what does not count, m: RMS, and U of 95 %."""
 
-    rms: float
-    expanded: float
+    rms: float = 0.0
+    expanded: float = 0.0
 
     def beside(self, left: float) -> float:
         """Return U where files leave some of the deviation as it is estimated: U² + (k left)².  left : RMS, m"""
         factor = self.expanded / self.rms if self.rms > 0 else BAND
         return float(np.hypot(self.expanded, factor * left))
-
-
-NOTHING_UNKNOWN = LeftUnknown(0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
@@ -83,7 +80,7 @@ class Estimate:
     told: frozenset[tuple[str, str]] = frozenset()
     whole: bool = True
     open: Array | None = None
-    unknown: LeftUnknown = NOTHING_UNKNOWN
+    unknown: LeftUnknown = field(default_factory=LeftUnknown)
 
     @property
     def machine(self) -> Machine:
