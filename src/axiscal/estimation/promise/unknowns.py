@@ -103,11 +103,11 @@ class InUnknowns(Given):
         w[np.diag_indices_from(w)] += 1.0
         pick, bent = _picked(problem.size_at, k), self._bent(w)
         gradient = pick.T @ (u**2 - np.diagonal(w))
-        gradient += 0.5 * bent.pick.T @ (u[bent.at] * bent.times(u[:, None])[:, 0] - bent.rows[bent.range, bent.at])
+        own = bent.rows[:, bent.at]
+        gradient += 0.5 * bent.pick.T @ (u[bent.at] * bent.times(u[:, None])[:, 0] - np.diagonal(own))
         information = 2 * pick.T @ ((w * w) @ pick)
         cross = bent.pick.T @ ((bent.rows * w[bent.at]) @ pick)
         information += cross + cross.T
-        own = bent.rows[:, bent.at]
         information += 0.5 * bent.pick.T @ ((own * own.T) @ bent.pick)
         self._noises(gradient, information, (w, inverse), (pick, bent))
         return Slope(self.value, gradient, information)
@@ -223,11 +223,6 @@ class _Bent:
     columns: list[NDArray[np.intp]]
     bends: list[Array]
     rows: Array
-
-    @property
-    def range(self) -> NDArray[np.intp]:
-        """0 … q − 1."""
-        return np.arange(len(self.at))
 
     def times(self, matrix: Array) -> Array:
         """Return M applied to the rows of these columns, (q, n).  matrix : (p, n)"""
