@@ -103,7 +103,7 @@ def test_answers_are_those_of_the_equations(drawn: tuple[Problem, Array]) -> Non
     mean, covariance = Dense(problem).unknowns(theta)
     stds = np.sqrt(np.diagonal(covariance))
     for space in _both(problem):
-        answer = _given(space, theta).answered()
+        answer = _given(space, theta).without_causes()
         np.testing.assert_allclose((answer.mean - mean) / stds, 0, atol=1e-4)
         np.testing.assert_allclose((answer.covariance - covariance) / np.outer(stds, stds), 0, atol=1e-4)
 

@@ -136,7 +136,7 @@ class InNumbers(Given):
         information[np.ix_(names, names)] = 0.5 * flat @ turned.T
         return Slope(self.value, gradient, information)
 
-    def answered(self) -> Answered:
+    def without_causes(self) -> Answered:
         """Return the posterior of the answered unknowns."""
         problem, shown = self.problem, self.shown
         mean = problem.mean + problem.raw(shown.T @ self.weighted, self.theta, self.roots)

@@ -93,7 +93,7 @@ class Given(ABC):
         """Return log L, gradient and information."""
 
     @abstractmethod
-    def answered(self) -> Answered:
+    def without_causes(self) -> Answered:
         """Return the posterior of the answered unknowns without causes of type B."""
 
     @abstractmethod
@@ -126,7 +126,7 @@ class Given(ABC):
 
     def posterior(self) -> Answered:
         """Return the posterior of the answered unknowns: the mean without, the covariance with causes of type B."""
-        found, moved = self.answered(), self.type_b.gains
+        found, moved = self.without_causes(), self.type_b.gains
         return Answered(found.mean, found.covariance + moved @ moved.T) if moved.size else found
 
     def sources(self, figures: Array) -> Sources:

@@ -159,7 +159,7 @@ class InUnknowns(Given):
             raw[curves.columns] = (lower @ raw[curves.columns][:, :, None])[:, :, 0]
         return float(space.totals[index] - 2 * raw @ space.products[index] + raw @ space.squares[index] @ raw)
 
-    def answered(self) -> Answered:
+    def without_causes(self) -> Answered:
         """Return the posterior of the answered unknowns: they stand last, so the trailing triangle is enough."""
         problem = self.problem
         first = problem.first
