@@ -49,9 +49,11 @@ def predict(
     wanted = read_poses(poses)
     with Campaign.open(record, write=False) as campaign:
         found = predict_poses(campaign.estimate(ended=True), wanted, poses)
-    rows = [{"mean_um": each.mean_um, "std_um": each.std_um} for each in found]
+    means, stds = (to_unit(each, "um").tolist() for each in found)
+    rows = [{"mean_um": mean, "std_um": std} for mean, std in zip(means, stds, strict=True)]
     heads = f"{'pose':>5} {'x':>18} {'y':>18} {'z':>18}   um, mean and standard deviation"
-    cells = (" ".join(f"{each.mean_um[axis]:9.3f} ± {each.std_um[axis]:6.3f}" for axis in range(3)) for each in found)
+    pairs = (zip(row["mean_um"], row["std_um"], strict=True) for row in rows)
+    cells = (" ".join(f"{mean:9.3f} ± {std:6.3f}" for mean, std in each) for each in pairs)
     lines = [heads, *(f"{number:5} {each}" for number, each in enumerate(cells, start=1))]
     say_either(json, "axiscal-predict/1", {"poses": rows}, lines)
 
