@@ -135,7 +135,7 @@ def _positions(description: CampaignDescription, setup: Setup) -> bool:
 
 def iso230_block(axis: str, found: Positioning) -> Iso230:
     """Return the block of one axis."""
-    unit = "arcsec" if found.rotary else "um"
+    unit = found.unit
     return Iso230(
         axis=axis,
         value_unit=unit,
