@@ -219,10 +219,11 @@ def _status(document: object) -> Mapping[str, Any]:
 def _in_force(held: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return the mesh in force as a profile is saved."""
     rows = _sequence(held["probed_matrix"])
-    ends = [*_sequence(held.get("mesh_min")), *_sequence(held.get("mesh_max"))]
-    sizes = {"x_count": len(_sequence(rows[0])), "y_count": len(rows)}
-    named = dict(zip(("min_x", "min_y", "max_x", "max_y"), ends, strict=False))
-    return {"points": rows, "mesh_params": named | sizes}
+    keys = {"x_count": len(_sequence(rows[0])), "y_count": len(rows)}
+    for end in ("min", "max"):
+        place = _sequence(held.get(f"mesh_{end}"))
+        keys |= {f"{end}_x": place[0], f"{end}_y": place[1]} if len(place) == 2 else {}
+    return {"points": rows, "mesh_params": keys}
 
 
 def _table(value: object) -> Mapping[str, Any]:

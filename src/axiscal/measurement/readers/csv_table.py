@@ -38,14 +38,16 @@ ANGLES = ("deg", "arcsec", "urad", "mrad", "rad")
 SLOPES = ("um/m", "mm/m", "arcsec", "arcmin", "urad", "mrad", "deg", "div")
 """Of a level: div are divisions, whose value is stated beside."""
 TEXT: tuple[str, ...] = ()
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _COMMA = re.compile(r"'?[+\-\N{MINUS SIGN}]?(\d+,\d*|,\d+)([eE][+-]?\d+)?", re.ASCII)
 _SWAPPED = str.maketrans(",.", ".,")
+_LONGEST = 60
+"""Characters of what is quoted."""
 _SEPARATORS, _QUOTED = ",;\t", re.compile('"[^"]*"')
 _UNITS = {*LENGTHS, *ANGLES, *SLOPES}
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
 _NOTHING = re.compile(r"\s*#|[\s;,]*$")
-_HINT = re.compile(r"sep=(.)")
+_HINT = re.compile(r"\s*sep=(.)\s*")
 """First line by which a spreadsheet says what separates the cells."""
 _IN_BRACKETS = re.compile(r"(.*?)\s*[\[(]([^\[(]*)[\])]")
 _SPECIAL = re.compile(r'["\r\n\0]')
@@ -187,14 +189,15 @@ class CsvTable:
         return self
 
     def _unknown(self, column: Column, layout: Mapping[str, tuple[str, ...]]) -> ReadingError:
+        name = column.name[:_LONGEST]
         spelt = {stem: [f"{stem}_{unit}" for unit in units] or [stem] for stem, units in layout.items()}
         if layout.get(column.stem):
             what = "column '{column}' has a unit of the wrong kind" if column.unit else "column '{column}' has no unit"
-            return self.fail(what, "it can be {known}", column=column.name, known=", ".join(spelt[column.stem]))
+            return self.fail(what, "it can be {known}", column=name, known=", ".join(spelt[column.stem]))
         known = [name for stem, names in spelt.items() if not self.all_of(stem) for name in names]
         first = ", ".join(names[0] for names in spelt.values())
         every = said("known are {known}; take out what is not needed", known=first)
-        return self.fail("column '{column}' is not known", meant(column.name, known, every), column=column.name)
+        return self.fail("column '{column}' is not known", meant(name, known, every), column=name)
 
 
 def read_table(path: str | Path) -> CsvTable:
@@ -233,7 +236,7 @@ def header_of(file: TextFile) -> tuple[Column, ...]:
 def _begun(file: TextFile, header: str) -> tuple[int, str, tuple[Column, ...], list[tuple[int, str]]]:
     """Return the line of the header, what separates cells, the columns, and the lines of data; raises ReadingError."""
     data = [(number, line) for number, line in enumerate(file.lines, 1) if not _NOTHING.match(line)]
-    hint = _HINT.fullmatch(data[0][1].strip()) if data else None
+    hint = _HINT.fullmatch(data[0][1]) if data else None
     if not data[bool(hint) :]:
         raise file.fail("there is no header and no data", "let the first line name the columns")
     (number, first), *data = data[bool(hint) :]
@@ -258,7 +261,7 @@ def _columns(file: TextFile, number: int, names: list[str], header: str) -> tupl
     for index, name in enumerate(names):
         if not name or name in names[:index]:
             what = "column '{name}' is named twice" if name else "column {column} has no name"
-            raise file.fail(what, "give each column one name of its own", number, name=name, column=index + 1)
+            raise file.fail(what, "give each column one name of its own", number, name=name[:_LONGEST], column=index + 1)
     return tuple(column_of(name, file.unit) for name in names)
 
 
@@ -282,7 +285,7 @@ def _row(file: str, number: int, line: str, cells: list[str], columns: tuple[Col
 
 def _quote(text: str) -> str:
     """Quote what somebody wrote, shortened, control characters made visible."""
-    return repr(text if len(text) <= 60 else text[:57] + "...")
+    return repr(text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "...")
 
 
 def _why_not(text: str, comma: bool) -> tuple[str, str]:

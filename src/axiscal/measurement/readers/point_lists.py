@@ -19,6 +19,7 @@ from axiscal.measurement.readers.text_file import TextFile
 _AXES = "XYZABCUVW"
 _REMARK = re.compile(r"\s*(?:[#%(;]|//|$)")
 _HEAD = re.compile(r"\s*X[\s,;]+Y[\s,;]+Z\s*", re.IGNORECASE)
+_NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?", re.ASCII)
 _COUNT = re.compile(r"\d{1,4}")
 _XML = re.compile(r"<heightmap\b([^>]*)>")
 _POINT = re.compile(r'<point\s+X="(\d{1,4})"\s+Y="(\d{1,4})"\s*>([^<]*)</point>')
@@ -30,7 +31,7 @@ _WHOLE = "copy the whole file"
 def is_list(file: TextFile) -> bool:
     """Return whether the first line is a point: three numbers, or nine of LinuxCNC; X Y Z may stand above."""
     first = next((line for _, line in _lines(file)), "")
-    return len(cells := _numbers(first)) in (3, 9) and all(number_or_none(cell) is not None for cell in cells)
+    return len(cells := _numbers(first)) in (3, 9) and all(map(_NUMBER.fullmatch, cells))
 
 
 def is_bcnc(file: TextFile) -> bool:
