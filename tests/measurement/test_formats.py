@@ -239,7 +239,16 @@ def test_a_unit_is_taken_where_the_file_names_none(tmp_path: Path) -> None:
         assert found.words(["probe"]).endswith("25 of 25 cells, for set-up probe, in inch.")
     table = read(tmp_path, "setup;X;value\nprobe;1;0,001\n", unit="inch").found.readings[0]
     assert (table.position["X"], table.value) == pytest.approx((0.0254, 25.4e-6))
-    for text in (ISO, RTL, MAPS[0].text("a UBL map"), MAPS[0].text("a Klipper mesh"), SURVEY):
+    for head in ("X [in];Y [in];Z [in]", "x_inch y_inch z_inch", "X (IN)\tY (IN)\tZ (IN)"):
+        assert heights(read(tmp_path, f"{head}\n1;2;0,1\n")) == {(25.4, 50.8): pytest.approx(2.54)}
+    for text in (
+        "X_mm,Y_mm,Z_mm\n1,2,3\n",
+        ISO,
+        RTL,
+        MAPS[0].text("a UBL map"),
+        MAPS[0].text("a Klipper mesh"),
+        SURVEY,
+    ):
         with pytest.raises(ReadingError, match="Leave --unit out"):
             read(tmp_path, text, unit="inch")
 

@@ -103,7 +103,7 @@ Details = Annotated[
 ]
 Unit = Annotated[
     str | None,
-    typer.Option("--unit", metavar="UNIT", help="Of lengths where the file names none: mm, inch; default: mm."),
+    typer.Option("--unit", metavar="UNIT", help="Of lengths without one, such as inch; default: mm."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 ResultsFolder = Annotated[

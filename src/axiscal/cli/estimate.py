@@ -73,17 +73,16 @@ def estimate(
 
     The first lines say what a file is:
 
-    - a table: setup, X_mm, ... B_deg, approach, value_um (value_in, value_urad); parked axes may be left out
-    - a test of one axis: target_mm, direction, run, deviation_um; a column a run; .rtl, .rta, .rts of laser software
-    - a bed map of Klipper (printer.cfg#NAME of several, console, Moonraker), Marlin, RepRapFirmware
-    - points X Y Z of bCNC, Candle, OpenCNCPilot, UGS, LinuxCNC
-    - a level survey
+    \b
+      table      setup, X_mm, ... B_deg, approach, value_um (value_in, value_urad)
+      axis test  target_mm, direction, run, deviation_um; a column a run; .rtl .rta .rts
+      bed map    Klipper (printer.cfg#NAME, console, Moonraker), Marlin, RepRapFirmware
+      points     X Y Z of bCNC, Candle, OpenCNCPilot, UGS, LinuxCNC
+      level      stations, and what a level showed there and back
 
-    Tests and maps find their set-up by what it reads. Marlin and the console of Klipper print no coordinates: state
-    map in the set-up.
+    Tests and maps find their set-up by what it reads.
 
-    --log takes the readings from the log that measuring programs have written (axiscal plan --gcode CONTROLLER --log),
-    beside those of READINGS.csv, if it is given.
+    --log takes readings from the log of measuring programs (axiscal plan --gcode CONTROLLER --log), beside READINGS.
 
     \b
     Examples:
@@ -162,10 +161,9 @@ def iso230(
 
     The first lines say what was tested: an axis or a circle.
 
-    Positioning, ISO 230-2: target_mm, direction (+ or -, forward or reverse, CCW or CW), run, deviation_um; target_deg
-    and deviation_arcsec for a rotary axis; a column a run (Pos, 1+, 1-, 2+, ...); a .rtl file of laser software.
-    Angle of a linear axis: target_mm and deviation_arcsec, or .rta; straightness: .rts, less its best-fit line.
-    Behind ± stands how far each figure scatters when the test is repeated (k = 2).
+    Positioning, ISO 230-2: target_mm, direction (+ or -), run, deviation_um; target_deg and deviation_arcsec for a
+    rotary axis; a column a run (Pos, 1+, 1-, ...); .rtl. Angle: target_mm and deviation_arcsec, or .rta. Straightness:
+    .rts, less its best-fit line. Behind ± stands how far each figure scatters when the test is repeated (k = 2).
     Circle, ISO 230-4: angle_deg, direction (+ counter-clockwise), deviation_um of the radius.
 
     \b

@@ -29,7 +29,7 @@ from axiscal.units import said_quantity
 _OF_TEST = {"target": LENGTHS + ANGLES, "direction": TEXT, "run": TEXT, "deviation": LENGTHS + ANGLES}
 _OF_CIRCLE = {"angle": ANGLES, "direction": TEXT, "deviation": LENGTHS}
 _CALLED = {
-    "target": "target pos pos. position soll sollposition ziel cible consigne posición posicion posizione",
+    "target": "target pos pos. position soll sollposition ziel zielposition cible consigne posición posicion posizione",
     "direction": "direction dir richtung sens dirección direccion direzione verso",
     "run": "run cycle lauf messlauf durchgang zyklus passage pasada ciclo passata",
     "deviation": "deviation dev error abweichung fehler écart ecart erreur desviación desviacion scostamento errore",

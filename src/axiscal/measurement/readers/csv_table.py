@@ -261,7 +261,9 @@ def _columns(file: TextFile, number: int, names: list[str], header: str) -> tupl
     for index, name in enumerate(names):
         if not name or name in names[:index]:
             what = "column '{name}' is named twice" if name else "column {column} has no name"
-            raise file.fail(what, "give each column one name of its own", number, name=name[:_LONGEST], column=index + 1)
+            raise file.fail(
+                what, "give each column one name of its own", number, name=name[:_LONGEST], column=index + 1
+            )
     return tuple(column_of(name, file.unit) for name in names)
 
 

@@ -15,7 +15,8 @@ from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import from_unit
 
-_LOG = re.compile(r"^\s*(?:\d\d?:\d\d(?::\d\d)?(?:\.\d+)?\s*)?(?:Recv:|<<<|>>>|[<>])?\s*(?:echo:)?\s*")
+_TIME = r"(?:[\d-]{10} )?\d\d?:\d\d(?::\d\d)?(?:[.,]\d+)?\s*(?:- )?"
+_LOG = re.compile(rf"^\s*(?:{_TIME})?(?:Recv:|<<<|>>>|[<>])?\s*(?:echo:)?\s*")
 _TOPOGRAPHY = "Bed Topography Report"
 _PRINTED = re.compile(r"Bilinear Leveling Grid:|Measured points:")
 _LABELLED = re.compile(r"(\d{1,3}) ?\|(.*)")

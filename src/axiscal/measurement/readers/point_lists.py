@@ -18,7 +18,9 @@ from axiscal.measurement.readers.text_file import TextFile
 
 _AXES = "XYZABCUVW"
 _REMARK = re.compile(r"\s*(?:[#%(;]|//|$)")
-_HEAD = re.compile(r"\s*X[\s,;]+Y[\s,;]+Z\s*", re.IGNORECASE)
+_UNIT = r"[ _]?[\[(]?(?:mm|in|inch)[\])]?|"
+_HEAD = re.compile(rf"\s*X(?P<unit>{_UNIT})[\s,;]+Y(?P=unit)[\s,;]+Z(?P=unit)\s*", re.IGNORECASE)
+_BRACKETS = re.compile(r"[\W_]")
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?", re.ASCII)
 _COUNT = re.compile(r"\d{1,4}")
 _XML = re.compile(r"<heightmap\b([^>]*)>")
@@ -56,6 +58,11 @@ def is_xml(file: TextFile) -> bool:
 
 def listed(file: TextFile, around: Around) -> Found:
     """Return the readings of a list; raises ReadingError.  Axes beside X, Y and Z that are not at 0 are named."""
+    heads = [(number, head["unit"]) for number, line in enumerate(file.lines, 1) if (head := _HEAD.fullmatch(line))]
+    for number, named in heads[:1]:
+        if named and file.unit:
+            raise file.fail("the header names its unit, and --unit names another", "leave --unit out", number)
+        file = replace(file, unit=_BRACKETS.sub("", named or file.unit).lower())
     return _noted(file, _points(file, list(_lines(file))))
 
 
