@@ -84,8 +84,8 @@ def test_set_ups_that_a_file_cannot_tell_apart_are_refused() -> None:
     (reading,) = placed_readings((tested,), alone, "r.csv")
     assert (reading.setup, reading.pose[0], reading.approach[0]) == ("laser", 0.1, -1)
     level = described(LEVELS.rpartition("[[setups]]")[0])
-    assert "moves one linear axis and reads along it" in refusal(level, **as_read("positioning", "length"))
-    assert "moves one rotary axis and reads along it" in refusal(level, **as_read("positioning", "angle"))
+    for dimension in ("length", "angle"):
+        assert "rotary for deg, and reads along it" in refusal(level, **as_read("positioning", dimension))
     assert "moves one linear axis and reads across it" in refusal(alone, **as_read("straightness", "length"))
     assert "names no axes" in refusal(alone, **as_read("circle", "length"))
     both = described(LEVELS)

@@ -122,7 +122,7 @@ def test_nodes_without_a_count_are_all_there(tmp_path: Path) -> None:
     with pytest.raises(ReadingError, match="line 22: the mesh of 5 x 5 points has 21 values"):
         read(tmp_path, "\n".join(lines[:22]))
     found = read(tmp_path, "\n".join(lines[:22]), MAPS[0])
-    assert found.words() == "file.txt: a Marlin map (M421, M503), 21 of 25 cells."
+    assert found.sentence() == "file.txt: a Marlin map (M421, M503), 21 of 25 cells."
 
 
 def test_an_export_for_marlin_says_where_its_nodes_lie(tmp_path: Path) -> None:
@@ -236,7 +236,7 @@ def test_a_unit_is_taken_where_the_file_names_none(tmp_path: Path) -> None:
     for form in ("a bCNC probe file", "a Candle height map", "an OpenCNCPilot height map", "a list of points X Y Z"):
         found = read(tmp_path, MAPS[0].text(form), unit="inch")
         assert heights(found) == pytest.approx(inches, abs=1e-6)
-        assert found.words(["probe"]).endswith("25 of 25 cells, for set-up probe, in inch.")
+        assert found.sentence(["probe"]).endswith("25 of 25 cells, for set-up probe, in inch.")
     table = read(tmp_path, "setup;X;value\nprobe;1;0,001\n", unit="inch").found.readings[0]
     assert (table.position["X"], table.value) == pytest.approx((0.0254, 25.4e-6))
     for head in ("X [in];Y [in];Z [in]", "x_inch y_inch z_inch", "X (IN)\tY (IN)\tZ (IN)"):

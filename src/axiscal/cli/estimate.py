@@ -100,7 +100,7 @@ def estimate(
         read = recognised(readings, known, length_unit(unit))
         placed = placed_readings(read.found.readings, description, readings)
         refuse_implausible(placed, description, readings)
-        told = read.words([each.setup for each in placed])
+        told = read.sentence([each.setup for each in placed])
         if read.found.readings[0].test == "positioning":
             (axis,) = description.setup(placed[0].setup).moves
             tested = iso230_block(description.machine.axes[axis].name, evaluate(positioning_test(read)))
@@ -173,7 +173,7 @@ def iso230(
 
     read = recognised(readings, unit=length_unit(unit))
     found = figures_of(read)
-    tell(read.words())
+    tell(read.sentence())
     document = found.as_json()
     if json:
         say_document(document)

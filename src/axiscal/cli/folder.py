@@ -295,7 +295,7 @@ def check(
     read = recognised(found, Around(stated.machine.axes, stated.setups))
     placed = placed_readings(read.found.readings, stated, found)
     refuse_implausible(placed, stated, found)
-    tell(read.words([each.setup for each in placed]))
+    tell(read.sentence([each.setup for each in placed]))
     judged = asked.judged(placed, tables_active or tables is not None)
     document = {
         "in_order": judged.in_order,

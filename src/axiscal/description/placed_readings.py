@@ -304,9 +304,11 @@ def _refuse_other_base(row: RawReading, setup: Setup) -> None:
 
 
 _ASKS = {
-    "positioning": later("a test of positioning needs a set-up that moves one {axis} axis and reads along it"),
-    "angular": later("an angular test needs a set-up that moves one {axis} axis and reads an angle"),
-    "straightness": later("a test of straightness needs a set-up that moves one {axis} axis and reads across it"),
+    "positioning": later(
+        "a test of positioning needs a set-up that moves one axis, linear for mm and rotary for deg, and reads along it"
+    ),
+    "angular": later("an angular test needs a set-up that moves one linear axis and reads an angle"),
+    "straightness": later("a test of straightness needs a set-up that moves one linear axis and reads across it"),
     "circle": later("a circular test names no axes: its figures are those of `axiscal data iso230`"),
 }
 _ASIDE = 0.1
@@ -315,25 +317,22 @@ _ASIDE = 0.1
 
 def _tested(row: RawReading, campaign: CampaignDescription) -> Setup:
     """Return the only set-up that reads what a test reads; raises ReadingError for none, and for several."""
-    test, rotary = row.test or "circle", row.target_dimension == "angle"
-    fitting = [setup for setup in campaign.setups if test != "circle" and _reads_test(row, setup, campaign.machine)]
+    fitting = [setup for setup in campaign.setups if _reads_test(row, setup, campaign.machine)]
     if len(fitting) == 1:
         return fitting[0]
-    axis = said("rotary") if rotary else said("linear")
-    what = said(_ASKS[test], axis=axis)
-    if fitting:
-        what = said("several set-ups read what this test reads: {names}", names=joined([each.name for each in fitting]))
-    raise ReadingError(what, "Give the columns setup and X_mm, or a campaign of the one set-up that was tested")
+    what, names = _ASKS[row.test or "circle"], joined([each.name for each in fitting])
+    what = "several set-ups read what this test reads: {names}" if fitting else what
+    remedy = "Give the columns setup and X_mm, or a campaign of the one set-up that was tested"
+    raise ReadingError(what, remedy, names=names)
 
 
 def _reads_test(row: RawReading, setup: Setup, machine: Machine) -> bool:
-    if len(setup.moves) != 1 or INSTRUMENTS[setup.instrument].model.reads != row.dimension:
+    axis, reads = machine.axes[setup.moves[0]], INSTRUMENTS[setup.instrument].model.reads
+    if len(setup.moves) != 1 or reads != row.dimension or row.test == "circle":
         return False
-    axis = machine.axes[setup.moves[0]]
     across = abs(setup.direction[letter_direction(axis.letter)]) < _ASIDE
-    return axis.rotary == (row.target_dimension == "angle") and (
-        row.dimension == "angle" or across == (row.test == "straightness")
-    )
+    fits = reads == "angle" or across == (row.test == "straightness")
+    return fits and axis.rotary == (row.target_dimension == "angle")
 
 
 def _only_setup(campaign: CampaignDescription) -> Setup:

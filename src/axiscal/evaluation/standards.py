@@ -3,8 +3,6 @@
 `_up` is the approach in the positive direction, `_down` in the negative one; a figure that needs a direction that was
 not measured is None.  No figure holds a coverage factor of ours: the standard's own ±2s is part of A and R.
 
-Circular tests, and which test a file holds: of a circle or of positioning.
-
 Circular tests by ISO 230-4: readings of a ball bar or a grid plate along a circle, in one or both directions. From the
 deviations of the radius, actual minus nominal, with the centre of least squares taken off (LSC):
 
@@ -16,8 +14,6 @@ deviations of the radius, actual minus nominal, with the centre of least squares
 The standard defines G by the two concentric circles of least separation. The width about the centre of least squares is
 never smaller, and a few percent larger at most. The least-squares centre of readings around a turn is that of
 r(θ) = r₀ + a cos θ + b sin θ + e(θ).
-
-(Formulas after ISO 230-4:2005, quoted from memory.)
 """
 
 from __future__ import annotations
@@ -64,7 +60,7 @@ class PositioningTest:
     angular: bool = False
 
     @property
-    def unit(self) -> str:
+    def value_unit(self) -> str:
         """In which deviations are said."""
         return "arcsec" if self.rotary or self.angular else "um"
 
@@ -137,13 +133,12 @@ def positioning_test(read: Recognised) -> PositioningTest:
         what = "fewer than two targets have a reading in every run"
         raise ReadingError(what, "add the readings, or take out the run that was cut off", read.file)
     targets, places = sorted(seen.keys() - missing), [said_quantity(at, "deg" if rotary else "mm") for at in missing]
-    left_out = joined(places) if places else ""
-    if readings[0].test == "straightness":
+    if readings[0].test == "straightness" and len(seen) > 1:
         at, values = np.array([(each.position[""], each.value) for each in readings]).T
-        slope = float(np.polyfit(at - at.mean(), values, 1)[0]) if len(seen) > 1 else 0.0
+        slope = float(np.polyfit(at, values, 1)[0])
         readings = tuple(replace(each, value=each.value - slope * each.position[""]) for each in readings)
     up, down = (_passes(readings, targets, direction) for direction in (1, -1))
-    return PositioningTest(np.array(targets), up, down, rotary, read.file, left_out, angular)
+    return PositioningTest(np.array(targets), up, down, rotary, read.file, joined(places), angular)
 
 
 def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
@@ -158,7 +153,7 @@ def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
     figures = {name: float(found[name][0]) for name in FIGURES if name in found and np.isfinite(found[name][0])}
     per_target = tuple(_at_target(test, sides, i) for i in range(len(test.targets)))
     warnings = tuple(_shortfalls(test, min(side.runs for side in sides.values())))
-    units, uncertainty = (test.unit, "deg" if test.rotary else "mm"), _uncertainty(sides, noise)
+    units, uncertainty = (test.value_unit, "deg" if test.rotary else "mm"), _uncertainty(sides, noise)
     return Positioning(figures, per_target, *units, warnings, uncertainty, _vdi3441(sides))
 
 
@@ -291,7 +286,7 @@ def _drift(test: PositioningTest) -> Iterable[str]:
     left = means - slope * time
     square = slope**2 * spread / max(float(left @ left) / degrees, np.finfo(float).tiny)
     if square > _STEADILY**2:
-        moved = said_quantity(slope * float(np.ptp(time)), test.unit, 3)
+        moved = said_quantity(slope * float(np.ptp(time)), test.value_unit, 3)
         words = "The means of the runs move steadily, by {moved} from the first to the last: A and R count this drift."
         yield said(words, moved=moved)
 
@@ -368,8 +363,7 @@ def figures_of(read: Recognised) -> Positioning | CircleFigures:
     """Return the figures of the test that a file holds; raises ReadingError, EvaluationError."""
     if read.found.readings[0].test == "circle":
         rows = [(each.position[""], each.value, each.approach[""]) for each in read.found.readings]
-        angles, deviations, directions = np.array(rows).T
-        return circular(CircularTest(angles, deviations, directions, read.file))
+        return circular(CircularTest(*np.array(rows).T, file=read.file))
     return evaluate(positioning_test(read))
 
 

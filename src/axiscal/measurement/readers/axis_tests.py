@@ -41,6 +41,7 @@ _WAYS = {
     -1: "- reverse rev backward backwards back negative neg down cw rück zurück rückwärts rueckwaerts retour arrière "
     "atrás atras indietro",
 }
+"""Words of directions by their sign."""
 _SIGNS = {word: sign for sign, words in _WAYS.items() for word in words.split()}
 _PARTS = re.compile(r"\d+|[+-]|[^\W\d_]+")
 _RUN = re.compile(r"[0-9]{1,9}")

@@ -41,7 +41,7 @@ _KEYS = "{0}min min{1} min_{0}", "{0}max max{1} max_{0}", "{0}num num{1} {0}_cou
 
 
 @dataclass(frozen=True, slots=True)
-class Grid:
+class NodeGrid:
     """The cells of a map.  x : m; rows : y, m, the line and its cells"""
 
     file: TextFile
@@ -244,7 +244,7 @@ def console(file: TextFile, around: Around) -> Found:
         if not cells or not all(_is_number(cell) for cell in cells):
             break
         rows.append((number, cells))
-    found = placed(file, rows, begins[0], around)
+    found = without_places(file, rows, begins[0], around)
     return found.readings(found.filled())
 
 
@@ -259,7 +259,7 @@ def refuse_others(file: TextFile, begins: Sequence[int]) -> None:
         raise file.fail(what, "keep the one that is to count", begins[1], count=len(begins))
 
 
-def placed(file: TextFile, rows: Rows, line: int, around: Around) -> Grid:
+def without_places(file: TextFile, rows: Rows, line: int, around: Around) -> NodeGrid:
     """Return the cells of a map that carries no coordinates; raises ReadingError.  rows : along y"""
     wide, high = len(rows[0][1]) if rows else 0, len(rows)
     x, y = sides(file, around, line, wide, high)
@@ -303,13 +303,13 @@ def _cells(line: str) -> list[str]:
     return [cell.strip() for cell in line.split(",")]
 
 
-def grid(file: TextFile, keys: Mapping[str, str], points: Rows, line: int, spaced: bool = False) -> Grid:
+def grid(file: TextFile, keys: Mapping[str, str], points: Rows, line: int, spaced: bool = False) -> NodeGrid:
     """Return the cells at their places; raises ReadingError.  spaced : by a distance that is stated"""
     x, y = (_side(file, keys, [each.format("xy"[k], k).split() for each in _KEYS], line, spaced) for k in (0, 1))
     if len(points) != len(y):
         what = "{count} rows are announced, and there are {rows}"
         raise file.fail(what, "copy the whole map", line, count=len(y), rows=len(points))
-    return Grid(file, x, [(at, number, cells) for at, (number, cells) in zip(y, points, strict=True)])
+    return NodeGrid(file, x, [(at, number, cells) for at, (number, cells) in zip(y, points, strict=True)])
 
 
 def _side(file: TextFile, keys: Mapping[str, str], names: list[list[str]], line: int, spaced: bool) -> list[float]:

@@ -74,7 +74,7 @@ class Recognised(NamedTuple):
     title: str
     found: Found
 
-    def words(self, setups: Sequence[str] = ()) -> str:
+    def sentence(self, setups: Sequence[str] = ()) -> str:
         """Return what was recognised, a sentence.  setups : names of those that the readings are for"""
         cells, count = self.found.cells, len(self.found.readings)
         what = "{count} of {cells} cells" if cells else "{count} readings"

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-from axiscal.measurement.readers.bed_map import Rows, grid, height, placed, probed_of, refuse_others
+from axiscal.measurement.readers.bed_map import Rows, grid, height, without_places, probed_of, refuse_others
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import from_unit
@@ -57,7 +57,7 @@ def topography(file: TextFile, around: Around) -> Found:
     refuse_others(file, begins)
     if "CSV" in file.lines[begins[0] - 1]:
         lines = [(number, line) for number, line in enumerate(file.lines[begins[0] :], begins[0] + 1) if "\t" in line]
-        return placed(file, [(n, line.split()) for n, line in reversed(lines)], begins[0], around).readings()
+        return without_places(file, [(n, line.split()) for n, line in reversed(lines)], begins[0], around).readings()
     rows, corners = dict[int, tuple[int, list[str]]](), list[tuple[str, str]]()
     for number, text in _said(file):
         if row := _LABELLED.match(text):
@@ -89,7 +89,7 @@ def printed(file: TextFile, around: Around) -> Found:
             rows.append((number, row[2].split()))
         elif rows:
             break
-    return placed(file, rows, begins[0], around).readings()
+    return without_places(file, rows, begins[0], around).readings()
 
 
 def nodes(file: TextFile, around: Around) -> Found:
@@ -132,7 +132,7 @@ def _of_nodes(file: TextFile, found: dict[tuple[int, int], tuple[int, str]], aro
     if built and not any(setup.nodes for setup in around.setups):
         low_x, top_x, low_y, top_y = (from_unit(file.number(end, "end", 1), "mm") for end in built.groups())
         around = replace(around, ends=((low_x, top_x), (low_y, top_y)))
-    return placed(file, cells, line, around).readings()
+    return without_places(file, cells, line, around).readings()
 
 
 def probed(file: TextFile, around: Around) -> Found:
