@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import InputError, ReadingError
 from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.files import FORMATS, Recognised, recognised
-from tests.generators.texts import campaign_text, machine_text, setup_text
+from tests.generators.texts import Said, campaign_text, machine_text, setup_text
 from tests.generators.written_maps import EVERYWHERE, FORMS, DrawnMap, drawn
 from tests.measurement.test_instrument_files import RTL
 from tests.measurement.test_level_survey import SURVEY
@@ -43,7 +44,7 @@ TEXTS = {form: MAPS[0].text(form) for form in FORMS} | {
 
 def described(*, nodes: DrawnMap | None) -> CampaignDescription:
     """Return a campaign whose probe reads along z, and states where the nodes of maps lie."""
-    said = {}
+    said: dict[str, Said] = {}
     if nodes is not None:
         said = {"map": {a: [f"{at[0]} mm", f"{at[-1]} mm", len(at)] for a, at in (("X", nodes.x), ("Y", nodes.y))}}
     probe = setup_text("probe", "probe", direction="z", moves=["X", "Y"], **said)
@@ -243,6 +244,7 @@ def test_a_unit_is_taken_where_the_file_names_none(tmp_path: Path) -> None:
         assert heights(read(tmp_path, f"{head}\n1;2;0,1\n")) == {(25.4, 50.8): pytest.approx(2.54)}
     for text in (
         "X_mm,Y_mm,Z_mm\n1,2,3\n",
+        "Pos_mm;1+_um\n1;2\n",
         ISO,
         RTL,
         MAPS[0].text("a UBL map"),
@@ -293,6 +295,26 @@ def test_a_column_a_run_is_a_test(tmp_path: Path, header: str, unit: float) -> N
     values = {(1e3 * each.position[""], each.approach[""], each.run): each.value / unit for each in found}
     left = {(10.5, 1, 1): 1, (10.5, -1, 1): 2, (10.5, 1, 2): 3, (10.5, -1, 2): 4, (-7, 1, 1): 5, (-7, -1, 1): 6}
     assert values == pytest.approx(left | {(-7, -1, 2): 8})
+
+
+def test_a_column_a_run_may_be_of_angles(tmp_path: Path) -> None:
+    turned, pitch = (read(tmp_path, f"{at};1+_arcsec\n90;2\n").found.readings[0] for at in ("Pos_deg", "Pos_mm"))
+    assert (turned.test, pitch.test) == ("positioning", "angular")
+    assert turned.position[""] == pytest.approx(np.pi / 2)
+    assert turned.value == pitch.value == pytest.approx(np.radians(2 / 3600))
+    for header in ("Pos_deg;1+_um", "Pos_mm;1+_um;1-_arcsec"):
+        with pytest.raises(ReadingError, match="mix a length and an angle|some runs are lengths, and some are angles"):
+            read(tmp_path, f"{header}\n90;{';'.join(header.count(';') * '2')}\n")
+
+
+def test_a_straightness_test_is_without_its_line(tmp_path: Path) -> None:
+    at = np.arange(9) * 50.0
+    bent = 5.0 * np.sin(at / 60.0)
+    rows = "".join(f"1 {number} {y:.6f}\n" for number, y in enumerate(bent + 0.1 * at + 3.0, 1))
+    targets = " ".join(f"{each:.3f}" for each in at)
+    text = f"HEADER::\nFile type : rts\nTARGET DATA::\nTarget-count: 9\nTargets: {targets}\nDEVIATIONS::\n{rows}EOF::\n"
+    figures = evaluate(positioning_test(read(tmp_path, text))).figures
+    assert 1e6 * figures["E_up"] == pytest.approx(np.ptp(bent - np.polyval(np.polyfit(at, bent, 1), at)), abs=1e-5)
 
 
 def test_a_table_of_readings_may_have_semicolons_and_inches(tmp_path: Path) -> None:

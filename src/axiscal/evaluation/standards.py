@@ -361,9 +361,9 @@ class CircleFigures:
 
 def figures_of(read: Recognised) -> Positioning | CircleFigures:
     """Return the figures of the test that a file holds; raises ReadingError, EvaluationError."""
-    if read.found.readings[0].test == "circle":
-        rows = [(each.position[""], each.value, each.approach[""]) for each in read.found.readings]
-        return circular(CircularTest(*np.array(rows).T, file=read.file))
+    if (found := read.found.readings)[0].test == "circle":
+        rows = np.array([(each.position[""], each.value, each.approach[""]) for each in found])
+        return circular(CircularTest(rows[:, 0], rows[:, 1], rows[:, 2], read.file))
     return evaluate(positioning_test(read))
 
 

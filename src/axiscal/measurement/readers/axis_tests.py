@@ -75,11 +75,7 @@ def long_table(file: TextFile, around: Around) -> Found:
     """Return the readings of a table with a line for each; raises ReadingError, also for one that stands twice."""
     table = _renamed(file)
     target, direction, run, deviation = table.needed(_OF_TEST, "target_mm", "direction", "run", "deviation_um")
-    kind: Test = "positioning" if target.dimension == deviation.dimension else "angular"
-    if target.dimension == "angle" and kind == "angular":
-        what = "'{target}' and '{deviation}' mix a length and an angle"
-        remedy = "use target_mm with deviation_um, or target_deg with deviation_arcsec"
-        raise table.fail(what, remedy, target=target.name, deviation=deviation.name)
+    kind = _kind(table, target, deviation)
     rows = ((row, _direction(row, direction), _run(row, run)) for row in table.rows)
     return Found(distinct(file, [_read(row, target, way, number, deviation, kind) for row, way, number in rows]))
 
@@ -87,19 +83,31 @@ def long_table(file: TextFile, around: Around) -> Found:
 def wide_table(file: TextFile, around: Around) -> Found:
     """Return the readings of a table with a column for each run, there and back; raises ReadingError."""
     table = _renamed(file)
+    if file.unit:
+        table.allow(dict.fromkeys((column.stem for column in table.columns), LENGTHS + ANGLES))
     target, *others = (
         replace(column, stated=column.stated or ("um" if number else "mm"))
         for number, column in enumerate(table.columns)
     )
-    if len({column.dimension for column in others} | {target.dimension}) > 1:
-        raise table.fail("the columns mix lengths and angles", "give targets and deviations of one axis, as in Pos_mm")
-    found = list[RawReading]()
+    found, kinds = list[RawReading](), {_kind(table, target, column) for column in others}
+    if len(kinds) > 1:
+        raise table.fail("some runs are lengths, and some are angles", "give a file for each test")
+    (kind,) = kinds
     for column in others:
         run, way = _run_of(column) or (0, 0)
         rows = [row for row in table.rows[::way] if row.text(column)]
-        found += [_read(row, target, way, run, column, "positioning") for row in rows]
+        found += [_read(row, target, way, run, column, kind) for row in rows]
     silent = not (file.unit or target.unit or any(column.unit for column in others))
     return Found(distinct(file, found), note=said("in mm and um, for it names no unit") if silent else "")
+
+
+def _kind(table: CsvTable, target: Column, deviation: Column) -> Test:
+    """Return which test it is, by what targets and deviations are; raises ReadingError for lengths over angles."""
+    if (target.dimension, deviation.dimension) == ("angle", "length"):
+        what = "'{target}' and '{deviation}' mix a length and an angle"
+        remedy = "use target_mm with deviation_um, or target_deg with deviation_arcsec"
+        raise table.fail(what, remedy, target=target.name, deviation=deviation.name)
+    return "positioning" if target.dimension == deviation.dimension else "angular"
 
 
 def distinct(file: TextFile, readings: Iterable[RawReading]) -> tuple[RawReading, ...]:

@@ -15,11 +15,13 @@ from math import hypot
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import joined
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
 from axiscal.measurement.readers.text_file import TextFile, read_text
-from axiscal.units import from_unit, to_unit
+from axiscal.units import from_unit
 
 Rows = list[tuple[int, list[str]]]
 """Of a map, along y: line and cells."""
@@ -192,7 +194,7 @@ def moonraker(file: TextFile, around: Around) -> Found:
         document = json.loads("\n".join(file.lines), parse_float=str, parse_int=str, parse_constant=str)
     except (ValueError, RecursionError):
         raise file.fail("this is no JSON", "save the whole answer of Moonraker", len(file.lines)) from None
-    held, points = _status(document), Rows()
+    held = _status(document)
     whole, _, named = file.name.rpartition("#")
     active = str(held.get("profile_name") or "")
     name = named if whole and not Path(file.name).exists() else active
@@ -260,33 +262,22 @@ def refuse_others(file: TextFile, begins: Sequence[int]) -> None:
 
 
 def without_places(file: TextFile, rows: Rows, line: int, around: Around) -> NodeGrid:
-    """Return the cells of a map that carries no coordinates; raises ReadingError.  rows : along y"""
-    wide, high = len(rows[0][1]) if rows else 0, len(rows)
-    x, y = sides(file, around, line, wide, high)
-    keys = {f"{end}_{letter}": each for letter, side in zip("xy", (x, y), strict=True) for end, each in side.items()}
-    return grid(file, {**keys, "x_count": str(wide), "y_count": str(high)}, rows, line)
+    """Return the cells of a map that carries no coordinates; raises ReadingError.  rows : along y
 
-
-def sides(file: TextFile, around: Around, line: int, wide: int, high: int) -> tuple[dict[str, str], dict[str, str]]:
-    """Return the ends of X and Y, in the unit of the file, of a map that carries no coordinates.
-
-    The set-up states them by `map`. Raises ReadingError where none does, or for another number of nodes.
+    The set-up states by `map` where they lie; another number of nodes than it says is refused.
     """
-    stated = {setup.nodes: setup.name for setup in around.setups if setup.nodes is not None}
-    ends = around.ends
+    wide, high = len(rows[0][1]) if rows else 0, len(rows)
+    ends, stated = around.ends, {setup.nodes: setup.name for setup in around.setups if setup.nodes is not None}
     if len(stated) > 1:
-        what, names = (
-            "the map does not say where it lies, and {names} state it differently",
-            joined(list(stated.values())),
-        )
-        raise file.fail(what, "keep the `map` of the set-up that the file is of", line, names=names)
-    if stated:
-        ((nodes, name),) = stated.items()
-        if (wide, high) != (nodes[0][2], nodes[1][2]):
+        what = "the map does not say where it lies, and {names} state it differently"
+        remedy, names = "keep the `map` of the set-up that the file is of", joined([*stated.values()])
+        raise file.fail(what, remedy, line, names=names)
+    for (x, y), name in stated.items():
+        if (wide, high) != (x[2], y[2]):
             what = 'the map has {wide} x {high} nodes, and `map` of set-up "{setup}" says {x} x {y}'
-            at = {"wide": wide, "high": high, "setup": name, "x": nodes[0][2], "y": nodes[1][2]}
+            at = {"wide": wide, "high": high, "setup": name, "x": x[2], "y": y[2]}
             raise file.fail(what, "copy the whole map, or correct the set-up", line, **at)
-        ends = nodes[0][:2], nodes[1][:2]
+        ends = x[:2], y[:2]
     if ends is None:
         what = "the map does not say where its {wide} x {high} nodes lie"
         remedy = (
@@ -294,9 +285,8 @@ def sides(file: TextFile, around: Around, line: int, wide: int, high: int) -> tu
             'map = {{ X = ["20 mm", "280 mm", {wide}], Y = ["20 mm", "280 mm", {high}] }}'
         )
         raise file.fail(what, remedy, line, wide=wide, high=high)
-    unit = file.unit or "mm"
-    x, y = ({"min": repr(to_unit(low, unit)), "max": repr(to_unit(top, unit))} for low, top in ends)
-    return x, y
+    at_x, at_y = (np.linspace(*side, count).tolist() for side, count in zip(ends, (wide, high), strict=True))
+    return NodeGrid(file, at_x, [(at, number, cells) for at, (number, cells) in zip(at_y, rows, strict=True)])
 
 
 def _cells(line: str) -> list[str]:

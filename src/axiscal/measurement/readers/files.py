@@ -100,14 +100,9 @@ def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Reco
     return Recognised(file.name, kind.title, kind.read(file, around))
 
 
-def read_any(
-    path: str | Path, axes: Sequence[Axis] = (), setups: Sequence[Setup] = (), bare: bool = False
-) -> tuple[RawReading, ...]:
-    """Return the readings of a file of any kind, in its order; raises ReadingError, with the header for these axes.
-
-    bare : lines of a table need no set-up
-    """
-    return recognised(path, Around(axes, setups, bare)).found.readings
+def read_any(path: str | Path, axes: Sequence[Axis] = (), setups: Sequence[Setup] = ()) -> tuple[RawReading, ...]:
+    """Return the readings of a file of any kind, in its order; raises ReadingError, with the header for these axes."""
+    return recognised(path, Around(axes, setups)).found.readings
 
 
 def _knows(reader: FileReader, file: TextFile) -> bool:

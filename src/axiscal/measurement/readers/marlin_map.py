@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-from axiscal.measurement.readers.bed_map import Rows, grid, height, without_places, probed_of, refuse_others
+from axiscal.measurement.readers.bed_map import Rows, grid, height, probed_of, refuse_others, without_places
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import from_unit
@@ -102,9 +102,10 @@ def nodes(file: TextFile, around: Around) -> Found:
     for number, text in _said(file):
         if command := _NODE.match(text):
             words = dict(_WORD.findall(command[2]))
-            i, j = (words.pop(letter, "") for letter in "IJ")
-            cell = "nan" if words == {"N": ""} else words.pop("Z", "") if words.keys() == {"Z"} else ""
-            if not (_INDEX.fullmatch(i) and _INDEX.fullmatch(j) and cell) or _WORD.sub("", command[2]).strip():
+            i, j, cell = (words.pop(letter, "") for letter in "IJZ")
+            cell = "nan" if words == {"N": ""} and not cell else cell
+            strange = words.keys() - {"N"} or _WORD.sub("", command[2]).strip()
+            if strange or not (_INDEX.fullmatch(i) and _INDEX.fullmatch(j) and cell):
                 remedy = "write it as in M421 I0 J0 Z0.05"
                 raise file.fail("{text!r} says no height of a point", remedy, number, text=text[:40])
             node = int(i), int(j)
@@ -112,27 +113,21 @@ def nodes(file: TextFile, around: Around) -> Found:
                 what = "node I{i} J{j} stands in line {earlier} too"
                 raise file.fail(what, "keep one of them", number, i=i, j=j, earlier=found[node][0])
             found[node] = number, cell
-    return _of_nodes(file, found, around)
-
-
-def _of_nodes(file: TextFile, found: dict[tuple[int, int], tuple[int, str]], around: Around) -> Found:
-    """Return the readings of nodes.  found : line and height by column and row"""
     stated = next((setup.nodes for setup in around.setups if setup.nodes is not None), None)
     wide, high = (max(node[side] for node in found) + 1 for side in (0, 1))
     line = max(number for number, _ in found.values())
-    if stated is not None and wide <= stated[0][2] and high <= stated[1][2]:
-        wide, high = stated[0][2], stated[1][2]
+    if stated is not None:
+        wide, high = max(wide, stated[0][2]), max(high, stated[1][2])
     elif len(found) < wide * high or min(wide, high) < 2:
         what = "the mesh of {wide} x {high} points has {count} values"
         remedy = "give the whole answer to M503, or state in the set-up how many were probed: map"
         raise file.fail(what, remedy, line, wide=wide, high=high, count=len(found))
-    rows = [(min((found[node][0] for node in found if node[1] == j), default=line), j) for j in range(high)]
-    cells = [(number, [found.get((i, j), (0, "nan"))[1] for i in range(wide)]) for number, j in rows]
     built = next((ends for text in file.lines if (ends := _BUILT.match(text))), None)
-    if built and not any(setup.nodes for setup in around.setups):
+    if built and stated is None:
         low_x, top_x, low_y, top_y = (from_unit(file.number(end, "end", 1), "mm") for end in built.groups())
         around = replace(around, ends=((low_x, top_x), (low_y, top_y)))
-    return without_places(file, cells, line, around).readings()
+    rows = [(line, [found.get((i, j), (0, "nan"))[1] for i in range(wide)]) for j in range(high)]
+    return without_places(file, rows, line, around).readings()
 
 
 def probed(file: TextFile, around: Around) -> Found:
