@@ -59,7 +59,7 @@ def topography(file: TextFile, around: Around) -> Found:
         lines = [(number, line) for number, line in enumerate(file.lines[begins[0] :], begins[0] + 1) if "\t" in line]
         return without_places(file, [(n, line.split()) for n, line in reversed(lines)], begins[0], around).readings()
     rows, corners = dict[int, tuple[int, list[str]]](), list[tuple[str, str]]()
-    for number, text in _said(file):
+    for number, text in (each for each in _said(file) if each[0] > begins[0]):
         if row := _LABELLED.match(text):
             if int(row[1]) in rows:
                 raise file.fail("row {row} stands here twice", _WHOLE, number, row=row[1])

@@ -16,7 +16,8 @@ from axiscal.measurement.readers.bed_map import Rows, grid, height, probed_of
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
 from axiscal.measurement.readers.text_file import TextFile
 
-_AXES = "XYZABCUVW"
+_SLACK = 1e-6
+"""m, of rounding."""
 _REMARK = re.compile(r"\s*(?:[#%(;]|//|$)")
 _UNIT = r"[ _]?[\[(]?(?:mm|in|inch)[\])]?|"
 _HEAD = re.compile(rf"\s*X(?P<unit>{_UNIT})[\s,;]+Y(?P=unit)[\s,;]+Z(?P=unit)\s*", re.IGNORECASE)
@@ -74,9 +75,8 @@ def bcnc(file: TextFile, around: Around) -> Found:
         what = "{count} points are announced, and there are {points}"
         raise file.fail(what, _WHOLE, 1, count=int(wide) * int(high), points=found.cells)
     for axis, low, top in (("X", low_x, high_x), ("Y", low_y, high_y)):
-        ends = (file.length(low, "side", 1), file.length(top, "side", 1))
-        off = [each for each in found.readings if not ends[0] - 1e-6 <= each.position[axis] <= ends[1] + 1e-6]
-        if off:
+        ends = file.length(low, "side", 1) - _SLACK, file.length(top, "side", 1) + _SLACK
+        if off := [each for each in found.readings if not ends[0] <= each.position[axis] <= ends[1]]:
             what = "the point lies outside of the side of {axis}, {low} to {high}"
             raise file.fail(what, _WHOLE, off[0].line, axis=axis, low=low, high=top)
     return _noted(file, found)
@@ -112,15 +112,11 @@ def xml(file: TextFile, around: Around) -> Found:
             raise file.fail("{text!r} is no point of a map", _WHOLE, number, text=line.strip()[:60])
         cells |= {(int(i), int(j)): (number, cell.strip()) for i, j, cell in points}
     keys = {key: attributes[name] for name, key in _OF_XML.items() if name in attributes}
-    wide, high = (
-        int(keys.get(f"{letter}_count", "0")) if _COUNT.fullmatch(keys.get(f"{letter}_count", "")) else 0
-        for letter in "xy"
-    )
-    outside = [number for (i, j), (number, _) in cells.items() if i >= wide or j >= high]
-    if outside:
-        raise file.fail(
-            "the point lies outside of the map of {wide} x {high}", _WHOLE, outside[0], wide=wide, high=high
-        )
+    counts = [keys.get("x_count", ""), keys.get("y_count", "")]
+    wide, high = (int(each) if _COUNT.fullmatch(each) else 0 for each in counts)
+    if outside := [number for (i, j), (number, _) in cells.items() if i >= wide or j >= high]:
+        what = "the point lies outside of the map of {wide} x {high}"
+        raise file.fail(what, _WHOLE, outside[0], wide=wide, high=high)
     rows: Rows = [(head[0], [cells.get((i, j), (0, ""))[1] for i in range(wide)]) for j in range(high)]
     return _noted(file, grid(file, keys, rows, head[0]).readings())
 
@@ -141,8 +137,7 @@ def _numbers(line: str) -> list[str]:
     """Return the cells of a line; a comma is a decimal one where blanks or semicolons separate all of them."""
     cells = line.replace(";", " ").split()
     if len(cells) in (3, 9):
-        bare = [cell.removesuffix(",") for cell in cells]
-        return [cell.replace(",", ".") for cell in bare]
+        return [cell.removesuffix(",").replace(",", ".") for cell in cells]
     return [cell.strip() for cell in line.split(",")]
 
 
@@ -154,8 +149,7 @@ def _points(file: TextFile, lines: list[tuple[int, str]]) -> Found:
             what = "{text!r} is not X, Y and Z"
             raise file.fail(what, "write one point a line, three numbers", number, text=line.strip()[:60])
         x, y, *others = (file.length(cell, "place", number) for cell in [*cells[:2], *cells[3:]])
-        aside = [letter for letter, value in zip(_AXES[3:], others, strict=False) if value]
-        if aside:
+        if aside := [letter for letter, value in zip("ABCUVW", others, strict=False) if value]:
             what, remedy = "the point has {axes} beside X, Y and Z", "give a list that was probed without moving them"
             raise file.fail(what, remedy, number, axes=", ".join(aside))
         found += height(file, x, y, cells[2], number)
