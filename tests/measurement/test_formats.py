@@ -237,7 +237,7 @@ def test_a_unit_is_taken_where_the_file_names_none(tmp_path: Path) -> None:
     for form in ("a bCNC probe file", "a Candle height map", "an OpenCNCPilot height map", "a list of points X Y Z"):
         found = read(tmp_path, MAPS[0].text(form), unit="inch")
         assert heights(found) == pytest.approx(inches, abs=1e-6)
-        assert found.sentence(["probe"]).endswith("25 of 25 cells, for set-up probe, in inch.")
+        assert found.sentence(["probe"]).endswith("25 of 25 cells, in inch, for set-up probe.")
     table = read(tmp_path, "setup;X;value\nprobe;1;0,001\n", unit="inch").found.readings[0]
     assert (table.position["X"], table.value) == pytest.approx((0.0254, 25.4e-6))
     for head in ("X [in];Y [in];Z [in]", "x_inch y_inch z_inch", "X (IN)\tY (IN)\tZ (IN)"):

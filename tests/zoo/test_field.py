@@ -81,8 +81,8 @@ MAPS = {
     "m503.txt": "a Marlin map (M421, M503), 25 of 25 cells",
     "m421.gcode": "a Marlin map (M421, M503), 25 of 25 cells",
     "g29v4.txt": "probed points of Marlin (G29 V4), 25 of 25 cells",
-    "bcnc.probe": "a bCNC probe file, 25 of 25 cells",
-    "candle.map": "a Candle height map, 25 of 25 cells",
+    "bcnc.probe": "a bCNC probe file, 25 of 25 cells, in mm",
+    "candle.map": "a Candle height map, 25 of 25 cells, in mm",
     "moonraker.json": "a Moonraker mesh, 25 of 25 cells",
 }
 QUICK = {"ubl.txt", "m420.txt"}
@@ -166,4 +166,4 @@ def test_an_angular_test_is_one(tmp_path: Path) -> None:
 def test_spreadsheets_of_the_field_are_one_test(name: str) -> None:
     found = given("data", "iso230", FIELD / "17-spreadsheet-csv" / name, "--json")
     assert found.document["A"] == pytest.approx(11.0 if name == "wide.csv" else 11.221, abs=5e-4)
-    assert ("in mm and um, for it names no unit" in found.err) is (name == "wide.csv")
+    assert ("in mm and um (it names no unit)" in found.err) is (name == "wide.csv")

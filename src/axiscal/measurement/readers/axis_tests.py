@@ -98,7 +98,7 @@ def wide_table(file: TextFile, around: Around) -> Found:
         rows = [row for row in table.rows[::way] if row.text(column)]
         found += [_read(row, target, way, run, column, kind) for row in rows]
     silent = not (file.unit or target.unit or any(column.unit for column in others))
-    return Found(distinct(file, found), note=said("in mm and um, for it names no unit") if silent else "")
+    return Found(distinct(file, found), note=said("in mm and um (it names no unit)") if silent else "")
 
 
 def _kind(table: CsvTable, target: Column, deviation: Column) -> Test:

@@ -78,11 +78,10 @@ class Recognised(NamedTuple):
         """Return what was recognised, a sentence.  setups : names of those that the readings are for"""
         cells, count = self.found.cells, len(self.found.readings)
         what = "{count} of {cells} cells" if cells else "{count} readings"
-        parts = [said(self.title), said(what, count=count, cells=cells)]
+        parts = [said(self.title), said(what, count=count, cells=cells), self.found.note]
         if setups:
             parts.append(said("for set-up {names}", names=joined(list(dict.fromkeys(setups)))))
-        parts += [self.found.note] if self.found.note else []
-        return put("{file}: {parts}.", file=Path(self.file).name, parts=", ".join(parts))
+        return put("{file}: {parts}.", file=Path(self.file).name, parts=", ".join(filter(None, parts)))
 
 
 def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Recognised:
