@@ -126,6 +126,20 @@ def test_nodes_without_a_count_are_all_there(tmp_path: Path) -> None:
     assert found.sentence() == "file.txt: a Marlin map (M421, M503), 21 of 25 cells."
 
 
+@pytest.mark.parametrize("title", ["Mesh Leveling Probed Z positions:", "Measured points:", "Bilinear Leveling Grid:"])
+def test_a_title_without_rows_is_cut_off(tmp_path: Path, title: str) -> None:
+    with pytest.raises(ReadingError, match="line 2: the height map is cut off"):
+        read(tmp_path, f"ok\n{title}\nok\n", MAPS[0])
+
+
+def test_a_mesh_of_marlin_is_printed_with_more_decimals(tmp_path: Path) -> None:
+    rows = "0 -0.20000 -0.18000  0.10000\nRecv:  1  0.00100 +0.00000 -0.05000"
+    text = f"Recv: 3x2 mesh. Z offset: 0.00000\nRecv: Measured points:\nRecv:   0   1   2\nRecv:  {rows}\nRecv: ok\n"
+    found = heights(read(tmp_path, text, drawn((0, 20, 3), (5, 6, 2), 9)))
+    assert [*found.values()] == pytest.approx([-0.2, -0.18, 0.1, 0.001, 0.0, -0.05])
+    assert [*found][:4] == [(0.0, 5.0), (10.0, 5.0), (20.0, 5.0), (0.0, 6.0)]
+
+
 def test_an_export_for_marlin_says_where_its_nodes_lie(tmp_path: Path) -> None:
     text = "; mesh from X 20.0 to 280.0 and Y 20.0 to 280.0\n" + MAPS[0].text("a Marlin map (M421, M503)")
     assert heights(read(tmp_path, text)) == pytest.approx(MAPS[0].probed(), abs=1e-9)
@@ -303,7 +317,7 @@ def test_a_column_a_run_may_be_of_angles(tmp_path: Path) -> None:
     assert turned.position[""] == pytest.approx(np.pi / 2)
     assert turned.value == pitch.value == pytest.approx(np.radians(2 / 3600))
     for header in ("Pos_deg;1+_um", "Pos_mm;1+_um;1-_arcsec"):
-        with pytest.raises(ReadingError, match="mix a length and an angle|some runs are lengths, and some are angles"):
+        with pytest.raises(ReadingError, match=r"mix a length and an angle|some runs are lengths, and some are angles"):
             read(tmp_path, f"{header}\n90;{';'.join(header.count(';') * '2')}\n")
 
 

@@ -266,7 +266,9 @@ def without_places(file: TextFile, rows: Rows, line: int, around: Around) -> Nod
 
     The set-up states by `map` where they lie; another number of nodes than it says is refused.
     """
-    wide, high = len(rows[0][1]) if rows else 0, len(rows)
+    if not rows:
+        raise file.fail("the height map is cut off", "copy the whole map", line)
+    wide, high = len(rows[0][1]), len(rows)
     ends, stated = around.ends, {setup.nodes: setup.name for setup in around.setups if setup.nodes is not None}
     if len(stated) > 1:
         what = "the map does not say where it lies, and {names} state it differently"
