@@ -110,10 +110,10 @@ def _moonraker(found: DrawnMap) -> str:
 
 
 def _console(found: DrawnMap) -> str:
-    finer = "// Mesh X,Y: 9,9\n// Measured points:\n  9.000000  9.000000\n"
+    finer = "Recv: // Mesh X,Y: 9,9\n// Measured points:\n  9.000000  9.000000\n"
     return (
         "14:05:30  // Mesh Leveling Probed Z positions:\n"
-        + "".join(f"//  {row}\n" for row in _rows(found, "nan", " ", "{:.6f}"))
+        + "".join(f"Recv: //  {row}\n" for row in _rows(found, "nan", " ", "{:.6f}"))
         + finer
     )
 

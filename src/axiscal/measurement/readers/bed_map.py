@@ -32,7 +32,9 @@ _OPTION = re.compile(r"([a-z_]+)\s*[=:]\s*(.*)")
 _OF_MESH = re.compile(r"version|points|[xy]_count|mesh_[xy]_pps|algo|tension|(min|max)_[xy]")
 _OF_STATUS = ("bed_mesh", "probed_matrix", "profiles")
 _CONSOLE = "Mesh Leveling Probed Z positions:"
-_PROMPT = re.compile(r"^\s*(?:\d\d?:\d\d(?::\d\d)?(?:\.\d+)?\s*(?:[AP]M)?\s*)?(?://\s*)?")
+_TIME = r"(?:[\d-]{10} )?\d\d?:\d\d(?::\d\d)?(?:[.,]\d+)?\s*(?:[AP]M\s*)?(?:- )?"
+_LOG = re.compile(rf"^\s*(?:{_TIME})?(?:Recv:|<<<|>>>|[<>])?\s*(?:echo:|//)?\s*")
+_NUMBER = re.compile(r"[-+]?[\d.]+(?:e[-+]?\d+)?|nan")
 _NOT_PROBED = frozenset({"", ".", "nan"})
 _SLACK = 1e-4
 """m, of a radius: Klipper cuts its distances to 0.01 mm."""
@@ -241,17 +243,18 @@ def console(file: TextFile, around: Around) -> Found:
     begins = [number for number, line in enumerate(file.lines, 1) if _CONSOLE in line]
     refuse_others(file, begins)
     rows = Rows()
-    for number, line in enumerate(file.lines[begins[0] :], begins[0] + 1):
-        cells = _PROMPT.sub("", line).split()
-        if not cells or not all(_is_number(cell) for cell in cells):
+    for number, text in (each for each in told_lines(file) if each[0] > begins[0]):
+        if not text or not all(map(_NUMBER.fullmatch, text.split())):
             break
-        rows.append((number, cells))
+        rows.append((number, text.split()))
     found = without_places(file, rows, begins[0], around)
     return found.readings(found.filled())
 
 
-def _is_number(text: str) -> bool:
-    return bool(re.fullmatch(r"[-+]?[\d.]+(e[-+]?\d+)?|nan", text))
+def told_lines(file: TextFile) -> Iterator[tuple[int, str]]:
+    """Yield the lines with their numbers, without what a terminal and the firmware write in front."""
+    for number, line in enumerate(file.lines, 1):
+        yield number, _LOG.sub("", line).rstrip()
 
 
 def refuse_others(file: TextFile, begins: Sequence[int]) -> None:

@@ -7,16 +7,13 @@ no line sets where the set-up says how many there are.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 
-from axiscal.measurement.readers.bed_map import Rows, grid, height, probed_of, refuse_others, without_places
+from axiscal.measurement.readers.bed_map import Rows, grid, height, probed_of, refuse_others, told_lines, without_places
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import from_unit
 
-_TIME = r"(?:[\d-]{10} )?\d\d?:\d\d(?::\d\d)?(?:[.,]\d+)?\s*(?:- )?"
-_LOG = re.compile(rf"^\s*(?:{_TIME})?(?:Recv:|<<<|>>>|[<>])?\s*(?:echo:)?\s*")
 _TOPOGRAPHY = "Bed Topography Report"
 _PRINTED = re.compile(r"Bilinear Leveling Grid:|Measured points:")
 _LABELLED = re.compile(r"(\d{1,3}) ?\|(.*)")
@@ -38,7 +35,7 @@ def is_topography(file: TextFile) -> bool:
 
 def is_probed(file: TextFile) -> bool:
     """Return whether there are lines of G29 V4."""
-    return any(_POINT.match(text) for _, text in _said(file))
+    return any(_POINT.match(text) for _, text in told_lines(file))
 
 
 def is_printed(file: TextFile) -> bool:
@@ -48,7 +45,7 @@ def is_printed(file: TextFile) -> bool:
 
 def is_nodes(file: TextFile) -> bool:
     """Return whether a line sets a node: M421, or G29 W and G29 S3 of a report of M503."""
-    return any(_NODE.match(text) for _, text in _said(file))
+    return any(_NODE.match(text) for _, text in told_lines(file))
 
 
 def topography(file: TextFile, around: Around) -> Found:
@@ -59,7 +56,7 @@ def topography(file: TextFile, around: Around) -> Found:
         lines = [(number, line) for number, line in enumerate(file.lines[begins[0] :], begins[0] + 1) if "\t" in line]
         return without_places(file, [(n, line.split()) for n, line in reversed(lines)], begins[0], around).readings()
     rows, corners = dict[int, tuple[int, list[str]]](), list[tuple[str, str]]()
-    for number, text in (each for each in _said(file) if each[0] > begins[0]):
+    for number, text in (each for each in told_lines(file) if each[0] > begins[0]):
         if row := _LABELLED.match(text):
             if int(row[1]) in rows:
                 raise file.fail("row {row} stands here twice", _WHOLE, number, row=row[1])
@@ -83,7 +80,7 @@ def printed(file: TextFile, around: Around) -> Found:
     begins = [number for number, line in enumerate(file.lines, 1) if _PRINTED.search(line)]
     refuse_others(file, begins)
     rows = Rows()
-    for number, text in _said(file):
+    for number, text in told_lines(file):
         row = _NUMBERED.fullmatch(text) if number > begins[0] else None
         if row and int(row[1]) == len(rows) and not re.fullmatch(r"[\d\s]+", text):
             rows.append((number, row[2].split()))
@@ -97,9 +94,9 @@ def nodes(file: TextFile, around: Around) -> Found:
 
     A node that no command sets was not probed, where the set-up says how many there are; else it is refused.
     """
-    file = replace(file, unit="in") if any(_INCHES.match(text) for _, text in _said(file)) else file
+    file = replace(file, unit="in") if any(_INCHES.match(text) for _, text in told_lines(file)) else file
     found = dict[tuple[int, int], tuple[int, str]]()
-    for number, text in _said(file):
+    for number, text in told_lines(file):
         if command := _NODE.match(text):
             words = dict(_WORD.findall(command[2]))
             i, j, cell = (words.pop(letter, "") for letter in "IJZ")
@@ -133,7 +130,7 @@ def nodes(file: TextFile, around: Around) -> Found:
 def probed(file: TextFile, around: Around) -> Found:
     """Return the readings of lines of G29 V4; raises ReadingError."""
     found, count, line = list[RawReading](), 0, 1
-    for line, text in _said(file):
+    for line, text in told_lines(file):
         if point := _POINT.match(text):
             if point[4].strip():
                 raise file.fail("{text!r} is not X, Y and Z", "give the lines as printed", line, text=text[:60])
@@ -141,9 +138,3 @@ def probed(file: TextFile, around: Around) -> Found:
             found += height(file, x, y, point[3], line)
             count += 1
     return probed_of(file, found, count, line)
-
-
-def _said(file: TextFile) -> Iterator[tuple[int, str]]:
-    """Yield the lines with their numbers, without what a terminal and Marlin write in front."""
-    for number, line in enumerate(file.lines, 1):
-        yield number, _LOG.sub("", line).rstrip()
