@@ -126,7 +126,7 @@ def _runs(found: dict[tuple[int, int], list[float]], targets: Sequence[int], sid
 
 def iso230_block(axis: str, found: Positioning) -> Iso230:
     """Return the block of one axis."""
-    unit = "arcsec" if found.rotary else "um"
+    unit = found.unit
     return Iso230(
         axis=axis,
         value_unit=unit,
