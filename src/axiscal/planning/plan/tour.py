@@ -47,6 +47,8 @@ _ROUNDS = 3
 _WORK, _SHARES = 1e10, 4
 """Operations after which no tour is begun, and the part of them for one round of swaps: by work, not by the clock, for
 the same plan anywhere."""
+_BESIDE = 6e8
+"""Operations after which no other tour is begun for a target: the one that has grown to it is nearly as good."""
 _CALLS, _EACH = 2e6, 20.0
 """Operations that the calls into numpy for one reading are worth, and those for a candidate beside a reading."""
 _GROWTH, _MORE, _POWER = 1.4, 2, 1.0
@@ -230,7 +232,7 @@ def quickest(task: Task, limits: Limits, sets: Sequence[Setups], goal: Goal, pat
     if best is None:
         return None
     begun = partial(_begun, replace(limits, budget=longest), ways, scores, tuple(best.runs))
-    tour = _best_begun([best], begun, _WORK / _SHARES)
+    tour = _best_begun([best], begun, _BESIDE)
     tour = _shortest(tour, goal, partial(_settled, better=_WORTH)) if goal.reached(tour.places) else best
     return retoured(task, limits, tuple(tour.runs), tour.places, patience, goal=goal)
 
