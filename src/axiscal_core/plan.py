@@ -1,0 +1,265 @@
+"""Readings chosen together: greedy among candidates, exchanged one for one, then moved off the candidates.
+
+A greedy choice takes what serves most now and is never sorry. An exchange takes each reading out in turn and puts in
+what then serves most, until nothing changes (Fedorov 1972). Several starts find several ends; the best one climbs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal_core.bound import lower_bound
+from axiscal_core.criterion import Criterion, Goal, goal
+from axiscal_core.model import Model, Numbers
+from axiscal_core.places import Places, Readings
+from axiscal_core.refusals import Array, InputError, whole, within
+from axiscal_core.state import State, joined
+from axiscal_core.step import climbed
+from axiscal_core.threads import one_thread
+from axiscal_core.units import Quantity, si
+
+_STARTS, _EXCHANGES, _CLIMBS = 3, 6, 3  # beside the greedy start; more change J of 20 drawn plans by a thousandth
+_MOST = 400  # readings until an RMS: who needs more has another problem
+_SHARE = 0.95  # of U
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """What readings make known.
+
+    J : by the criterion; rms : of the tool point over the volume, m; U : which that RMS exceeds in 5 % of machines, m
+    minutes : set-ups and readings, without ways; bound : J that no choice of as many of the candidates can beat
+    """
+
+    J: float
+    rms: float
+    U: float
+    minutes: float
+    bound: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Readings that serve best together.
+
+    places : where, set-up after set-up; J, rms, U, minutes : as of an `Evaluation`; course : (n,) J after each reading
+    """
+
+    places: Places
+    J: float
+    rms: float
+    U: float
+    minutes: float
+    course: Array
+
+    def __len__(self) -> int:
+        return len(self.places)
+
+    def __repr__(self) -> str:
+        return f"<Plan of {len(self)} readings, {self.minutes:.1f} min: {self.rms:.3g} m RMS over the volume>"
+
+
+@one_thread
+def planned(
+    case: Model, readings: int | None, minutes: float | None, rms: Quantity | None, criterion: Criterion,
+    candidates: Places | int, after: Readings | Places | None, keep: Places | None,
+) -> Plan:  # fmt: skip
+    """Return a plan; arguments are those of `Case.plan`."""
+    where = "Case.plan"
+    if readings is None and minutes is None and rms is None:
+        raise InputError(where, "readings", "is not said, nor minutes, nor rms", "Say when the plan ends")
+    count = None if readings is None else whole(where, "readings", readings, 1)
+    limit = None if minutes is None else within(where, "minutes", si(minutes, where, "minutes"), 0.0, open_end=True)
+    target = None if rms is None else within(where, "rms", si(rms, where, "rms"), 0.0, open_end=True)
+    if isinstance(candidates, Places):
+        lattice = case.checked(candidates, where)
+    else:
+        lattice = case.lattice(whole(where, "candidates", candidates, 1))
+    if not len(lattice):
+        raise InputError(where, "candidates", "are none", "Give one place or more")
+    kept = Places(case.setups[0], np.zeros((0, len(case.machine.axes)))) if keep is None else case.checked(keep, where)
+    if count is not None and len(kept) > count:
+        raise InputError(
+            where, "keep", f"holds {len(kept)} places of {count} readings", "Keep no more than are planned"
+        )
+    taken = None if after is None else case.numbers(case.checked(after, where) and after)
+    search = _Search(case, goal(criterion, case.machine, case.volume, where), lattice, taken, kept)
+    free = isinstance(candidates, int)
+    found = _ended(search, count, limit, target, free)
+    return _told(case, search, found, after)
+
+
+def _ended(search: _Search, count: int | None, limit: float | None, target: float | None, free: bool) -> Places:
+    """Return the places of a plan that ends where it is to.  free : places may move off the candidates"""
+    if count is not None and limit is None and target is None:
+        return search.best(count, free)
+    chosen = search.grown([], count or _MOST, limit, target)
+    if target is not None and limit is None and search.rms(chosen) > target:
+        what = f"= {target:g} is out of reach: {len(chosen)} readings leave {search.rms(chosen):.3g}"
+        raise InputError("Case.plan", "rms", what, "Ask for a larger one, or give other instruments")
+    if not chosen and not len(search.kept):
+        raise InputError("Case.plan", "minutes", f"= {limit:g} are too few for one reading", "Give more")
+    found = search.moved(search.exchanged(chosen, same=limit is not None), free)
+    while target is not None and len(found) > max(len(search.kept), 1):  # fewer may do, chosen together
+        fewer = search.best(len(found) - 1, free)
+        if search.rms_of(fewer) > target:
+            break
+        found = fewer
+    return found
+
+
+def _told(case: Model, search: _Search, places: Places, after: Readings | Places | None) -> Plan:
+    order = sorted(range(len(places)), key=lambda i: (case.setups.index(places.instruments[i]), *places.poses[i]))
+    sorted_places = places.at(order)
+    n, before = case.numbers(sorted_places), [] if search.taken is None else [search.taken]
+    course = [State(case, search.goal, joined([*before, n.at(n.place < i)])).value for i in range(1, len(places) + 1)]
+    found = evaluated(case, sorted_places, after, search.goal, bounded=False)
+    return Plan(sorted_places, found.J, found.rms, found.U, found.minutes, np.array(course))
+
+
+@one_thread
+def evaluated(
+    case: Model, places: Places | Readings, after: Readings | Places | None, criterion: Criterion | Goal,
+    bounded: bool = True,
+) -> Evaluation:  # fmt: skip
+    """Return what readings at places would make known; arguments are those of `Case.evaluate`."""
+    where = "Case.evaluate"
+    wanted = criterion if isinstance(criterion, Goal) else goal(criterion, case.machine, case.volume, where)
+    found = case.checked(places, where)
+    before = None if after is None else case.numbers(case.checked(after, where) and after)
+    own = case.numbers(places)
+    state = State(case, wanted, own if before is None else joined([before, own]))
+    spread = case.volume.root @ state.covariance @ case.volume.root.T
+    bound = None
+    if bounded and wanted.function is None:
+        tried = case.numbers(case.lattice() + found)
+        bound = lower_bound(State(case, wanted, before).covariance, wanted.root, tried, len(found))
+    rms = float(np.sqrt(np.trace(spread)))
+    return Evaluation(state.value, rms, expanded(spread), minutes_of(case, found), bound)
+
+
+def expanded(spread: Array) -> float:
+    """Return what the RMS of a normal of this covariance exceeds in 5 % (a χ² as broad: Welch and Satterthwaite)."""
+    from scipy.special import gammaincinv
+
+    total, square = float(np.trace(spread)), float(np.sum(spread**2))
+    if total <= 0:
+        return 0.0
+    half = total**2 / square / 2
+    return float(np.sqrt(total * gammaincinv(half, _SHARE) / half))
+
+
+def minutes_of(case: Model, places: Places) -> float:
+    """Return how long readings take, min: set-ups and readings, without ways."""
+    each = dict(zip(case.setups, case.instruments, strict=True))
+    begins = sum(each[name].begins for name in dict.fromkeys(places.instruments))
+    return (begins + sum(each[name].costs for name in places.instruments)) / 60
+
+
+class _Search:
+    """The search for a plan.  taken : numbers of readings that are there; kept : places that are in every plan"""
+
+    def __init__(self, case: Model, goal: Goal, lattice: Places, taken: Numbers | None, kept: Places) -> None:
+        self.case, self.goal, self.kept, self.taken = case, goal, kept, taken
+        self.places = kept + lattice
+        self.state = State(case, goal, taken)
+        self.n = case.numbers(self.places)
+        self.k, self.reach = self.state.of_numbers(self.n)
+        self.own = [np.flatnonzero(self.n.place == p) for p in range(len(self.places))]
+        widths = np.array([len(each) for each in self.own])
+        self.groups = [np.flatnonzero(widths == width) for width in np.unique(widths)]
+        self.fixed = list(range(len(kept)))
+
+    def gains(self, beside: Sequence[int]) -> Array:
+        """Return what each candidate gains beside others, (candidates,)."""
+        at = np.concatenate([np.zeros(0, dtype=np.intp), *(self.own[i] for i in (*self.fixed, *beside))])
+        root = np.linalg.cholesky(self.k[np.ix_(at, at)] + np.diag(self.n.noise[at] ** 2))
+        half, known = np.linalg.solve(root, self.k[at]), np.linalg.solve(root, self.reach[at])
+        state, result = self.state, np.full(len(self.own), -np.inf)
+        if self.goal.function is not None:
+            state = State(self.case, self.goal, self._numbers((*self.fixed, *beside)))
+        for members in self.groups:
+            mine = np.array([self.own[i] for i in members])
+            felt = half.T[mine]
+            k = self.k[mine[:, :, None], mine[:, None, :]] - felt @ felt.swapaxes(1, 2)
+            k = k + self.n.noise[mine][:, :, None] ** 2 * np.eye(mine.shape[1])
+            result[members] = state.gained(k, self.reach[mine] - felt @ known)
+        result[self.fixed] = -np.inf
+        return result
+
+    def grown(
+        self, chosen: Sequence[int], count: int, limit: float | None = None, target: float | None = None
+    ) -> list[int]:
+        """Return candidates with others added that gain most, until one of the ends is reached."""
+        found = list(chosen)
+        while len(found) + len(self.fixed) < count and (target is None or self.rms(found) > target):
+            gains = self.gains(found)
+            if limit is not None:
+                costs = np.array([minutes_of(self.case, self._at([*found, i])) for i in range(len(self.own))])
+                gains = np.where(costs <= limit + 1e-9, gains, -np.inf)
+            if not np.isfinite(gains.max()):
+                break
+            found.append(int(np.argmax(gains)))
+        return found
+
+    def exchanged(self, chosen: Sequence[int], same: bool = False) -> list[int]:
+        """Return candidates of which none can be exchanged for a better one.  same : only within its instrument"""
+        found = list(chosen)
+        instruments = np.array(self.places.instruments)
+        for _ in range(_EXCHANGES):
+            before = list(found)
+            for j in range(len(found)):
+                gains = self.gains(found[:j] + found[j + 1 :])
+                allowed = instruments == instruments[found[j]] if same else np.ones(len(gains), dtype=bool)
+                best = int(np.argmax(np.where(allowed, gains, -np.inf)))
+                found[j] = best if gains[best] > gains[found[j]] else found[j]
+            if found == before:
+                break
+        return found
+
+    def best(self, count: int, free: bool) -> Places:
+        """Return the best plan of so many readings that several starts find."""
+        generator, more = np.random.default_rng(0), count - len(self.fixed)
+        free_ones = np.arange(len(self.fixed), len(self.own))
+        drawn = [generator.choice(free_ones, min(more // 2, len(free_ones)), replace=False) for _ in range(_STARTS)]
+        found = [self.exchanged(self.grown(start, count)) for start in ([], *(each.tolist() for each in drawn))]
+        values = [State(self.case, self.goal, self._numbers((*self.fixed, *each))).value for each in found]
+        return self.moved(found[int(np.argmin(values))], free)
+
+    def moved(self, chosen: Sequence[int], free: bool) -> Places:
+        """Return the places of candidates, moved off them where that serves; kept places stay."""
+        places = [self.places.at([i]) for i in (*self.fixed, *chosen)]
+        numbers = [self.case.numbers(each) for each in places]
+        before = [] if self.taken is None else [self.taken]
+        for _ in range(_CLIMBS if free else 0):
+            gained = 0.0
+            for j in range(len(self.fixed), len(places)):
+                others = [*before, *numbers[:j], *numbers[j + 1 :]]
+                state = State(self.case, self.goal, joined(others) if others else None)
+                start = float(state.gains(places[j])[0])
+                there, gains = climbed(state, places[j], rounds=7, shrink=0.35)
+                gained += (float(gains[0]) - start) / max(state.value, 1e-300)
+                places[j], numbers[j] = there, self.case.numbers(there)
+            if gained < 1e-4:
+                break
+        return sum(places[1:], places[0])
+
+    def rms(self, chosen: Sequence[int]) -> float:
+        """Return the RMS over the volume after candidates, m."""
+        return float(np.sqrt(State(self.case, self.case.volume, self._numbers((*self.fixed, *chosen))).value))
+
+    def rms_of(self, places: Places) -> float:
+        """Return the RMS over the volume after readings at places, m."""
+        before = [] if self.taken is None else [self.taken]
+        return float(np.sqrt(State(self.case, self.case.volume, joined([*before, self.case.numbers(places)])).value))
+
+    def _at(self, chosen: Sequence[int]) -> Places:
+        return self.places.at(np.array([*self.fixed, *chosen], dtype=np.intp))
+
+    def _numbers(self, chosen: Sequence[int]) -> Numbers | None:
+        parts = [] if self.taken is None else [self.taken]
+        parts += [self.n.at(self.own[i]) for i in chosen]
+        return joined(parts) if parts else None

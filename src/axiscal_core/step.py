@@ -1,0 +1,113 @@
+"""The reading that serves most (eq. 37).
+
+Where one axis moves along a line and a reading is one number, N and D of its gain are polynomials between knots and
+edges of cells, of degree eight where an angle has a lever that grows (the paper's own are of six). Then the best place
+is exact (`roots`). Elsewhere the best of many even places climb, along one axis after another, in smaller and smaller
+steps.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+
+from axiscal_core.criterion import Criterion, goal
+from axiscal_core.model import ASIDE, CELLS, Model
+from axiscal_core.places import Places, Readings
+from axiscal_core.refusals import Array
+from axiscal_core.roots import largest
+from axiscal_core.state import State
+from axiscal_core.threads import one_thread
+
+_DEGREE = 8
+_STARTS, _LAST = 100, 8  # of the climb: with four times as many the best step of 40 drawn cases stays the same
+_WIDTH, _LOOKS = 0.12, 9  # of the travel, to each side
+
+
+@one_thread
+def best_step(case: Model, after: Readings | Places | None, criterion: Criterion) -> Places:
+    """Return the one reading that serves most."""
+    taken = None if after is None else case.numbers(case.checked(after, "Case.next") and after)
+    state = State(case, goal(criterion, case.machine, case.volume, "Case.next"), taken)
+    found = [best_of(state, i) for i in range(len(case.instruments))]
+    return max(found, key=lambda pair: pair[1])[0]
+
+
+def best_of(state: State, index: int) -> tuple[Places, float]:
+    """Return the best reading of one instrument, and what it gains."""
+    exact = _exact(state, index)
+    return exact if exact is not None else _climbed_best(state, index)
+
+
+def _exact(state: State, index: int) -> tuple[Places, float] | None:
+    """Return the best reading by the roots of polynomials; None where it does not go along a line, or is no ratio."""
+    case, instrument = state.case, state.case.instruments[index]
+    if len(instrument.moves) != 1 or len(instrument.names) != 1 or state.goal.function is not None:
+        return None
+    k = case.machine.names.index(instrument.moves[0])
+    breaks, found = _breaks(case, k), list[tuple[Places, float]]()
+    for side in instrument.sides:
+
+        def placed(t: Array, side: float = side) -> Places:
+            parked = case.lattice_of(instrument, 1)
+            poses, sides = np.tile(parked.poses, (len(t), 1)), np.tile(parked.sides, (len(t), 1))
+            poses[:, k], sides[:, k] = t, side
+            return Places(instrument.name, poses, sides)
+
+        def forms(t: Array, placed: object = placed) -> tuple[Array, Array]:
+            assert callable(placed)
+            block, reach = state.of_places(case.numbers(placed(t)), 1)
+            return np.sum((reach[:, 0] @ state.goal.root.T) ** 2, axis=1), block[:, 0, 0]
+
+        best = largest(forms, breaks, _DEGREE)
+        if best is None:
+            return None
+        found.append((placed(np.array([best[0]])), best[1]))
+    return max(found, key=lambda pair: pair[1])
+
+
+def _breaks(case: Model, k: int) -> Array:
+    """Return where N and D go from one polynomial to another along an axis, (b,) within its travel."""
+    low, high = case.machine.axes[k].travel
+    parts = [np.array([low, high])]
+    for _, term in case.machine.curves:
+        if term.at == k:
+            first, last = term.spline.knots[[0, -1]]
+            edges = np.linspace(first, last, CELLS * (len(term.spline.knots) - 1) + 1) - ASIDE
+            turns = np.arange(np.ceil((high - first) / (last - first))) if term.error.period is not None else [0.0]
+            parts += [term.spline.knots + turn * (last - first) for turn in turns] + ([edges] if term.rest else [])
+    every = np.unique(np.concatenate(parts))
+    inside = every[(every >= low) & (every <= high)]
+    apart: Array = inside[np.append(True, np.diff(inside) > 1e-9 * (high - low))]
+    return apart
+
+
+def _climbed_best(state: State, index: int) -> tuple[Places, float]:
+    lattice = state.case.lattice_of(state.case.instruments[index], 10 * _STARTS)
+    high = np.argsort(-state.gains(lattice), kind="stable")[:_STARTS]
+    places, gains = climbed(state, lattice.at(high), rounds=2)
+    last = np.argsort(-gains, kind="stable")[:_LAST]
+    places, gains = climbed(state, places.at(last), rounds=20, shrink=0.62)
+    top = int(np.argmax(gains))
+    return places.at([top]), float(gains[top])
+
+
+def climbed(state: State, places: Places, rounds: int, shrink: float = 0.42) -> tuple[Places, Array]:
+    """Return places moved uphill, and what they gain, (m,).  places : of one instrument"""
+    case = state.case
+    instrument = case.instruments[case.setups.index(places.instruments[0])]
+    gains, poses, width = state.gains(places), places.poses.copy(), _WIDTH
+    for _, name in product(range(rounds), instrument.moves):
+        k = case.machine.names.index(name)
+        axis = case.machine.axes[k]
+        low, high = axis.travel
+        tried = np.repeat(poses, _LOOKS, axis=0)
+        tried[:, k] += np.tile(np.linspace(-width, width, _LOOKS) * axis.length, len(poses))
+        tried[:, k] = low + np.mod(tried[:, k] - low, axis.length) if axis.cyclic else np.clip(tried[:, k], low, high)
+        found = state.gains(Places(instrument.name, tried, np.repeat(places.sides, _LOOKS, axis=0)))
+        best = np.arange(len(poses)) * _LOOKS + found.reshape(-1, _LOOKS).argmax(axis=1)
+        better = found[best] > gains
+        poses[better], gains = tried[best[better]], np.where(better, found[best], gains)
+        width *= shrink ** (1 / len(instrument.moves))
+    return Places(instrument.name, poses, places.sides), gains
