@@ -58,7 +58,7 @@ def averaged(problem: Problem, draws: Draws) -> tuple[Array, Array, Array]:
     covariance = np.zeros((len(mean),) * 2)
     for weight, one in zip(draws.weights, each, strict=True):
         covariance += weight * (one.covariance + np.outer(one.mean - mean, one.mean - mean))
-    moved = [np.sqrt(w) * given.moved(problem.n.type_b) for w, given in zip(draws.weights, draws.given, strict=True)]
+    moved = [np.sqrt(w) * given.gain(problem.n.type_b) for w, given in zip(draws.weights, draws.given, strict=True)]
     return mean, covariance, np.stack(moved, axis=2)
 
 

@@ -22,7 +22,9 @@ from collections.abc import Mapping, Sequence
 from typing import Literal, NamedTuple, TypedDict, Unpack, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
+from axiscal_core.errors import Curved
 from axiscal_core.machine import Machine
 from axiscal_core.refusals import Array, InputError, one_of, within
 from axiscal_core.units import Quantity, si
@@ -160,6 +162,7 @@ class Sight(NamedTuple):
 
     errors : (m, k, n) by coefficients; own : (m, k, u) by its unknowns; type_b : (m, k, c) by causes of standard
     deviation one; reach : (m, k, curves) by each curve's value; shown : (m, k) at the unknowns, nothing linearised
+    blind : (m, k) variance of reversals of axes of which nobody knows from where they came
     """
 
     errors: Array
@@ -167,6 +170,7 @@ class Sight(NamedTuple):
     type_b: Array
     reach: Array
     shown: Array
+    blind: Array
 
 
 def sight(
@@ -185,11 +189,23 @@ def sight(
         np.concatenate([nothing, *(looked.imaginary(name=name)[:, :, None] for name in names)], axis=2)
         for names in (instrument.own, instrument.considered)
     )
-    moved, turned = (each.transpose(1, 2, 0) for each in machine.levers(poses, sides))
+    # a reversal enters with one half of its value or the other, where nobody knows with either
+    moved, turned = (each.transpose(1, 2, 0) for each in machine.levers(poses, np.where(sides == 0, 1, sides)))
+    reach = by_move @ moved + by_turn @ turned
+    unknown = np.array([_unknown(instrument, machine, term, sides) for _, term in machine.curves]).T[:, None]
+    stds = np.array([np.hypot(term.std, term.rest) for _, term in machine.curves])
     return Sight(
         by_move @ looked.rows.displacement + by_turn @ looked.rows.rotation, own,
-        type_b * np.array([*instrument.considered.values()]), by_move @ moved + by_turn @ turned, looked.shown(),
+        type_b * np.array([*instrument.considered.values()]), np.where(unknown, 0.0, reach), looked.shown(),
+        np.sum(np.where(unknown, reach * stds, 0.0) ** 2, axis=2),
     )  # fmt: skip
+
+
+def _unknown(instrument: Instrument, machine: Machine, term: Curved, sides: Array) -> NDArray[np.bool_]:
+    """Return where a reversal shows of which nobody knows the side, (m,)."""
+    moves = term.error.kind == "reversal" and machine.names[term.at] in instrument.moves
+    found: NDArray[np.bool_] = moves & (sides[:, term.at] == 0)
+    return found
 
 
 class _Looked:

@@ -169,6 +169,7 @@ class Model:
             noise = np.tile(instrument.sigma, (m, 1))
             if isinstance(places, Readings) and places.std is not None:
                 noise = np.tile(places.std[mine, None], (1, k))
+            noise = np.sqrt(noise**2 + shown.blind)
             each = [rows, shown.shown, shown.reach, cells, noise, np.tile(mine[:, None], (1, k)), np.full((m, k), i)]
             each += [np.tile(np.arange(k), (m, 1)), causes]
             parts.append([part.reshape(m * k, *part.shape[2:]) for part in each])

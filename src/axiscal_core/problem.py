@@ -1,6 +1,7 @@
-"""All readings as one covariance of the sizes θ: y ~ N(0, K(θ)), K(θ) = H P(θ) Hᵀ + Σ_c exp(2 θ_c) B_c.
+"""All readings as one covariance of the sizes θ: y ~ N(0, K(θ) + U Uᵀ), K(θ) = H P(θ) Hᵀ + Σ_c exp(2 θ_c) B_c.
 
-P is the prior of the unknowns, B_c the kernel of a cause. Causes of type B take part neither in the mean nor in the
+P is the prior of the machine's coefficients, B_c the kernel of a cause, U what one standard deviation of each unknown of
+an instrument does. Causes of type B take part neither in the mean nor in the
 sizes (Schmidt's consider form; GUM 4.3): with G the gain and B what one standard deviation of each does to the numbers,
 
     m = G y,    Var[F u] = F C Fᵀ + Σ_j (F G b_j - f_j)²
@@ -36,6 +37,9 @@ class Problem:
         self.n = n = case.numbers(readings, about)
         self.values = values - n.shown + (0.0 if about is None else n.rows @ about)
         self.clock = clock_of(case, readings)
+        self.rows, own = np.split(n.rows, [case.machine.size], axis=1)
+        self.stds = case.prior.std[case.machine.size :]
+        self.open = own * self.stds
         self.fixed = np.zeros((len(values),) * 2)
         self.kernels = dict[int, Array]()
         for kind, owner, kernel in kernels(case, readings.places, n, self.clock):
@@ -53,8 +57,9 @@ class Problem:
             self.kernels[size] = self.kernels.get(size, 0.0) + kernel
 
     def prior(self, theta: Array) -> Array:
-        """Return P, (size, size).  theta : (k,)"""
-        result, grown = self.case.prior.covariance.copy(), np.exp(2 * np.append(theta, 0.0))
+        """Return P, (coefficients, coefficients).  theta : (k,)"""
+        size = self.case.machine.size
+        result, grown = self.case.prior.covariance[:size, :size].copy(), np.exp(2 * np.append(theta, 0.0))
         for term, columns in self._curves():
             std, _, scale = self._sizes_of(term)
             result[columns, columns] = grown[std] * self._own(term, theta)
@@ -63,8 +68,8 @@ class Problem:
         return result
 
     def covariance(self, theta: Array) -> Array:
-        """Return K, (n, n).  theta : (k,)"""
-        result = self.fixed + self.n.rows @ self.prior(theta) @ self.n.rows.T
+        """Return K, (n, n), without U Uᵀ.  theta : (k,)"""
+        result = self.fixed + self.rows @ self.prior(theta) @ self.rows.T
         for size, kernel in self.kernels.items():
             result += np.exp(2 * theta[size]) * kernel
         return result
@@ -75,7 +80,7 @@ class Problem:
         for size, kernel in self.kernels.items():
             result[size] += 2 * grown[size] * kernel
         for term, columns in self._curves():
-            rows, (std, length, scale) = self.n.rows[:, columns], self._sizes_of(term)
+            rows, (std, length, scale) = self.rows[:, columns], self._sizes_of(term)
             if std >= 0:
                 result[std] += 2 * grown[std] * rows @ self._own(term, theta) @ rows.T
             if length >= 0 and term.length is not None:
@@ -111,36 +116,69 @@ def clock_of(case: Model, readings: Readings) -> Array:
     return np.cumsum([costs[name] for name in readings.places.instruments])
 
 
-class Given:
-    """Everything at one θ (k,).  value : log p(y), up to a constant"""
+class Factored:
+    """K + U Uᵀ as a factor.
 
-    def __init__(self, problem: Problem, theta: Array) -> None:
-        self.problem, self.theta, self.k = problem, theta, problem.covariance(theta)
-        self.root = np.linalg.cholesky(self.k)
-        self.weighted = self.solved(problem.values)
-        self.value = float(-0.5 * problem.values @ self.weighted - np.log(np.diagonal(self.root)).sum())
+    An unknown zero of 1 mm stands beside a noise of 0.3 um, and K + U Uᵀ itself would lose seven digits. So U is kept
+    apart (Woodbury; Rasmussen and Williams 2006, eq. 2.42):   (K + U Uᵀ)⁻¹ = K⁻¹ - K⁻¹ U (1 + Uᵀ K⁻¹ U)⁻¹ Uᵀ K⁻¹
+
+    root : (n, n) lower, of K; wide : U (n, u)
+    """
+
+    def __init__(self, root: Array, wide: Array) -> None:
+        self.root, self.half = root, _solved(root, wide)
+        self.inner = np.linalg.cholesky(np.eye(wide.shape[1]) + self.half.T @ self.half)
+
+    @property
+    def log_root(self) -> float:
+        """Half of the logarithm of the determinant."""
+        return float(sum(np.log(np.diagonal(each)).sum() for each in (self.root, self.inner)))
+
+    def opened(self, right: Array) -> Array:
+        """Return Uᵀ (K + U Uᵀ)⁻¹ X, (u, ...): what X makes known of unknowns of variance one.  right : X (n, ...)"""
+        return _solved(self.inner, _solved(self.inner, self.half.T @ _solved(self.root, right)), turned=True)
 
     def solved(self, right: Array) -> Array:
-        """Return K⁻¹ X.  right : X (n, ...)"""
-        from scipy.linalg import cho_solve
+        """Return (K + U Uᵀ)⁻¹ X, (n, ...).  right : X (n, ...)"""
+        return _solved(self.root, _solved(self.root, right) - self.half @ self.opened(right), turned=True)
 
-        return np.asarray(cho_solve((self.root, True), right))
+
+def _solved(root: Array, right: Array, turned: bool = False) -> Array:
+    """Return F⁻¹ X, or F⁻ᵀ X where turned.  root : F, lower"""
+    from scipy.linalg import solve_triangular
+
+    found: Array = solve_triangular(root, right, lower=True, trans=1 if turned else 0, check_finite=False)
+    return found
+
+
+class Given:
+    """Everything at one θ (k,).  value : log p(y), up to a constant; weighted : (K + U Uᵀ)⁻¹ y, (n,)"""
+
+    def __init__(self, problem: Problem, theta: Array) -> None:
+        self.problem, self.theta, self.prior = problem, theta, problem.prior(theta)
+        self.factor = Factored(np.linalg.cholesky(problem.covariance(theta)), problem.open)
+        self.weighted = self.factor.solved(problem.values)
+        self.value = float(-0.5 * problem.values @ self.weighted - self.factor.log_root)
+        self.reach = problem.rows @ self.prior
 
     def slope(self) -> tuple[Array, Array]:
         """Return gradient (k,) and Fisher's information (k, k) of the value."""
         slopes = self.problem.slopes(self.theta)
-        pulls = np.array([self.solved(each) for each in slopes]).reshape(slopes.shape)
+        pulls = np.array([self.factor.solved(each) for each in slopes]).reshape(slopes.shape)
         squares = np.einsum("i,kij,j->k", self.weighted, slopes, self.weighted, optimize=True)
         flat, turned = pulls.reshape(len(pulls), -1), pulls.swapaxes(1, 2).reshape(len(pulls), -1)
         return 0.5 * (squares - np.trace(pulls, axis1=1, axis2=2)), 0.5 * flat @ turned.T
 
+    def gain(self, right: Array) -> Array:
+        """Return G X, (size, ...): by what X moves the mean.  right : X (n, ...)"""
+        own = self.factor.opened(right)
+        stds = self.problem.stds.reshape(-1, *[1] * (own.ndim - 1))
+        return np.concatenate([self.reach.T @ self.factor.solved(right), stds * own])
+
     def posterior(self) -> Normal:
         """Return what readings make known of the unknowns, without causes of type B (eq. 31-33)."""
-        prior = self.problem.prior(self.theta)
-        reach = self.problem.n.rows @ prior
-        return Normal(reach.T @ self.weighted, prior - reach.T @ self.solved(reach))
-
-    def moved(self, causes: Array) -> Array:
-        """Return G B, by what causes of type B move the mean, (size, c).  causes : B (n, c)"""
-        reach = self.problem.n.rows @ self.problem.prior(self.theta)
-        return np.asarray(reach.T @ self.solved(causes))
+        stds, inner = self.problem.stds, self.factor.inner
+        machine = self.prior - self.reach.T @ self.factor.solved(self.reach)
+        both = -self.factor.opened(self.reach).T * stds
+        half = _solved(inner, np.diag(stds))
+        return Normal(self.gain(self.problem.values), np.block([[machine, both], [both.T, half.T @ half]]))

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal_core.draws import Draws
-from axiscal_core.problem import Given, Problem
+from axiscal_core.problem import Factored, Given, Problem
 from axiscal_core.refusals import Array
 
 _ODDS, _OFF = 0.01 / 0.99, 30.0
@@ -34,7 +34,9 @@ def doubted(problem: Problem, draws: Draws) -> tuple[Array, Array]:
 def _judged(problem: Problem, given: Given) -> tuple[Array, Array]:
     """Return log ratios of bad over good, and distances, (m,) each, at one draw."""
     n, causes = problem.n, problem.n.type_b
-    inverse = np.linalg.inv(given.k + causes @ causes.T)  # two instruments may differ by their scales
+    # two instruments may differ by their scales, which is no slip of either
+    factor = Factored(given.factor.root, np.hstack([problem.open, causes]))
+    inverse = factor.solved(np.eye(len(problem.values)))
     weighted = inverse @ problem.values
     count = len(problem.readings)
     noise, ratios, z = n.noise**2, np.zeros(count), np.zeros(count)
