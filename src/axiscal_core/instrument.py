@@ -192,7 +192,9 @@ def sight(
     # a reversal enters with one half of its value or the other, where nobody knows with either
     moved, turned = (each.transpose(1, 2, 0) for each in machine.levers(poses, np.where(sides == 0, 1, sides)))
     reach = by_move @ moved + by_turn @ turned
-    unknown = np.array([_unknown(instrument, machine, term, sides) for _, term in machine.curves]).T[:, None]
+    unknown = np.zeros((len(poses), 1, len(machine.curves)), dtype=bool)
+    for i, (_, term) in enumerate(machine.curves):
+        unknown[:, 0, i] = _unknown(instrument, machine, term, sides)
     stds = np.array([np.hypot(term.std, term.rest) for _, term in machine.curves])
     return Sight(
         by_move @ looked.rows.displacement + by_turn @ looked.rows.rotation, own,

@@ -21,7 +21,8 @@ from axiscal_core.step import climbed
 from axiscal_core.threads import one_thread
 from axiscal_core.units import Quantity, si
 
-_STARTS, _EXCHANGES, _CLIMBS = 3, 6, 3  # beside the greedy start; more change J of 20 drawn plans by a thousandth
+_CLIMBED = 3
+_STARTS, _EXCHANGES, _CLIMBS = 12, 8, 4  # beside the greedy start; more change J of 20 drawn plans by a thousandth
 _MOST = 400  # readings until an RMS: who needs more has another problem
 _SHARE = 0.95  # of U
 
@@ -224,10 +225,16 @@ class _Search:
         """Return the best plan of so many readings that several starts find."""
         generator, more = np.random.default_rng(0), count - len(self.fixed)
         free_ones = np.arange(len(self.fixed), len(self.own))
-        drawn = [generator.choice(free_ones, min(more // 2, len(free_ones)), replace=False) for _ in range(_STARTS)]
+        sizes = [min(more // (1 + i % 2), len(free_ones)) for i in range(_STARTS)]  # all of them drawn, or half
+        drawn = [generator.choice(free_ones, size, replace=False) for size in sizes]
         found = [self.exchanged(self.grown(start, count)) for start in ([], *(each.tolist() for each in drawn))]
-        values = [State(self.case, self.goal, self._numbers((*self.fixed, *each))).value for each in found]
-        return self.moved(found[int(np.argmin(values))], free)
+        best = sorted(found, key=lambda each: self.value(self._numbers((*self.fixed, *each))))[:_CLIMBED]
+        moved = [self.moved(each, free) for each in best]
+        return min(moved, key=lambda each: self.value(self._with(each)))
+
+    def value(self, numbers: Numbers | None) -> float:
+        """Return J after readings, (those that were there among them)."""
+        return State(self.case, self.goal, numbers).value
 
     def moved(self, chosen: Sequence[int], free: bool) -> Places:
         """Return the places of candidates, moved off them where that serves; kept places stay."""
@@ -253,8 +260,10 @@ class _Search:
 
     def rms_of(self, places: Places) -> float:
         """Return the RMS over the volume after readings at places, m."""
-        before = [] if self.taken is None else [self.taken]
-        return float(np.sqrt(State(self.case, self.case.volume, joined([*before, self.case.numbers(places)])).value))
+        return float(np.sqrt(State(self.case, self.case.volume, self._with(places)).value))
+
+    def _with(self, places: Places) -> Numbers:
+        return joined([*([] if self.taken is None else [self.taken]), self.case.numbers(places)])
 
     def _at(self, chosen: Sequence[int]) -> Places:
         return self.places.at(np.array([*self.fixed, *chosen], dtype=np.intp))

@@ -1,8 +1,10 @@
 """All readings as one covariance of the sizes θ: y ~ N(0, K(θ) + U Uᵀ), K(θ) = H P(θ) Hᵀ + Σ_c exp(2 θ_c) B_c.
 
-P is the prior of the machine's coefficients, B_c the kernel of a cause, U what one standard deviation of each unknown of
-an instrument does. Causes of type B take part neither in the mean nor in the
-sizes (Schmidt's consider form; GUM 4.3): with G the gain and B what one standard deviation of each does to the numbers,
+P is the prior of the machine's coefficients, B_c the kernel of a cause. U is what one standard deviation of each unknown
+of an instrument does.
+
+Causes of type B take part neither in the mean nor in the sizes (Schmidt's consider form; GUM 4.3: knowledge from
+elsewhere, which readings cannot improve). With G the gain, and B what one standard deviation of each does to the numbers,
 
     m = G y,    Var[F u] = F C Fᵀ + Σ_j (F G b_j - f_j)²
 
@@ -127,7 +129,7 @@ class Factored:
 
     def __init__(self, root: Array, wide: Array) -> None:
         self.root, self.half = root, _solved(root, wide)
-        self.inner = np.linalg.cholesky(np.eye(wide.shape[1]) + self.half.T @ self.half)
+        self.inner = _root(np.eye(wide.shape[1]) + self.half.T @ self.half)
 
     @property
     def log_root(self) -> float:
@@ -143,6 +145,11 @@ class Factored:
         return _solved(self.root, _solved(self.root, right) - self.half @ self.opened(right), turned=True)
 
 
+def _root(square: Array) -> Array:
+    """Return the lower Cholesky factor."""
+    return np.asarray(np.linalg.cholesky(square), dtype=np.float64)
+
+
 def _solved(root: Array, right: Array, turned: bool = False) -> Array:
     """Return F⁻¹ X, or F⁻ᵀ X where turned.  root : F, lower"""
     from scipy.linalg import solve_triangular
@@ -156,7 +163,7 @@ class Given:
 
     def __init__(self, problem: Problem, theta: Array) -> None:
         self.problem, self.theta, self.prior = problem, theta, problem.prior(theta)
-        self.factor = Factored(np.linalg.cholesky(problem.covariance(theta)), problem.open)
+        self.factor = Factored(_root(problem.covariance(theta)), problem.open)
         self.weighted = self.factor.solved(problem.values)
         self.value = float(-0.5 * problem.values @ self.weighted - self.factor.log_root)
         self.reach = problem.rows @ self.prior

@@ -64,7 +64,7 @@ class State:
 
         As `of_numbers`, without what different places have in common.
         """
-        prior, shape = self.case.prior.covariance, (-1, each)
+        prior, shape = self.case.prior.covariance, (len(n.rows) // each, each)
         reach = n.rows @ prior
         k = reach.reshape(*shape, self.case.size) @ n.rows.reshape(*shape, self.case.size).swapaxes(1, 2)
         rests = (n.reach * [term.rest for _, term in self.case.machine.curves]).reshape(*shape, n.reach.shape[1])

@@ -8,10 +8,9 @@ steps.
 
 from __future__ import annotations
 
-from itertools import product
-
 import numpy as np
 
+from axiscal_core.axes import Axis
 from axiscal_core.criterion import Criterion, goal
 from axiscal_core.model import ASIDE, CELLS, Model
 from axiscal_core.places import Places, Readings
@@ -94,20 +93,43 @@ def _climbed_best(state: State, index: int) -> tuple[Places, float]:
 
 
 def climbed(state: State, places: Places, rounds: int, shrink: float = 0.42) -> tuple[Places, Array]:
-    """Return places moved uphill, and what they gain, (m,).  places : of one instrument"""
+    """Return places moved uphill, and what they gain, (m,).  places : of one instrument
+
+    Each round looks along every axis that moves. It goes to the best of each at once where that gains more than the
+    best alone.
+    """
     case = state.case
     instrument = case.instruments[case.setups.index(places.instruments[0])]
-    gains, poses, width = state.gains(places), places.poses.copy(), _WIDTH
-    for _, name in product(range(rounds), instrument.moves):
-        k = case.machine.names.index(name)
-        axis = case.machine.axes[k]
-        low, high = axis.travel
-        tried = np.repeat(poses, _LOOKS, axis=0)
-        tried[:, k] += np.tile(np.linspace(-width, width, _LOOKS) * axis.length, len(poses))
-        tried[:, k] = low + np.mod(tried[:, k] - low, axis.length) if axis.cyclic else np.clip(tried[:, k], low, high)
-        found = state.gains(Places(instrument.name, tried, np.repeat(places.sides, _LOOKS, axis=0)))
-        best = np.arange(len(poses)) * _LOOKS + found.reshape(-1, _LOOKS).argmax(axis=1)
-        better = found[best] > gains
-        poses[better], gains = tried[best[better]], np.where(better, found[best], gains)
-        width *= shrink ** (1 / len(instrument.moves))
+    axes = np.array([case.machine.names.index(name) for name in instrument.moves])
+    each = np.arange(len(places))
+
+    def gained(poses: Array) -> Array:
+        repeats = len(poses) // len(places)
+        return state.gains(Places(instrument.name, poses, np.repeat(places.sides, repeats, axis=0)))
+
+    poses, gains, width = places.poses.copy(), gained(places.poses), _WIDTH
+    for _ in range(rounds):
+        looks = np.linspace(-width, width, _LOOKS)
+        tried = np.tile(poses[:, None, None], (1, len(axes), _LOOKS, 1))
+        for j, k in enumerate(axes.tolist()):
+            tried[:, j, :, k] = _within(case.machine.axes[k], poses[:, k, None] + looks * case.machine.axes[k].length)
+        found = gained(tried.reshape(-1, poses.shape[1])).reshape(tried.shape[:3])
+        best = found.argmax(axis=2)
+        alone = tried[each[:, None], np.arange(len(axes)), best]
+        highest = found.max(axis=2)
+        options = [(poses, gains), (alone[each, highest.argmax(axis=1)], highest.max(axis=1))]
+        if len(axes) > 1:
+            together = poses.copy()
+            together[:, axes] = alone[:, np.arange(len(axes)), axes]
+            options.append((together, gained(together)))
+        chosen = np.argmax([gain for _, gain in options], axis=0)
+        poses = np.array([pose for pose, _ in options])[chosen, each]
+        gains = np.array([gain for _, gain in options])[chosen, each]
+        width *= shrink
     return Places(instrument.name, poses, places.sides), gains
+
+
+def _within(axis: Axis, t: Array) -> Array:
+    """Return positions in the travel, around the turn of a cyclic axis."""
+    low, high = axis.travel
+    return np.asarray(low + np.mod(t - low, axis.length) if axis.cyclic else np.clip(t, low, high))

@@ -101,10 +101,12 @@ class Beside:
 
     def theta(self, mine: Array) -> Array:
         """Return the core's θ in the order of the product's sizes.  mine : (k,)"""
-        found = sizes_of(self.core)
         theirs: Sizes = self.product.sizes
-        assert {(s.kind, s.owners) for s in theirs.of} == {(s.kind, s.owners) for s in found.of}
-        return np.array([mine[found.index(size.kind, size.owners[0])] for size in theirs.of])
+        at: dict[tuple[str, tuple[str, ...]], int] = {
+            (size.kind, size.owners): i for i, size in enumerate(sizes_of(self.core).of)
+        }
+        assert set(at) == {(size.kind, size.owners) for size in theirs.of}
+        return np.array([mine[at[size.kind, size.owners]] for size in theirs.of])
 
 
 def machine_of(machine: Machine) -> ac.Machine:
@@ -161,5 +163,3 @@ def instrument_of(setup: Setup, machine: Machine) -> ac.Instrument:
         case Bar() | Arm():
             made.station = setup.station
     return made
-
-
