@@ -20,6 +20,7 @@ _LINEAR = 0.01  # noises: what is not linear by less moves no figure
 @one_thread
 def estimated(case: Model, readings: Readings) -> Known:
     """Return what readings make known."""
+    case.values(readings, "Case.estimate")
     if not len(readings):
         raise InputError("Case.estimate", "readings", "are none", "Give one or more")
     bad = list[int]()

@@ -53,10 +53,10 @@ class Machine:
         )
         self.names = [axis.name for axis in self.axes]
         self._refuse_twice("axes", self.names)
-        self._refuse_twice("errors", [error.name for error in self.errors])
         self.terms: list[Curved | Basis] = [
             curved(e, self.axes) if isinstance(e, Error) else self._own(e) for e in self.errors
         ]
+        self._refuse_twice("errors", [error.name for error in self.errors])
         self.curves = [(i, term) for i, term in enumerate(self.terms) if isinstance(term, Curved)]
         sizes = [term.covariance().shape[0] for term in self.terms]
         self.columns = [slice(*pair) for pair in pairwise(accumulate(sizes, initial=0))]

@@ -1,10 +1,10 @@
 """All readings as one covariance of the sizes θ: y ~ N(0, K(θ) + U Uᵀ), K(θ) = H P(θ) Hᵀ + Σ_c exp(2 θ_c) B_c.
 
-P is the prior of the machine's coefficients, B_c the kernel of a cause. U is what one standard deviation of each unknown
-of an instrument does.
+P is the prior of the machine's coefficients, B_c the kernel of a cause. U is what one standard deviation of each
+unknown of an instrument does.
 
 Causes of type B take part neither in the mean nor in the sizes (Schmidt's consider form; GUM 4.3: knowledge from
-elsewhere, which readings cannot improve). With G the gain, and B what one standard deviation of each does to the numbers,
+elsewhere, which readings cannot improve). G is the gain, B what one standard deviation of each does to the numbers:
 
     m = G y,    Var[F u] = F C Fᵀ + Σ_j (F G b_j - f_j)²
 
