@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal_core.bound import lower_bound
 from axiscal_core.criterion import Criterion, Goal, goal
@@ -95,21 +96,13 @@ def planned(
 
 def _ended(search: _Search, count: int | None, limit: float | None, target: float | None, free: bool) -> Places:
     """Return the places of a plan that ends where it is to.  free : places may move off the candidates"""
-    if count is not None and limit is None and target is None:
-        return search.best(count, free)
-    chosen = search.grown([], count or _MOST, limit, target)
-    if target is not None and limit is None and search.rms(chosen) > target:
-        what = f"= {target:g} is out of reach: {len(chosen)} readings leave {search.rms(chosen):.3g}"
-        raise InputError("Case.plan", "rms", what, "Ask for a larger one, or give other instruments")
+    if limit is None:
+        fewest = count or _MOST if target is None else search.fewest(target, count or _MOST)
+        return search.best(fewest, free)
+    chosen = search.starts(count or _MOST, limit, target)[0]
     if not chosen and not len(search.kept):
         raise InputError("Case.plan", "minutes", f"= {limit:g} are too few for one reading", "Give more")
-    found = search.moved(search.exchanged(chosen, same=limit is not None), free)
-    while target is not None and len(found) > max(len(search.kept), 1):  # fewer may do, chosen together
-        fewer = search.best(len(found) - 1, free)
-        if search.rms_of(fewer) > target:
-            break
-        found = fewer
-    return found
+    return search.moved(chosen, free)
 
 
 def _told(case: Model, search: _Search, places: Places, after: Readings | Places | None) -> Plan:
@@ -173,6 +166,7 @@ class _Search:
         widths = np.array([len(each) for each in self.own])
         self.groups = [np.flatnonzero(widths == width) for width in np.unique(widths)]
         self.fixed = list(range(len(kept)))
+        self.first = {name: i for i, name in reversed([*enumerate(self.places.instruments)])}
 
     def gains(self, beside: Sequence[int]) -> Array:
         """Return what each candidate gains beside others, (candidates,)."""
@@ -199,41 +193,50 @@ class _Search:
         while len(found) + len(self.fixed) < count and (target is None or self.rms(found) > target):
             gains = self.gains(found)
             if limit is not None:
-                costs = np.array([minutes_of(self.case, self._at([*found, i])) for i in range(len(self.own))])
-                gains = np.where(costs <= limit + 1e-9, gains, -np.inf)
+                gains = np.where(self._fits(found, limit), gains, -np.inf)
             if not np.isfinite(gains.max()):
                 break
             found.append(int(np.argmax(gains)))
         return found
 
-    def exchanged(self, chosen: Sequence[int], same: bool = False) -> list[int]:
-        """Return candidates of which none can be exchanged for a better one.  same : only within its instrument"""
+    def exchanged(self, chosen: Sequence[int], limit: float | None = None) -> list[int]:
+        """Return candidates of which none can be exchanged for a better one.  limit : minutes"""
         found = list(chosen)
-        instruments = np.array(self.places.instruments)
         for _ in range(_EXCHANGES):
             before = list(found)
             for j in range(len(found)):
-                gains = self.gains(found[:j] + found[j + 1 :])
-                allowed = instruments == instruments[found[j]] if same else np.ones(len(gains), dtype=bool)
-                best = int(np.argmax(np.where(allowed, gains, -np.inf)))
+                others = found[:j] + found[j + 1 :]
+                gains = self.gains(others)
+                allowed = gains if limit is None else np.where(self._fits(others, limit), gains, -np.inf)
+                best = int(np.argmax(allowed))
                 found[j] = best if gains[best] > gains[found[j]] else found[j]
             if found == before:
                 break
         return found
 
-    def best(self, count: int, free: bool) -> Places:
-        """Return the best plan of so many readings that several starts find."""
+    def starts(self, count: int, limit: float | None = None, target: float | None = None) -> list[list[int]]:
+        """Return what several starts end in, the best first: plans of so many candidates, or of so many minutes.
+
+        A greedy choice alone may never begin with an instrument whose zero is unknown: one reading of it tells nothing.
+        """
         generator, more = np.random.default_rng(0), count - len(self.fixed)
-        free_ones = np.arange(len(self.fixed), len(self.own))
-        sizes = [min(more // (1 + i % 2), len(free_ones)) for i in range(_STARTS)]  # all of them drawn, or half
-        drawn = [generator.choice(free_ones, size, replace=False) for size in sizes]
-        found = [self.exchanged(self.grown(start, count)) for start in ([], *(each.tolist() for each in drawn))]
-        best = sorted(found, key=lambda each: self.value(self._numbers((*self.fixed, *each))))[:_CLIMBED]
-        moved = [self.moved(each, free) for each in best]
+        if limit is not None:
+            more = min(more, int(60 * limit / min(each.costs or 1.0 for each in self.case.instruments)))
+        free = np.arange(len(self.fixed), len(self.own))
+        sizes = [min(more // (1 + i % 2), len(free)) for i in range(_STARTS)]  # all of them drawn, or half
+        drawn = [generator.choice(free, size, replace=False).tolist() for size in sizes]
+        if limit is not None:
+            drawn = [self._within(each, limit) for each in drawn]
+        found = [self.exchanged(self.grown(each, count, limit, target), limit) for each in ([], *drawn)]
+        return sorted(found, key=lambda each: self.value(self._numbers((*self.fixed, *each))))
+
+    def best(self, count: int, free: bool) -> Places:
+        """Return the best plan of so many readings that several starts find.  free : it may leave the candidates"""
+        moved = [self.moved(each, free) for each in self.starts(count)[:_CLIMBED]]
         return min(moved, key=lambda each: self.value(self._with(each)))
 
     def value(self, numbers: Numbers | None) -> float:
-        """Return J after readings, (those that were there among them)."""
+        """Return J after readings, with those that are there already among them."""
         return State(self.case, self.goal, numbers).value
 
     def moved(self, chosen: Sequence[int], free: bool) -> Places:
@@ -254,19 +257,40 @@ class _Search:
                 break
         return sum(places[1:], places[0])
 
+    def fewest(self, target: float, most: int) -> int:
+        """Return how many readings reach an RMS over the volume, m; raises InputError where none do."""
+        left = self.rms([i for i in range(len(self.own)) if i not in self.fixed])
+        if left > target:
+            what = f"= {target:g} is out of reach: one reading at every candidate leaves {left:.3g}"
+            raise InputError("Case.plan", "rms", what, "Ask for a larger one, or give other instruments")
+        low, high = len(self.fixed), max(2 * len(self.fixed), 1)
+        while high < most and self.rms(self.starts(high)[0]) > target:
+            low, high = high, min(2 * high, most)
+        while high - low > 1:
+            middle = (low + high) // 2
+            reached = self.rms(self.starts(middle)[0]) <= target
+            low, high = (low, middle) if reached else (middle, high)
+        return high
+
     def rms(self, chosen: Sequence[int]) -> float:
         """Return the RMS over the volume after candidates, m."""
         return float(np.sqrt(State(self.case, self.case.volume, self._numbers((*self.fixed, *chosen))).value))
 
-    def rms_of(self, places: Places) -> float:
-        """Return the RMS over the volume after readings at places, m."""
-        return float(np.sqrt(State(self.case, self.case.volume, self._with(places)).value))
-
     def _with(self, places: Places) -> Numbers:
         return joined([*([] if self.taken is None else [self.taken]), self.case.numbers(places)])
 
-    def _at(self, chosen: Sequence[int]) -> Places:
-        return self.places.at(np.array([*self.fixed, *chosen], dtype=np.intp))
+    def _within(self, chosen: Sequence[int], limit: float) -> list[int]:
+        """Return the first of candidates that fit into so many minutes."""
+        counts = [i for i in range(len(chosen) + 1) if self._minutes(chosen[:i]) <= limit + 1e-9]
+        return [*chosen[: counts[-1] if counts else 0]]
+
+    def _fits(self, chosen: Sequence[int], limit: float) -> NDArray[np.bool_]:
+        """Return which candidates fit into so many minutes beside others, (candidates,)."""
+        fits = [name for name in self.first if self._minutes([*chosen, self.first[name]]) <= limit + 1e-9]
+        return np.isin(self.places.instruments, fits)
+
+    def _minutes(self, chosen: Sequence[int]) -> float:
+        return minutes_of(self.case, self.places.at(np.array([*self.fixed, *chosen], dtype=np.intp)))
 
     def _numbers(self, chosen: Sequence[int]) -> Numbers | None:
         parts = [] if self.taken is None else [self.taken]
