@@ -26,7 +26,8 @@ def estimated(case: Model, readings: Readings) -> Known:
     bad = list[int]()
     while True:
         kept = np.setdiff1d(np.arange(len(readings)), bad)
-        problem = Problem(case, only(case, readings, kept), located(case, only(case, readings, kept)))
+        mine = only(case, readings, kept)
+        problem = Problem(case, mine, located(case, mine))
         draws = drawn(problem)
         odds, z = doubted(problem, draws)
         worst = int(np.argmax(odds))
@@ -40,16 +41,8 @@ def estimated(case: Model, readings: Readings) -> Known:
         for size, s in zip(problem.sizes.of, squares, strict=True)
         for owner in size.owners
     }
-    return Known(
-        case,
-        mean,
-        covariance,
-        moved,
-        np.sqrt(draws.weights),
-        sizes,
-        tuple(bad),
-        dict(zip(kept.tolist(), z.tolist(), strict=True)),
-    )
+    apart = dict(zip(kept.tolist(), z.tolist(), strict=True))
+    return Known(case, mean, covariance, moved, np.sqrt(draws.weights), sizes, tuple(bad), apart)
 
 
 def averaged(problem: Problem, draws: Draws) -> tuple[Array, Array, Array]:

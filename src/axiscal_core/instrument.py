@@ -128,7 +128,8 @@ class Instrument:
         shared = set(self.unknowns) & set(self.type_b)
         if shared:
             raise InputError(where, "type_b", f"names the unknown {min(shared)}", "Readings show it, or they do not")
-        many = self.noise if isinstance(self.noise, list | tuple) else [self.noise] * len(self.names)
+        one = isinstance(self.noise, str) or np.ndim(self.noise) == 0
+        many = [self.noise] * len(self.names) if one else [*np.asarray(self.noise, dtype=object)]
         if len(many) != len(self.names):
             raise InputError(
                 where, "noise", f"has {len(many)} values of {len(self.names)} names", "Give one, or one for each"
@@ -145,7 +146,7 @@ class Instrument:
 
         u : its own unknowns, and the causes of `type_b`
         """
-        raise NotImplementedError(f"{type(self).__name__} lacks sees(at, u)")
+        raise InputError(type(self).__name__, "sees", "is not written", "Write sees(self, at, u)")
 
     @property
     def sides(self) -> tuple[float, ...]:
@@ -230,7 +231,11 @@ class _Looked:
         u = self.u | ({name: self.u[name] + step} if name else {})
         stepped = [cast("Array", part + step * way) for part, way in ((self.moved, moved), (self.turned, turned))]
         at = At(self.poses, self.sides, self.frames.tcp, self.frames.tool, *stepped)
-        where, found = f"{type(self.instrument).__name__}.sees", self.instrument.sees(at, u)
+        where = f"{type(self.instrument).__name__}.sees"
+        try:
+            found = self.instrument.sees(at, u)
+        except KeyError as missing:
+            raise InputError(where, f"u[{missing}]", "is not there", "Name it in unknowns or type_b") from None
         if not isinstance(found, list | tuple) or len(found) != len(self.instrument.names):
             what, names = f"is {type(found).__name__}", ", ".join(self.instrument.names)
             raise InputError(where, "result", what, f"Return a list of one array for each of {names}")

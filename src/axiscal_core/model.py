@@ -19,9 +19,9 @@ from axiscal_core.instrument import Instrument, refuse_what_is_not_analytic, sig
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
 from axiscal_core.places import Places, Readings
-from axiscal_core.refusals import Array, InputError, finite, one_of, whole
+from axiscal_core.refusals import Array, InputError, one_of, whole
 from axiscal_core.splines import even_points
-from axiscal_core.units import si
+from axiscal_core.units import quantities, si
 
 CELLS, ASIDE = 8, 2e-4
 """Cells of a knot interval, within which a rest is one value; they begin so far before a knot, m or rad.
@@ -98,8 +98,6 @@ class Model:
         refuse_what_is_not_analytic(instrument, self.machine, some.poses, some.sides)
         return instrument.name
 
-    # -- unknowns -----------------------------------------------------------------------------------------------------
-
     @cached_property
     def own(self) -> list[slice]:
         """Where the unknowns of each instrument stand, behind the coefficients of the machine."""
@@ -136,8 +134,6 @@ class Model:
     def volume(self) -> Goal:
         """The criterion "volume"."""
         return volume(self.machine, self.size, self.aligned)
-
-    # -- readings -----------------------------------------------------------------------------------------------------
 
     def checked(self, places: Places | Readings, function: str) -> Places:
         """Return the places, on instruments and within the travel of this case."""
@@ -176,6 +172,10 @@ class Model:
         joined = [np.concatenate(each) for each in zip(*parts, strict=True)]
         order = np.argsort(joined[5], kind="stable")
         return Numbers(*(each[order] for each in joined))
+
+    def taken(self, after: Readings | Places | None, function: str) -> Numbers | None:
+        """Return the numbers of readings that are there, None where there are none."""
+        return None if after is None or not len(self.checked(after, function)) else self.numbers(after)
 
     def shows(self, places: Places, x: Array) -> Normal:
         """Return what readings show of unknowns x (size,), nothing linearised, with noise and rests."""
@@ -221,17 +221,21 @@ class Model:
             known = ", ".join(("instrument", *self.machine.names))
             raise InputError("Case.readings", "table", f"has no column {missing[0]!r}", f"It needs {known}")
         names = [str(name) for name in table["instrument"]]
-        poses = np.array([np.asarray(table[name], dtype=float) for name in self.machine.names]).T
-        sides = [np.asarray(table.get(f"{name}_side", [0.0] * len(names)), dtype=float) for name in self.machine.names]
-        places = self.checked(Places(names, poses, np.array(sides).T), "Case.readings")
+
+        def column(name: str) -> Array:
+            given = [*table[name]] if name in table else [0.0] * len(names)
+            return quantities(given, "Case.readings", name, (len(names),))
+
+        poses, sides = (np.stack([column(name + each) for name in self.machine.names], 1) for each in ("", "_side"))
+        places = self.checked(Places(names, poses, sides), "Case.readings")
         values = list[object]()
         for i, name in enumerate(names):
             for number in self.instruments[self.setups.index(name)].names:
                 if number not in table:
                     raise InputError("Case.readings", "table", f"has no column {number!r}", f"{name} shows it", i)
                 values.append([*table[number]][i])
-        std, time = ([*table[what]] if what in table else None for what in ("std", "time"))
-        return Readings(places, finite("Case.readings", "values", values, (None,)), std, time)  # type: ignore[arg-type]
+        std, time = (column(what) if what in table else None for what in ("std", "time"))
+        return Readings(places, quantities(values, "Case.readings", "values", (None,)), std, time)
 
     def table(self, places: Places | Readings) -> dict[str, list[object]]:
         """Return places or readings as columns: `pandas.DataFrame(case.table(plan.places))`."""

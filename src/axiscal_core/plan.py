@@ -87,8 +87,8 @@ def planned(
         raise InputError(
             where, "keep", f"holds {len(kept)} places of {count} readings", "Keep no more than are planned"
         )
-    taken = None if after is None else case.numbers(case.checked(after, where) and after)
-    search = _Search(case, goal(criterion, case.machine, case.volume, where), lattice, taken, kept)
+    wanted = goal(criterion, case.machine, case.volume, where)
+    search = _Search(case, wanted, lattice, case.taken(after, where), kept)
     free = isinstance(candidates, int)
     found = _ended(search, count, limit, target, free)
     return _told(case, search, found, after)
@@ -123,9 +123,9 @@ def evaluated(
     where = "Case.evaluate"
     wanted = criterion if isinstance(criterion, Goal) else goal(criterion, case.machine, case.volume, where)
     found = case.checked(places, where)
-    before = None if after is None else case.numbers(case.checked(after, where) and after)
-    own = case.numbers(places)
-    state = State(case, wanted, own if before is None else joined([before, own]))
+    before = case.taken(after, where)
+    every = [each for each in (before, case.taken(places, where)) if each is not None]
+    state = State(case, wanted, joined(every) if every else None)
     spread = case.volume.root @ state.covariance @ case.volume.root.T
     bound = None
     if bounded and wanted.function is None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from axiscal_core.axes import Axis
 from axiscal_core.criterion import Criterion, goal
+from axiscal_core.instrument import Instrument
 from axiscal_core.model import ASIDE, CELLS, Model
 from axiscal_core.places import Places, Readings
 from axiscal_core.refusals import Array
@@ -27,8 +28,8 @@ _WIDTH, _LOOKS = 0.12, 9  # of the travel, to each side
 @one_thread
 def best_step(case: Model, after: Readings | Places | None, criterion: Criterion) -> Places:
     """Return the one reading that serves most."""
-    taken = None if after is None else case.numbers(case.checked(after, "Case.next") and after)
-    state = State(case, goal(criterion, case.machine, case.volume, "Case.next"), taken)
+    wanted = goal(criterion, case.machine, case.volume, "Case.next")
+    state = State(case, wanted, case.taken(after, "Case.next"))
     found = [best_of(state, i) for i in range(len(case.instruments))]
     return max(found, key=lambda pair: pair[1])[0]
 
@@ -41,29 +42,37 @@ def best_of(state: State, index: int) -> tuple[Places, float]:
 
 def _exact(state: State, index: int) -> tuple[Places, float] | None:
     """Return the best reading by the roots of polynomials; None where it does not go along a line, or is no ratio."""
-    case, instrument = state.case, state.case.instruments[index]
+    instrument = state.case.instruments[index]
     if len(instrument.moves) != 1 or len(instrument.names) != 1 or state.goal.function is not None:
         return None
-    k = case.machine.names.index(instrument.moves[0])
-    breaks, found = _breaks(case, k), list[tuple[Places, float]]()
+    found = list[tuple[Places, float]]()
     for side in instrument.sides:
-
-        def placed(t: Array, side: float = side) -> Places:
-            parked = case.lattice_of(instrument, 1)
-            poses, sides = np.tile(parked.poses, (len(t), 1)), np.tile(parked.sides, (len(t), 1))
-            poses[:, k], sides[:, k] = t, side
-            return Places(instrument.name, poses, sides)
-
-        def forms(t: Array, placed: object = placed) -> tuple[Array, Array]:
-            assert callable(placed)
-            block, reach = state.of_places(case.numbers(placed(t)), 1)
-            return np.sum((reach[:, 0] @ state.goal.root.T) ** 2, axis=1), block[:, 0, 0]
-
-        best = largest(forms, breaks, _DEGREE)
+        line = _Line(state, instrument, side)
+        best = largest(line.forms, _breaks(state.case, line.k), _DEGREE)
         if best is None:
             return None
-        found.append((placed(np.array([best[0]])), best[1]))
+        found.append((line.placed(np.array([best[0]])), best[1]))
     return max(found, key=lambda pair: pair[1])
+
+
+class _Line:
+    """The places of an instrument along the one axis that it moves, from one side."""
+
+    def __init__(self, state: State, instrument: Instrument, side: float) -> None:
+        self.state, self.instrument, self.side = state, instrument, side
+        self.k = state.case.machine.names.index(instrument.moves[0])
+        self.parked = state.case.lattice_of(instrument, 1)
+
+    def placed(self, t: Array) -> Places:
+        """Return places at positions, (m,)."""
+        poses, sides = np.tile(self.parked.poses, (len(t), 1)), np.tile(self.parked.sides, (len(t), 1))
+        poses[:, self.k], sides[:, self.k] = t, self.side
+        return Places(self.instrument.name, poses, sides)
+
+    def forms(self, t: Array) -> tuple[Array, Array]:
+        """Return N and D of the gain at positions, (m,) each."""
+        block, reach = self.state.of_places(self.state.case.numbers(self.placed(t)), 1)
+        return np.sum((reach[:, 0] @ self.state.goal.root.T) ** 2, axis=1), block[:, 0, 0]
 
 
 def _breaks(case: Model, k: int) -> Array:

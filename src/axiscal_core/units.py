@@ -32,7 +32,10 @@ def si(value: object, function: str, argument: str) -> float:
         return _read(value, function, argument)
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
         raise InputError(function, argument, f"= {value!r} is no quantity", 'Give a number in SI units, or "12 um"')
-    return float(np.real(value))
+    number = float(value)
+    if not np.isfinite(number):
+        raise InputError(function, argument, f"= {value!r} is no number", "Give a finite one")
+    return number
 
 
 def _read(text: str, function: str, argument: str) -> float:

@@ -53,6 +53,11 @@ class NoNumber(ac.Instrument):
         return [at.moved[:, 0] + np.where(at.poses[:, 0] > 0.3, np.nan, 0.0)]
 
 
+class Undeclared(ac.Instrument):
+    def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
+        return [at.moved[:, 0] + u["zero"]]
+
+
 class NoCovariance:
     name, frame = "bend", "X"
 
@@ -128,6 +133,10 @@ MISUSES: dict[str, tuple[Callable[[], object], str, str]] = {
     "two numbers of one": (lambda: _mounted(TwoOfOne("two", "X")), "TwoOfOne.sees", "result"),
     "a number of another shape": (lambda: _mounted(Square("square", "X")), "Square.sees", "result"),
     "no number": (lambda: _mounted(NoNumber("none", "X")), "NoNumber.sees", "result"),
+    "an unknown that is not declared": (lambda: _mounted(Undeclared("none", "X")), "Undeclared.sees", "u['zero']"),
+    "an instrument without sees": (lambda: _mounted(ac.Instrument("none", "X")), "Instrument", "sees"),
+    "a table of words": (lambda: _case().estimate({**_WITHOUT, "X": ["left"], "length": [0.0]}), "Case.readings", "X"),
+    "a value that is no number either": (lambda: ac.Curve((0, 1), 1.0).read(0.5, np.nan, 0.1), "Curve.read", "value"),
     "an unknown word": (lambda: anything.Case(_machine(), [ac.Laser("l", "X")], sure="very"), "Case", "sure"),
     "a reading outside the travel": (lambda: _case().evaluate(_places(0.89)), "Case.evaluate", "poses"),
     "places of another instrument": (lambda: _case().evaluate(ac.Places("dial", [[0.1]])), "Case.evaluate", "places"),
