@@ -15,7 +15,7 @@ import numpy as np
 from axiscal_core.model import Numbers
 from axiscal_core.refusals import Array
 
-_STEPS = 60  # the bound rises by less than 1 % in as many more
+_STEPS = 60  # with four times as many the bound of eight drawn cases rises by up to 2 %
 
 
 def lower_bound(covariance: Array, root: Array, numbers: Numbers, count: int) -> float:

@@ -22,7 +22,7 @@ from axiscal_core.sizes import Kind
 DRIFT, CYCLE, GROWTH, WAY = 2.0, 0.5, 2.0, 0.06
 """Usual sizes: in noises, the last one of a reversal. Nine ISO 230-2 tests say the first, nobody the others."""
 _WIDE = 0.06  # of the travel, within which half of the variance of a rest is common
-_FUNCTIONS = 20  # of Karhunen and Loève: they leave 0.5 % of the variance of Brownian motion
+_FUNCTIONS = 20  # of Karhunen and Loève: they leave 1 % of the variance of Brownian motion
 _MINUTES, _LONGEST, _MANY = 360.0, 4 * 3600.0, 300  # s, s, numbers: over more a cycle is not told from noise
 _NODES, _MEMORY = 10, 0.4  # of growth: linear between so many, it forgets itself over this share of the time
 _WAYS = (0.03, 0.1, 0.35)  # m, over which a reversal comes, one as likely as the other

@@ -21,7 +21,7 @@ from axiscal_core.splines import even_points, gauss
 
 Criterion = Literal["volume", "joint"] | Array | Callable[[Array], float]
 """What a plan makes small."""
-_POSES = 3000  # of several axes: with twice as many J of a plan changes by a thousandth
+_POSES = 3000  # of several axes: with four times as many the RMS of eight drawn cases changes by 0.1 %
 _NODES = 8  # between knots of one axis: exact
 
 

@@ -13,8 +13,8 @@ from axiscal_core.refusals import Array, InputError
 from axiscal_core.slips import MOST, doubted
 from axiscal_core.threads import one_thread
 
-_ROUNDS = 20  # a station 300 mm off takes five
-_LINEAR = 0.01  # noises: what is not linear by less moves no figure
+_ROUNDS = 20  # of Gauss and Newton: who needs more has described another set-up
+_LINEAR = 0.01  # noises
 
 
 @one_thread
