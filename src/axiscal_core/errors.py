@@ -56,7 +56,7 @@ class Basis(Protocol):
 class Error:
     """One error by its ISO 230 name: EXX, ECY, C0Y, EXX_reversal, EXX_pitch.
 
-    std : before any reading, m or rad; knots : of its spline; a location error or a reversal is one number
+    std : before any reading, m or rad; knots : of its spline; None: seven of a motion (B&H section V), else one number
     length : over which its values are alike, m or rad along the axis; None: a quarter of the travel is usual
     rest : std of what no spline follows, m or rad; None: three hundredths of std are usual
     scale : std of the strain of a linear axis, in its positioning error; None: 30 um/m are usual
@@ -66,7 +66,7 @@ class Error:
 
     name: str
     std: Quantity
-    knots: int = 7
+    knots: int | None = None
     length: Quantity | None = None
     rest: Quantity | None = None
     scale: Quantity | None = None
@@ -79,7 +79,7 @@ class Error:
             raise InputError(
                 "Error", "name", f"= {self.name!r} is not that of an error", "Names are EXX, C0Y, EXX_reversal"
             )
-        whole("Error", "knots", self.knots, 1)
+        whole("Error", "knots", self.count, 1)
         whole("Error", "waves", self.waves, 1)
         for field, open_end in (("std", False), ("length", True), ("rest", False), ("scale", False), ("period", True)):
             value = getattr(self, field)
@@ -102,6 +102,13 @@ class Error:
     def component(self) -> int:
         """0 to 2 along x, y, z and 3 to 5 about them."""
         return COMPONENTS.index(self._parts["component"] or self._parts["place"])
+
+    @property
+    def count(self) -> int:
+        """The number of its knots; 1 for one number."""
+        if self.kind == "location":
+            return 1
+        return self.knots if self.knots is not None else 7 if self.kind == "motion" else 1
 
     @property
     def positioning(self) -> bool:
@@ -182,10 +189,10 @@ def curved(error: Error, axes: Sequence[Axis]) -> Curved:
     axis, (low, high) = axes[at], axes[at].travel
     if error.period is not None:
         spline = cyclic(low, low + cast(float, error.period), _WAVE_KNOTS * error.waves + 1)
-    elif error.kind != "motion" or error.knots < 2:
+    elif error.count < 2:
         spline = constant(low, high)
     else:
-        spline = (cyclic if axis.cyclic else natural)(low, high, error.knots)
+        spline = (cyclic if axis.cyclic else natural)(low, high, error.count)
     return Curved(error, at, spline, axis.travel, not axis.rotary)
 
 
@@ -195,7 +202,7 @@ WHITE, ROUGH, SCALE, LENGTH = 0.03, 0.045, 30e-6, 0.25
 
 def as_usual(error: Error, axis: Axis) -> Error:
     """Return a curve with what curves usually have and nobody stated: a length, a rest, a scale.  See `causes`."""
-    if error.kind != "motion" or error.period is not None or error.knots < 2:
+    if error.kind != "motion" or error.period is not None or error.count < 2:
         return error
     std, rest = cast(float, error.std), error.rest
     white = WHITE * std if rest is None else cast(float, rest)

@@ -22,7 +22,6 @@ from collections.abc import Mapping, Sequence
 from typing import Literal, NamedTuple, TypedDict, Unpack, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal_core.errors import Curved
 from axiscal_core.machine import Machine
@@ -193,22 +192,22 @@ def sight(
     # a reversal enters with one half of its value or the other, where nobody knows with either
     moved, turned = (each.transpose(1, 2, 0) for each in machine.levers(poses, np.where(sides == 0, 1, sides)))
     reach = by_move @ moved + by_turn @ turned
-    unknown = np.zeros((len(poses), 1, len(machine.curves)), dtype=bool)
+    blind = np.zeros(reach.shape[:2])
     for i, (_, term) in enumerate(machine.curves):
-        unknown[:, 0, i] = _unknown(instrument, machine, term, sides)
-    stds = np.array([np.hypot(term.std, term.rest) for _, term in machine.curves])
+        moves = term.error.kind == "reversal" and machine.names[term.at] in instrument.moves
+        if moves and (unknown := sides[:, term.at] == 0).any():
+            blind[unknown] += (reach[unknown, :, i] * _spread(term, poses[unknown])[:, None]) ** 2
+            reach[unknown, :, i] = 0.0
     return Sight(
         by_move @ looked.rows.displacement + by_turn @ looked.rows.rotation, own,
-        type_b * np.array([*instrument.considered.values()]), np.where(unknown, 0.0, reach), looked.shown(),
-        np.sum(np.where(unknown, reach * stds, 0.0) ** 2, axis=2),
+        type_b * np.array([*instrument.considered.values()]), reach, looked.shown(), blind,
     )  # fmt: skip
 
 
-def _unknown(instrument: Instrument, machine: Machine, term: Curved, sides: Array) -> NDArray[np.bool_]:
-    """Return where a reversal shows of which nobody knows the side, (m,)."""
-    moves = term.error.kind == "reversal" and machine.names[term.at] in instrument.moves
-    found: NDArray[np.bool_] = moves & (sides[:, term.at] == 0)
-    return found
+def _spread(term: Curved, poses: Array) -> Array:
+    """Return the standard deviation of a curve and its rest before any reading, (m,)."""
+    rows = term.spline(poses[:, term.at])
+    return np.asarray(np.sqrt(np.sum(rows @ term.covariance() * rows, axis=1) + term.rest**2))
 
 
 class _Looked:

@@ -39,7 +39,7 @@ READ = {
 """Campaigns of which readings are kept, in which file."""
 CLASSES: dict[str, type[ac.Instrument]] = {
     "interferometer": Interferometer, "indicator": Probe, "probe": Probe, "straightedge": Straightedge,
-    "autocollimator": Autocollimator, "ballbar": Bar, "tracer": Bar, "tracker": Arm,
+    "autocollimator": Autocollimator, "level": Autocollimator, "ballbar": Bar, "tracer": Bar, "tracker": Arm,
 }  # fmt: skip
 
 
@@ -109,8 +109,11 @@ class Beside:
         return np.array([mine[at[size.kind, size.owners]] for size in theirs.of])
 
 
-def machine_of(machine: Machine) -> ac.Machine:
-    """Return a machine, as usual already, for the core: the rough part of a rest is taken off, which it adds itself."""
+def machine_of(machine: Machine, usual: bool = True) -> ac.Machine:
+    """Return a machine for the core.
+
+    usual : it is as machines usually are; the rough part of a rest is taken off then, which the core adds itself
+    """
     axes = [axis_of(machine, k) for k in range(len(machine.axes))]
     by_name = dict(zip([axis.name for axis in machine.axes], axes, strict=True))
     planes = [
@@ -120,7 +123,7 @@ def machine_of(machine: Machine) -> ac.Machine:
         )
         for each in machine.planes
     ]  # fmt: skip
-    errors = [error_of(entry, machine) for entry in machine.errors]
+    errors = [error_of(entry, machine, usual) for entry in machine.errors]
     return ac.Machine(axes, [*errors, *planes], machine.tool)
 
 
@@ -133,13 +136,14 @@ def axis_of(machine: Machine, k: int) -> ac.Axis:
     return ac.Axis.linear(axis.name, axis.direction, axis.travel, axis.workpiece_side, axis.overrun)
 
 
-def error_of(entry: ErrorEntry, machine: Machine) -> ac.Error:
-    """Return an error for the core."""
-    white = None if entry.rest is None else float(np.sqrt(max(entry.rest**2 - (ROUGH * entry.std) ** 2, 0.0)))
+def error_of(entry: ErrorEntry, machine: Machine, usual: bool = True) -> ac.Error:
+    """Return an error for the core; usual : as of `machine_of`"""
+    rough = ROUGH * entry.std if usual else 0.0
+    white = None if entry.rest is None else float(np.sqrt(max(entry.rest**2 - rough**2, 0.0)))
     knots = 1 if entry.constant else entry.knot_count(machine.axis(entry.axis))
     curve = entry.kind == "motion" and not entry.harmonics
     return ac.Error(
-        entry.name, entry.std, knots, entry.length, white if curve else None, entry.scale,
+        entry.name, entry.std, knots, entry.length, white if curve or not usual else None, entry.scale,
         entry.period if entry.harmonics else None, max(entry.harmonics, 1), entry.sure,
     )  # fmt: skip
 

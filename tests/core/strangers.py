@@ -37,7 +37,7 @@ class Autocollimator(ac.Instrument):
     about = (0.0, 1.0, 0.0)
 
     def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
-        return [at.turned @ np.array(self.about) + u["zero"]]
+        return [at.turned @ np.array(self.about) + u.get("zero", 0.0)]
 
 
 class Bar(ac.Instrument):

@@ -301,3 +301,16 @@ def test_plane_and_curves_share_nothing() -> None:
 def test_a_normal_goal_is_its_matrix() -> None:
     case = _paper()
     assert Goal(np.eye(case.size)).value(case.prior.covariance) == pytest.approx(7.0)
+
+
+def test_what_is_promised_of_the_tool_point_holds() -> None:
+    """Of forty machines drawn as the case believes them: mean squares of deviations in standard deviations are one."""
+    case = _mill(usual="off", sure="exactly")
+    places, poses = case.plan(readings=8, candidates=90).places, [[0.0, 0.4], [0.15, 0.1], [0.4, 0.3]]
+    rows, z = case.machine.rows(np.array(poses)).displacement, []
+    for seed in range(40):
+        readings, truth = _told(case, places, seed)
+        found = case.estimate(readings).deviation(poses)
+        apart = (rows @ truth[: case.machine.size] - found.mean)[:, :2]
+        z += [apart[i] @ np.linalg.solve(found.covariance[i, :2, :2], apart[i]) / 2 for i in range(len(poses))]
+    assert np.mean(z) == pytest.approx(1.0, abs=0.25)
