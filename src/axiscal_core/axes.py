@@ -90,7 +90,7 @@ class Axis:
 
     @property
     def cyclic(self) -> bool:
-        """Whether it turns by one whole turn, so that both ends are one place."""
+        """True for one whole turn: both ends are one place."""
         return self.rotary and abs(self.length - 2 * np.pi) < 1e-9
 
 

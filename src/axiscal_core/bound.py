@@ -1,4 +1,4 @@
-"""What no plan of as many readings can beat, among candidates.
+"""A lower bound of J: no plan of as many readings at candidates beats it.
 
 J(w) of readings with weights w is convex (Pukelsheim 2006). Its tangent at any w lies below it. So all plans of n
 readings have

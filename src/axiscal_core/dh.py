@@ -2,7 +2,7 @@
 
     A_i = Rz(θ_i) Tz(d_i) Tx(a_i) Rx(α_i)
 
-θ and d of link i move what follows about and along the axis of joint i, a and α about and along the x axis after it.
+θ and d of link i move the links after it about and along the axis of joint i. a and α do so along and about its x axis.
 All of them are twists of frames at the zero pose, so that a robot is a `Machine` as any other.
 """
 

@@ -1,7 +1,7 @@
 """The most probable sizes, and draws about them, weighed by the readings.
 
-Fisher scoring climbs from the sizes as stated. A size stays as stated if the readings tell less of it than its prior
-does, and do not contradict it: otherwise one that a single number decides would make the uncertainty larger with it.
+Fisher scoring climbs from the sizes as stated. A size stays as stated if readings say less of it than its prior and
+do not contradict it. A size that a single number decides would grow with that number, and the uncertainty with it.
 """
 
 from __future__ import annotations

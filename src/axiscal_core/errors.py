@@ -58,7 +58,7 @@ class Error:
 
     std : before any reading, m or rad; knots : of its spline; None: seven of a motion (B&H section V), else one number
     length : over which its values are alike, m or rad along the axis; None: a quarter of the travel is usual
-    rest : std of what no spline follows, m or rad; None: three hundredths of std are usual
+    rest : std of detail finer than the spline, m or rad; None: three hundredths of std are usual
     scale : std of the strain of a linear axis, in its positioning error; None: 30 um/m are usual
     period : of what repeats along the axis, m or rad, with `waves` sines in it
     sure : how well size and length are known; None: as the case says
@@ -142,7 +142,7 @@ class Curved:
 
     @property
     def rest(self) -> float:
-        """Standard deviation of what no spline follows, m or rad."""
+        """Standard deviation of the rest, detail finer than the spline, m or rad."""
         return cast(float, self.error.rest or 0.0)
 
     @property
@@ -153,7 +153,7 @@ class Curved:
 
     @property
     def ramp(self) -> Array | None:
-        """What one standard deviation of the scale adds to the control values, (n,); None without scale."""
+        """The effect of one standard deviation of the scale on the control values, (n,); None without scale."""
         if not self.error.scale:
             return None
         along: Array = cast(float, self.error.scale) * (self.spline.positions - sum(self.travel) / 2)
@@ -232,7 +232,7 @@ class Offset:
 
 
 class Plane:
-    """What two axes do together beside their curves, EZXY: products of the splines of each.
+    """An error of two axes together, EZXY, beside the curves of each: products of their splines.
 
     std : m or rad, of a plane that held both curves as well; lengths : over which it is alike along each axis
     """

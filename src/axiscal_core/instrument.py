@@ -1,4 +1,4 @@
-"""An instrument is one function: what it shows of a tool that is displaced and turned, with unknowns of its own.
+"""An instrument is one function: the numbers that it shows of a displaced and turned tool, and of unknowns of its own.
 
     >>> class Grid(Instrument):
     ...     names, units = ("dx", "dy"), ("m", "m")
@@ -39,7 +39,7 @@ _ANALYTIC = 1e-4  # by so much of the largest slope both may differ: a second de
 
 
 class At(NamedTuple):
-    """Where readings are taken, and what the machine does there.
+    """Places of readings, and the deviations of the machine there.
 
     poses, sides : (m, q); tcp : (m, 3) nominal, m; tool : (m, 3, 3) nominal turn of the tool
     moved, turned : (m, 3) what errors do to the tool point and to the tool, m and rad
@@ -158,7 +158,7 @@ class Instrument:
 
 
 class Sight(NamedTuple):
-    """What readings of one instrument show of the unknowns, linear at some machine.
+    """Rows of readings of one instrument, linear at some machine.
 
     errors : (m, k, n) by coefficients; own : (m, k, u) by its unknowns; type_b : (m, k, c) by causes of standard
     deviation one; reach : (m, k, curves) by each curve's value; shown : (m, k) at the unknowns, nothing linearised

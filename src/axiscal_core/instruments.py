@@ -92,7 +92,7 @@ class RTest(Instrument):
 
 
 class Tracker(Stationed):
-    """Where the tool point is, by an instrument whose zero and turn are unknown: laser tracker, measuring arm."""
+    """The place of the tool point, from unknown zeros and turns: laser tracker, measuring arm."""
 
     names, units, noise = ("x", "y", "z"), ("m",) * 3, "10 um"
     unknowns: Mapping[str, Quantity] = {**_ZEROS, **_TURNS, **_CARRIED}

@@ -81,7 +81,7 @@ class Known:
 
     @property
     def U(self) -> float:  # noqa: N802 (the field's letter)
-        """What the RMS deviation after correction exceeds in 5 % of machines, m."""
+        """Expanded uncertainty, m: the RMS deviation after correction exceeds it in 5 % of machines."""
         root = self.case.volume.root
         return expanded(root @ self.covariance @ root.T)
 

@@ -1,7 +1,7 @@
 """A machine and the instruments on it, as one linear map of all unknowns: y = h + H x + v.
 
-The unknowns x are the coefficients of the machine's errors, then what each instrument leaves open of itself. What a
-spline cannot follow is one value in each short cell of the travel, which readings in that cell share.
+The unknowns x are the coefficients of the machine's errors, then what each instrument leaves open of itself. Detail
+finer than a spline, its rest, is one value in each short cell of the travel. Readings in that cell share it.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ class Model:
 
     @cached_property
     def own(self) -> list[slice]:
-        """Where the unknowns of each instrument stand, behind the coefficients of the machine."""
+        """The columns of each instrument's unknowns, behind the coefficients of the machine."""
         ends = accumulate((len(each.own) for each in self.instruments), initial=self.machine.size)
         return [slice(*pair) for pair in pairwise(ends)]
 
@@ -118,7 +118,7 @@ class Model:
 
     @cached_property
     def causes(self) -> tuple[str, ...]:
-        """The name of every cause that no reading shows: "laser.warmer"."""
+        """The name of every cause of type B: "laser.warmer"."""
         return tuple(f"{each.name}.{cause}" for each in self.instruments for cause in each.considered)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Where readings are taken, and what was read.
+"""Places of readings, and their values.
 
 >>> places = Places("laser", [["0 mm"], ["300 mm"]])
 >>> len(places), places.poses.ravel()

@@ -2,8 +2,8 @@
 
     θ = f (x - x₀),    x ~ N(0, 1),    f the logarithm of the factor within which the size is known
 
-What is stated is the median of a size, x₀ = 0. Of a reversal, a scale and what passes it is the root mean square,
-x₀ = f, so that a size which no reading teaches adds the variance that is stated.
+The stated size is the median, x₀ = 0. Of a reversal, a scale, drift, cycle and growth it is the root mean square,
+x₀ = f: a size without readings adds the variance that is stated.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ class Spline:
 
     @property
     def positions(self) -> Array:
-        """Where the control values stand, (n,)."""
+        """The positions of the control values, (n,)."""
         return self.knots[: self.size]
 
     def __call__(self, t: ArrayLike) -> Array:

@@ -1,4 +1,4 @@
-"""What is known after some readings, and by how much one more would let J fall (eq. 31-37).
+"""The state after some readings, and the fall of J by one more (eq. 31-37).
 
 Everything stands in the space of numbers: K = H C Hᵀ + rests + noise of readings, G = V C Hᵀ. A place of one number
 gains |G_i|²/K_ii. Readings that are there already take their share off K and G first (a Schur complement).

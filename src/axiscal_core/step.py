@@ -7,10 +7,9 @@
     >>> abs(case.next(criterion="joint").poses - 5).round(4)
     array([[0.873]])
 
-Where one axis moves along a line and a reading is one number, N and D of its gain are polynomials between knots and
-edges of cells, of degree eight where an angle has a lever that grows (the paper's own are of six). Then the best place
-is exact (`roots`). Elsewhere the best of many even places climb, along one axis after another, in smaller and smaller
-steps.
+One axis moves and a reading is one number: then N and D of its gain are polynomials between knots and edges of cells.
+The paper's have degree six; an angle whose lever grows makes it eight. So the best place is exact (`roots`). Elsewhere
+the best of many even places climb in smaller and smaller steps.
 """
 
 from __future__ import annotations
