@@ -1,6 +1,6 @@
 """What readings suffer beside the machine's curves: a kernel between numbers for each cause, at its usual size.
 
-rest      what no spline follows: half of its variance in cells of 2 % of the travel, half in cells of 6 %
+rest      detail finer than a spline: half of its variance in cells of 2 % of the travel, half in cells of 6 %
 drift     of a zero: a line and Brownian motion over the time of its set-up, 2 of its noise each
 cycle     of a zero: Matérn-1/2 in time with six minutes, half of its noise
 growth    of a linear axis: coordinate over travel times Matérn-3/2 in time, 2 noises
