@@ -14,7 +14,6 @@ import pytest
 import axiscal_core as ac
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.numbers import Numbers
 from axiscal.estimation.promise.unknowns import Unknowns
 from axiscal.measurement.candidates import spread
@@ -116,12 +115,12 @@ def test_posteriors_are_those_of_the_product(name: str) -> None:
     for theta in _thetas(name):
         found = space.given(beside.theta(theta))
         assert found is not None
-        given, theirs = Given(problem, theta), found.posterior()
+        given, theirs = Given(problem, theta), found.without_causes()
         mine, scale = given.posterior(), np.sqrt(np.diag(theirs.covariance))
         assert np.abs((mine.mean - theirs.mean) / scale).max() < POSTERIOR
         assert np.abs((mine.covariance - theirs.covariance) / np.outer(scale, scale)).max() < POSTERIOR
         moved = given.gain(causes)
-        both, wide = Considered(found).posterior().covariance, mine.covariance + moved @ moved.T
+        both, wide = found.posterior().covariance, mine.covariance + moved @ moved.T
         scale = np.sqrt(np.diag(both))
         assert np.abs((wide - both) / np.outer(scale, scale)).max() < POSTERIOR
 
