@@ -191,6 +191,12 @@ def test_the_description_names_every_document_and_every_answer(page: Served) -> 
     assert set(described["paths"]) == {
         f"/api/1/{name}"
         for name in (
+            "start",
+            "stage",
+            "plan",
+            "draft",
+            "begin",
+            "open",
             "state",
             "typed",
             "cost",

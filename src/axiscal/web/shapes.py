@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, PlannedAnswer, ResultAnswer
+from axiscal.answers.answer import AnswerDocument, PlannedAnswer, PlannedSetup, ResultAnswer
 from axiscal.campaign.possible import LONGEST_TEXT
 from axiscal.present.guide.progress import Due, Progress
 from axiscal.present.guide.question import Question
@@ -68,6 +68,111 @@ class StateShape(AnswerDocument):
     asks: str
     answer: AnswerShape | None
     results: str
+
+
+Short = Annotated[str, Field(max_length=LONGEST_TEXT)]
+
+
+class DraftShape(AnswerDocument):
+    """What was chosen of a campaign that has not begun, as a person typed it; kept on the disk at every touch.
+
+    screen : which is open; machine : built-in, or file : a file of a control with its text
+    travels : of linear axes, such as "600 mm"; compensated : whether a compensation is active, "" where nobody knows
+    """
+
+    screen: Literal["start", "machine", "with", "plan"] = "start"
+    machine: Short = ""
+    file: Annotated[str, Field(max_length=60, pattern=r"^([^./\\\x00-\x1f\x7f][^/\\\x00-\x1f\x7f]*)?$")] = ""
+    text: Annotated[str, Field(max_length=48_000)] = ""
+    travels: Mapping[str, Short] = {}
+    instruments: Sequence[Short] = ()
+    target: Short = ""
+    compensated: Literal["", "no", "yes"] = ""
+
+
+class MachineShape(AnswerDocument):
+    """What a draft makes of a machine.
+
+    faults : what is wrong, by its field ("file", "travels.X", "target", "instruments")
+    lengths : how far each linear axis travels, mm; look : what the file could not say
+    offered : the instruments that it can be read with; asks : whether it is open if a compensation is active
+    """
+
+    title: str
+    faults: Mapping[str, str]
+    lengths: Mapping[str, float]
+    look: Sequence[str]
+    offered: Sequence[str]
+    asks: bool
+
+
+class BegunShape(AnswerDocument):
+    """A campaign in the folder of the page; at : of its last event, ISO 8601, UTC."""
+
+    record: str
+    machine: str
+    taken: int
+    coming: int
+    at: str
+    finished: bool
+
+
+class StartShape(AnswerDocument):
+    """All that the start shows.
+
+    open : the record that this page has open already, "" for none; left_out : records that cannot be read, and why
+    machines, instruments : names and words of those there are
+    """
+
+    document: Literal["axiscal-start/1"] = "axiscal-start/1"
+    open: str
+    folder: str
+    begun: Sequence[BegunShape]
+    left_out: Sequence[str]
+    machines: Mapping[str, str]
+    instruments: Mapping[str, str]
+    draft: DraftShape
+    machine: MachineShape
+
+
+class PlanShape(AnswerDocument):
+    """The plan of a draft in words, as the command plan has them; minds : what nobody has said yet."""
+
+    setups: Sequence[PlannedSetup]
+    first: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    sentences: Sequence[str]
+    minds: Sequence[str]
+
+
+class StageShape(AnswerDocument):
+    """What is being computed, "" for nothing that is worth a word."""
+
+    stage: str
+
+
+class BeginRequest(AnswerDocument):
+    """The campaign of the draft is to begin; nothing more has to be said."""
+
+
+class OpenRequest(AnswerDocument):
+    """A record of the start to go on with."""
+
+    record: Short
+
+
+class MachineQuery(AnswerDocument):
+    """A picture of a machine.
+
+    machine : built-in, "" for that of the draft; instrument : that stands on it, "" for none
+    small : without words below it; version : anything that is another one when the draft is
+    """
+
+    width: Annotated[float, Field(ge=120, le=2000, allow_inf_nan=False)]
+    machine: Short = ""
+    instrument: Short = ""
+    small: bool = False
+    version: Annotated[int, Field(ge=0)] = 0
 
 
 class CostQuery(AnswerDocument):
