@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
 from axiscal.campaign.campaign import Campaign
+from tests.commands import Command
 from tests.web.browser import Browser, Page
 from tests.web.served import Served, served, started
 from tests.web.test_page import looked_at, type_reading
@@ -233,3 +234,20 @@ def test_a_campaign_that_is_open_is_not_begun_again(start: Served) -> None:
     again = start.ask("POST", "/api/1/begin", b"{}", **bearer)
     assert (again.status, again.document["problem"]) == (409, "overtaken")
     assert [path.name for path in start.record.iterdir()] == ["one-axis"]
+
+
+def test_alone_at_a_screen_the_command_opens_the_start(monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
+    """In a pipe it stays the help: `tests/cli/test_cli.py`."""
+    seen = list[object]()
+
+    def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> str:
+        seen.append(record)
+        ready("http://127.0.0.1:1/?token=x")
+        return ""
+
+    monkeypatch.setattr("axiscal.cli.app._at_a_screen", lambda: True)
+    monkeypatch.setattr("axiscal.web.serving.serve_page", serve_page)
+    monkeypatch.setattr("webbrowser.open", seen.append)
+    assert "Open http://127.0.0.1:1/?token=x" in command().out
+    assert seen == [None, "http://127.0.0.1:1/?token=x"]
+    assert "Usage: axiscal" in command("-h").out

@@ -294,6 +294,7 @@ class Desk:
         self._version += 1
         self._question, self._ended, self._trouble = self._asked()
         campaign, state, results = self.campaign, self.campaign.state, self.results
+        written = state.finished is not None and (results / "report.html").is_file()
         overtaken = self._ended is not None and self._answers != self._stands  # it would contradict what ended it
         return StateShape(
             version=self._version,
@@ -312,7 +313,8 @@ class Desk:
             minds=[spelt(each) for each in [*self._minds, *contradictions(campaign)]],
             asks="" if self._asks is None else spelt(self._asks.question),
             answer=None if self._answer is None or overtaken else _answer(campaign, self._answer, results),
-            results=results.name if state.finished is not None and (results / "report.html").is_file() else "",
+            results=results.name if written else "",
+            tables=sorted(each.name for each in (results / "tables").glob("*/")) if written else (),
         )
 
     def _asked(self) -> tuple[Question | None, str | None, str]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import io
 import logging
 import socket
-from collections.abc import AsyncIterator, Callable
+import zipfile
+from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
 from pathlib import Path
 from types import FrameType
@@ -44,6 +46,8 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
         lifespan=watching,
     )
     app.get("/report.html", include_in_schema=False)(api.report)
+    app.get("/report.pdf", include_in_schema=False)(api.pdf)
+    app.get("/tables.zip", include_in_schema=False)(api.tables)
     app.get("/setup.svg", include_in_schema=False)(api.setup_picture)
     app.get("/machine.svg", include_in_schema=False)(beginning.picture)
     app.get(f"{ROOT}/start", response_model=shapes.StartShape)(beginning.start)
@@ -121,11 +125,30 @@ class _Api:
 
     async def report(self) -> Response:
         """The report, which allows its own scripts by their hashes and asks for nothing."""
+        return self._result("report.html", {"Content-Security-Policy": "frame-ancestors 'none'"})
+
+    async def pdf(self) -> Response:
+        """The report to sign."""
+        return self._result("report.pdf", {"Content-Disposition": "attachment"})
+
+    async def tables(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
+        """The tables of a control as one file."""
+        desk, packed = self._counter.desk, io.BytesIO()
+        if query.control not in desk.state.tables:
+            return problem(404, "missing", "There are no such tables yet")
+        folder = desk.results / "tables" / query.control
+        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+            for file in sorted(folder.rglob("*")):
+                archive.write(file, file.relative_to(folder.parent))
+        headers = {"Content-Disposition": f'attachment; filename="{query.control}.zip"'}
+        return Response(packed.getvalue(), media_type="application/zip", headers=headers)
+
+    def _result(self, name: str, headers: Mapping[str, str]) -> Response:
         desk = self._counter.desk
-        file, folder = desk.results / "report.html", desk.campaign.path.absolute().parent
+        file, folder = desk.results / name, desk.campaign.path.absolute().parent
         if not file.is_file() or file.resolve().parent.parent != folder.resolve():
             return problem(404, "missing", "There is no report yet")
-        return FileResponse(file, media_type="text/html", headers={"Content-Security-Policy": "frame-ancestors 'none'"})
+        return FileResponse(file, headers=headers)
 
     async def _done(self, step: Callable[[Desk], str]) -> Response:
         said = await self._counter.do(step)

@@ -16,6 +16,7 @@ from axiscal.record.events import Note
 LONGEST = 25.0
 """s that a request may wait for news: less than what programs between us and a browser would take for a fault."""
 After = Annotated[int, Field(ge=0, description="`last` of the state that is answered; 409 if it has changed")]
+Short = Annotated[str, Field(max_length=LONGEST_TEXT)]
 
 
 class ReadingShape(AnswerDocument):
@@ -47,7 +48,7 @@ class StateShape(AnswerDocument):
     """All that the page shows. `last` names the state of the record, `version` this document.
 
     minds : what to mind about the last reading; asks : whether a zero was set anew before some reading, "" for nothing
-    answer : null until it is known for the first time
+    answer : null until it is known for the first time; tables : the controls that there are tables for, once it ended
     """
 
     document: Literal["axiscal-page/1"] = "axiscal-page/1"
@@ -68,9 +69,13 @@ class StateShape(AnswerDocument):
     asks: str
     answer: AnswerShape | None
     results: str
+    tables: Sequence[str]
 
 
-Short = Annotated[str, Field(max_length=LONGEST_TEXT)]
+class TablesQuery(AnswerDocument):
+    """The tables of a control."""
+
+    control: Short
 
 
 class DraftShape(AnswerDocument):

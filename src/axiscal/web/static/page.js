@@ -154,14 +154,24 @@ function renderAnswer() {
   find("known").replaceChildren(...sentences.map((words) => element("p", words)), ...next);
 }
 
+function download(control) {
+  const link = element("a", said("Tables for {control}", { control }));
+  link.href = `/tables.zip?${new URLSearchParams({ control })}`;
+  link.download = "";
+  return link;
+}
+
 function renderEnd() {
   const over = state.question === null;
+  find("measuring").toggleAttribute("aria-current", state.finished === null);
+  find("ended").toggleAttribute("aria-current", state.finished !== null);
   show("end", over);
   if (!over) return;
   const done = state.finished !== null;
   text("end-title", done ? said("The campaign has ended") : state.ended ? said("Nothing more to measure") : said("There is no next reading"));
   text("end-words", done ? `${state.finished}.` : state.ended ? `${state.ended}.` : "");
   show("report", done && state.results !== "");
+  find("tables").replaceChildren(...state.tables.map(download));
   text("finish", done ? said("Write the results") : said("End the campaign and write its results"));
   show("finish", !done || state.results === "");
   show("more", !done);
