@@ -216,7 +216,6 @@ def test_the_description_names_every_document_and_every_answer(page: Served) -> 
             "stage",
             "plan",
             "draft",
-            "begin",
             "open",
             "state",
             "typed",

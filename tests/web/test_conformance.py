@@ -26,7 +26,7 @@ CHECKS = (
 MADE: Counter[tuple[str, str, str]] = Counter()
 """Requests so far: of a kind with few forms hypothesis makes fewer than it may."""
 QUESTIONS = ("start", "stage", "plan", "state", "typed", "cost")
-STEPS = ("draft", "begin", "open", "readings", "skips", "notes", "undo", "next", "finish")
+STEPS = ("draft", "open", "readings", "skips", "notes", "undo", "next", "finish")
 OPERATIONS = [(f"/api/1/{name}", "get" if name in QUESTIONS else "post") for name in (*QUESTIONS, *STEPS)]
 
 

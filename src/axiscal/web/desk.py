@@ -55,13 +55,7 @@ def _answer(campaign: Campaign, answer: ResultAnswer | PlannedAnswer, results: P
     else:
         agreement = agreement_words(campaign.so_far()) if answer.compared else ""
         text = answer_text(answer, agreement, campaign.path.name, results.name)
-    return AnswerShape(
-        first=[spelt(part) for part in text.first.parts],
-        rows=[[spelt(cell) for cell in row] for row in text.rows],
-        sentences=[spelt(sentence) for sentence in text.sentences],
-        commands=text.commands,
-        document=answer,
-    )
+    return AnswerShape.of(text, answer)
 
 
 def _latest(campaign: Campaign) -> Iterator[ReadingShape]:

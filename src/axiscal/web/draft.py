@@ -37,8 +37,9 @@ from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import open_questions, plan_text
 from axiscal.present.sentences import spelt
 from axiscal.record.copies import opened_log
+from axiscal.record.store import record_errors
 from axiscal.units import to_unit, within
-from axiscal.web.shapes import BegunShape, DraftShape, MachineQuery, MachineShape, PlanShape, StartShape
+from axiscal.web.shapes import AnswerShape, BegunShape, DraftShape, MachineQuery, MachineShape, PlanShape, StartShape
 
 FOLDER, _CHOSEN, _OF_PLAN = "axiscal-draft", "draft.json", "planned.json"
 """Of a draft, of its choices, and of those that its plan was made for."""
@@ -58,12 +59,11 @@ _FINEST = 1e-9
 """m of an uncertainty that can be wanted; nobody measures a machine better."""
 
 
-def start(here: Path, opened: str) -> StartShape:
-    """Return all that the start shows of a folder; raises RecordError.  opened : the record that is open already"""
+def start(here: Path) -> StartShape:
+    """Return all that the start shows of a folder; raises RecordError."""
     draft, (begun, left_out) = kept(here), _records(here)
     instruments = dict(zip(OFFERED, offered_words(), strict=True))
     return StartShape(
-        open=opened,
         folder=str(here),
         begun=begun,
         left_out=left_out,
@@ -87,9 +87,10 @@ def kept(here: Path) -> DraftShape:
 
 
 def keep(here: Path, draft: DraftShape) -> MachineShape:
-    """Keep what was chosen on the disk, and return what it makes of a machine."""
-    (here / FOLDER).mkdir(exist_ok=True)
-    write_whole(here / FOLDER / _CHOSEN, draft.model_dump_json().encode())
+    """Keep what was chosen on the disk, and return what it makes of a machine; raises RecordError."""
+    with record_errors(here / FOLDER):
+        (here / FOLDER).mkdir(exist_ok=True)
+        write_whole(here / FOLDER / _CHOSEN, draft.model_dump_json().encode())
     return _shown(draft)
 
 
@@ -101,16 +102,10 @@ def plan(here: Path) -> PlanShape:
     if answer is None:
         raise PlanError("No reading of these set-ups is worth its time", "Choose other instruments")
     text = plan_text(answer, campaign.path.name)
-    return PlanShape(
-        setups=answer.setups,
-        first=[spelt(part) for part in text.first.parts],
-        rows=[[spelt(cell) for cell in row] for row in text.rows],
-        sentences=[spelt(sentence) for sentence in text.sentences],
-        minds=[spelt(mind) for mind in minds],
-    )
+    return PlanShape(answer=AnswerShape.of(text, answer), minds=[spelt(mind) for mind in minds])
 
 
-def begin(here: Path) -> Path:
+def _begun(here: Path) -> Path:
     """Make the draft a campaign in a folder of its own, and return its record; raises InputError."""
     with _planned(here) as campaign:
         record = campaign.path
@@ -125,7 +120,9 @@ def begin(here: Path) -> Path:
 
 
 def record_of(here: Path, name: str) -> Path:
-    """Return a record of the start by its name; raises RecordError for one that is not there."""
+    """Return a record of the start by its name, "" for that of the draft, which begins; raises InputError."""
+    if not name:
+        return _begun(here)
     if name not in [begun.record for begun in _records(here)[0]]:
         raise RecordError("There is no record {name} here", "Choose one of the list", here, name=name)
     return here / name

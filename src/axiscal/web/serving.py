@@ -54,7 +54,6 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
     app.get(f"{ROOT}/stage", response_model=shapes.StageShape)(beginning.stage)
     app.get(f"{ROOT}/plan", response_model=shapes.PlanShape)(beginning.plan)
     app.post(f"{ROOT}/draft", response_model=shapes.MachineShape)(beginning.keep)
-    app.post(f"{ROOT}/begin", response_model=shapes.DoneShape)(beginning.begin)
     app.post(f"{ROOT}/open", response_model=shapes.DoneShape)(beginning.open)
     app.get(f"{ROOT}/state", response_model=shapes.StateShape)(api.state)
     app.get(f"{ROOT}/typed", response_model=shapes.TypedShape)(api.typed)
@@ -163,8 +162,7 @@ class _BeginningApi:
 
     async def start(self) -> Response:
         """All that the start shows."""
-        opened = self._counter.state.record if self._counter.open else ""
-        return document(draft.start(self._here, opened))
+        return document(draft.start(self._here))
 
     async def stage(self) -> Response:
         """What is being computed."""
@@ -183,16 +181,9 @@ class _BeginningApi:
         """The plan of the draft in words; it takes seconds."""
         return document(await self._counter.work(lambda: draft.plan(self._here)))
 
-    async def begin(self, asked: shapes.BeginRequest) -> Response:
-        """Begin the campaign of the draft, and open it."""
-        return await self._opened(lambda: draft.begin(self._here))
-
     async def open(self, asked: shapes.OpenRequest) -> Response:
-        """Open a campaign of the start."""
-        return await self._opened(lambda: draft.record_of(self._here, asked.record))
-
-    async def _opened(self, found: Callable[[], Path]) -> Response:
-        sentence = await self._counter.begin(found)
+        """Open a campaign of the start, or begin that of the draft and open it."""
+        sentence = await self._counter.begin(lambda: draft.record_of(self._here, asked.record))
         return document(shapes.DoneShape(sentence=sentence, state=await self._counter.newer(0, 0.0)))
 
 

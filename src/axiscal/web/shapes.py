@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, PlannedAnswer, PlannedSetup, ResultAnswer
+from axiscal.answers.answer import AnswerDocument, PlannedAnswer, ResultAnswer
+from axiscal.answers.answer_words import AnswerText
 from axiscal.campaign.possible import LONGEST_TEXT
 from axiscal.present.guide.progress import Due, Progress
 from axiscal.present.guide.question import Question
+from axiscal.present.sentences import spelt
 from axiscal.record.events import Note
 
 LONGEST = 25.0
@@ -42,6 +44,17 @@ class AnswerShape(AnswerDocument):
     sentences: list[str]
     commands: list[str]
     document: ResultAnswer | PlannedAnswer
+
+    @classmethod
+    def of(cls, text: AnswerText, document: ResultAnswer | PlannedAnswer) -> Self:
+        """Return a document with its words."""
+        return cls(
+            first=[spelt(part) for part in text.first.parts],
+            rows=[[spelt(cell) for cell in row] for row in text.rows],
+            sentences=[spelt(sentence) for sentence in text.sentences],
+            commands=text.commands,
+            document=document,
+        )
 
 
 class StateShape(AnswerDocument):
@@ -125,12 +138,11 @@ class BegunShape(AnswerDocument):
 class StartShape(AnswerDocument):
     """All that the start shows.
 
-    open : the record that this page has open already, "" for none; left_out : records that cannot be read, and why
+    left_out : records that cannot be read, and why
     machines, instruments : names and words of those there are
     """
 
     document: Literal["axiscal-start/1"] = "axiscal-start/1"
-    open: str
     folder: str
     begun: Sequence[BegunShape]
     left_out: Sequence[str]
@@ -141,12 +153,9 @@ class StartShape(AnswerDocument):
 
 
 class PlanShape(AnswerDocument):
-    """The plan of a draft in words, as the command plan has them; minds : what nobody has said yet."""
+    """The plan of a draft; minds : what nobody has said yet."""
 
-    setups: Sequence[PlannedSetup]
-    first: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    sentences: Sequence[str]
+    answer: AnswerShape
     minds: Sequence[str]
 
 
@@ -156,12 +165,8 @@ class StageShape(AnswerDocument):
     stage: str
 
 
-class BeginRequest(AnswerDocument):
-    """The campaign of the draft is to begin; nothing more has to be said."""
-
-
 class OpenRequest(AnswerDocument):
-    """A record of the start to go on with."""
+    """A record of the start to go on with; "" for the campaign of the draft, which begins."""
 
     record: Short
 

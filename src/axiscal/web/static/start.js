@@ -153,8 +153,11 @@ function drawMachine() {
   if (picture.getAttribute("src") !== address) picture.src = address;
 }
 
+// A campaign that is here, or that of the draft, which begins.
 async function openRecord(record) {
-  if (await asked("/open", { record }) !== null) location.assign("/");
+  find("begin").disabled = true;
+  if (await waiting(asked("/open", { record })) !== null) location.assign("/");
+  else find("begin").disabled = false;
 }
 
 // What is being computed is said from the second second on.
@@ -181,9 +184,9 @@ async function makePlan() {
   const plan = await waiting(asked("/plan"));
   if (plan === null || of !== version || draft.screen !== "plan") return;
   show("first", true);
-  renderWords(plan.first, plan.rows);
-  find("strip").replaceChildren(...plan.setups.map(mounted));
-  find("known").replaceChildren(...plan.sentences.map((words) => element("p", words)));
+  renderWords(plan.answer.first, plan.answer.rows);
+  find("strip").replaceChildren(...plan.answer.document.setups.map(mounted));
+  find("known").replaceChildren(...plan.answer.sentences.map((words) => element("p", words)));
   find("minds").replaceChildren(...plan.minds.map((words) => element("li", words)));
   find("begin").disabled = false;
   find("begin").focus();
@@ -196,12 +199,6 @@ function mounted({ setup, readings, minutes }) {
   part.style.flexGrow = readings;
   part.append(element("small", said("{minutes} min", { minutes: Math.ceil(minutes) })));
   return part;
-}
-
-async function begin() {
-  find("begin").disabled = true;
-  if (await waiting(asked("/begin", {})) !== null) location.assign("/");
-  else find("begin").disabled = false;
 }
 
 // A file of the control, or of a campaign that is here already.
@@ -229,7 +226,7 @@ addEventListener("drop", (event) => {
 });
 on("machine-next", "click", () => go("with"));
 on("with-next", "click", () => go("plan"));
-on("begin", "click", begin);
+on("begin", "click", () => openRecord(""));
 for (const step of find("path").querySelectorAll("button")) step.addEventListener("click", () => go(step.dataset.screen));
 for (const back of document.querySelectorAll(".back")) back.addEventListener("click", () => go(SCREENS[SCREENS.indexOf(draft.screen) - 1]));
 find("target").addEventListener("input", () => choose({ target: find("target").value }));
