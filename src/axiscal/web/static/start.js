@@ -146,6 +146,7 @@ function touch(name) {
 // The machine with its travels, and on it the instrument that was touched last.
 function drawMachine() {
   const kind = machine.title ? "" : Object.keys(start.machines)[0], place = find("machine-drawing"), width = Math.round(Math.min(place.clientWidth, 900));
+  if (width < 200) return;
   const picture = place.querySelector("img") ?? place.appendChild(document.createElement("img"));
   const instrument = ["start", "machine"].includes(draft.screen) ? "" : touched || (draft.instruments.at(-1) ?? "");
   picture.alt = machine.title || start.machines[kind];
