@@ -197,6 +197,25 @@ def test_another_file_is_said_to_be_what_it_looks_like(browser: Browser, start: 
 
 @pytest.mark.chromium
 @pytest.mark.long
+def test_a_virtual_machine_gives_the_readings_that_are_typed(browser: Browser, start: Served) -> None:
+    person = arrived(browser, start)
+    person.press("Try it on a virtual machine")
+    for words in ("one axis", "Next", "laser", "Plan", "Begin to measure", "It stands"):
+        person.press(words)
+    person.page.press("Enter")  # no temperature
+    for number in (1, 2):
+        person.sees("the instrument on the virtual machine shows")
+        looked_at(person.page)
+        shown = start.state()["shows"]
+        type_reading(person.page, shown)
+        assert start.state()["readings"][0]["values"] == [float(shown)], number
+    (record,) = start.record.glob("virtual-one-axis/*.axiscal")
+    with served(record) as again:  # the record alone says which machine it is
+        assert again.state()["shows"] == start.state()["shows"]
+
+
+@pytest.mark.chromium
+@pytest.mark.long
 def test_who_comes_back_goes_on_with_one_touch(browser: Browser, tmp_path: Path) -> None:
     record = started(tmp_path)
     record.with_name("torn.axiscal").write_text("axiscal record 9\n")

@@ -6,6 +6,7 @@ on since, so that no reading answers another question.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -17,10 +18,12 @@ from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, result
 from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
+from axiscal.campaign.sources import Skip, Source, open_source
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.language.spoken import decimals, said, spoken_now
 from axiscal.measurement.reading import reading_unit, shown_coordinate
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import (
     Progress,
@@ -78,6 +81,22 @@ def _latest(campaign: Campaign) -> Iterator[ReadingShape]:
         )
 
 
+_VIRTUAL = re.compile(r"virtual machine (sim:\d+)")
+"""The note with which a campaign on a virtual machine begins."""
+
+
+def virtual_note(seed: int) -> str:
+    """Return what the record of a campaign says whose readings a virtual machine gives."""
+    return f"virtual machine sim:{seed}"
+
+
+def _source(campaign: Campaign) -> Source | None:
+    """Return the virtual machine of a campaign, None on a real one."""
+    found = next((_VIRTUAL.fullmatch(note.text) for note in campaign.state.notes[:1]), None)
+    described = campaign.description
+    return None if found is None else open_source(found[1], Simulator(described.machine, described.setups))
+
+
 Publisher = Callable[[StateShape], None]
 """Takes a new state."""
 
@@ -103,7 +122,7 @@ class Desk:
     """
 
     def __init__(self, campaign: Campaign, publish: Publisher) -> None:
-        self.campaign, self.publish = campaign, publish
+        self.campaign, self.publish, self._source = campaign, publish, _source(campaign)
         self._question: Question | None = None
         self._ended: str | None = None
         self._trouble = ""
@@ -299,6 +318,7 @@ class Desk:
             question=self._question,
             ended=None if self._ended is None else spelt(because_text(self._ended)),
             finished=None if state.finished is None else spelt(because_text(state.finished)),
+            shows=self._shows(),
             trouble=self._trouble,
             readings=list(_latest(campaign)),
             notes=state.notes,
@@ -322,6 +342,17 @@ class Desk:
         if isinstance(asked, Ended):
             return None, asked.because, ""
         return Question.from_campaign(self.campaign, asked), None, ""
+
+    def _shows(self) -> str:
+        """Return what the instrument on a virtual machine shows at the question, "" where there is none."""
+        asked = self.campaign.state.pending
+        if self._source is None or self._question is None or asked is None:
+            return ""
+        answer = self._source.read(self.campaign.request(asked))
+        if isinstance(answer, Skip):
+            return ""
+        shown = to_unit(np.array([answer.value, *answer.others]), self._question.unit)
+        return " ".join(decimals(f"{each:.2f}") for each in shown)
 
     def _next(self) -> Asked | Ended:
         """Return what is asked; another program may be asking at the same moment."""

@@ -6,6 +6,7 @@ The folder holds the choices, kept at every touch, and once there is a plan the 
 from __future__ import annotations
 
 import re
+import secrets
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -39,6 +40,7 @@ from axiscal.present.sentences import spelt
 from axiscal.record.copies import opened_log
 from axiscal.record.store import record_errors
 from axiscal.units import to_unit, within
+from axiscal.web.desk import virtual_note
 from axiscal.web.shapes import AnswerShape, BegunShape, DraftShape, MachineQuery, MachineShape, PlanShape, StartShape
 
 FOLDER, _CHOSEN, _OF_PLAN = "axiscal-draft", "draft.json", "planned.json"
@@ -51,6 +53,8 @@ MACHINES = {
     "one-axis": later("one axis"),
 }
 """Built-in machines that are offered, in the order in which they stand."""
+_MACHINES = 1000
+"""Virtual machines, one of which each campaign on one gets."""
 _LISTED = 20
 """Records that are shown, those of the last days first."""
 _SHORTEST, _LONGEST = 1e-3, 1e3
@@ -109,6 +113,8 @@ def _begun(here: Path) -> Path:
     """Make the draft a campaign in a folder of its own, and return its record; raises InputError."""
     with _planned(here) as campaign:
         record = campaign.path
+        if kept(here).virtual:
+            campaign.note(virtual_note(secrets.randbelow(_MACHINES)))
     number, named = 1, here / record.stem
     while named.exists():
         number += 1
@@ -160,7 +166,8 @@ def _planned(here: Path) -> Campaign:
     write_files(folder, files.texts)
     described = read_campaign(folder / "campaign.toml")
     described = replace(described, source="campaign.toml", machine_source="machine.toml")  # as they will stand
-    name = re.sub("[^a-z0-9]+", "-", described.machine.name.casefold()).strip("-") or "machine"
+    called = f"{'virtual ' * draft.virtual}{described.machine.name}"
+    name = re.sub("[^a-z0-9]+", "-", called.casefold()).strip("-") or "machine"
     campaign = begun_campaign(folder / f"{name}.axiscal", described)
     write_whole(made, chosen)
     return campaign

@@ -61,6 +61,7 @@ class StateShape(AnswerDocument):
     """All that the page shows. `last` names the state of the record, `version` this document.
 
     minds : what to mind about the last reading; asks : whether a zero was set anew before some reading, "" for nothing
+    shows : what the instrument on a virtual machine shows at the question, "" on a real one
     answer : null until it is known for the first time; tables : the controls that there are tables for, once it ended
     """
 
@@ -73,6 +74,7 @@ class StateShape(AnswerDocument):
     question: Question | None
     ended: str | None
     finished: str | None
+    shows: str
     trouble: str
     readings: list[ReadingShape]
     notes: Sequence[Note]
@@ -96,6 +98,7 @@ class DraftShape(AnswerDocument):
 
     screen : which is open; machine : built-in, or file : a file of a control with its text
     travels : of linear axes, such as "600 mm"; compensated : whether a compensation is active, "" where nobody knows
+    virtual : whether a virtual machine is to give the readings
     """
 
     screen: Literal["start", "machine", "with", "plan"] = "start"
@@ -106,6 +109,7 @@ class DraftShape(AnswerDocument):
     instruments: Sequence[Short] = ()
     target: Short = ""
     compensated: Literal["", "no", "yes"] = ""
+    virtual: bool = False
 
 
 class MachineShape(AnswerDocument):

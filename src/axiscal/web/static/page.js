@@ -93,6 +93,7 @@ function renderQuestion() {
   text("unit", unitText(question.unit));
   find("field").className = question.expected.length > 1 ? "several" : "";
   text("expect", expectWords(question));
+  text("shows", state.shows && said("the instrument on the virtual machine shows {value}", { value: state.shows }));
   if (key !== asked) newQuestion(key);
   if (mounting && document.activeElement !== find("stands") && !find("stopping").contains(document.activeElement)) find("stands").focus();
 }

@@ -217,7 +217,13 @@ function chooseMachine(name) {
   choose({ machine: name, file: "", text: "", travels: {}, instruments: name === draft.machine ? draft.instruments : [] });
 }
 
-on("new", "click", () => { draft = { ...draft, file: "", text: "" }; go("machine"); });
+function anew(virtual) {
+  draft = { ...draft, file: "", text: "", virtual };
+  go("machine");
+}
+
+on("new", "click", () => anew(false));
+on("try", "click", () => anew(true));
 on("pick", "click", () => find("file").click());
 find("file").addEventListener("change", () => take(find("file").files[0]));
 addEventListener("dragover", (event) => event.preventDefault());
