@@ -261,7 +261,9 @@ def test_a_campaign_that_is_open_is_not_begun_again(start: Served) -> None:
     assert [path.name for path in start.record.iterdir()] == ["one-axis"]
 
 
-def test_alone_at_a_screen_the_command_opens_the_start(monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
+def test_alone_at_a_screen_the_command_opens_the_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
     """In a pipe it stays the help: `tests/cli/test_cli.py`."""
     seen = list[object]()
 
@@ -270,9 +272,13 @@ def test_alone_at_a_screen_the_command_opens_the_start(monkeypatch: pytest.Monke
         ready("http://127.0.0.1:1/?token=x")
         return ""
 
+    (tmp_path / "mill.axiscal").touch()  # the only record here, which `serve` alone would open
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("axiscal.cli.app._at_a_screen", lambda: True)
     monkeypatch.setattr("axiscal.web.serving.serve_page", serve_page)
     monkeypatch.setattr("webbrowser.open", seen.append)
     assert "Open http://127.0.0.1:1/?token=x" in command().out
     assert seen == [None, "http://127.0.0.1:1/?token=x"]
+    command("serve")
+    assert seen[2:] == [Path("mill.axiscal")]
     assert "Usage: axiscal" in command("-h").out

@@ -55,6 +55,8 @@ MACHINES = {
 """Built-in machines that are offered, in the order in which they stand."""
 _MACHINES = 1000
 """Virtual machines, one of which each campaign on one gets."""
+_ACTIVE = {"no": "compensation_active = false", "yes": "compensation_active = true"}
+"""The line of campaign.toml by the answer of a person."""
 _LISTED = 20
 """Records that are shown, those of the last days first."""
 _SHORTEST, _LONGEST = 1e-3, 1e3
@@ -194,9 +196,8 @@ def _beginning(draft: DraftShape, faults: dict[str, str]) -> Beginning:
                 lengths[axis] = to_unit(within(_length(typed, "mm"), "length", _SHORTEST, _LONGEST), "mm")
             except InputError as failure:
                 faults[f"travels.{axis}"] = str(failure)
-    active = {"no": "compensation_active = false", "yes": "compensation_active = true"}
     if draft.compensated and begun.active == UNSAID:
-        begun = replace(begun, active=active[draft.compensated])
+        begun = replace(begun, active=_ACTIVE[draft.compensated])
     return with_travels(begun, lengths)
 
 
@@ -230,7 +231,7 @@ def _shown(draft: DraftShape) -> MachineShape:
         lengths=linear_travels(begun),
         look=begun.look,
         offered=[name for name, offer in OFFERED.items() if next(offer.setups(machine), None) is not None],
-        asks=begun.active == UNSAID or bool(draft.compensated),
+        asks=begun.active in (UNSAID, *_ACTIVE.values()),
     )
 
 

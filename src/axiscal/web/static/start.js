@@ -54,17 +54,18 @@ async function go(screen) {
 }
 
 function render() {
-  const now = SCREENS.indexOf(draft.screen), ready = machine.title !== "" && Object.keys(machine.faults).length === 0;
+  const faults = Object.keys(machine.faults), known = machine.title !== "";
+  const travels = known && faults.every((field) => field === "target");
+  const ready = { start: true, machine: known, with: travels, plan: known && faults.length === 0 && draft.instruments.length > 0 };
   for (const screen of SCREENS) show(screen, screen === draft.screen);
   for (const step of find("path").querySelectorAll("button")) {
-    const at = SCREENS.indexOf(step.dataset.screen);
-    step.disabled = at > now;
-    step.toggleAttribute("aria-current", at === now);
+    step.disabled = !ready[step.dataset.screen];
+    step.toggleAttribute("aria-current", step.dataset.screen === draft.screen);
   }
   renderMachine();
   renderInstruments();
-  find("machine-next").disabled = machine.title === "" || Object.keys(machine.faults).some((field) => field !== "target");
-  find("with-next").disabled = !ready || draft.instruments.length === 0;
+  find("machine-next").disabled = !ready.with;
+  find("with-next").disabled = !ready.plan;
   drawMachine();
 }
 
