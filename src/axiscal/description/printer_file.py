@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from axiscal.description.ini_file import IniFile, IniValue
-from axiscal.measurement.readers.csv_table import read_text
+from axiscal.measurement.readers.text_file import read_text
 
 _SECTION = re.compile(r"\[\s*([^\]]+?)\s*\].*")
 _KEY = re.compile(r"(\w+)\s*[:=]\s*(.*)")

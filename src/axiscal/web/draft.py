@@ -151,12 +151,12 @@ def picture(here: Path, query: MachineQuery) -> str:
 
 def _planned(here: Path) -> Campaign:
     """Return the campaign of the draft with its plan, in the draft's folder; made where it is not of these choices."""
-    draft, folder, faults = kept(here), here / FOLDER, dict[str, str]()
+    draft, folder, faults = kept(here), here / FOLDER, dict[str, InputError]()
     begun = _beginning(draft, faults)
     target = _length(draft.target, "um", _FINEST) if draft.target.strip() else ""
     files = first_files(begun, draft.instruments, target)
-    if faults:
-        raise DescriptionError(next(iter(faults.values())), "Correct it on the page")
+    for fault in faults.values():
+        raise fault
     chosen = draft.model_copy(update={"screen": "start"}).model_dump_json().encode()
     record, made = next(folder.glob("*.axiscal"), None), folder / _OF_PLAN
     if record is not None and made.exists() and made.read_bytes() == chosen:
@@ -175,7 +175,7 @@ def _planned(here: Path) -> Campaign:
     return campaign
 
 
-def _beginning(draft: DraftShape, faults: dict[str, str]) -> Beginning:
+def _beginning(draft: DraftShape, faults: dict[str, InputError]) -> Beginning:
     """Return the machine of a draft with the travels that can be; raises InputError.  faults : takes the others"""
     if draft.file:
         with TemporaryDirectory() as folder:
@@ -195,7 +195,7 @@ def _beginning(draft: DraftShape, faults: dict[str, str]) -> Beginning:
             try:
                 lengths[axis] = to_unit(within(_length(typed, "mm"), "length", _SHORTEST, _LONGEST), "mm")
             except InputError as failure:
-                faults[f"travels.{axis}"] = str(failure)
+                faults[f"travels.{axis}"] = failure
     if draft.compensated and begun.active == UNSAID:
         begun = replace(begun, active=_ACTIVE[draft.compensated])
     return with_travels(begun, lengths)
@@ -212,22 +212,23 @@ def _length(text: str, unit: str, least: float = _SHORTEST) -> str:
 
 def _shown(draft: DraftShape) -> MachineShape:
     """Return what a draft makes of a machine, and what is wrong with it, by the field."""
-    faults = dict[str, str]()
+    faults = dict[str, InputError]()
     if draft.target.strip():
         try:
             _length(draft.target, "um", _FINEST)
         except InputError as failure:
-            faults["target"] = str(failure)
+            faults["target"] = failure
     try:
         begun = _beginning(draft, faults)
-    except AxiscalError as failure:
+    except InputError as failure:
         if draft.file or draft.machine:
-            faults["file"] = str(failure)
-        return MachineShape(title="", faults=faults, lengths={}, look=(), offered=(), asks=False)
+            faults["file"] = failure
+        said_faults = {field: str(fault) for field, fault in faults.items()}
+        return MachineShape(title="", faults=said_faults, lengths={}, look=(), offered=(), asks=False)
     machine = machine_from_text(begun.text)
     return MachineShape(
         title=machine.name,
-        faults=faults,
+        faults={field: str(fault) for field, fault in faults.items()},
         lengths=linear_travels(begun),
         look=begun.look,
         offered=[name for name, offer in OFFERED.items() if next(offer.setups(machine), None) is not None],
