@@ -223,8 +223,8 @@ def _shown(draft: DraftShape) -> MachineShape:
     except InputError as failure:
         if draft.file or draft.machine:
             faults["file"] = failure
-        said_faults = {field: str(fault) for field, fault in faults.items()}
-        return MachineShape(title="", faults=said_faults, lengths={}, look=(), offered=(), asks=False)
+        in_words = {field: str(fault) for field, fault in faults.items()}
+        return MachineShape(title="", faults=in_words, lengths={}, look=(), offered=(), asks=False)
     machine = machine_from_text(begun.text)
     return MachineShape(
         title=machine.name,
