@@ -18,7 +18,8 @@ from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, result
 from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
-from axiscal.campaign.sources import Skip, Source, open_source
+from axiscal.campaign.sources import virtual_machine
+from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.language.spoken import decimals, said, spoken_now
@@ -90,11 +91,11 @@ def virtual_note(seed: int) -> str:
     return f"virtual machine sim:{seed}"
 
 
-def _source(campaign: Campaign) -> Source | None:
+def _source(campaign: Campaign) -> SimulatedSource | None:
     """Return the virtual machine of a campaign, None on a real one."""
     found = next((_VIRTUAL.fullmatch(note.text) for note in campaign.state.notes[:1]), None)
-    described = campaign.description
-    return None if found is None else open_source(found[1], Simulator(described.machine, described.setups))
+    simulator = Simulator(campaign.description.machine, campaign.description.setups)
+    return None if found is None else SimulatedSource(*virtual_machine(found[1], simulator))
 
 
 Publisher = Callable[[StateShape], None]
@@ -349,8 +350,6 @@ class Desk:
         if self._source is None or self._question is None or asked is None:
             return ""
         answer = self._source.read(self.campaign.request(asked))
-        if isinstance(answer, Skip):
-            return ""
         shown = to_unit(np.array([answer.value, *answer.others]), self._question.unit)
         return " ".join(decimals(f"{each:.2f}") for each in shown)
 

@@ -244,21 +244,19 @@ def _records(here: Path) -> tuple[list[BegunShape], list[str]]:
     begun, left_out = list[BegunShape](), list[str]()
     for file in sorted(own, key=lambda file: -own[file])[:_LISTED]:
         try:
-            begun.append(_record(file, str(file.relative_to(here))))
+            with opened_log(file, write=False) as log:
+                state, last = log.state(), log.events()[-1]
         except AxiscalError as failure:
             left_out.append(str(failure))
+            continue
+        assert state.created is not None
+        shape = BegunShape(
+            record=str(file.relative_to(here)),
+            machine=machine_from_text(state.created.machine_text).name,
+            taken=len(state.readings),
+            coming=len(state.coming),
+            at=last.at,
+            finished=state.finished is not None,
+        )
+        begun.append(shape)
     return begun, left_out
-
-
-def _record(file: Path, name: str) -> BegunShape:
-    with opened_log(file, write=False) as log:
-        state, last = log.state(), log.events()[-1]
-    assert state.created is not None
-    return BegunShape(
-        record=name,
-        machine=machine_from_text(state.created.machine_text).name,
-        taken=len(state.readings),
-        coming=len(state.coming),
-        at=last.at,
-        finished=state.finished is not None,
-    )
