@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from axiscal.campaign.beginning import begun_campaign
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json, above_zero
 from axiscal.cli.printing import say, say_document, say_either
@@ -194,14 +195,13 @@ def start(
 
     description = campaign_with_sisters(campaign)
     path = record or Path(f"{campaign.stem}.axiscal")
-    with Campaign.create(path, description) as opened:
-        try:
-            tell_out_of_reach(opened)
-            tell_unasked(description)
-            planned = opened.prepared()
-        except BaseException:  # nothing stays of a campaign that cannot be planned
-            path.unlink(missing_ok=True)  # on a server it stays: nothing is deleted there
-            raise
+
+    def tell(begun: Campaign) -> None:
+        tell_out_of_reach(begun)
+        tell_unasked(description)
+
+    with begun_campaign(path, description, tell) as opened:
+        planned = opened.state.plan
     setups = counted("{count} set-up", "{count} set-ups", len(description.setups))
     readings = counted("{count} reading", "{count} readings", len(planned))
     ready = "{record} is ready: {machine}, {setups}, {readings} planned."

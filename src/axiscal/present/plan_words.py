@@ -20,11 +20,15 @@ from axiscal.answers.answer_words import (
     wrapped,
 )
 from axiscal.answers.row_words import row_names
+from axiscal.description.artefacts import unused_artefacts
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.type_b import MEASURED_TEMPERATURE
 from axiscal.language.spoken import counted, ending, listed, put, said
+from axiscal.machine.questions import questions
 from axiscal.planning.helping import helping_words
 from axiscal.present.plan_answer import PlanAnswer
 from axiscal.present.sentences import cause_words
+from axiscal.tables.exporter import unasked
 from axiscal.units import said_quantity, um_text
 
 LINES = 16
@@ -58,6 +62,12 @@ def reach_text(reach: ReachAnswer, rows: Sequence[PlannedRow] = ()) -> str:
     missed = listed(", ", [aim_text(aim.model_copy(update={"now": aim.floor}), rows) for aim in reach.missed])
     text = said("Out of reach: endless readings leave {missed}.", missed=missed)
     return text if reach.helps is None else put("{text} {helps}", text=text, helps=helping_words(reach.helps))
+
+
+def open_questions(description: CampaignDescription) -> list[str]:
+    """Return what descriptions leave open: sizes that can hardly be meant, a compensation that may be active."""
+    open_yet = unasked(description), unused_artefacts(description.text), *(each.words for each in description.unsourced)
+    return [question for question in (*questions(description.machine), *open_yet) if question]
 
 
 def _first(answer: PlannedAnswer) -> FirstLine:
