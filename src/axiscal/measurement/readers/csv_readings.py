@@ -85,6 +85,7 @@ class RawReading:
     error : where a file names no set-up but the error that was read, such as "EXX"; "z" a height, "slope" a level's
     time : s after the first reading of the file; None where it does not say
     base : how far apart the feet of a level stood, m
+    beside : how far the probe of a printer stands beside its nozzle along x and y, m
     """
 
     setup: str
@@ -98,6 +99,7 @@ class RawReading:
     error: str = ""
     time: float | None = None
     base: float | None = None
+    beside: tuple[float, float] | None = None
     number: int | None = None
     by_station: bool = False
     run: int = 0

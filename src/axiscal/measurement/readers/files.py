@@ -41,6 +41,7 @@ from axiscal.measurement.readers.csv_table import (
     axis_names,
     table_of,
 )
+from axiscal.measurement.readers.probe_offset import offset_in
 from axiscal.measurement.reading import columns_of
 from axiscal.measurement.setup import Setup
 from axiscal.units import from_unit, parse_quantity
@@ -71,7 +72,9 @@ def read_any(path: str | Path, axes: Sequence[Axis] = (), setups: Sequence[Setup
     if file.lines[0].strip().lower() == SURVEY_MARK:
         return survey_readings(file)
     if bed_map.is_height_map(file) or bed_map.is_mesh(file):
-        return bed_map.height_map(file) if bed_map.is_height_map(file) else bed_map.mesh(file)
+        heights = bed_map.height_map(file) if bed_map.is_height_map(file) else bed_map.mesh(file)
+        beside = offset_in("\n".join(file.lines))
+        return tuple(replace(each, beside=beside) for each in heights)
     brought: list[FileReader] = all_of(PORTS)
     reader = next((each for each in brought if _knows(each, file)), None)
     header = ",".join(heading(axes, columns_of(setups)))
