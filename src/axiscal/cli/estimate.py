@@ -15,7 +15,7 @@ from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.progress import tell_mind, tell_unasked
 from axiscal.cli.record import placed_log
-from axiscal.description.placed_readings import as_read
+from axiscal.description.file_readings import file_readings
 from axiscal.estimation.prediction import predict_poses
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.evaluation.standards import Positioning, evaluate, figures_of, read_iso230
@@ -25,7 +25,8 @@ from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
-from axiscal.present.findings import beside_the_tool, copies, regular_places, untimed
+from axiscal.present.beside import beside_the_tool
+from axiscal.present.findings import copies, regular_places, untimed
 from axiscal.present.result_set import RECORD, mend
 from axiscal.present.summarising import Extras, iso230_block
 from axiscal.units import to_unit
@@ -89,7 +90,7 @@ def estimate(
     placed, extras = tuple[Reading, ...](), Extras()
     if readings is not None:
         raw = read_any(readings, description.machine.axes, description.setups)
-        description, placed = as_read(raw, description, readings)
+        description, placed = file_readings(raw, description, readings)
         refuse_implausible(placed, description, readings)
         if any("" in each.position for each in raw):  # a finished test after ISO 230-2
             (axis,) = description.setups[0].moves

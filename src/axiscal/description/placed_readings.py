@@ -14,7 +14,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from axiscal.description.campaign import CampaignDescription, with_offset
+from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
 from axiscal.language.spoken import joined, said
 from axiscal.machine import Axis, Machine
@@ -179,21 +179,6 @@ def placed_readings(
     return tuple(readings)
 
 
-def as_read(
-    raw: tuple[RawReading, ...], campaign: CampaignDescription, file: str | Path
-) -> tuple[CampaignDescription, tuple[Reading, ...]]:
-    """Return a campaign with what a file says of its set-up, and its readings as of `placed_readings`."""
-    first = next((row for row in raw if row.beside is not None), None)
-    if first is not None and first.beside is not None:
-        try:
-            setup, _ = _setup_of(first, campaign)
-        except InputError as failure:
-            raise ReadingError(failure.what, failure.remedy, file, first.line) from None
-        if setup.offset is None:
-            campaign = with_offset(campaign, setup.name, first.beside)
-    return campaign, placed_readings(raw, campaign, file)
-
-
 def placed_pose(setup: Setup, machine: Machine, position: Mapping[str, float]) -> tuple[float, ...]:
     """Return the pose that a set-up and coordinates by axis (m or rad) mean; axes left out must be parked.
 
@@ -240,11 +225,10 @@ def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int])
 
 
 def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
-    setup, sign = _setup_of(row, campaign)
+    setup, sign = setup_of(row, campaign)
     named = values_of(setup) == 1 or row.by_station == bool(setup.stations)
     refuse_other_values(setup, 1 + len(row.others) if named else 0, row.dimension)
     _refuse_other_base(row, setup)
-    _refuse_other_offset(row, setup)
     position, approach = row.position, row.approach
     if "" in position:
         moving = campaign.machine.axes[setup.moves[0]].name
@@ -257,7 +241,7 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     return replace(reading, number=row.number, check=row.check)
 
 
-def _setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:
+def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:
     """Return the set-up of a reading, and −1 where it reads against the error that the file names."""
     if row.setup:
         return campaign.setup(row.setup), 1
@@ -304,15 +288,6 @@ def _same_base(row: RawReading, setup: Setup) -> bool:
     if row.base is None or setup.base is None:
         return row.base is setup.base
     return abs(row.base - setup.base) <= _STILL[False]
-
-
-def _refuse_other_offset(row: RawReading, setup: Setup) -> None:
-    own = (setup.offset or (0.0, 0.0))[:2]
-    if row.beside is None or setup.offset is None or math.dist(row.beside, own) <= _OFF:
-        return
-    said, stated = (" ".join(format_quantity(each, "mm", 6) for each in pair) for pair in (row.beside, own))
-    what = 'the printer says that its probe stands {said} beside the nozzle along x and y, and "{setup}" says {stated}'
-    raise ReadingError(what, "Correct offset in campaign.toml", said=said, setup=setup.name, stated=stated)
 
 
 def _refuse_other_base(row: RawReading, setup: Setup) -> None:
