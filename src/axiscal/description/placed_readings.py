@@ -19,7 +19,7 @@ from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingErro
 from axiscal.language.spoken import joined, said
 from axiscal.machine import Axis, Machine
 from axiscal.machine.entry import parse_error_name
-from axiscal.machine.kinematics import frames
+from axiscal.machine.kinematics import frames, linear_axes
 from axiscal.measurement.charts.kinds import Held
 from axiscal.measurement.charts.room import Chart
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
@@ -28,7 +28,7 @@ from axiscal.measurement.readers.csv_table import parse_table, read_approach, re
 from axiscal.measurement.readers.touch_log import LISTS, LoggedTouch, TouchLog, plan_code, read_touch_log
 from axiscal.measurement.reading import Reading, refuse_other_values
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.touched import TOUCHES, met_from, read_as
+from axiscal.measurement.touched import TOUCHES, met_from, read_as, stated
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 
@@ -236,9 +236,30 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
         position, approach = {moving: position[""]}, {moving: approach[""]}
     pose = placed_pose(setup, campaign.machine, position)
     directions = placed_approach(setup, campaign.machine, approach)
-    value, others = sign * row.value, row.others
-    reading = Reading(setup.name, pose, directions, value, row.std, row.line, others=others, time=row.time)
+    value, *others = sign * row.value, *row.others
+    if row.met:
+        value, *others = _against_ball(row, setup, campaign.machine, pose)
+    reading = Reading(setup.name, pose, directions, value, row.std, row.line, others=tuple(others), time=row.time)
     return replace(reading, number=row.number, check=row.check)
+
+
+def _against_ball(row: RawReading, setup: Setup, machine: Machine, pose: Sequence[float]) -> tuple[float, ...]:
+    """Return how far the tool point is off its ball, (3,) m: the ball less where the chain has the axes as found."""
+    if setup.artefact is None:
+        what = 'found_x, found_y and found_z are where a ball was found, and "{setup}" reads none'
+        raise ReadingError(
+            what, "Name an artefact in the set-up, or give value_x, value_y and value_z", setup=setup.name
+        )
+    axes = linear_axes(machine)
+    if "".join(sorted(machine.axes[k].name for k in axes)) != "XYZ":
+        what = "found_x, found_y and found_z are places of X, Y and Z, and the linear axes are {names}"
+        names = ", ".join(machine.axes[k].name for k in axes)
+        raise ReadingError(what, "Give value_x, value_y and value_z", names=names)
+    at = np.array(pose)
+    for name, place in zip("XYZ", (row.value, *row.others), strict=True):
+        at[machine.index(name)] = place
+    off = stated(setup, machine, np.array(pose)) - frames(machine, at[None]).tcp[0]
+    return tuple(off.tolist())
 
 
 def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:

@@ -1,7 +1,7 @@
 """READINGS.csv: `[reading,]setup,X_mm,…,B_deg,approach,value_um[,std_um][,time]`, or the columns of an ISO 230-2 test.
 
-`value_x_um,value_y_um,value_z_um` for an instrument that reads three directions, `value_1_um` and so on for tracers
-that read at once.
+`value_x_um,value_y_um,value_z_um` for an instrument that reads three directions, along those of the workpiece, or
+`found_x_mm,found_y_mm,found_z_mm`, where the machine's axes stood; `value_1_um` and so on for tracers that read at once.
 Positions may be left out (a parked axis); `value_urad` or `value_arcsec` for angles.  No machine is known here: who
 does know it checks the names of set-ups and axes, and whether a position lies within the travel.
 
@@ -44,6 +44,7 @@ _DAY = re.compile(r"\d{4}-?(\d{2}-?\d{2}|W\d{2}(-?\d)?)", re.ASCII)
 _REMEDY = "write it as 2026-11-20T14:05:30, 14:05:30 or 95 min, and the lines in the order of time"
 
 _THREE = ("value_x", "value_y", "value_z")
+_MET = ("found_x", "found_y", "found_z")
 _STATIONS = tuple(f"value_{number}" for number in range(1, MOST + 1))
 """Columns of tracers that read at once."""
 _HIGHEST = 10**6
@@ -57,6 +58,7 @@ _LAYOUT = {
     "time": TEXT,
     "check": TEXT,
     **dict.fromkeys(("value", "std", *_THREE, *_STATIONS), LENGTHS + ANGLES),
+    **dict.fromkeys(_MET, LENGTHS),
     "rms": LENGTHS,
     **dict.fromkeys((name for name in FOUND if name != "rms_um"), TEXT),
 }
@@ -79,6 +81,7 @@ class RawReading:
     others : the values along y and z of an instrument that reads three directions, whose first is `value`, or those of
         the second station and on
     by_station : the values are one from each station
+    met : the values are the machine's X, Y, Z with the tool point where it found a ball, m
     run : of an ISO 230-2 test
     check : its place was drawn at random
     number : under which a program has it, None if not said
@@ -102,6 +105,7 @@ class RawReading:
     beside: tuple[float, float] | None = None
     number: int | None = None
     by_station: bool = False
+    met: bool = False
     run: int = 0
     check: bool = False
 
@@ -120,7 +124,7 @@ def readings_of(table: CsvTable, bare: bool = False) -> tuple[RawReading, ...]:
         return iso_readings(table)
     table.allow(_LAYOUT | axis_layout(table))
     setup = next(iter(table.all_of("setup")), None) if bare else table.one_of("setup", "setup")
-    if not any(table.all_of(first) for first in ("value", _THREE[0], _STATIONS[0])):
+    if not any(table.all_of(first) for first in ("value", _THREE[0], _MET[0], _STATIONS[0])):
         table.one_of("value", "value_um")
     used = next(iter(table.all_of("used")), None)
     table = replace(table, rows=tuple(row for row in table.rows if used is None or row.text(used) != "no"))
@@ -205,8 +209,11 @@ def read_run(row: Row, column: Column) -> int:
 
 def _reading(table: CsvTable, row: Row, setup: str, bare: bool) -> RawReading:
     three = [row.only_filled(table.all_of(stem)) for stem in _THREE]
+    met = [row.only_filled(table.all_of(stem)) for stem in _MET]
     stations = [row.only_filled(table.all_of(stem)) for stem in _STATIONS]
-    column = row.only_filled([*table.all_of("value"), *table.all_of("value_x"), *table.all_of("value_1")])
+    column = row.only_filled(
+        [*table.all_of("value"), *(c for first in (_THREE, _MET, _STATIONS) for c in table.all_of(first[0]))]
+    )
     if column is None:
         raise row.fail("the line has no value", "write the deviation that was read, or take out the line")
     if not (setup or bare):
@@ -217,11 +224,14 @@ def _reading(table: CsvTable, row: Row, setup: str, bare: bool) -> RawReading:
     if column is three[0]:
         what = "the line has a value along x, but not along y and z too"
         others = _beside(row, three, len(three), what, "fill value_x, value_y and value_z")
+    elif column is met[0]:
+        what = "the line has a place along x, but not along y and z too"
+        others = _beside(row, met, len(met), what, "fill found_x, found_y and found_z")
     elif by_station:
         what = "a station between others has no value"
         others = _beside(row, stations, 1, what, "fill value_1, value_2 and so on, one for each station")
     raw = RawReading(unshielded(setup), position, approach, value, std, column.dimension, row.line, others)
-    return replace(raw, by_station=by_station)
+    return replace(raw, by_station=by_station, met=column is met[0])
 
 
 def _beside(row: Row, columns: Sequence[Column | None], least: int, what: str, remedy: str) -> tuple[float, ...]:

@@ -22,6 +22,7 @@ from axiscal.estimation.knowledge import block
 from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, said
+from axiscal.machine import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.reading import Place, direction_text, place_text, reading_unit, shown_coordinate, value_names
@@ -198,7 +199,7 @@ class Question(AnswerDocument):
             touch=touch,
             again=again,
             check=said("drawn at random: what the others promise is judged by it") if asked.place.check else "",
-            sign=sense(setup).sign,
+            sign=sign_on(campaign.description.machine, setup),
             ways=list(sense(setup).ways),
             turns=INSTRUMENTS[setup.instrument].model.reads == "angle",
             unit=unit,
@@ -298,6 +299,13 @@ def sense(setup: Setup) -> Sense:
         turned = "+ where the tool is turned too far about {way} by the right hand, seen from the workpiece"
         return Sense(said("about {way}", way=direction), said(turned, way=way), (setup.direction,))
     return Sense(said("along {way}", way=direction), said(towards, way=way), (setup.direction,))
+
+
+def sign_on(machine: Machine, setup: Setup) -> str:
+    """Return when a reading is positive, and that x, y and z turn with a table where one turns in the set-up."""
+    sign, axes = sense(setup).sign, [machine.axes[k] for k in setup.moves]
+    turns = any(axis.rotary and axis.workpiece_side for axis in axes) and "x" in value_names(setup)
+    return said("{sign}; x, y and z turn with the table", sign=sign) if turns else sign
 
 
 BAND = 2.0
