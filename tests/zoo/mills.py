@@ -94,7 +94,7 @@ def parked(at: float) -> Callable[[int], Met]:
     return met
 
 
-_LATHE = """[EMC]
+LATHE = """[EMC]
 VERSION = 1.1
 [DISPLAY]
 LATHE = 1
@@ -173,5 +173,5 @@ MILLS = (
     Animal("parked elsewhere: Y 0, only EXX described", _ALONE, parked(0.0), r"on the line", quick=True),
     Animal("line for the volume: only EXX described", _ALONE, parked(200.0), r"on the line"),
     Animal("mirror over the tool point: only EXX described", _MIRROR, mirrored, quick=True),
-    Animal("diameter for radius", Job(_LATHE, ("laser",), "20 um"), diameters, r"diameter|radius"),
+    Animal("diameter for radius", Job(LATHE, ("laser",), "20 um"), diameters, r"diameter|radius"),
 )
