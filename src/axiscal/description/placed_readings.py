@@ -26,7 +26,7 @@ from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.readers.csv_table import parse_table, read_approach, read_position, read_text, unshielded
 from axiscal.measurement.readers.touch_log import LISTS, LoggedTouch, TouchLog, plan_code, read_touch_log
-from axiscal.measurement.reading import Reading, refuse_other_values
+from axiscal.measurement.reading import Reading, in_radii, refuse_other_values
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import TOUCHES, met_from, read_as, stated
 from axiscal.numerics import Array
@@ -140,7 +140,8 @@ def _reading(
     machine, line = campaign.machine, touched[0].line
     try:
         setup = campaign.setup(planned.setup)
-        pose = np.array(placed_pose(setup, machine, planned.position))
+        at = in_radii(planned.position, machine.axes)
+        pose = np.array(placed_pose(setup, machine, at))
         hits = []
         for touch in touched:
             hit = pose.copy()
@@ -229,11 +230,12 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     named = values_of(setup) == 1 or row.by_station == bool(setup.stations)
     refuse_other_values(setup, 1 + len(row.others) if named else 0, row.dimension)
     _refuse_other_base(row, setup)
-    position, approach = row.position, row.approach
+    position, approach = in_radii(row.position, campaign.machine.axes), row.approach
     if "" in position:
         moving = campaign.machine.axes[setup.moves[0]].name
         _refuse_other_kind(row, campaign.machine.axes[setup.moves[0]])
-        position, approach = {moving: position[""]}, {moving: approach[""]}
+        position = in_radii({moving: position[""]}, campaign.machine.axes)
+        approach = {moving: approach[""]}
     pose = placed_pose(setup, campaign.machine, position)
     directions = placed_approach(setup, campaign.machine, approach)
     value, *others = sign * row.value, *row.others

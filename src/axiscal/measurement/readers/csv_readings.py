@@ -325,7 +325,7 @@ def filled_sheet(axes: Sequence[Axis], readings: Sequence[Reading]) -> str:
 
 def heading(axes: Sequence[Axis], values: Sequence[str]) -> list[str]:
     """Return the columns of a file of readings, those of the values last."""
-    return ["setup", *(f"{axis.name}_{axis.unit}" for axis in axes), "approach", *values]
+    return ["setup", *(axis.column for axis in axes), "approach", *values]
 
 
 def _at(axes: Sequence[Axis], setup: str, pose: Sequence[float], approach: Sequence[float]) -> list[str]:

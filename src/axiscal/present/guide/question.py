@@ -119,6 +119,7 @@ _DIGITS = 4
 class AxisPlace(AnswerDocument):
     """axis : its name; value : in its unit, mm or deg; moves : whether the set-up moves it
 
+    diameter : whether its display shows diameters; value is the radius
     changed : whether it stood elsewhere at the reading before, or there was none
     side : "+" where it comes from below, "-" from above, "" where that does not matter
     """
@@ -129,6 +130,7 @@ class AxisPlace(AnswerDocument):
     moves: bool
     changed: bool
     side: Literal["+", "-", ""]
+    diameter: bool = False
 
     @property
     def shown(self) -> str:
@@ -229,7 +231,14 @@ def question_text(places: Sequence[AxisPlace], touch: str, sign: str, *others: t
 
 def coordinates_text(places: Sequence[AxisPlace], *, moves: bool) -> str:
     """Return where the axes go that move, or where the others stand: "X = 120 mm", in the order of the display."""
-    return ", ".join(f"{place.axis} = {place.shown} {place.unit}" for place in places if place.moves is moves)
+    found = []
+    for place in places:
+        text = f"{place.axis} = {place.shown} {place.unit}"
+        if place.diameter:
+            twice = place.model_copy(update={"value": 2 * place.value}).shown
+            text = said("{place} (the diameter {twice} mm)", place=text, twice=twice)
+        found += [text] if place.moves is moves else []
+    return ", ".join(found)
 
 
 def touch_text(campaign: Campaign, asked: Asked) -> str:
@@ -265,6 +274,7 @@ def axis_places(campaign: Campaign, asked: Asked) -> list[AxisPlace]:
             moves=k in setup.moves,
             changed=before is None or before[k] != asked.place.pose[k],
             side={1: "+", -1: "-"}.get(asked.place.approach[k], ""),
+            diameter=axis.diameters,
         )
         for k, axis in enumerate(campaign.description.machine.axes)
     )
