@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import StringIO
 from pathlib import Path
 
 import pytest
@@ -67,3 +68,55 @@ def test_what_looks_at_the_tool_point_has_no_offset(tmp_path: Path, instrument: 
     found = given("plan", described(job, tmp_path / "job"))
     assert found.status == 1
     assert says in " ".join(found.err.split())
+
+
+CFG = """[printer]
+kinematics: {kinematics}
+[stepper_x]
+position_max: 235
+[stepper_y]
+position_max: 220.5
+[stepper_z]
+position_max: 250
+{mesh}"""
+
+
+@pytest.mark.parametrize(("kinematics", "chain"), [("corexy", "w-Z'-b-Y-X-t"), ("cartesian", "w-Y'-b-Z-X-t")])
+def test_a_printer_begins_with_its_own_file(tmp_path: Path, kinematics: str, chain: str) -> None:
+    cfg, job = tmp_path / "printer.cfg", tmp_path / "job"
+    cfg.write_text(CFG.format(kinematics=kinematics, mesh=MESH))
+    said = given("init", job, "--from", cfg, "--instrument", "probe", "--target", "50 um").printed
+    assert "which axes carry the bed" in " ".join(said.split())
+    machine = (job / "machine.toml").read_text()
+    assert f'chain = "{chain}"' in machine
+    assert 'travel = ["0 mm", "220.5 mm"]' in machine
+    assert 'offset = ["7.5 mm", "-28 mm", "0 mm"]   # CHECK' in (job / "campaign.toml").read_text()
+    assert given("machine", "check", job / "machine.toml").status == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (CFG.format(kinematics="delta", mesh=""), "no kinematics that are known here"),
+        (
+            CFG.format(kinematics="corexy", mesh="").replace("position_max: 220.5", ""),
+            "[stepper_y] has no position_max",
+        ),
+        ("G28\n", "no kinematics that are known here"),
+    ],
+)
+def test_what_is_no_printer_known_here_is_refused(tmp_path: Path, text: str, says: str) -> None:
+    (tmp_path / "printer.cfg").write_text(text)
+    found = given("init", tmp_path / "job", "--from", tmp_path / "printer.cfg", "--instrument", "probe", "--target", "")
+    assert found.status == 1
+    assert says in " ".join(found.err.split())
+
+
+@pytest.mark.parametrize(("answer", "offset"), [("-20.5, 4", "-20.5 mm, 4 mm"), ("", "0 mm, 0 mm")])
+def test_whoever_has_a_probe_is_asked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, answer: str, offset: str
+) -> None:
+    monkeypatch.setattr("sys.stdin", StringIO(f"probe\n{answer}\n"))
+    assert given("init", tmp_path, "--machine", "printer-gantry", "--target", "50 um").status == 0
+    x, y = offset.split(", ")
+    assert f'\noffset = ["{x}", "{y}", "0 mm"]' in (tmp_path / "campaign.toml").read_text()

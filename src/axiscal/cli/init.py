@@ -7,6 +7,7 @@ import shlex
 import sys
 import textwrap
 from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, TypeVar
@@ -24,15 +25,18 @@ from axiscal.description.first_files import (
     linear_travels,
     of_builtin,
     of_ini,
+    of_printer,
     offered_words,
     with_travels,
     write_files,
 )
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
+from axiscal.document import shown
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.language.spoken import counted, ending, joined, said
 from axiscal.machine import builtin_names
+from axiscal.measurement.readers.probe_offset import pair_of
 
 _Answer = TypeVar("_Answer")
 _MACHINE, _INSTRUMENT = "three-axis-mill", "square"
@@ -44,7 +48,9 @@ def init(
     machine: Annotated[str | None, typer.Option(metavar="NAME", help="A built-in machine to begin with.")] = None,
     ini: Annotated[
         Path | None,
-        typer.Option("--from", metavar="FILE.ini", help="The INI file of a LinuxCNC, instead of --machine."),
+        typer.Option(
+            "--from", metavar="FILE", help="The INI file of a LinuxCNC, or printer.cfg, instead of --machine."
+        ),
     ] = None,
     chain: Annotated[
         str | None, typer.Option(metavar="CHAIN", help='With --from: how it is built, such as "w-Y\'-b-X-Z-t".')
@@ -66,7 +72,8 @@ def init(
 
     Every line has a word of explanation; the command asks for what is not given. From a built-in machine, or from the
     INI file of a LinuxCNC: axes, limits, units, speeds, kinematics with their pivots, joints, and whether tables or
-    backlash are active. What the INI cannot say is marked CHECK. The JSON schemas beside the files let editors complete
+    backlash are active. From the printer.cfg of a Klipper: travels, kinematics, and where the probe stands beside the
+    nozzle. What the file cannot say is marked CHECK. The JSON schemas beside the files let editors complete
     and check while you write. Nothing is written over.
 
     \b
@@ -74,15 +81,18 @@ def init(
       axiscal init mill
       axiscal init mill --machine three-axis-mill --instrument laser --instrument "ball bar" --target "20 um"
       axiscal init mill --from ~/linuxcnc/configs/mill/mill.ini --instrument ballbar --target "30 um"
+      axiscal init bed --from printer.cfg --instrument probe --target "50 um"
     """
     if ini is not None and machine is not None:
         raise typer.BadParameter(said("give either --machine or --from, not both"))
     if ini is None and (chain is not None or limits):
         raise typer.BadParameter(said("{option} belongs to --from", option="--limits" if chain is None else "--chain"))
     try:
-        begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
+        begun = _built_in(machine) if ini is None else _from_file(ini, chain, limits or (), folder)
         given = instrument and instruments_of(", ".join(instrument))
         names = given or _instruments(begun)
+        if "probe" in names and not given and begun.beside is None:
+            begun = _with_probe(begun)
         wanted = said("How well is the tool point to be known, such as 20 um? Enter for as good as it gets")
         made = partial(first_files, begun, names)
         files = _answered(wanted, (), made) if target is None else made(target)
@@ -150,6 +160,25 @@ def _lengths(axes: Collection[str], text: str) -> dict[str, float]:
         remedy, example = "Write a number for each of {axes}, such as {example}", " ".join(["400"] * count)
         raise DescriptionError(what, remedy, text=text, count=count, axes=" ".join(axes), example=example)
     return dict(zip(axes, lengths, strict=True))
+
+
+def _with_probe(begun: Beginning) -> Beginning:
+    """Return a machine with the place of its probe, which is asked for."""
+    question = said("How far does the probe stand beside the tool point along X and Y, in mm? Enter for 0 0")
+
+    def placed(text: str) -> Beginning:
+        beside = pair_of((text or "0 0").replace(",", " ").split())
+        if beside is None:
+            what, remedy = "{text} are not two lengths in mm", 'Write those along X and along Y, such as "-33 -46"'
+            raise DescriptionError(what, remedy, text=shown(text))
+        return replace(begun, beside=beside)
+
+    return _answered(question, (), placed)
+
+
+def _from_file(file: Path, chain: str | None, limits: Sequence[str], folder: Path) -> Beginning:
+    """Return the machine of a file; raises DescriptionError."""
+    return of_printer(file) if file.suffix == ".cfg" else _from_ini(file, chain, limits, folder)
 
 
 def _from_ini(file: Path, chain: str | None, limits: Sequence[str], folder: Path) -> Beginning:

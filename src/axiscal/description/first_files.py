@@ -13,15 +13,18 @@ from typing import NamedTuple
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.campaign_schema import SCHEMAS
-from axiscal.description.first_campaign import OFFERED, UNSAID, first_campaign, templates
+from axiscal.description.first_campaign import OFFERED, UNSAID, UNSAID_OFFSET, first_campaign, templates
 from axiscal.description.ini_machine import IniMachine
 from axiscal.document.durable import write_whole
+from axiscal.document.file import number_or_none
 from axiscal.document.quoting import shown, toml_value
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.language.spoken import LANGUAGES, said, speaking
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.axis import letter_direction
-from axiscal.units import from_unit, parse_quantity, to_unit
+from axiscal.measurement.readers.csv_table import read_text
+from axiscal.measurement.readers.probe_offset import Beside, offset_of, sections_in
+from axiscal.units import format_quantity, from_unit, parse_quantity, to_unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,11 +32,13 @@ class Beginning:
     """A machine to begin with.
 
     text : of machine.toml; active : the line of campaign.toml on compensation; look : what could not be read
+    beside : how far a probe stands beside the tool point along x and y, m; None where nobody said
     """
 
     text: str
     active: str = UNSAID
     look: tuple[str, ...] = ()
+    beside: Beside | None = None
 
 
 class FirstFiles(NamedTuple):
@@ -101,6 +106,33 @@ def of_ini(found: IniMachine, file: Path, folder: Path, chain: str | None = None
     return Beginning(text, _active(found, file, folder), tuple(unread(found)))
 
 
+_KINEMATICS = {"corexy": "w-Z'-b-Y-X-t", "hybrid_corexy": "w-Z'-b-Y-X-t", "cartesian": "w-Y'-b-Z-X-t"}
+"""Of Klipper, with what is usual of its printers: a bed that sinks, or one that slides."""
+
+
+def of_printer(file: Path) -> Beginning:
+    """Return a printer with the travels, the kinematics and the probe that a printer.cfg of Klipper states.
+
+    Raises DescriptionError where it is none, or of other kinematics.
+    """
+    sections = sections_in("\n".join(read_text(file).lines)) or {}
+    stated = {axis: sections.get(f"stepper_{axis.lower()}", {}).get("position_max", "") for axis in "XYZ"}
+    lengths = {axis: number_or_none(text) for axis, text in stated.items()}
+    kinematics = sections.get("printer", {}).get("kinematics", "")
+    if kinematics not in _KINEMATICS:
+        what, known = "{kinematics} are no kinematics that are known here", ", ".join(_KINEMATICS)
+        remedy = "Give the printer.cfg of one with {known}, or --machine printer-gantry"
+        raise DescriptionError(what, remedy, file, None, kinematics=shown(kinematics), known=known)
+    for axis, length in lengths.items():
+        if length is None or length <= 0:
+            what, remedy = "[stepper_{axis}] has no position_max", "Give the printer.cfg with which Klipper starts"
+            raise DescriptionError(what, remedy, file, None, axis=axis.lower())
+    begun = with_travels(of_builtin("printer-gantry"), {axis: length or 0.0 for axis, length in lengths.items()})
+    chain = re.sub(r'(?m)^chain = ".*"', f'chain = "{_KINEMATICS[kinematics]}"', begun.text, count=1)
+    said_of = said("which axes carry the bed (chain = {chain} is supposed)", chain=f'"{_KINEMATICS[kinematics]}"')
+    return replace(begun, text=chain, look=(said_of,), beside=offset_of(sections))
+
+
 def with_travels(begun: Beginning, lengths: Mapping[str, float]) -> Beginning:
     """Return a machine whose linear axes travel so far, mm: up to zero where they end there, else from below."""
     text = begun.text
@@ -146,6 +178,9 @@ def first_files(begun: Beginning, instruments: Sequence[str], target: str) -> Fi
         parse_quantity(target, "length")
     machine = _with_stylus(begun.text) if "sphere" in instruments else begun.text
     text = first_campaign(machine_from_text(machine), "machine.toml", instruments, target, begun.active)
+    if begun.beside is not None:
+        x, y = (format_quantity(each, "mm", 6) for each in begun.beside)
+        text = text.replace(UNSAID_OFFSET, f'offset = ["{x}", "{y}", "0 mm"]', 1)
     setups = len(campaign_from_texts(text, said("campaign.toml (not written)"), machine, "machine.toml").setups)
     texts = {
         "machine.toml": f"#:schema ./machine.schema.json\n{machine.rstrip()}\n",

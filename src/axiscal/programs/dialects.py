@@ -217,7 +217,7 @@ ISG = Dialect(
     notes=(
         "Never tried on a control: run it in the simulation first, then block by block at reduced feed.",
         "G53 takes out zero offsets, D0 the tool and #TRAFO OFF the kinematics: then coordinates are those of the "
-        "axes. No #CS, #ACS, #PSET or scaling may be in force. G52 is one of the turning functions: take it out without.",
+        "axes. No #CS, #ACS, #PSET or scaling may be in force. Without the turning functions take G52 out.",
         "The feed of a block in which only rotary axes move is taken to be in deg/min.",
     ),
     # Without the name a program would be nameless in the control's messages.

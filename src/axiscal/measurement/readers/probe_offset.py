@@ -29,7 +29,7 @@ def sections_in(text: str) -> Sections | None:
         config.read_string(text.replace("#*#", ""))
     except configparser.Error:  # G-code has no sections
         return None
-    return config
+    return {name: {key: value or "" for key, value in config[name].items()} for name in config.sections()}
 
 
 def offset_of(sections: Sections) -> Beside | None:
