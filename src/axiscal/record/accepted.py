@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.machine import Machine
+from axiscal.machine import Machine, machine_from_text
 from axiscal.machine.kinematics import bed_in_workpiece
 from axiscal.measurement.reading import Reading
 
@@ -29,15 +29,13 @@ class Accepted:
     name: str = ""
 
 
-def put_right(
-    readings: Sequence[Reading], accepted: Accepted, machine: Callable[[], Machine] | None = None
-) -> list[Reading]:
+def put_right(readings: Sequence[Reading], accepted: Accepted, machine: str = "") -> list[Reading]:
     """Return the readings without the mistake; raises ValueError where they cannot have it.
 
-    machine : that was read, which only another frame asks for
+    machine : the text of machine.toml, which only another frame asks for
     """
-    if accepted.mistake == "frame" and machine is not None:
-        return in_workpiece(machine(), readings, accepted.setups[0])
+    if accepted.mistake == "frame":
+        return in_workpiece(machine_from_text(machine), readings, accepted.setups[0])
     mine = [[i for i, each in enumerate(readings) if each.setup == name] for name in accepted.setups]
     if not all(mine):
         raise ValueError("a mistake of readings that there are not")

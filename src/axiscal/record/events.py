@@ -10,7 +10,6 @@ from copy import copy
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.reading import Place, Reading
 from axiscal.record.accepted import Accepted, put_right
 
@@ -368,7 +367,8 @@ class Folding:
         if event.mistake == "jump" and event.reading > self.highest + 1:
             raise EventOrderError(f"reading {event.reading} is not the next one")
         try:
-            self.readings = put_right(self.readings, event, self._machine)
+            text = "" if self.created is None else self.created.machine_text
+            self.readings = put_right(self.readings, event, text)
         except ValueError as fault:
             raise EventOrderError(str(fault)) from None
         if event.name:
@@ -376,12 +376,6 @@ class Folding:
                 raise EventOrderError(f"there is a set-up {event.name!r} already")
             self.mounted.append(Mounted(event.setups[0], event.name, ""))
         self.renew = True
-
-    def _machine(self) -> Machine:
-        """Return the machine that is read; raises ValueError where the campaign has not begun."""
-        if self.created is None:
-            raise ValueError("there is no machine")
-        return machine_from_text(self.created.machine_text, self.created.machine_source)
 
     def _take_back(self, event: Undone) -> None:
         if not self.undo or self.undo[-1].number != event.event:
