@@ -1,4 +1,4 @@
-"""Touches of a ball on a turning table, as a control finds it: in columns of their own, and as values of the wrong frame.
+"""Touches of a ball on a turning table as a control finds it: in columns of their own, and in the wrong frame.
 
 The table is written out here: its axis stands aside, and a ball on it is where no chain of the program puts it.
 """

@@ -1,4 +1,4 @@
-"""Whatever is in force before a measuring program begins, its motion is the same: tried on LinuxCNC's own interpreter."""
+"""Whatever is in force before a measuring program, its motion is the same: tried on LinuxCNC's own interpreter."""
 
 from __future__ import annotations
 

@@ -81,7 +81,8 @@ def run_fanuc(text: str, beside: Mapping[str, str], machine: TouchingMachine) ->
         elif line.startswith("#3000"):
             break
         else:
-            known = r"%|O\d+|G21 .*|G15|G50|G50\.1 .*|G69|M5|M9|G54|G61|G64|M0|\(.*\)|G4 P\d+|IF\[#4008.*|IF\[ABS\[#502.*|N9002"
+            head = r"%|O\d+|G21 .*|G15|G50|G50\.1 .*|G69|M5|M9|G54|G61"
+            known = head + r"|G64|M0|\(.*\)|G4 P\d+|IF\[#4008.*|IF\[ABS\[#502.*|N9002"
             assert re.fullmatch(known, line), line
     return machine.log
 
@@ -168,7 +169,7 @@ def run_heidenhain(text: str, beside: Mapping[str, str], machine: TouchingMachin
             assert rest.endswith(" M91")
             machine.move(_words(words))
         else:
-            known = r"BEGIN PGM .*|CYCL DEF (?:8|10|11)\.[01].*|M5|M9|STOP|; .*|CYCL DEF 9.*|LBL \d+|TCH PROBE 4\.0 MEASURING IN 3-D"
+            known = r"BEGIN PGM .*|CYCL DEF (?:8|9|10|11)\..*|M5|M9|STOP|; .*|LBL \d+|TCH PROBE 4\.0 MEASURING IN 3-D"
             assert re.fullmatch(known, line), line
     return machine.log
 

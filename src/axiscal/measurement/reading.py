@@ -193,7 +193,8 @@ def in_radii(position: Mapping[str, float], axes: Iterable[Axis]) -> dict[str, f
             what = "{axis} shows diameters, and this file does not say whether its {axis} is the radius or the diameter"
             what = "{axis} is given twice" if len(said) > 1 else what
             raise ReadingError(what, "Call the column {axis}_radius_mm or {axis}_diameter_mm", axis=axis.name)
-        found |= {axis.name: value for value in said}
+        if said:
+            found[axis.name] = said[0]
     return found
 
 

@@ -16,8 +16,8 @@ Klartext is absolute, and the unit is said when a program begins and ends. Cycle
 defined. Cycle 4 measures in 3-D along a vector, result from Q1 on, drawn back by MB afterwards. Cycles 8, 10 and 11
 without an axis, with 0 and with 1 end mirror image, rotation and scaling (user's manual, cycle programming).
 
-ISG kernel (TwinCAT CNC): with no kinematics, offset or tool, coordinates are the machine's; #TIME waits. G20 ends mirror
-images, G52 diameters of a lathe (programming manual; TF5200, turning functions).
+ISG kernel (TwinCAT CNC): with no kinematics, offset or tool, coordinates are the machine's; #TIME waits. G20 ends
+mirror images, G52 diameters of a lathe (programming manual; TF5200, turning functions).
 
 How such a control writes what it measured was not to be found out: it has no log.
 
@@ -50,7 +50,7 @@ FANUC = Dialect(
         "first; custom macro B must be there. The program compares machine and work position after each of "
         "its stops, and ends with alarm 3001 if they differ or if a tool length offset is in force.",
         "The comparison takes the control's first axes, as many as the machine description has: they must be these.",
-        "Its head ends polar coordinates (G15), scaling (G50), mirror image (G50.1), rotation and a tilted plane (G69): "
+        "Its head ends polar coordinates (G15), scaling (G50), mirror image (G50.1), rotation and tilted planes (G69): "
         "take out a line whose option the control does not have. No tool centre point control may be in force.",
         "Coordinates have three decimals (IS-B): a reading is where the list says, which may be 0.0005 off the plan.",
         "G61 (exact stop) is in force while the program runs and G64 (cutting mode) after it.",

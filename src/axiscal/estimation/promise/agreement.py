@@ -5,8 +5,8 @@ readings agree no better with probability p = Σ w P(χ²_m ≥ Q_θ). Bonferron
 result prints twice the smaller of both. It is at most the binomial probability of as many bad ones, if more than a
 fifth of the readings is left out. Below 0.001 the readings contradict. A mistake does one of these:
 - It turns y into y' = T y: values with the wrong sign, two set-ups swapped, places shifted by one, another unit from
-  some reading on, values along the machine's x, y, z instead of the workpiece's. Sizes that are learnt hide the last two,
-  so these are sought at the sizes as stated.
+  some reading on, values along the machine's x, y, z instead of the workpiece's. Sizes that are learnt hide the last
+  two, so these are sought at the sizes as stated.
 - It turns K into that of a machine with an axis that counts the other way.
 - It adds columns: a zero that jumps, as `jumps` finds it.
 

@@ -1,7 +1,8 @@
 """READINGS.csv: `[reading,]setup,X_mm,…,B_deg,approach,value_um[,std_um][,time]`, or the columns of an ISO 230-2 test.
 
 `value_x_um,value_y_um,value_z_um` for an instrument that reads three directions, along those of the workpiece, or
-`found_x_mm,found_y_mm,found_z_mm`, where the machine's axes stood; `value_1_um` and so on for tracers that read at once.
+`found_x_mm,found_y_mm,found_z_mm`, where the machine's axes stood; `value_1_um` and so on for tracers that read at
+once.
 Positions may be left out (a parked axis); `value_urad` or `value_arcsec` for angles.  No machine is known here: who
 does know it checks the names of set-ups and axes, and whether a position lies within the travel.
 
