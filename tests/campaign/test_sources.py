@@ -284,6 +284,21 @@ def test_what_is_no_source_is_refused(opened: Opened, text: str, says: str) -> N
         opened(text)
 
 
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("target_mm,direction,run,deviation_um\n0,+,1,1\n", "a test of one axis"),
+        ("0 0 1\n9 0 1\n", "a list of points X Y Z"),
+    ],
+)
+def test_a_file_that_is_not_in_the_order_asked_is_no_source(
+    opened: Opened, tmp_path: Path, text: str, says: str
+) -> None:
+    (tmp_path / "r.csv").write_text(text)
+    with pytest.raises(InputError, match=f"this is {says}.*, and no table of readings in the order asked"):
+        opened(f"csv:{tmp_path}/r.csv")
+
+
 def test_a_virtual_machine_is_its_seed(opened: Opened) -> None:
     first, again, other = (opened(text).read(REQUEST) for text in ("sim:3", "sim:3", "sim:4"))
     assert first == again != other

@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from axiscal.cli.app import run
-from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate, read_iso230
+from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate, positioning_test
 from axiscal.exceptions import EvaluationError, ReadingError
+from axiscal.measurement.readers.files import recognised
 from axiscal.numerics import Array
 from tests.generators.field import FIELD
 
@@ -42,13 +43,13 @@ def written(tmp_path: Path, text: str | bytes) -> Path:
 
 
 def evaluated(tmp_path: Path, text: str) -> Positioning:
-    return evaluate(read_iso230(written(tmp_path, text)))
+    return evaluate(positioning_test(recognised(written(tmp_path, text))))
 
 
 @pytest.mark.parametrize("name", REAL)
 def test_every_published_iso_figure_of_a_real_test(name: str) -> None:
     expected = json.loads((GOLDEN / f"{name}.expected.json").read_text())
-    document = evaluate(read_iso230(GOLDEN / f"{name}.csv")).as_json()
+    document = evaluate(positioning_test(recognised(GOLDEN / f"{name}.csv"))).as_json()
     published = expected["reported_by_source"]
     figures = {"A": "A", "A_up": "A_fwd", "A_down": "A_bwd", "E_up": "E_fwd", "E_down": "E_bwd"} | {
         "R_up": "R_fwd", "R_down": "R_bwd", "B": "B", "B_mean": "B_avg", "M": "M"
@@ -65,7 +66,7 @@ def test_every_published_iso_figure_of_a_real_test(name: str) -> None:
 def test_every_published_iso_figure_of_each_target(name: str) -> None:
     expected = json.loads((GOLDEN / f"{name}.expected.json").read_text())
     published = expected["reported_by_source"]
-    document = json.loads(json.dumps(evaluate(read_iso230(GOLDEN / f"{name}.csv")).as_json()))
+    document = json.loads(json.dumps(evaluate(positioning_test(recognised(GOLDEN / f"{name}.csv"))).as_json()))
     columns = {"mean": "x_avg_bi", "B_i": "B_i", "s_up": "s_fwd", "s_down": "s_bwd"} | {
         "R_up_i": "R_fwd_i", "R_down_i": "R_bwd_i", "R_i": "R_i"
     }  # fmt: skip
@@ -220,7 +221,9 @@ def test_a_missing_reading_costs_its_target_alone(tmp_path: Path) -> None:
 def test_tests_of_the_field_give_what_they_can(capsys: pytest.CaptureFixture[str]) -> None:
     folder = FIELD / "03-single-run"
     if folder.is_dir():
-        single, missing = (evaluate(read_iso230(folder / name)) for name in ("single.rtl", "missing.csv"))
+        single, missing = (
+            evaluate(positioning_test(recognised(folder / name))) for name in ("single.rtl", "missing.csv")
+        )
         assert 1e6 * single.figures["E"] == pytest.approx(9.4957 + 2.1509, abs=1e-9)
         assert "A" not in single.figures
         assert 1e6 * missing.figures["A"] == pytest.approx(11.221, abs=0.001)
@@ -249,15 +252,15 @@ BAD: dict[str, tuple[str | bytes, str, int | None]] = {
     "decimal comma unquoted": (GOOD.replace("2.5", "2,5"), "5 cells, the header 4 columns.*1.5, not 1,5", 8),
     "number with unit": (GOOD.replace("2.5", "2.5 um"), "'2.5 um' is not a number.*unit stands in the header", 8),
     "python number": (GOOD.replace("2.5", "2_5"), "'2_5' is not a number", 8),
-    "duplicate": (GOOD + "100,-,2,9\n", "target 100, direction -, run 2 was read in line 10 already", 11),
+    "duplicate": (GOOD + "100,-,2,9\n", "target 100 mm, direction -, run 2 was read in line 10 already", 11),
     "left out": (GOOD.replace("100,+,2,2.5\n", ""), "fewer than two targets have a reading in every run", None),
-    "direction": (GOOD.replace("100,+,2", "100,up,2"), "direction 'up' is not known", 8),
+    "direction": (GOOD.replace("100,+,2", "100,x,2"), "direction 'x' is not known", 8),
     "run": (GOOD.replace("100,+,2", "100,+,two"), "run 'two' is not a whole number", 8),
     "run fraction": (GOOD.replace("100,+,2", "100,+,2.0"), "run '2.0' is not a whole number", 8),
     "header only": (GOOD.splitlines()[1], "a header but no data", 1),
     "empty": ("", "no header and no data", None),
     "comments only": ("# nothing\n\n", "no header and no data", None),
-    "semicolons": (GOOD.replace(",", ";"), "semicolons", 2),
+    "point among commas": (GOOD.replace(",", ";").replace("1.0", "1,0"), "decimal point, others have a comma", 4),
     "doubled column": (GOOD.replace("run", "direction"), "'direction' is named twice", 2),
     "nameless column": (GOOD.replace("run", ""), "column 3 has no name", 2),
     "open quote": (GOOD.replace("2.5", '"2.5'), "not CSV", 8),
@@ -270,7 +273,7 @@ BAD: dict[str, tuple[str | bytes, str, int | None]] = {
 def test_bad_input_says_file_line_fault_and_remedy(fault: str, tmp_path: Path) -> None:
     text, message, line = BAD[fault]
     with pytest.raises(ReadingError, match=message) as caught:
-        read_iso230(written(tmp_path, text))
+        positioning_test(recognised(written(tmp_path, text)))
     assert caught.value.file == str(tmp_path / "test.csv")
     assert caught.value.line == line
     assert caught.value.remedy
@@ -283,13 +286,15 @@ def test_a_table_is_read_as_spreadsheets_of_any_age_save_it(encoding: str, tmp_p
     text = GOOD.replace("one axis", "für")
     plain.write_bytes(text.encode())
     saved.write_bytes(text.encode(encoding))
-    assert evaluate(read_iso230(saved)).figures == evaluate(read_iso230(plain)).figures
+    assert (
+        evaluate(positioning_test(recognised(saved))).figures == evaluate(positioning_test(recognised(plain))).figures
+    )
 
 
 @pytest.mark.parametrize("name", ["no_such.csv", ".", "a\0b"])
 def test_a_file_that_cannot_be_opened(name: str, tmp_path: Path) -> None:
     with pytest.raises(ReadingError):
-        read_iso230(tmp_path / name)
+        positioning_test(recognised(tmp_path / name))
 
 
 def test_the_uncertainty_is_how_the_figures_scatter_when_the_test_is_repeated() -> None:
@@ -320,7 +325,7 @@ def test_the_figures_of_vdi_3441_are_their_definitions_written_out_target_by_tar
 @pytest.mark.parametrize(("name", "drifts"), [("ess_target_x", True), ("ess_muts_x", False), ("ess_muts_y", True)])
 def test_runs_that_move_steadily_are_said_to_drift(name: str, drifts: bool) -> None:
     """The means of the runs of target_x go 5.7 um one way, of muts_y 44 um; those of muts_x go up and down."""
-    said = evaluate(read_iso230(GOLDEN / f"{name}.csv")).warnings
+    said = evaluate(positioning_test(recognised(GOLDEN / f"{name}.csv"))).warnings
     assert any("move steadily" in each for each in said) == drifts
 
 

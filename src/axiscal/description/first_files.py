@@ -22,8 +22,8 @@ from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.language.spoken import LANGUAGES, said, speaking
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.axis import letter_direction
-from axiscal.measurement.readers.csv_table import read_text
 from axiscal.measurement.readers.probe_offset import Beside, offset_of, sections_in
+from axiscal.measurement.readers.text_file import read_text
 from axiscal.units import format_quantity, from_unit, parse_quantity, to_unit
 
 

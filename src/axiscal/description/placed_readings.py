@@ -16,19 +16,21 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
-from axiscal.language.spoken import joined, said
+from axiscal.language.spoken import joined, later, said
 from axiscal.machine import Axis, Machine
+from axiscal.machine.axis import letter_direction
 from axiscal.machine.entry import parse_error_name
-from axiscal.machine.kinematics import frames, linear_axes
+from axiscal.machine.kinematics import frames
 from axiscal.measurement.charts.kinds import Held
 from axiscal.measurement.charts.room import Chart
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.readers.csv_readings import RawReading
-from axiscal.measurement.readers.csv_table import parse_table, read_approach, read_position, read_text, unshielded
+from axiscal.measurement.readers.csv_table import parse_table, read_approach, read_position
+from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.readers.touch_log import LISTS, LoggedTouch, TouchLog, plan_code, read_touch_log
 from axiscal.measurement.reading import Reading, in_radii, refuse_other_values
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.touched import TOUCHES, met_from, read_as, stated
+from axiscal.measurement.touched import TOUCHES, met_from, off_ball, read_as
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 
@@ -103,7 +105,7 @@ def _rows(text: str, name: str) -> list[tuple[int, ListedPlace]]:
     number, setup = table.one_of("reading", "reading"), table.one_of("setup", "setup")
     rows = []
     for row in table.rows:
-        planned = ListedPlace(unshielded(row.text(setup)), read_position(table, row), read_approach(table, row))
+        planned = ListedPlace(row.text(setup), read_position(table, row), read_approach(table, row))
         rows.append((int(row.text(number)), planned))
     return rows
 
@@ -140,14 +142,10 @@ def _reading(
     machine, line = campaign.machine, touched[0].line
     try:
         setup = campaign.setup(planned.setup)
-        at = in_radii(planned.position, machine.axes)
-        pose = np.array(placed_pose(setup, machine, at))
-        hits = []
-        for touch in touched:
-            hit = pose.copy()
-            hit[[machine.index(axis) for axis in "XYZ"]] = touch.at
-            hits.append(hit)
-        value, *others = read_as(machine, setup, pose, hits, met_from(machine, pose))
+        pose = np.array(placed_pose(setup, machine, in_radii(planned.position, machine.axes)))
+        hits = np.tile(pose, (len(touched), 1))
+        hits[:, [machine.index(axis) for axis in "XYZ"]] = [touch.at for touch in touched]
+        value, *others = read_as(machine, setup, pose, list(hits), met_from(machine, pose))
     except InputError as failure:
         what = "reading {number}: {fault}"
         raise ReadingError(what, failure.remedy, file, line, number=number, fault=failure.what) from None
@@ -230,44 +228,25 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     named = values_of(setup) == 1 or row.by_station == bool(setup.stations)
     refuse_other_values(setup, 1 + len(row.others) if named else 0, row.dimension)
     _refuse_other_base(row, setup)
-    position, approach = in_radii(row.position, campaign.machine.axes), row.approach
-    if "" in position:
+    position, approach = row.position, row.approach
+    if row.test is not None:
         moving = campaign.machine.axes[setup.moves[0]].name
-        _refuse_other_kind(row, campaign.machine.axes[setup.moves[0]])
-        position = in_radii({moving: position[""]}, campaign.machine.axes)
-        approach = {moving: approach[""]}
-    pose = placed_pose(setup, campaign.machine, position)
+        position, approach = {moving: position[""]}, {moving: approach[""]}
+    pose = placed_pose(setup, campaign.machine, in_radii(position, campaign.machine.axes))
     directions = placed_approach(setup, campaign.machine, approach)
     value, *others = sign * row.value, *row.others
     if row.met:
-        value, *others = _against_ball(row, setup, campaign.machine, pose)
+        value, *others = off_ball(campaign.machine, setup, np.array(pose), (value, *others))
     reading = Reading(setup.name, pose, directions, value, row.std, row.line, others=tuple(others), time=row.time)
     return replace(reading, number=row.number, check=row.check)
-
-
-def _against_ball(row: RawReading, setup: Setup, machine: Machine, pose: Sequence[float]) -> tuple[float, ...]:
-    """Return how far the tool point is off its ball, (3,) m: the ball less where the chain has the axes as found."""
-    if setup.artefact is None:
-        what = 'found_x, found_y and found_z are where a ball was found, and "{setup}" reads none'
-        raise ReadingError(
-            what, "Name an artefact in the set-up, or give value_x, value_y and value_z", setup=setup.name
-        )
-    axes = linear_axes(machine)
-    if "".join(sorted(machine.axes[k].name for k in axes)) != "XYZ":
-        what = "found_x, found_y and found_z are places of X, Y and Z, and the linear axes are {names}"
-        names = ", ".join(machine.axes[k].name for k in axes)
-        raise ReadingError(what, "Give value_x, value_y and value_z", names=names)
-    at = np.array(pose)
-    for name, place in zip("XYZ", (row.value, *row.others), strict=True):
-        at[machine.index(name)] = place
-    off = stated(setup, machine, np.array(pose)) - frames(machine, at[None]).tcp[0]
-    return tuple(off.tolist())
 
 
 def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:
     """Return the set-up of a reading, and −1 where it reads against the error that the file names."""
     if row.setup:
         return campaign.setup(row.setup), 1
+    if row.test is not None:
+        return _tested(row, campaign), 1
     if not row.error:
         return _only_setup(campaign), 1
     if row.error == "slope":
@@ -323,17 +302,40 @@ def _refuse_other_base(row: RawReading, setup: Setup) -> None:
         raise ReadingError(what, remedy, base=base, setup=setup.name, own=own)
 
 
-def _refuse_other_kind(row: RawReading, axis: Axis) -> None:
-    if axis.rotary != (row.dimension == "angle"):
-        what = "the axis that moves is {axis}, whose position is a length, and the file gives the other kind"
-        if axis.rotary:
-            what = "the axis that moves is {axis}, whose position is an angle, and the file gives the other kind"
-        remedy = "Give target_deg and deviation_arcsec for a rotary axis, target_mm for a linear one"
-        raise ReadingError(what, remedy, axis=axis.name)
+_ASKS = {
+    "positioning": later(
+        "a test of positioning needs a set-up that moves one axis, linear for mm and rotary for deg, and reads along it"
+    ),
+    "angular": later("an angular test needs a set-up that moves one linear axis and reads an angle"),
+    "straightness": later("a test of straightness needs a set-up that moves one linear axis and reads across it"),
+    "circle": later("a circular test names no axes: its figures are those of `axiscal data iso230`"),
+}
+_ASIDE = 0.1
+"""Of a direction, along an axis: less is across it."""
+
+
+def _tested(row: RawReading, campaign: CampaignDescription) -> Setup:
+    """Return the only set-up that reads what a test reads; raises ReadingError for none, and for several."""
+    fitting = [setup for setup in campaign.setups if _reads_test(row, setup, campaign.machine)]
+    if len(fitting) == 1:
+        return fitting[0]
+    what, names = _ASKS[row.test or "circle"], joined([each.name for each in fitting])
+    what = "several set-ups read what this test reads: {names}" if fitting else what
+    remedy = "Give the columns setup and X_mm, or a campaign of the one set-up that was tested"
+    raise ReadingError(what, remedy, names=names)
+
+
+def _reads_test(row: RawReading, setup: Setup, machine: Machine) -> bool:
+    axis, reads = machine.axes[setup.moves[0]], INSTRUMENTS[setup.instrument].model.reads
+    if len(setup.moves) != 1 or reads != row.dimension or row.test == "circle":
+        return False
+    across = abs(setup.direction[letter_direction(axis.letter)]) < _ASIDE
+    fits = reads == "angle" or across == (row.test == "straightness")
+    return fits and axis.rotary == (row.target_dimension == "angle")
 
 
 def _only_setup(campaign: CampaignDescription) -> Setup:
-    """Return the set-up of an ISO 230-2 file, which names neither set-up nor axis."""
+    """Return the set-up of readings that name none."""
     setup = campaign.setups[0]
     if len(campaign.setups) > 1 or len(setup.moves) > 1:
         what = "the readings name neither set-up nor axis, and the campaign has more than one of them"
