@@ -8,6 +8,7 @@ import threading
 import urllib.parse
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
 from io import StringIO
@@ -333,6 +334,14 @@ def test_other_readings_are_not_a_printers(printer: Server) -> None:
     with pytest.raises(SourceError, match="cannot take the readings"):
         source.read(request(10, 10, up=0.0))
     assert printer.told == []
+
+
+def test_a_probe_that_stands_elsewhere_than_stated_is_refused(printer: Server) -> None:
+    source, asked = opened("moonraker", printer), request(10, 10)
+    for offset in (None, (0.02, -0.005, 0.0)):
+        source.read(replace(asked, setup=replace(asked.setup, offset=offset)))
+    with pytest.raises(SourceError, match="stands 20 -5 mm beside the nozzle along x and y, and not 20 5 mm"):
+        source.read(replace(asked, setup=replace(asked.setup, offset=(0.02, 0.005, 0.0))))
 
 
 FRAME = """

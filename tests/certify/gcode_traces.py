@@ -100,10 +100,10 @@ _AXES = rf"((?:[A-Z]{_NUMBER} )+)"
 _IN_BRACKETS, _AFTER_SEMICOLON = rf"\(({_COMMENT})\)", rf"; ({_COMMENT})"
 _SECONDS = r"(\d+\.\d+)"
 _MODAL = "G21 G90 G94 G17 G40 G49 G80"
-LINUXCNC = Form((_MODAL, "M5 M9", "G61"), ("M2",), _IN_BRACKETS, rf"G53 G1 {_AXES}F(\d+)", f"G4 P{_SECONDS}")
+LINUXCNC = Form((f"G8 {_MODAL}", "M5 M9", "G61"), ("M2",), _IN_BRACKETS, rf"G53 G1 {_AXES}F(\d+)", f"G4 P{_SECONDS}")
 """G53 with G1 in every block; G4 P in seconds."""
 ISG = Form(
-    (r"%AXISCAL[1-9]\d*", "#TRAFO OFF", "G71 G90 G94 G17 G40 G53 G60 D0", "M5 M9"),
+    (r"%AXISCAL[1-9]\d*", "#TRAFO OFF", "G71 G90 G94 G17 G40 G53 G60 D0", "G20", "G52", "M5 M9"),
     ("M30",),
     _IN_BRACKETS,
     rf"G1 {_AXES}F(\d+)",
@@ -111,15 +111,20 @@ ISG = Form(
 )
 """G1 with nothing in force that would shift it; #TIME in seconds."""
 SINUMERIK = Form(
-    ("TRAFOOF", "G710 G90 G94 G17 G40 G60 D0", "M5 M9", r"FGROUP\([A-Z0-9,]+\)"),
+    ("TRAFOOF", "G710 G90 G94 G17 G40 G60 D0", "DIAMOF", "TRANS", "M5 M9", r"FGROUP\([A-Z0-9,]+\)"),
     ("M30",),
     _AFTER_SEMICOLON,
     rf"G1 SUPA ((?:[A-Z](?:\d=)?{_NUMBER} )+)F(\d+)",
     f"G4 F{_SECONDS}",
 )
 """SUPA in every block; G4 F in seconds; an axis whose name has a digit takes a =."""
+_CYCLES = (
+    *(r"CYCL DEF 8\.0 MIRROR IMAGE", r"CYCL DEF 8\.1"),
+    *(r"CYCL DEF 10\.0 ROTATION", r"CYCL DEF 10\.1 ROT\+0"),
+    *(r"CYCL DEF 11\.0 SCALING", r"CYCL DEF 11\.1 SCL 1"),
+)
 HEIDENHAIN = Form(
-    ("BEGIN PGM [A-Z0-9_]{1,16} MM", "M5", "M9"),
+    ("BEGIN PGM [A-Z0-9_]{1,16} MM", *_CYCLES, "M5", "M9"),
     ("M30", "END PGM [A-Z0-9_]{1,16} MM"),
     _AFTER_SEMICOLON,
     r"L ((?:[A-Z][+-]\d+\.\d+ )+)R0 F(\d+) M91",
@@ -127,8 +132,9 @@ HEIDENHAIN = Form(
     "STOP",
 )
 """M91 in every move; cycle 9 in seconds, its two blocks in one line here."""
+_OPTIONS = "G15", "G50", r"G50\.1( [A-Z]0)+", "G69"
 FANUC = Form(
-    ("%", r"O[1-9]\d{3}", r"IF\[#4008NE49\]GOTO9000", _MODAL, "M5", "M9", "G54", "G61"),
+    ("%", r"O[1-9]\d{3}", r"IF\[#4008NE49\]GOTO9000", _MODAL, *_OPTIONS, "M5", "M9", "G54", "G61"),
     ("G64", "M30", r"N9000 #3000=1\([A-Z ]{1,31}\)", "%"),
     _IN_BRACKETS,
     rf"G1 {_AXES}F(\d+)",
@@ -146,7 +152,7 @@ def read_sinumerik(text: str) -> list[Event]:
     """Return what a program does; it moves the axes that its path is measured by."""
     lines = text.splitlines()
     events = SINUMERIK.read(lines)
-    assert _axes(events) == set(lines[3].removeprefix("FGROUP(").removesuffix(")").split(","))
+    assert _axes(events) == set(lines[5].removeprefix("FGROUP(").removesuffix(")").split(","))
     return events
 
 

@@ -91,9 +91,10 @@ def test_a_file_of_no_control_is_said_to_be_what_it_looks_like(tmp_path: Path, t
 
 def test_init_begins_with_a_printer(tmp_path: Path, command: Command) -> None:
     file = tmp_path / "printer.cfg"
-    file.write_text(COREXY)
+    file.write_text(f"{COREXY}[bltouch]\nx_offset: 7.5\ny_offset: -28\n")
     given = ("--from", file, "--instrument", "probe", "--target", "")
     assert 'chain = "w-Z\'-b-Y-X-t" is supposed' in command("init", tmp_path / "bed", *given).out
+    assert 'offset = ["7.5 mm", "-28 mm", "0 mm"]   # CHECK' in (tmp_path / "bed" / "campaign.toml").read_text()
     said = command("init", tmp_path / "other", *given, "--chain", "w-Y'-b-Z-X-t").out
     assert "is supposed" not in said
     assert "w-Y'-b-Z-X-t" in (tmp_path / "other" / "machine.toml").read_text()

@@ -99,7 +99,7 @@ def test_an_inherited_prior_keeps_its_sizes() -> None:
 
 def test_the_table_says_where_its_figures_come_from() -> None:
     causes = [each for each in vars(model).values() if isinstance(each, model.Cause)]
-    assert len(causes) == len({cause.name for cause in causes}) == 15
+    assert len(causes) == len({cause.name for cause in causes}) == 17
     assert all(cause.source and cause.kernel and cause.size > 0 and cause.factor >= 1 for cause in causes)
 
 

@@ -17,6 +17,7 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.candidates import breaks_along, smoothness_along
 from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import seen, visited
@@ -77,7 +78,8 @@ def _virtual(model: ErrorModel, setups: tuple[Setup, ...], unknowns: Array) -> V
 def test_rows_are_the_differences_of_what_a_virtual_machine_reads(instrument: str, seed: int) -> None:
     """All unknowns at once, each in a direction drawn for it, by central differences; two set-ups may mix columns."""
     model, rng = ErrorModel(random_machine(seed, count=2 + seed % 2)), np.random.default_rng(seed)
-    one = replace(mounted(model.machine, instrument, _direction(seed)), noise=0.0)
+    beside = (0.03, -0.05, 0.02) if isinstance(INSTRUMENTS[instrument].model, Displacement) else None
+    one = replace(mounted(model.machine, instrument, _direction(seed)), noise=0.0, offset=beside)
     setups = (replace(one, name="other", direction=(1.0, 0.0, 0.0)), one)
     observation, step = Observation(model, setups), 1e-6
     poses, approaches = random_poses(model.machine, 1, rng)
@@ -127,7 +129,7 @@ def test_readings_share_rests_as_in_the_core(seed: int, instrument: str) -> None
     machine = random_machine(seed, count=1 + seed % 3, smooth=True)
     machine = replace(machine, errors=tuple(replace(e, rest=2e-6 if e.rest else 0.0) for e in machine.errors))
     model, rng = ErrorModel(machine), np.random.default_rng(seed)
-    setup = replace(mounted(machine, instrument, _direction(seed)), unknowns=())
+    setup = replace(mounted(machine, instrument, _direction(seed)), unknowns=(), offset=None)
     poses, approaches = random_poses(machine, 15, rng)
     approaches = np.where(approaches == 0, 1.0, approaches)  # an untold side is a test of its own
     poses, approaches = np.concatenate([poses, poses[:8], poses[:4] + 1e-4]), np.tile(approaches, (2, 1))[:27]

@@ -57,7 +57,7 @@ def single(name: str) -> Machine:
 
 def test_a_program_for_linuxcnc() -> None:
     assert text_of("linuxcnc", UP, DOWN).splitlines() == [
-        "G21 G90 G94 G17 G40 G49 G80",
+        "G8 G21 G90 G94 G17 G40 G49 G80",
         "M5 M9",
         "G61",
         "(AXISCAL MEASURING PROGRAM)",
@@ -514,7 +514,7 @@ def test_what_goes_clear_does_so_before_others_move_and_at_the_end() -> None:
 def test_an_isg_control_is_told_how_it_counts_and_writes_no_log() -> None:
     places = [UP, DOWN]
     (program,) = programs(MACHINE, [SETUP], places, dialect("isg"))
-    assert program.text.startswith("%AXISCAL1\n#TRAFO OFF\nG71 G90 G94 G17 G40 G53 G60 D0\n")
+    assert program.text.startswith("%AXISCAL1\n#TRAFO OFF\nG71 G90 G94 G17 G40 G53 G60 D0\nG20\nG52\n")
     assert program.file_name.endswith(".nc")
     with pytest.raises(ProgramError, match="write no log"):
         dialect("isg").logging()

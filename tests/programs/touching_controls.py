@@ -81,7 +81,8 @@ def run_fanuc(text: str, beside: Mapping[str, str], machine: TouchingMachine) ->
         elif line.startswith("#3000"):
             break
         else:
-            known = r"%|O\d+|G21 .*|M5|M9|G54|G61|G64|M0|\(.*\)|G4 P\d+|IF\[#4008.*|IF\[ABS\[#502.*|N9002"
+            head = r"%|O\d+|G21 .*|G15|G50|G50\.1 .*|G69|M5|M9|G54|G61"
+            known = head + r"|G64|M0|\(.*\)|G4 P\d+|IF\[#4008.*|IF\[ABS\[#502.*|N9002"
             assert re.fullmatch(known, line), line
     return machine.log
 
@@ -122,7 +123,9 @@ def run_sinumerik(text: str, beside: Mapping[str, str], machine: TouchingMachine
             assert not incremental
             machine.move(_words(line.removeprefix("G1 SUPA ").rpartition(" F")[0]))
         else:
-            known = r"DEF INT AXERR|TRAFOOF|G710 .*|M5 M9|FGROUP\(.*\)|M0|; .*|G4 F.*|IF AXERR<>0 GOTOF AXFULL"
+            known = (
+                r"DEF INT AXERR|TRAFOOF|DIAMOF|TRANS|G710 .*|M5 M9|FGROUP\(.*\)|M0|; .*|G4 F.*|IF AXERR<>0 GOTOF AXFULL"
+            )
             known += r"|\w+: MSG\(.*\)"
             assert re.fullmatch(known, line), line
     return machine.log
@@ -166,7 +169,7 @@ def run_heidenhain(text: str, beside: Mapping[str, str], machine: TouchingMachin
             assert rest.endswith(" M91")
             machine.move(_words(words))
         else:
-            known = r"BEGIN PGM .*|M5|M9|STOP|; .*|CYCL DEF 9.*|LBL \d+|TCH PROBE 4\.0 MEASURING IN 3-D"
+            known = r"BEGIN PGM .*|CYCL DEF (?:8|9|10|11)\..*|M5|M9|STOP|; .*|LBL \d+|TCH PROBE 4\.0 MEASURING IN 3-D"
             assert re.fullmatch(known, line), line
     return machine.log
 

@@ -81,18 +81,25 @@ def flat(x: Array, y: Array) -> Array:
     return 0 * x * y
 
 
-def rolled(seed: int) -> Met:
-    """Return a mesh of Klipper: the rail rolls 1.2 mrad along X, and the probe stands 46 mm in front of the nozzle."""
-    rng, (x, _) = np.random.default_rng((seed, 4)), grid().T
-    roll = 1.2e-3 * np.sin(np.pi * (x + 33 - 150) / 300)
-    heights = (-46 * roll + rng.normal(0, 0.003, len(x))).reshape(7, 7)
-    points = "".join(f"#*#   {', '.join(f'{z:.6f}' for z in row)}\n" for row in heights)
-    return Met(_CFG.format(points=points), BedTruth(flat), "printer.cfg")
+def rolled(most: float, bends: int, beside: tuple[float, float]) -> Callable[[int], Met]:
+    """Return how a mesh of Klipper is met whose rail rolls along X, with the probe beside the nozzle.
+
+    most : rad; bends : half waves over 300 mm; beside : mm along x and y
+    """
+
+    def met(seed: int) -> Met:
+        rng, (x, _) = np.random.default_rng((seed, 4)), grid().T
+        roll = most * np.sin(np.pi * bends * (x - beside[0] - 150) / 300)
+        heights = (beside[1] * roll + rng.normal(0, 0.003, len(x))).reshape(7, 7)
+        points = "".join(f"#*#   {', '.join(f'{z:.6f}' for z in row)}\n" for row in heights)
+        return Met(_CFG.format(points=points, x=beside[0], y=beside[1]), BedTruth(flat), "printer.cfg")
+
+    return met
 
 
-_CFG = """[probe]
-x_offset: -33
-y_offset: -46
+_CFG = """[bltouch]
+x_offset: {x}
+y_offset: {y}
 z_offset: 1.2
 [bed_mesh]
 mesh_min: 15,15
@@ -114,9 +121,11 @@ probe_count: 7,7
 #*# min_y = 15
 #*# max_y = 285
 """
+_BESIDE = r"beside the (nozzle|tool point)"
 BEDS = (
     Animal("sag of a beam: mesh of 7 x 7", JOB, probed(sag, grid)),
     Animal("sag of a beam: 36 planned", JOB, probed(sag, as_planned)),
     Animal("half-probed bed: 7 x 4", JOB, probed(one_sided, lambda: grid(150.0, 4)), r"not read|not probed|15 to 150"),
-    Animal("rail that rolls under a probe", JOB, rolled, r"beside the nozzle|[xy]_offset|offset of the probe"),
+    Animal("rail that rolls under a probe: 46 mm in front", JOB, rolled(1.2e-3, 1, (-33.0, -46.0)), _BESIDE),
+    Animal("rail that rolls under a probe: 24 mm behind", JOB, rolled(8e-4, 3, (12.0, 24.0)), _BESIDE, quick=True),
 )

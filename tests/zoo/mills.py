@@ -17,6 +17,8 @@ YAW = 40e-6
 """Of X over 600 mm, rad."""
 _MILL = Job("three-axis-mill", ("laser",), "20 um")
 _ALONE = Job("three-axis-mill", ("laser",), "20 um", errors=("EXX",))
+_HIGH = ('moves = ["X"]', 'moves = ["X"]\noffset = ["0 mm", "0 mm", "150 mm"]')
+_MIRROR = Job("three-axis-mill", ("laser",), "20 um", (_HIGH,), ("EXX",))
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +43,37 @@ class YawTruth:
         return None
 
 
+@dataclass(frozen=True, slots=True)
+class LeadTruth:
+    """An X with a lead error of 40 um/m, read by a mirror high above the tool point."""
+
+    def left(self, answer: Answer) -> Array:
+        """Return what the table leaves over the travel, its mean taken off, um."""
+        where, values = answer.axis_table("X")
+        x = np.linspace(0, 600, 301)
+        left = 0.04 * x - np.interp(x, where, values.mean(axis=0))
+        off: Array = left - left.mean()
+        return off
+
+    def promised(self, answer: Answer) -> float:
+        """Return U with the tables, um."""
+        return answer.expanded_with_tables()
+
+    def kept(self, _: Answer) -> Slope | None:
+        """Return nothing: the pitch has a slope, too."""
+        return None
+
+
+def mirrored(seed: int) -> Met:
+    """Return how X is met by a laser whose mirror sits 150 mm over the tool point, while X pitches by 30 urad."""
+    rng = np.random.default_rng((seed, 10))
+    out = np.linspace(0, 600, 13)
+    x, ways = np.concatenate([out, out[::-1]]), ["X+"] * 13 + ["X-"] * 13
+    shown = 0.04 * x + 150e-3 * 30 * np.sin(2 * np.pi * x / 400) + rng.normal(0, 0.3, 26)
+    rows = zip(["laser along X"] * 26, x.tolist(), ways, np.round(shown - shown[0], 2).tolist(), strict=True)
+    return Met(rows_of("setup,X_mm,approach,value_um", rows), LeadTruth())
+
+
 def _deviation(x: Array, y: Array) -> Array:
     """Return what X is off along x with the tool at Y, um: a lead error of 15 um/m, and the yaw's lever."""
     yaw = YAW * np.sin(np.pi * (x / 600 - 0.5))
@@ -61,7 +94,7 @@ def parked(at: float) -> Callable[[int], Met]:
     return met
 
 
-_LATHE = """[EMC]
+LATHE = """[EMC]
 VERSION = 1.1
 [DISPLAY]
 LATHE = 1
@@ -139,5 +172,6 @@ MILLS = (
     Animal("parked elsewhere: Y 0, all errors described", _MILL, parked(0.0)),
     Animal("parked elsewhere: Y 0, only EXX described", _ALONE, parked(0.0), r"on the line", quick=True),
     Animal("line for the volume: only EXX described", _ALONE, parked(200.0), r"on the line"),
-    Animal("diameter for radius", Job(_LATHE, ("laser",), "20 um"), diameters, r"diameter|radius"),
+    Animal("mirror over the tool point: only EXX described", _MIRROR, mirrored, quick=True),
+    Animal("diameter for radius", Job(LATHE, ("laser",), "20 um"), diameters, r"diameter|radius"),
 )

@@ -53,7 +53,7 @@ from axiscal.planning.promise import asked
 from axiscal.record.copies import file_name
 from axiscal.tables.offer import places
 from axiscal.tables.registry import exporter, offered_control
-from axiscal.tables.surface import Control, left_by
+from axiscal.tables.surface import Control, left_by, turned_by
 from axiscal.units import to_unit
 
 _COSTS = 1.01
@@ -68,7 +68,7 @@ class AnsweredRow(KnownRow):
     """A row of an answer, all sizes m or rad.
 
     found, largest : RMS and largest size of the error over the places, with what is not known of it
-    left : RMS that the tables of each control leave, by its name; none of rotations
+    left : RMS that the tables of each control leave, by its name; of rotations only those that an axis makes itself
     signed : its numbers that have a sign
     then : U of a row that is not measured, after one reading from the other side; None where that tells no more
     """
@@ -111,6 +111,9 @@ def _answered(asked: AskedRow, known: Estimation, controls: Mapping[str, Control
         variances = functional.spectra(errors, belief.factor).sum(axis=1)
     if functional is not None and functional.angular:
         at, left = functional.rows(errors) @ estimate.mean, dict[str, Array]()
+        if asked.want.row.kind in ("positioning", "backlash"):  # which tables of the axis itself take away
+            turns = partial(turned_by, estimate.machine, estimate.rotation)
+            left = {name: shown(turns(each, *where)) for name, each in controls.items()}
     else:
         after = partial(left_by, estimate.machine, estimate.deviation)
         at, left = (

@@ -15,7 +15,7 @@ from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say, say_document, say_either, tell
 from axiscal.cli.progress import tell_mind, tell_unasked
 from axiscal.cli.record import placed_log
-from axiscal.description.placed_readings import placed_readings
+from axiscal.description.file_readings import file_readings
 from axiscal.estimation.prediction import predict_poses
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.evaluation.standards import Positioning, evaluate, figures_of, positioning_test
@@ -26,6 +26,7 @@ from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
+from axiscal.present.beside import beside_the_tool
 from axiscal.present.findings import copies, regular_places, untimed
 from axiscal.present.result_set import RECORD, mend
 from axiscal.present.summarising import Extras, iso230_block
@@ -100,7 +101,7 @@ def estimate(
     if readings is not None:
         known = Around(description.machine.axes, description.setups)
         read = recognised(readings, known, length_unit(unit))
-        placed = placed_readings(read.found.readings, description, readings)
+        description, placed = file_readings(read.found.readings, description, readings)
         refuse_implausible(placed, description, readings)
         told = read.sentence([each.setup for each in placed])
         if read.found.readings[0].test == "positioning":
@@ -115,15 +116,16 @@ def estimate(
     if told:
         tell(told)
     regular = list(regular_places(placed, description.setups, description.machine.axes))
-    seen = [*copies(placed, description.setups), *untimed(placed, description.setups), *regular]
-    extras = replace(extras, warnings=seen)
+    warnings = [*copies(placed, description.setups), *untimed(placed, description.setups), *regular]
+    extras = replace(extras, warnings=warnings)
     with TemporaryDirectory(prefix="axiscal-") as folder, Campaign.create(Path(folder) / RECORD, description) as opened:
         opened.adopt(placed)
         opened.finish("all readings evaluated")
+        seen = [*regular, *beside_the_tool(opened.so_far())]
         kept = out / RECORD
         again = "give the command again"
         write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)
-    for each in () if details else regular:
+    for each in () if details else seen:
         tell_mind(each.text)
     tell_unasked(description)
 

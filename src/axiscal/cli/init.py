@@ -7,6 +7,7 @@ import shlex
 import sys
 import textwrap
 from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, TypeVar
@@ -32,9 +33,11 @@ from axiscal.description.first_files import (
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
 from axiscal.description.printer_file import is_printer_file
+from axiscal.document import shown
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.language.spoken import counted, ending, joined, said
 from axiscal.machine import builtin_names
+from axiscal.measurement.readers.probe_offset import pair_of
 
 _Answer = TypeVar("_Answer")
 _MACHINE, _INSTRUMENT = "three-axis-mill", "square"
@@ -70,8 +73,9 @@ def init(
 
     Every line has a word of explanation; the command asks for what is not given. From a built-in machine, or from the
     INI file of a LinuxCNC: axes, limits, units, speeds, kinematics with their pivots, joints, and whether tables or
-    backlash are active. A printer.cfg says kinematics, travels and speeds. What the file cannot say is marked CHECK.
-    The JSON schemas beside the files let editors complete and check while you write. Nothing is written over.
+    backlash are active. A printer.cfg says kinematics, travels, speeds, and where the probe stands. What the file
+    cannot say is marked CHECK. The JSON schemas beside the files let editors complete and check while you write.
+    Nothing is written over.
 
     \b
     Examples:
@@ -88,6 +92,8 @@ def init(
         begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
         given = instrument and instruments_of(", ".join(instrument))
         names = given or _instruments(begun)
+        if "probe" in names and not given and begun.beside is None:
+            begun = _with_probe(begun)
         wanted = said("How well is the tool point to be known, such as 20 um? Enter for as good as it gets")
         made = partial(first_files, begun, names)
         files = _answered(wanted, (), made) if target is None else made(target)
@@ -155,6 +161,20 @@ def _lengths(axes: Collection[str], text: str) -> dict[str, float]:
         remedy, example = "Write a number for each of {axes}, such as {example}", " ".join(["400"] * count)
         raise DescriptionError(what, remedy, text=text, count=count, axes=" ".join(axes), example=example)
     return dict(zip(axes, lengths, strict=True))
+
+
+def _with_probe(begun: Beginning) -> Beginning:
+    """Return a machine with the place of its probe, which is asked for."""
+    question = said("How far does the probe stand beside the tool point along X and Y, in mm? Enter for 0 0")
+
+    def placed(text: str) -> Beginning:
+        beside = pair_of((text or "0 0").replace(",", " ").split())
+        if beside is None:
+            what, remedy = "{text} are not two lengths in mm", 'Write those along X and along Y, such as "-33 -46"'
+            raise DescriptionError(what, remedy, text=shown(text))
+        return replace(begun, beside=beside)
+
+    return _answered(question, (), placed)
 
 
 def _from_ini(file: Path, chain: str | None, limits: Sequence[str], folder: Path) -> Beginning:

@@ -16,7 +16,7 @@ from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import AxiscalError, InputError
 from axiscal.language.spoken import counted, ending, put, said
 from axiscal.measurement.reading import reading_unit, value_names
-from axiscal.present.guide.question import axis_places, question_text, sense, touch_text
+from axiscal.present.guide.question import axis_places, question_text, sense, sign_on, touch_text
 from axiscal.record.events import Asked, State
 from axiscal.units import said_quantity
 
@@ -33,7 +33,9 @@ def asked_screen(campaign: Campaign, asked: Asked) -> str:
         instrument=said(setup.instrument),
         reads=sense(setup).reads,
     )
-    where = question_text(axis_places(campaign, asked), touch_text(campaign, asked), sense(setup).sign, then)
+    where = question_text(
+        axis_places(campaign, asked), touch_text(campaign, asked), sign_on(campaign.description.machine, setup), then
+    )
     return f"{head}\n{where}"
 
 

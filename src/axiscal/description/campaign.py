@@ -109,6 +109,12 @@ class CampaignDescription:
     controls: tuple[str, ...] = ("linuxcnc",)
     unsourced: tuple[Unsourced, ...] = ()
 
+    @property
+    def unsaid_offsets(self) -> list[str]:
+        """The set-ups of a printer's probe of which nobody says how far it stands beside the nozzle."""
+        probes = (each for each in self.setups if each.instrument == "probe" and each.chart is None)
+        return [each.name for each in probes if each.offset is None and set(self.controls) <= _PRINTERS]
+
     def setup(self, name: str) -> Setup:
         """Return the set-up of that name; raises DescriptionError when there is none."""
         for setup in self.setups:
@@ -171,6 +177,26 @@ def campaign_from_texts(
     return _described(document, machine, machine_source, False, prior_text, False, usual_doubts)
 
 
+def with_offset(described: CampaignDescription, setup: str, beside: tuple[float, float]) -> CampaignDescription:
+    """Return a campaign whose text also says where the probe of a set-up stands.  beside : x and y, m
+
+    Raises DescriptionError where the set-up is not written line by line.
+    """
+    x, y = (format_quantity(each, "mm", 6) for each in beside)
+    said = f'offset = ["{x}", "{y}", "0 mm"]'
+    document = Document.parse(described.text, described.source)
+    tables = read_model(document, CampaignTable, context=described.machine).setups
+    line = document.line("setups", [table.name for table in tables].index(setup), "name") or 1
+    lines = document.text.split("\n")
+    if not lines[line - 1].lstrip().startswith("name"):
+        what, remedy = "the probe stands beside the nozzle, and this set-up does not say so", "Write {said}"
+        raise DescriptionError(what, remedy, described.source, line, said=said)
+    text = "\n".join([*lines[:line], said, *lines[line:]])
+    machine, prior = described.machine, described.prior_text
+    kept = {"usual_doubts": described.usual_doubts, "fine_knots": machine.fine_knots}
+    return campaign_from_texts(text, described.source, machine.text, described.machine_source, prior_text=prior, **kept)
+
+
 def as_exact(described: CampaignDescription) -> CampaignDescription:
     """Return the campaign if all that is stated were exact, and nothing besides went wrong: the model of the paper."""
     before = described.machine
@@ -216,7 +242,7 @@ def _described(
         raise DescriptionError("nothing would ever stop this campaign", remedy, document.path, document.line("target"))
     _refuse_budget(target, setups, document)
     usual = table.usual == "on"
-    machine = usual_machine(machine, setups) if usual else machine
+    machine = usual_machine(machine, setups, printer) if usual else machine
     source = str(document.path)
     return CampaignDescription(
         machine=machine,

@@ -192,6 +192,7 @@ class SetupTable(Table):
     # Before what is read by it: pydantic goes from key to key.
     instrument: Annotated[str, ReadAs(str, _instrument)] = Field(examples=['"interferometer"'])
     direction: Direction | None = Field(None, examples=['"x"'])
+    offset: Spot | None = Field(None, examples=['["-33 mm", "-46 mm", "0 mm"]'])
     temperature: Warm | None = Field(None, examples=['"22.5 degC"'])
     temperature_std: Warmth | None = Field(None, examples=['"0.2 K"'])
     expansion: Annotated[float, QuantityOf("expansion")] | None = Field(None, examples=['"11.7 um/m/K"'])

@@ -38,6 +38,8 @@ UNSAID = (
     "# compensation_active = false    # whether a table or backlash compensation is active on the control meanwhile"
 )
 """Of campaign.toml, where nobody knows whether a compensation is active."""
+UNSAID_OFFSET = '# offset = ["-33 mm", "-46 mm", "0 mm"]'
+"""The same, where nobody knows where the probe stands."""
 
 
 def first_campaign(machine: Machine, source: str, instruments: Sequence[str], target: str, active: str = UNSAID) -> str:

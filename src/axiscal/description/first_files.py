@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.campaign_schema import SCHEMAS
-from axiscal.description.first_campaign import OFFERED, UNSAID, first_campaign, templates
+from axiscal.description.first_campaign import OFFERED, UNSAID, UNSAID_OFFSET, first_campaign, templates
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import IniMachine, machine_of
 from axiscal.description.printer_file import is_printer_file, read_printer
@@ -23,8 +23,9 @@ from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.language.spoken import LANGUAGES, later, said, speaking
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.axis import letter_direction
+from axiscal.measurement.readers.probe_offset import Beside
 from axiscal.measurement.readers.text_file import read_text
-from axiscal.units import from_unit, parse_quantity, to_unit
+from axiscal.units import format_quantity, from_unit, parse_quantity, to_unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,11 +33,13 @@ class Beginning:
     """A machine to begin with.
 
     text : of machine.toml; active : the line of campaign.toml on compensation; look : what could not be read
+    beside : how far a probe stands beside the tool point along x and y, m; None where nobody said
     """
 
     text: str
     active: str = UNSAID
     look: tuple[str, ...] = ()
+    beside: Beside | None = None
 
 
 class FirstFiles(NamedTuple):
@@ -125,7 +128,9 @@ def of_printer(file: Path, chain: str | None = None) -> Beginning:
     if chain is None:
         look.append(said("which axes carry the workpiece (chain = {chain} is supposed)", chain=f'"{found.chain}"'))
     return Beginning(
-        f"# From {file.name} of Klipper; errors as printers usually have them.\n\n{text}", look=tuple(look)
+        f"# From {file.name} of Klipper; errors as printers usually have them.\n\n{text}",
+        look=tuple(look),
+        beside=found.beside,
     )
 
 
@@ -205,6 +210,9 @@ def first_files(begun: Beginning, instruments: Sequence[str], target: str) -> Fi
         parse_quantity(target, "length")
     machine = _with_stylus(begun.text) if "sphere" in instruments else begun.text
     text = first_campaign(machine_from_text(machine), "machine.toml", instruments, target, begun.active)
+    if begun.beside is not None:
+        x, y = (format_quantity(each, "mm", 6) for each in begun.beside)
+        text = text.replace(UNSAID_OFFSET, f'offset = ["{x}", "{y}", "0 mm"]', 1)
     setups = len(campaign_from_texts(text, said("campaign.toml (not written)"), machine, "machine.toml").setups)
     texts = {
         "machine.toml": f"#:schema ./machine.schema.json\n{machine.rstrip()}\n",

@@ -76,9 +76,6 @@ class IniFile:
 
 def read_ini(path: Path) -> IniFile:
     """Return an INI file of LinuxCNC; raises ReadingError for no file, DescriptionError with the line that is none."""
-    if path.suffix == ".cfg":
-        remedy = "Of a printer, begin with `axiscal init DIR --from printer.cfg --instrument probe`"
-        raise DescriptionError("This is no INI file of a LinuxCNC", remedy, path)
     read = IniFile(path)
     section = ""
     for file, number, line in _lines(path):

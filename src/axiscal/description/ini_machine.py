@@ -37,7 +37,7 @@ class IniAxis:
     """One axis, in its unit (`mm`, `in`, `deg`, `rad`) and seconds.
 
     joints : their numbers; low, high : its limits; speed, acceleration : None where nobody said
-    home : where it stands after homing
+    home : where it stands after homing; diameters : a lathe's display shows diameters of it
     """
 
     letter: str
@@ -48,6 +48,7 @@ class IniAxis:
     speed: float | None
     acceleration: float | None
     home: float | None
+    diameters: bool = False
 
     @property
     def rotary(self) -> bool:
@@ -158,7 +159,7 @@ def _axis(
     kind = "ANGULAR" if letter in "ABC" else "LINEAR"
     fallback = {key: ini.get("TRAJ", f"MAX_{kind}_{key}") for key in ("VELOCITY", "ACCELERATION")}
     speed, hardest = (ini.first(places, f"MAX_{key}") or fallback[key] for key in ("VELOCITY", "ACCELERATION"))
-    home = ini.first(places[1:], "HOME")
+    home, lathe = ini.first(places[1:], "HOME"), ini.get("DISPLAY", "LATHE")
     return IniAxis(
         letter=letter,
         unit=unit,
@@ -168,6 +169,7 @@ def _axis(
         speed=_positive(speed, "MAX_VELOCITY"),
         acceleration=_positive(hardest, "MAX_ACCELERATION"),
         home=None if home is None else home.number("HOME"),
+        diameters=letter == "X" and lathe is not None and lathe.text not in ("", "0"),
     )
 
 

@@ -28,9 +28,9 @@ from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.readers.csv_table import parse_table, read_approach, read_position
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.readers.touch_log import LISTS, LoggedTouch, TouchLog, plan_code, read_touch_log
-from axiscal.measurement.reading import Reading, refuse_other_values
+from axiscal.measurement.reading import Reading, in_radii, refuse_other_values
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.touched import TOUCHES, met_from, read_as
+from axiscal.measurement.touched import TOUCHES, met_from, off_ball, read_as
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 
@@ -142,13 +142,10 @@ def _reading(
     machine, line = campaign.machine, touched[0].line
     try:
         setup = campaign.setup(planned.setup)
-        pose = np.array(placed_pose(setup, machine, planned.position))
-        hits = []
-        for touch in touched:
-            hit = pose.copy()
-            hit[[machine.index(axis) for axis in "XYZ"]] = touch.at
-            hits.append(hit)
-        value, *others = read_as(machine, setup, pose, hits, met_from(machine, pose))
+        pose = np.array(placed_pose(setup, machine, in_radii(planned.position, machine.axes)))
+        hits = np.tile(pose, (len(touched), 1))
+        hits[:, [machine.index(axis) for axis in "XYZ"]] = [touch.at for touch in touched]
+        value, *others = read_as(machine, setup, pose, list(hits), met_from(machine, pose))
     except InputError as failure:
         what = "reading {number}: {fault}"
         raise ReadingError(what, failure.remedy, file, line, number=number, fault=failure.what) from None
@@ -227,7 +224,7 @@ def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int])
 
 
 def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
-    setup, sign = _setup_of(row, campaign)
+    setup, sign = setup_of(row, campaign)
     named = values_of(setup) == 1 or row.by_station == bool(setup.stations)
     refuse_other_values(setup, 1 + len(row.others) if named else 0, row.dimension)
     _refuse_other_base(row, setup)
@@ -235,14 +232,16 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     if row.test is not None:
         moving = campaign.machine.axes[setup.moves[0]].name
         position, approach = {moving: position[""]}, {moving: approach[""]}
-    pose = placed_pose(setup, campaign.machine, position)
+    pose = placed_pose(setup, campaign.machine, in_radii(position, campaign.machine.axes))
     directions = placed_approach(setup, campaign.machine, approach)
-    value, others = sign * row.value, row.others
-    reading = Reading(setup.name, pose, directions, value, row.std, row.line, others=others, time=row.time)
+    value, *others = sign * row.value, *row.others
+    if row.met:
+        value, *others = off_ball(campaign.machine, setup, np.array(pose), (value, *others))
+    reading = Reading(setup.name, pose, directions, value, row.std, row.line, others=tuple(others), time=row.time)
     return replace(reading, number=row.number, check=row.check)
 
 
-def _setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:
+def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:
     """Return the set-up of a reading, and −1 where it reads against the error that the file names."""
     if row.setup:
         return campaign.setup(row.setup), 1

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from axiscal.description.ini_file import IniFile, IniValue
+from axiscal.measurement.readers.probe_offset import Beside, offset_in
 from axiscal.measurement.readers.text_file import read_text
 
 _SECTION = re.compile(r"\[\s*([^\]]+?)\s*\].*")
@@ -25,6 +26,7 @@ class PrinterFile:
 
     travels : lower and upper end of X, Y and Z, mm; that of Z begins at the bed
     speeds, accelerations : mm/s and mm/s² of the axes of which it says any
+    beside : how far the probe stands beside the nozzle, m; None where no section says it
     """
 
     kinematics: str
@@ -32,6 +34,7 @@ class PrinterFile:
     travels: dict[str, tuple[float, float]]
     speeds: dict[str, float]
     accelerations: dict[str, float]
+    beside: Beside | None
 
 
 def is_printer_file(path: Path) -> bool:
@@ -58,7 +61,8 @@ def read_printer(path: Path) -> PrinterFile:
         }
         for of in ("velocity", "accel")
     )
-    return PrinterFile(stated.text, _CHAINS[stated.text], travels, speeds, accelerations)
+    beside = offset_in("\n".join(read_text(path).lines))
+    return PrinterFile(stated.text, _CHAINS[stated.text], travels, speeds, accelerations, beside)
 
 
 def _sections(path: Path) -> IniFile:

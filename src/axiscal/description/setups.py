@@ -24,7 +24,7 @@ from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
 from axiscal.measurement.instrument import INSTRUMENTS, PRINTER_PROBE, Instrument, model_of
-from axiscal.measurement.instruments.displacement import SQUARE
+from axiscal.measurement.instruments.displacement import SQUARE, Displacement
 from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.instruments.kind import TOOL, Rotation
 from axiscal.measurement.setup import Nodes, Setup, Unknown, Vector
@@ -110,6 +110,7 @@ class _Reader(SiteReader):
             name=table.name,
             instrument=usual.name,
             direction=direction,
+            offset=self._offset(usual),
             moves=site.moves,
             park=site.park,
             noise=math.hypot(noise, table.resolution / math.sqrt(12.0)),
@@ -181,6 +182,18 @@ class _Reader(SiteReader):
             remedy = "Take direction out"
             raise DescriptionError("a {instrument} has no direction of its own", remedy, instrument=usual.name)
         return given or (_DIAGONAL, _DIAGONAL, _DIAGONAL)
+
+    def _offset(self, usual: Instrument) -> Vector | None:
+        """Return where the point stands that is looked at; only of an instrument that reads one length along a line."""
+        offset = self._table.offset
+        if offset is not None and not isinstance(usual.model, Displacement):
+            what = "an angle is the same beside the tool point"
+            remedy = "Take offset out"
+            if usual.model.reads == "length":
+                what, remedy = "a {instrument} reads the tool point itself", "State its length as that of the tool"
+            with self._at("offset"):
+                raise DescriptionError(what, remedy, instrument=usual.name)
+        return offset
 
     def _reach(self, moves: tuple[int, ...]) -> tuple[tuple[float, float], ...] | None:
         if not self._table.reach:

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry, PlaneEntry, Sure, side_name
+from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
@@ -105,6 +106,14 @@ GROWTH = Cause(
 OFFSET = Cause(
     "offset from the line that was read", "distance times pitch and yaw that are not described", 20e-6, "rad", 1.0,
     "a third of the 60 urad that ISO 10791-2 allows (remembered, not from its text)",
+)  # fmt: skip
+ANGLE = Cause(
+    "angle beside the tool point", "as an error, where none is described", OFFSET.size, "rad", SURE["roughly"],
+    "as for the offset from the line",
+)  # fmt: skip
+ANGLE_OF_PRINTER = Cause(
+    "angle of a printer beside the nozzle", "as an error, where none is described", 1.5e-3, "rad", SURE["roughly"],
+    "six published twists of X: 0.03 to 0.34 mm at some 35 mm, so 1 to 10 mrad from end to end",
 )  # fmt: skip
 NOISE = Cause("noise", "white", 1.0, "noise as stated", 2.0, "seating again scatters 3 to 7 still noises")
 """Factor: a stated noise is rarely off by more, and repeats tell it."""
@@ -191,25 +200,44 @@ NONE_VARY = Sizes(())
 """All sizes are as stated."""
 
 
+_NO_LEVER = 1e-6
+"""m: rounding."""
 _LENGTH = 0.25
 """Of the travel: the length of an error of which none is stated."""
 _TOGETHER_KNOTS, _TOGETHER_LENGTH = 5, 0.3
 """Knots, and length as a share of the travel, along each side of what two axes do together."""
 
 
-def usual_machine(machine: Machine, setups: Sequence[Setup]) -> Machine:
+def usual_machine(machine: Machine, setups: Sequence[Setup], printer: bool = False) -> Machine:
     """Return the machine with what usually goes wrong in it.
 
     Each curve has its usual length and its rough part; each stated period has a wave. Two linear axes that move in one
-    set-up have an error of both together.
+    set-up have an error of both together. Angles that an instrument beside the tool point sees are there.
+
+    printer : its axes are those of a 3D printer
     """
-    errors = [_as_usual(entry, machine.axis(entry.axis)) for entry in machine.errors]
+    angles = (ErrorEntry(name, (ANGLE_OF_PRINTER if printer else ANGLE).size) for name in _angles(machine, setups))
+    errors = [_as_usual(entry, machine.axis(entry.axis)) for entry in (*machine.errors, *angles)]
     stated = {entry.name for entry in errors}
     waves = [wave for entry in errors for wave in _wave(entry) if wave.name not in stated]
     planes = [replace(entry, rest=_usual_rest(entry), rest_estimated=False) for entry in machine.planes]
     known = {frozenset((entry.component, *entry.axes)) for entry in planes}
     together = [plane for plane in _together(machine, setups) if frozenset((plane.component, *plane.axes)) not in known]
     return replace(machine, errors=(*errors, *waves), planes=(*planes, *together))
+
+
+def _angles(machine: Machine, setups: Sequence[Setup]) -> list[str]:
+    """Return the angles of linear axes that set-ups beside the tool point see, and that are not described."""
+    found = dict[str, None]()
+    for setup in setups:
+        at = frames(machine, np.array([setup.park]))
+        arm = at.tool[0] @ np.array(setup.offset or (0.0, 0.0, 0.0))
+        for axis in (k for k in setup.moves if not machine.axes[k].rotary):
+            levers = np.cross(at.rotations[axis, 0].T, arm) @ np.array(setup.direction)
+            names = (f"E{letter}{machine.axes[axis].name}" for letter in "ABC")
+            found |= {name: None for name, lever in zip(names, levers, strict=True) if abs(lever) > _NO_LEVER}
+    stated = {entry.name for entry in machine.errors}
+    return [name for name in found if name not in stated]
 
 
 def _wave(entry: ErrorEntry) -> Iterator[ErrorEntry]:

@@ -87,6 +87,12 @@ def mistake_words(each: Explained, known: Estimation) -> str:
         return said(what, setup=names[0], factor=each.factor, reading=known.name_of(each.reading))
     if each.mistake == "shifted":
         return said('the values of "{setup}" belong to the place before or after. Check their order', setup=names[0])
+    if each.mistake == "frame":
+        what = (
+            'the values of "{setup}" are along the machine\'s x, y, z, which do not turn with the table. Give what the '
+            "control found as found_x_mm, found_y_mm, found_z_mm"
+        )
+        return said(what, setup=names[0])
     return said('the values of "{setup}" and "{other}" are swapped', setup=names[0], other=names[1])
 
 
@@ -208,6 +214,8 @@ def change_words(accepted: Accepted) -> str:
         return said(what, setup=name, number=accepted.reading)
     if accepted.mistake == "swapped":
         return said('"{setup}" and "{other}" exchange their values', setup=name, other=accepted.setups[1])
+    if accepted.mistake == "frame":
+        return said('the values of "{setup}" so far are turned from the machine to the workpiece', setup=name)
     if accepted.mistake != "shifted":
         what = 'the values of "{setup}" so far are multiplied by {factor:.6g}'
         if accepted.reading:

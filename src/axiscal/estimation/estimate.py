@@ -18,7 +18,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.detail import as_fine_as_shown
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import Doubt, judged
-from axiscal.estimation.learnt import posed, posterior_of, turned, without_bad
+from axiscal.estimation.learnt import other_ways, posed, posterior_of, without_bad
 from axiscal.estimation.located import absorbed, bent, located, refuse_mirrors, taken_as_normal
 from axiscal.estimation.membership import membership
 from axiscal.estimation.promise.posterior import Sorted
@@ -94,7 +94,7 @@ def _answered(case: Case, known: Estimation, kept: Sorted | None = None) -> Esti
     if kept is None:
         return known if stays else replace(known, posterior=posterior_of(at, taken, known.implausible))
     kept = kept if stays else kept.where(posed(at, taken))
-    return replace(known, posterior=kept.posterior(turned(at, taken), at.about_volume))
+    return replace(known, posterior=kept.posterior(*other_ways(at, taken), at.about_volume))
 
 
 def _of_likeliest(stated: Case, found: Callable[[int], Estimation], first: int) -> Estimation:

@@ -6,15 +6,18 @@ from collections.abc import Collection, Iterator, Sequence
 from itertools import combinations
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.promise.agreement import Turned
+from axiscal.estimation.promise.agreement import Framed, Turned
 from axiscal.estimation.promise.posterior import Posterior, Sorted, sorted_out
 from axiscal.estimation.promise.problem import Problem, problem
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instruments.distance import Nest
 from axiscal.measurement.reading import Reading
+from axiscal.record.accepted import in_workpiece
 
 
 def posterior_of(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Posterior:
     """Return the posterior of readings where a case has them linear.  case : with the sizes as stated"""
-    return without_bad(case, readings, implausible).posterior(turned(case, readings), case.about_volume)
+    return without_bad(case, readings, implausible).posterior(*other_ways(case, readings), case.about_volume)
 
 
 def without_bad(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Sorted:
@@ -27,6 +30,24 @@ def without_bad(case: Case, readings: Sequence[Reading], implausible: Collection
 def posed(case: Case, readings: Sequence[Reading]) -> Problem:
     """Return readings as a problem, linear where a case has them so.  case : with the sizes as stated"""
     return problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
+
+
+def other_ways(case: Case, readings: Sequence[Reading]) -> tuple[Iterator[Turned], Iterator[Framed]]:
+    """Return the readings as problems if they were read otherwise than said; none is made before it is asked for."""
+    return turned(case, readings), framed(case, readings)
+
+
+def framed(case: Case, readings: Sequence[Reading]) -> Iterator[Framed]:
+    """Yield the readings as a problem for each set-up whose three values may be along the machine's own x, y, z.
+
+    They are other values only where its workpiece turns from reading to reading.
+    """
+    machine = case.description.machine
+    for index, setup in enumerate(case.description.setups):
+        mine = [reading for reading in readings if reading.setup == setup.name]
+        turns = any(machine.axes[k].rotary and machine.axes[k].workpiece_side for k in setup.moves)
+        if mine and turns and type(INSTRUMENTS[setup.instrument].model) is Nest:
+            yield index, posed(case, in_workpiece(machine, readings, setup.name))
 
 
 def turned(case: Case, readings: Sequence[Reading]) -> Iterator[Turned]:

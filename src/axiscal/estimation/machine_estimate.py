@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import NamedTuple
@@ -126,8 +126,16 @@ class Estimate:
         poses, approaches : (m, q)
         """
         expected = deviation_of(self.model, self.mean, poses, approaches).displacement
+        return self._with_rests(expected, self.model.levers, poses)
+
+    def rotation(self, poses: Array, approaches: Array) -> Array:
+        """Return the rotation of the tool that is expected by the exact chain, (m, 3), rad; arguments as above."""
+        expected = deviation_of(self.model, self.mean, poses, approaches).rotation
+        return self._with_rests(expected, self.model.angular_levers, poses)
+
+    def _with_rests(self, expected: Array, levers_at: Callable[[Array], Array], poses: Array) -> Array:
         if self.rests:
-            levers = self.model.levers(poses)
+            levers = levers_at(poses)
             for index in self.rests:
                 at = self.model.terms[index].coordinates(poses)
                 expected = expected + self.rest_at(index, at)[:, None] * levers[index]

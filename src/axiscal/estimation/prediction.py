@@ -13,6 +13,7 @@ from axiscal.estimation.functionals.asked import beside_the_line
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.csv_table import RawPose
+from axiscal.measurement.reading import in_radii
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.units import to_unit
@@ -58,14 +59,18 @@ def tcp_prediction(estimation: Estimation, poses: Array, approaches: Array) -> t
 
 def _placed(raw: RawPose, machine: Machine, file: Path) -> tuple[list[float], list[float]]:
     names = [axis.name for axis in machine.axes]
-    for name in (*raw.position, *raw.approach):
+    try:
+        position = in_radii(raw.position, machine.axes)
+    except ReadingError as failure:
+        raise ReadingError(failure.what, failure.remedy, file, raw.line) from None
+    for name in (*position, *raw.approach):
         if name not in names:
             what = 'the machine has no axis "{name}"'
             raise ReadingError(what, "Its axes are {known}", file, raw.line, name=name, known=", ".join(names))
     pose = []
     for axis in machine.axes:
         low, high = axis.travel
-        at = raw.position.get(axis.name, (low + high) / 2)
+        at = position.get(axis.name, (low + high) / 2)
         if not low - _SLACK <= at <= high + _SLACK:
             what, shown = "{axis} = {shown} is outside the travel", f"{to_unit(at, axis.unit):g} {axis.unit}"
             remedy, travel = "{axis} goes from {travel}", axis.travel_text

@@ -26,7 +26,7 @@ from axiscal.measurement.instruments.kind import TOOL, Nominal
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup, Unknown
-from axiscal.numerics import Array
+from axiscal.numerics import Array, rigid
 from axiscal.tables.surface import Control
 
 GUARD = 1.645
@@ -220,7 +220,9 @@ def added_to_values(machine: Machine, setup: Setup, poses: Array, approaches: Ar
     if setup.base is not None:
         return np.zeros((len(poses), len(each)))
     before, after = frames(machine, poses), frames(machine, poses + control(poses, approaches))
-    moved = after.tcp - before.tcp if model.reads == "length" else turn_between(before.tool, after.tool)
     nominal = Nominal(machine, poses, setup.moves, approaches=approaches)
+    moved = turn_between(before.tool, after.tool)
+    if model.reads == "length":
+        moved = after.tcp - before.tcp + rigid.cross(moved, nominal.arm(setup))
     ways = [model.direction_of(setup, along, nominal) for along in each]
     return np.stack([np.sum(way * moved, axis=1) for way in ways], axis=1)

@@ -34,6 +34,7 @@ from axiscal.measurement.candidates import distinct, drawn_places
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.distance import Nest, Tracker
+from axiscal.measurement.instruments.kind import Nominal, levers_at
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import places_of
@@ -92,8 +93,15 @@ def expected(
         tips = estimate.deviation(places.poses, places.approaches)
     else:
         tips = left_by(estimate.machine, estimate.deviation, control, places.poses, places.approaches)
-    rows = np.einsum("mcn,mc->mn", estimate.model.rows(places.poses, places.approaches)[values.of], values.directions)
-    levers = np.einsum("fmc,mc->mf", estimate.model.levers(places.poses)[:, values.of], values.directions)
+    model, arm = estimate.model, np.zeros((len(places), 3))
+    for index, mine in places.by_setup():
+        arm[mine] = Nominal(model.machine, places.poses[mine], setups[index].moves).arm(setups[index])
+    seen = levers_at(model, places.poses, arm)
+    aside = model.along((seen - model.levers(places.poses)).transpose(2, 0, 1), places.poses, places.approaches)
+    tips = tips + (aside @ estimate.mean).T
+    shown = model.along(seen.transpose(2, 0, 1), places.poses, places.approaches).swapaxes(0, 1)
+    rows = np.einsum("mcn,mc->mn", shown[values.of], values.directions)
+    levers = np.einsum("fmc,mc->mf", seen[:, values.of], values.directions)
     rests = levers * np.array([function.rest for function in estimate.model.terms])
     loose = np.diag(np.sqrt(np.sum(rests**2, axis=1)))
     return np.sum(tips[values.of] * values.directions, axis=1), np.hstack([rows @ estimate.factor, loose])

@@ -87,6 +87,7 @@ class Axis:
     stated_overrun : m or rad, None for the usual one
     stated_turns : whole turns below and above its travel of one turn that the control allows, None where nobody said
     counting : as stated, None where nothing is said, which means ISO 841
+    diameters : of the cross slide of a lathe whose display shows diameters; coordinates here are radii all the same
     """
 
     name: str
@@ -101,6 +102,7 @@ class Axis:
     stated_overrun: float | None = None
     stated_turns: tuple[int, int] | None = None
     counting: Counting | None = None
+    diameters: bool = False
 
     @classmethod
     def named(
@@ -114,6 +116,7 @@ class Axis:
         overrun: float | None = None,
         turns: tuple[int, int] | None = None,
         counting: Counting | None = None,
+        diameters: bool = False,
     ) -> Axis:
         """Return the axis whose kind and direction follow from its name, with the usual speed where none is given.
 
@@ -129,7 +132,7 @@ class Axis:
         way = -1.0 if counting == "reversed" else 1.0
         x, y, z = (way if place == letter_direction(letter) else 0.0 for place in range(3))
         kind = (name, letter, rotary, (x, y, z), workpiece_side)
-        return cls(*kind, travel, speed, acceleration, origin, overrun, turns, counting)
+        return cls(*kind, travel, speed, acceleration, origin, overrun, turns, counting, diameters)
 
     @property
     def sign(self) -> int:
@@ -173,6 +176,11 @@ class Axis:
     def unit(self) -> str:
         """The unit in which its coordinates are written and shown: "mm" or "deg"."""
         return "deg" if self.rotary else "mm"
+
+    @property
+    def column(self) -> str:
+        """The column of its coordinates in a file, "X_mm", or "X_radius_mm" where a display shows diameters."""
+        return f"{self.name}{'_radius' * self.diameters}_{self.unit}"
 
     @property
     def travel_text(self) -> str:

@@ -107,12 +107,17 @@ def _axis(document: Document, link: Link, table: AxisTable, faults: Faults) -> A
     acceleration = faults.tried(stated.within, "acceleration", rate, 1e-9, 1e6)
     origin = faults.tried(_origin, stated, axis)
     spans = faults.tried(_spans, stated, axis)
+    faults.tried(_refuse_diameter, stated, axis)
     if len(faults.found) > before or spans is None or origin is None:
         return None
     travel, overrun, beyond = spans
-    return Axis.named(
-        axis.name, axis.workpiece_side, travel, speed, acceleration, origin, overrun, beyond, table.direction
-    )
+    said = table.direction, table.shows == "diameter"
+    return Axis.named(axis.name, axis.workpiece_side, travel, speed, acceleration, origin, overrun, beyond, *said)
+
+
+def _refuse_diameter(stated: Stated[AxisTable], axis: Axis) -> None:
+    if axis.rotary and stated.table.shows == "diameter":
+        raise stated.misstated("shows", "{axis} turns, and shows no diameter", "Take it out", axis=axis.name)
 
 
 def _spans(stated: Stated[AxisTable], axis: Axis) -> tuple[Span, float | None, tuple[int, int] | None]:

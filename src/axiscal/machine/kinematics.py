@@ -108,6 +108,14 @@ def frames(machine: Machine, poses: Array) -> Frames:
     return Frames(np.array(rotations), np.array(origins), motion.apply(tool_point(machine)), motion.rotation)
 
 
+def bed_in_workpiece(machine: Machine, poses: Array) -> Array:
+    """Return rotations that take directions of the machine's own x, y, z to those of the workpiece, (m, 3, 3)."""
+    at = frames(machine, poses)
+    first = next((k for k, axis in enumerate(machine.axes) if not axis.workpiece_side), None)
+    found: Array = at.tool if first is None else at.rotations[first]
+    return found
+
+
 def tool_motion(machine: Machine, poses: Array, small: SmallMotions) -> rigid.Motion:
     """Return orientation and TCP of the tool in the workpiece frame, exactly, nothing linearised (B&H eq. 1).
 

@@ -64,6 +64,7 @@ class AxisTable(_Table):
     )
     limits: tuple[QuantityText, QuantityText] | None = Field(None, examples=['["-720 deg", "1080 deg"]'])
     direction: Counting | None = Field(None, examples=['"reversed"', '"iso"'])
+    shows: Literal["radius", "diameter"] = Field("radius", examples=['"diameter"'])
 
 
 class ErrorTable(_Table):

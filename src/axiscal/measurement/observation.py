@@ -28,7 +28,7 @@ from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.cells import Cell, CellColumns, Course, RestEffects, add_rests, rest_effects
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.instruments.distance import location_unknowns
-from axiscal.measurement.instruments.kind import Nominal
+from axiscal.measurement.instruments.kind import Nominal, levers_at
 from axiscal.measurement.setup import About, Setup, Unknown
 from axiscal.measurement.travel import Way
 from axiscal.numerics import Array
@@ -326,7 +326,8 @@ class Observation:
         if mounted.base is not None:
             return Way(self.errors, mounted, mounted.base).levers(poses)[None]
         model, nominal = model_of(mounted), self._nominal(mounted, poses)
-        field = self.errors.levers(poses) if model.reads == "length" else self.errors.angular_levers(poses)
+        angles = model.reads == "angle"
+        field = self.errors.angular_levers(poses) if angles else levers_at(self.errors, poses, nominal.arm(mounted))
         each = [model.direction_of(mounted, along, nominal) for along in directions]
         return np.array([np.einsum("fmc,mc->fm", field, ways) for ways in each])
 

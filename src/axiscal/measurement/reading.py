@@ -6,7 +6,7 @@ People and files write places, directions and approaches in mm and deg, "-y", "X
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -178,6 +178,24 @@ _VALUE_COLUMNS = ("value_um", "value_urad", *(f"value_{name}_um" for name in ("x
 """Columns for values in a file of readings, in their order."""
 _TO_A_MICROMETRE = 6
 """Decimals of m, or rad: a reading is told from others by less, and where it was taken stands in the list."""
+
+
+def in_radii(position: Mapping[str, float], axes: Iterable[Axis]) -> dict[str, float]:
+    """Return coordinates by axis, of those that a file has as "X_radius" or "X_diameter" as well.
+
+    Raises ReadingError where a display shows diameters and the file does not say which they are, or says both.
+    """
+    found = dict(position)
+    for axis in axes:
+        radius, diameter = (found.pop(f"{axis.name}_{kind}", None) for kind in ("radius", "diameter"))
+        said = [value for value in (radius, None if diameter is None else diameter / 2) if value is not None]
+        if len(said) > 1 or (axis.diameters and axis.name in found):
+            what = "{axis} shows diameters, and this file does not say whether its {axis} is the radius or the diameter"
+            what = "{axis} is given twice" if len(said) > 1 else what
+            raise ReadingError(what, "Call the column {axis}_radius_mm or {axis}_diameter_mm", axis=axis.name)
+        if said:
+            found[axis.name] = said[0]
+    return found
 
 
 def shown_coordinate(value: float, axis: Axis) -> float:

@@ -63,6 +63,7 @@ class Setup:
     """How one instrument stands on the machine.
 
     direction : unit vector in the workpiece frame, along which a length or about which an angle is read
+    offset : of the point that is looked at from the tool point, along the tool's x, y, z, m; None where nobody said
     moves : indices of the axes that may move, in chain order
     park : (n_axes,) m or rad, where the axes stand that do not move; middle of travel for those that do
     noise : standard deviation of one reading, m or rad, what its display rounds off included
@@ -109,6 +110,7 @@ class Setup:
     reading_time: float
     raster: tuple[float, ...]
     approach: Approach
+    offset: Vector | None = None
     station: Vector | None = None
     stations: tuple[Vector, ...] = ()
     found: tuple[float, ...] | None = None

@@ -204,6 +204,26 @@ def read_as(
     return x, y, z
 
 
+def off_ball(machine: Machine, setup: Setup, pose: Array, met: Sequence[float]) -> list[float]:
+    """Return how far the tool point is off the ball of a pose (q,), (3,) m, workpiece frame.
+
+    met : X, Y, Z of the machine where a control found the ball, m. Raises ReadingError where there is none.
+    """
+    if setup.artefact is None:
+        what = 'found_x, found_y and found_z are where a ball was found, and "{setup}" reads none'
+        raise ReadingError(
+            what, "Name an artefact in the set-up, or give value_x, value_y and value_z", setup=setup.name
+        )
+    names = [machine.axes[k].name for k in linear_axes(machine)]
+    if sorted(names) != ["X", "Y", "Z"]:
+        what = "found_x, found_y and found_z are places of X, Y and Z, and the linear axes are {names}"
+        raise ReadingError(what, "Give value_x, value_y and value_z", names=", ".join(names))
+    at = pose.copy()
+    at[[machine.index(name) for name in "XYZ"]] = met
+    off: list[float] = (stated(setup, machine, pose) - frames(machine, at[None]).tcp[0]).tolist()
+    return off
+
+
 def touch_frames(machine: Machine, poses: Array) -> Array:
     """Return where a sphere is met, (m, 3, 3): unit vectors of its first side, its second side and its pole.
 

@@ -41,6 +41,7 @@ from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Reading, place_text, reading_unit, value_names
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.numerics import Array
+from axiscal.present.beside import beside_the_tool
 from axiscal.present.summary import Finding
 from axiscal.units import format_quantity, said_quantity, to_unit
 
@@ -249,6 +250,7 @@ def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
     return [
         *coarse_displays(estimation.readings, estimation.stated.description.setups),
         *_unobservable(estimation),
+        *beside_the_tool(estimation),
         *_outliers(estimation, ended),
         *learnt_sizes(estimation),
         *(Finding("drift", None, listed(" ", found)) for found in drifted if found),

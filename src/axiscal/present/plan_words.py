@@ -66,7 +66,13 @@ def reach_text(reach: ReachAnswer, rows: Sequence[PlannedRow] = ()) -> str:
 
 def open_questions(description: CampaignDescription) -> list[str]:
     """Return what descriptions leave open: sizes that can hardly be meant, a compensation that may be active."""
-    open_yet = unasked(description), unused_artefacts(description.text), *(each.words for each in description.unsourced)
+    open_yet = [unasked(description), unused_artefacts(description.text)]
+    open_yet += [each.words for each in description.unsourced]
+    beside = (
+        'How far does the probe of "{setup}" stand beside the nozzle? Write it as offset = ["-33 mm", "-46 mm", '
+        '"0 mm"], from the nozzle; until then it is taken to stand at the nozzle, where no axis that rolls deceives it.'
+    )
+    open_yet += [said(beside, setup=name) for name in description.unsaid_offsets]
     return [question for question in (*questions(description.machine), *open_yet) if question]
 
 

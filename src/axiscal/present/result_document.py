@@ -38,13 +38,13 @@ def _readings(summary: Summary) -> Iterator[Sequence[str]]:
     stds = list(dict.fromkeys(f"std_{row.unit}" for row in rows if row.std is not None))
     clock = ["time"] if all(row.time is not None for row in rows) else []
     drawn = ["check"] if any(row.check for row in rows) else []
-    places = [f"{axis}_{axis_unit(axis)}" for axis in axes]
-    names = ["reading", "setup", *places, "approach", *values, *stds, *clock, *drawn]
+    columns = {axis: f"{axis}{'_radius' * (axis in summary.radii)}_{axis_unit(axis)}" for axis in axes}
+    names = ["reading", "setup", *columns.values(), "approach", *values, *stds, *clock, *drawn]
     yield [*names, *FOUND]
     for row in rows:
         cells = {"reading": str(row.reading), "setup": row.setup or "", "approach": row.approach}
         at = {axis: coordinate(each, "a position in a CSV file") for axis, each in (row.position or {}).items()}
-        cells |= {f"{axis}_{axis_unit(axis)}": f"{each:.12g}" for axis, each in at.items()}
+        cells |= {columns[axis]: f"{each:.12g}" for axis, each in at.items()}
         cells |= zip(row.columns, map(_figure, row.values), strict=True)
         cells |= {f"std_{row.unit}": _figure(row.std), "time": f"{_figure(row.time)} s", "check": "yes" * row.check}
         found = [*map(_figure, (row.innovation, row.surprise)), "no" if row.rejected else "yes"]

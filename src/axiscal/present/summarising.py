@@ -203,6 +203,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         title=said("Calibration of {machine}", machine=description.machine.name),
         machine=description.machine.name,
         chain=description.machine.chain,
+        radii=[axis.name for axis in description.machine.axes if axis.diameters],
         campaign_file=description.source,
         date=datetime.fromisoformat(campaign.begun).date().isoformat(),
         setups=[_setup_use(setup, campaign) for setup in description.setups],

@@ -219,6 +219,7 @@ class Summary:
     answer : what is said first; without what tables leave until they are made
     agreement_words : whether the readings agree, in a sentence, "" before the first
     controller : whose tables make what pictures and `volume` show as left
+    radii : the axes whose displays show diameters
     mistakes : what explains readings that contradict, the likeliest first: its kind, odds, set-ups, and in words
     """
 
@@ -266,6 +267,7 @@ class Summary:
     checksums: Mapping[str, str] = field(default_factory=dict)
     ended: str = ""
     nonlinearity: float | None = None
+    radii: Sequence[str] = ()
 
     @property
     def each_check(self) -> Sequence[tuple[int, CheckReading]]:

@@ -61,7 +61,8 @@ class Dialect:
     """One control's words.
 
     title : its name for people; suffix : of its files; notes : what must be known of it
-    opening : puts the control into a known state, {name} {number} of the program, {axes} by commas; closing : ends it
+    opening : puts the control into a known state, {name} {number} of the program, {axes} by commas, {zeros} each with a
+        nought: nothing in force scales, mirrors, turns or offsets a motion then; closing : ends it
     move : a straight move in machine coordinates; dwell : a wait, {s} seconds or {ms} whole milliseconds
     stop : halts until somebody presses start; proof : checked after it for each axis, from {first} and {second} on
     pause : halts while the tool point is held; comment : a line of its own, of plain words {text}
@@ -133,6 +134,7 @@ class Dialect:
         log = self.logging() if logs else None
         closing = self.closing if log is None or log.closing is None else log.closing
         given = {"name": name, "number": number, "axes": ",".join(axis.name for axis in axes)}
+        given["zeros"] = " ".join(f"{axis.name}0" for axis in axes)
         begun = [*(() if log is None else log.declared), *filled(self.opening, **given)]
         blocks = [*begun, *lines, *filled(closing, **given)]
         if self.numbered:

@@ -7,26 +7,30 @@ variables). Variable #5021… is the machine position of each axis, #5041… its
 They agree for every axis if G54 is the machine's zero. A stop may change offsets, and jogging with manual absolute off
 shifts them. So the proof follows every M0, which also ends reading ahead. G49 alone may move an axis, so it must be in
 force. In cutting mode (G64) a block begins while the one before still brakes: an overrun would be cut short. G4 P is a
-whole number of milliseconds.
+whole number of milliseconds. G15, G50, G50.1 and G69 end polar coordinates, scaling, mirror image, and rotation or a
+tilted plane (B-63944EN, preparatory functions); each is an option.
 
 HEIDENHAIN Klartext of iTNC 530, TNC 640 and their kin: M91 in each block means the machine datum.
 
 Klartext is absolute, and the unit is said when a program begins and ends. Cycle 9 dwells in seconds where it is
-defined. Cycle 4 measures in 3-D along a vector, result from Q1 on, drawn back by MB afterwards.
+defined. Cycle 4 measures in 3-D along a vector, result from Q1 on, drawn back by MB afterwards. Cycles 8, 10 and 11
+without an axis, with 0 and with 1 end mirror image, rotation and scaling (user's manual, cycle programming).
 
-ISG kernel (TwinCAT CNC): with no kinematics, offset or tool, coordinates are the machine's; #TIME waits.
+ISG kernel (TwinCAT CNC): with no kinematics, offset or tool, coordinates are the machine's; #TIME waits. G20 ends
+mirror images, G52 diameters of a lathe (programming manual; TF5200, turning functions).
 
 How such a control writes what it measured was not to be found out: it has no log.
 
-LinuxCNC 2.8 or later, set up in mm or in inches (RS-274/NGC): G21 holds for machine coordinates too.
+LinuxCNC 2.8 or later, set up in mm or in inches (RS-274/NGC): G21 and G8 (radii) hold for machine coordinates too.
 
 G53 goes with G1 and holds for its block only; G4 P is in seconds. The length of the tool comes before M428, for with
 that in force a new one would move the axes by tens of millimetres. A feed is that of X Y Z, and of the rotary axes
 where these stay.
 
-SINUMERIK 840D/828D in its own language, not in ISO mode: SUPA takes every offset out of its block.
+SINUMERIK 840D/828D in its own language, not in ISO mode: SUPA takes every frame out of its block.
 
-G4 F is in seconds.
+G4 F is in seconds. TRANS alone deletes all of the programmable frame: shift, rotation, scale and mirror image, which
+would act on a step that is not in machine coordinates. DIAMOF counts radii (programming manual, fundamentals).
 """
 
 from axiscal.language.spoken import later
@@ -46,7 +50,8 @@ FANUC = Dialect(
         "first; custom macro B must be there. The program compares machine and work position after each of "
         "its stops, and ends with alarm 3001 if they differ or if a tool length offset is in force.",
         "The comparison takes the control's first axes, as many as the machine description has: they must be these.",
-        "No rotation, scaling, mirror image, tilted plane or tool centre point control may be in force.",
+        "Its head ends polar coordinates (G15), scaling (G50), mirror image (G50.1), rotation and tilted planes (G69): "
+        "take out a line whose option the control does not have. No tool centre point control may be in force.",
         "Coordinates have three decimals (IS-B): a reading is where the list says, which may be 0.0005 off the plan.",
         "G61 (exact stop) is in force while the program runs and G64 (cutting mode) after it.",
         "Programs are O1001, O1002 and so on, one for each set-up: rename them where these numbers are taken.",
@@ -56,6 +61,10 @@ FANUC = Dialect(
         "O1{number:03}",
         "IF[#4008NE49]GOTO9000",
         "G21 G90 G94 G17 G40 G49 G80",
+        "G15",
+        "G50",
+        "G50.1 {zeros}",
+        "G69",
         "M5",
         "M9",
         "G54",
@@ -130,9 +139,19 @@ HEIDENHAIN = Dialect(
         "Never tried on a control: run it in the test run first, then block by block at reduced feed.",
         "Call the tool (or tool 0) by hand before: the program has no TOOL CALL. M91 leaves out datum and tool length.",
         "Before it starts, M128 or FUNCTION TCPM, a tilted plane, M116 and M126 must be off: turning axes move in "
-        "deg/min and do not take the short way.",
+        "deg/min and do not take the short way. So must be a scaling of single axes (cycle 26).",
     ),
-    opening=("BEGIN PGM {name} MM", "M5", "M9"),
+    opening=(
+        "BEGIN PGM {name} MM",
+        "CYCL DEF 8.0 MIRROR IMAGE",
+        "CYCL DEF 8.1",
+        "CYCL DEF 10.0 ROTATION",
+        "CYCL DEF 10.1 ROT+0",
+        "CYCL DEF 11.0 SCALING",
+        "CYCL DEF 11.1 SCL 1",
+        "M5",
+        "M9",
+    ),
     closing=("M30", "END PGM {name} MM"),
     numbered=True,
     signed=True,
@@ -198,11 +217,11 @@ ISG = Dialect(
     notes=(
         "Never tried on a control: run it in the simulation first, then block by block at reduced feed.",
         "G53 takes out zero offsets, D0 the tool and #TRAFO OFF the kinematics: then coordinates are those of the "
-        "axes. No #CS, #ACS, #PSET, mirroring or scaling may be in force.",
+        "axes. No #CS, #ACS, #PSET or scaling may be in force. Without the turning functions take G52 out.",
         "The feed of a block in which only rotary axes move is taken to be in deg/min.",
     ),
     # Without the name a program would be nameless in the control's messages.
-    opening=("%AXISCAL{number}", "#TRAFO OFF", "G71 G90 G94 G17 G40 G53 G60 D0", "M5 M9"),
+    opening=("%AXISCAL{number}", "#TRAFO OFF", "G71 G90 G94 G17 G40 G53 G60 D0", "G20", "G52", "M5 M9"),
     closing=("M30",),
     move="G1 {to} F{feed}",
     dwell=("#TIME {s:.3f}",),
@@ -254,11 +273,11 @@ LINUXCNC = Dialect(
         "Coordinates are in mm (G21) and deg, whatever LINEAR_UNITS says: tried with mm and with inch.",
         "Rotary axes must not be WRAPPED_ROTARY, and a five-axis kinematics must be in its joint (identity) mode.",
     ),
-    opening=("G21 G90 G94 G17 G40 G49 G80", "M5 M9", "G61"),
+    opening=("G8 G21 G90 G94 G17 G40 G49 G80", "M5 M9", "G61"),
     closing=("M2",),
     move="G53 G1 {to} F{feed}",
     dwell=("G4 P{s:.3f}",),
-    tip_on=(*_linuxcnc_at_zero("O{label}", 5226), "G43.1 Z{tool}", "M428"),
+    tip_on=(*_linuxcnc_at_zero("O{label}", 5230), "G43.1 Z{tool}", "M428"),
     tip_off=("M429", "G49"),
     tip_decimals=6,
     tip_tables=("CA", "CB"),
@@ -295,7 +314,7 @@ SINUMERIK = Dialect(
         "the tool, TRAFOOF the five-axis transformation.",
         "FGROUP names all axes, so that the feed of a turning axis is in deg/min; FGREF is taken to be as delivered.",
     ),
-    opening=("TRAFOOF", "G710 G90 G94 G17 G40 G60 D0", "M5 M9", "FGROUP({axes})"),
+    opening=("TRAFOOF", "G710 G90 G94 G17 G40 G60 D0", "DIAMOF", "TRANS", "M5 M9", "FGROUP({axes})"),
     closing=("M30",),
     move="G1 SUPA {to} F{feed}",
     dwell=("G4 F{s:.3f}",),  # it does not touch the feed of moves

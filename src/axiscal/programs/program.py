@@ -85,7 +85,7 @@ def form(readings: Sequence[Listed]) -> str:
 
 
 def _axis_columns(axes: Sequence[Axis]) -> list[str]:
-    return [f"{axis.name}_{axis.unit}" for axis in axes]
+    return [axis.column for axis in axes]
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,6 +227,7 @@ class _Writer:
             *put,
             f"READINGS {self._places[0][0]} TO {self._places[-1][0]}",
             "MACHINE COORDINATES IN MM AND DEG",
+            *(f"{axis.name} IS THE RADIUS" for axis in self._machine.axes if axis.diameters),
             f"ORDER OF MOVES {self._axes.order}",
             *(self._dialect.tip_needs if self._holds else ()),
             *(_BY_ITSELF if self.touches else _AT_BALL if self._setup.contact == "retracted" else ()),

@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from axiscal.description.placed_readings import placed_readings
+from axiscal.description.file_readings import file_readings
 from axiscal.document.ports import ours
 from axiscal.errors.model import ErrorFunction
 from axiscal.errors.prior import matern
@@ -148,7 +148,8 @@ def estimate(campaign: Case | str | Path, readings: Sequence[Reading] | str | Pa
     description = campaign.description if isinstance(campaign, Case) else ours(_CAMPAIGN)(campaign, target_needed=False)
     if isinstance(readings, str | Path):
         raw = read_any(Path(readings), description.machine.axes, description.setups)
-        file, readings = readings, placed_readings(raw, description, readings)
+        file = readings
+        description, readings = file_readings(raw, description, readings)
         refuse_implausible(readings, description, file)
     return Estimated(in_detail(case_of(description), tuple(readings)))
 

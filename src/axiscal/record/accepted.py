@@ -5,6 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from axiscal.machine import Machine, machine_from_text
+from axiscal.machine.kinematics import bed_in_workpiece
 from axiscal.measurement.reading import Reading
 
 
@@ -12,7 +16,7 @@ from axiscal.measurement.reading import Reading
 class Accepted:
     """A mistake of `estimation.promise.agreement` that a person accepted or, of a jump, told.
 
-    mistake : jump, sign, unit, swapped or shifted; setups : whose readings
+    mistake : jump, sign, unit, swapped, shifted or frame; setups : whose readings
     reading : number of the first one behind a jump or in another unit, 0 for all; behind a jump it may not be taken yet
     name : of the set-up that those before a jump then belong to
     factor : the values are multiplied by it; of shifted ones, 1 to the place behind and −1 to the place before
@@ -25,8 +29,13 @@ class Accepted:
     name: str = ""
 
 
-def put_right(readings: Sequence[Reading], accepted: Accepted) -> list[Reading]:
-    """Return the readings without the mistake; raises ValueError where they cannot have it."""
+def put_right(readings: Sequence[Reading], accepted: Accepted, machine: str = "") -> list[Reading]:
+    """Return the readings without the mistake; raises ValueError where they cannot have it.
+
+    machine : the text of machine.toml, which only another frame asks for
+    """
+    if accepted.mistake == "frame":
+        return in_workpiece(machine_from_text(machine), readings, accepted.setups[0])
     mine = [[i for i, each in enumerate(readings) if each.setup == name] for name in accepted.setups]
     if not all(mine):
         raise ValueError("a mistake of readings that there are not")
@@ -34,6 +43,21 @@ def put_right(readings: Sequence[Reading], accepted: Accepted) -> list[Reading]:
     return [right for i, each in enumerate(readings) if (right := changed.get(i, each)) is not None]
 
 
+def in_workpiece(machine: Machine, readings: Sequence[Reading], setup: str) -> list[Reading]:
+    """Return readings whose values along x, y and z of the machine are now along those of the workpiece.
+
+    Raises ValueError for readings of a set-up that has one value, or none.
+    """
+    mine = [each for each in readings if each.setup == setup]
+    if not mine or any(len(each.values) != _THREE for each in mine):
+        raise ValueError("values of a frame that are not three")
+    turned = bed_in_workpiece(machine, np.array([each.pose for each in mine]))
+    values = (turned @ np.array([each.values for each in mine])[:, :, None])[:, :, 0].tolist()
+    right = iter(replace(each, value=x, others=(y, z)) for each, (x, y, z) in zip(mine, values, strict=True))
+    return [next(right) if each.setup == setup else each for each in readings]
+
+
+_THREE = 3
 _Changed = dict[int, Reading | None]
 """By index, None for a reading that is left out."""
 
@@ -86,3 +110,5 @@ MISTAKES: Mapping[str, Callable[[Sequence[Reading], Sequence[Sequence[int]], Acc
     "swapped": _swapped,
     "shifted": _shifted,
 }
+"""Mistakes that need nothing but the readings."""
+KNOWN = (*MISTAKES, "frame")

@@ -367,7 +367,8 @@ class Folding:
         if event.mistake == "jump" and event.reading > self.highest + 1:
             raise EventOrderError(f"reading {event.reading} is not the next one")
         try:
-            self.readings = put_right(self.readings, event)
+            text = "" if self.created is None else self.created.machine_text
+            self.readings = put_right(self.readings, event, text)
         except ValueError as fault:
             raise EventOrderError(str(fault)) from None
         if event.name:

@@ -11,7 +11,7 @@ from typing import Any, TypeVar, get_args
 from axiscal.document.quoting import shown
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Place, Reading
-from axiscal.record.accepted import MISTAKES, Accepted
+from axiscal.record.accepted import KNOWN, Accepted
 from axiscal.record.events import (
     Asked,
     Continued,
@@ -156,7 +156,7 @@ _LARGEST_FACTOR = 1e4
 def _accepted(fields: Mapping[str, Any]) -> Accepted:
     mistake, name = _is(str, fields["mistake"]), _is(str, fields["name"])
     setups, factor = tuple(_is(str, each) for each in fields["setups"]), _number(fields["factor"])
-    if mistake not in MISTAKES or len(setups) != 1 + (mistake == "swapped") or len(set(setups)) != len(setups):
+    if mistake not in KNOWN or len(setups) != 1 + (mistake == "swapped") or len(set(setups)) != len(setups):
         raise ValueError(f"{mistake!r} of {len(setups)} set-ups is no mistake that can be put right")
     if not 1 / _LARGEST_FACTOR < abs(factor) < _LARGEST_FACTOR or (mistake == "shifted" and abs(factor) != 1):
         raise ValueError(f"{factor:g} is no factor of a mistake")

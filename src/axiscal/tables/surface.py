@@ -21,7 +21,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames
+from axiscal.machine.kinematics import frames, turn_between
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
@@ -84,6 +84,13 @@ def left_by(machine: Machine, deviation: Deviation, control: Control, poses: Arr
     sent = poses + control(poses, approaches)
     shifted: Array = frames(machine, sent).tcp - frames(machine, poses).tcp
     return shifted + deviation(sent, approaches)
+
+
+def turned_by(machine: Machine, rotation: Deviation, control: Control, poses: Array, approaches: Array) -> Array:
+    """Return the rotation of the tool (m, 3) that is left when the control sends the axes elsewhere, rad."""
+    sent = poses + control(poses, approaches)
+    turned: Array = turn_between(frames(machine, poses).tool, frames(machine, sent).tool)
+    return turned + rotation(sent, approaches)
 
 
 def by_linear_axes(machine: Machine) -> Callable[[Array, Array], Array]:

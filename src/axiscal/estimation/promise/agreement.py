@@ -5,7 +5,8 @@ readings agree no better with probability p = Σ w P(χ²_m ≥ Q_θ). Bonferron
 result prints twice the smaller of both. It is at most the binomial probability of as many bad ones, if more than a
 fifth of the readings is left out. Below 0.001 the readings contradict. A mistake does one of these:
 - It turns y into y' = T y: values with the wrong sign, two set-ups swapped, places shifted by one, another unit from
-  some reading on. Sizes that are learnt hide another unit, so it is sought at the sizes as stated.
+  some reading on, values along the machine's x, y, z instead of the workpiece's. Sizes that are learnt hide the last
+  two, so these are sought at the sizes as stated.
 - It turns K into that of a machine with an axis that counts the other way.
 - It adds columns: a zero that jumps, as `jumps` finds it.
 
@@ -55,12 +56,14 @@ _INCH = 25.4
 _FACTORS = (1000.0, 1 / 1000.0, _INCH, 1 / _INCH)
 """By definition: mm for um, and inches for mm."""
 
-Mistake = Literal["jump", "sign", "unit", "swapped", "shifted", "direction", "place"]
+Mistake = Literal["jump", "sign", "unit", "swapped", "shifted", "frame", "direction", "place"]
 _DESCRIBED = ("direction", "place")
 """Mistakes of a file, not of readings."""
 
 Turned = tuple[tuple[str, ...], Problem]
 """Names of axes, and the readings as a problem if these count the other way."""
+Framed = tuple[int, Problem]
+"""A set-up, and the readings as a problem if its values are along the machine's x, y, z, which do not turn with it."""
 
 
 class Explained(NamedTuple):
@@ -179,6 +182,7 @@ def agreement(
     z: Array,
     left_out: int = 0,
     turned: Iterable[Turned] = (),
+    framed: Iterable[Framed] = (),
     every: tuple[Problem, Weighed] | None = None,
     jumps: Sequence[Tried] = (),
 ) -> Agreement:
@@ -186,6 +190,7 @@ def agreement(
 
     problem : of the readings that count; z : (r,) of each of them, left out; left_out : how many others do not count
     turned : the same problem if some axes count the other way; made only where the readings contradict
+    framed : the same problem if values of a set-up are in the machine's frame; made only where sizes as stated do
     every : with the readings that are left out, where these are several; jumps : that readings tell
     """
     count = len(z)
@@ -199,8 +204,8 @@ def agreement(
     whole, weighed = every or (problem, found)
     stated = chi_square_tail(len(whole.values), weighed.drawn.stated.misfit)
     tried = [*jumps]
-    if stated < CONTRADICTS:  # sizes that are learnt hide another unit
-        tried += _units(whole, weighed)
+    if stated < CONTRADICTS:  # sizes that are learnt hide another unit, and another frame
+        tried += [*_units(whole, weighed), *_in_frames(problem, found, framed)]
     if p < CONTRADICTS:
         tried += [*_turned(problem, found), *_against(problem, found, turned)]
     named = _explained(tried) if tried else []
@@ -267,6 +272,15 @@ def _units(problem: Problem, found: Weighed) -> Iterator[Tried]:
             # Divided by enough all readings agree, and then by far too well.
             if 2 * (p := min(tail, 1 - tail)) >= CONTRADICTS:
                 yield Tried(Explained("unit", odds, (int(setup),), int(readings[best]) if best else -1, factor), p)
+
+
+def _in_frames(problem: Problem, found: Weighed, framed: Iterable[Framed]) -> Iterator[Tried]:
+    """Yield the set-ups whose values are along the machine's x, y, z, at the sizes as stated: |det T| = 1."""
+    given = found.drawn.stated
+    for setup, other in framed:
+        square = float(other.values @ given.precision(other.values[:, None])[:, 0])
+        odds = float(np.log(PRIOR) + found.log_stated + (given.square - square) / 2)
+        yield Tried(Explained("frame", odds, (setup,)), chi_square_tail(len(other.values), square))
 
 
 def _turned(problem: Problem, found: Weighed) -> Iterator[Tried]:

@@ -28,6 +28,7 @@ from axiscal.estimation.promise.agreement import (
     MOST_BAD,
     SEVERAL,
     Agreement,
+    Framed,
     Tried,
     Turned,
     agreement,
@@ -153,10 +154,12 @@ class Sorted:
         return replace(self, problem=problem, mine=again(self.mine), with_details=details)
 
     @one_thread()
-    def posterior(self, turned: Iterable[Turned] = (), volume: Array | None = None) -> Posterior:
+    def posterior(
+        self, turned: Iterable[Turned] = (), framed: Iterable[Framed] = (), volume: Array | None = None
+    ) -> Posterior:
         """Return the posterior.
 
-        turned : the problem if some axes count the other way; made only where the readings contradict
+        turned, framed : as for `agreement`
         volume : G (e, e) of errors z, where zᵀG z is the mean square of the deviation over the volume
         """
         mine, found, left = self.mine.problem, self.mine.found, self.mine.left
@@ -167,7 +170,9 @@ class Sorted:
         z = np.array([each.z for each in left.values()])
         out = self.count - len(left)
         every = (self.problem, sized(self.problem)) if out >= SEVERAL else None
-        agreed = agreement(mine, found, z, out, ((axes, other.only(kept)) for axes, other in turned), every, self.jumps)
+        others = ((axes, other.only(kept)) for axes, other in turned)
+        frames = ((setup, other.only(kept)) for setup, other in framed)
+        agreed = agreement(mine, found, z, out, others, frames, every, self.jumps)
         known = dict(zip(self.problem.cells, cells.tolist(), strict=True))
         of_sizes = self.sizes, _surely(mine, found), found.effective
         drawn = tuple(Drawn(each.problem, each.found.thetas, each.found.weights / len(judged)) for each in judged)

@@ -25,7 +25,7 @@ from axiscal.errors.plane import PlaneError
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Deviation
-from axiscal.measurement.instruments.kind import Model, Nominal, Reads, Rotation, grown
+from axiscal.measurement.instruments.kind import Model, Nominal, Reads, Rotation, grown, moved
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import Way, across
 from axiscal.numerics import Array
@@ -137,5 +137,5 @@ class Displacement(Model):
         """Return dᵀδp + known growth + the effects of the unknowns, (m,): of a slope by its tangent."""
         sizes = {**unknowns, "slope": math.tan(unknowns["slope"])} if "slope" in unknowns else unknowns
         effects = (size * self.unknown_effect(setup, name, direction, nominal) for name, size in sizes.items())
-        shown: Array = sum(effects, (actual.displacement + grown(setup, nominal)) @ direction)
+        shown: Array = sum(effects, (moved(setup, nominal, actual) + grown(setup, nominal)) @ direction)
         return shown

@@ -15,6 +15,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
+from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
@@ -61,6 +62,11 @@ class Nominal:
     def tool(self) -> Array:
         """The nominal orientation R_t of the tool in the workpiece frame, (m, 3, 3)."""
         return frames(self.machine, self.poses).tool if self.actual is None else self.actual.rotation
+
+    def arm(self, setup: Setup) -> Array:
+        """Return the way from the tool point to the point that a set-up looks at, workpiece frame, (m, 3) m."""
+        arm: Array = self.tool @ np.array(setup.offset or (0.0, 0.0, 0.0))
+        return arm
 
     @cached_property
     def travelled(self) -> Array:
@@ -126,6 +132,23 @@ def moves(setup: Setup, unknown: str, nominal: Nominal) -> Array:
     if setup.artefact is None:
         return np.zeros((nominal.count, 3))
     return -setup.artefact.moves(unknown, setup.artefact.nearest(nominal.tcp, setup.balls))
+
+
+def moved(setup: Setup, nominal: Nominal, actual: Deviation) -> Array:
+    """Return how far the point that a set-up looks at has moved, δp + (R(ε) − 1) R_t o, (m, 3) m."""
+    arm = nominal.arm(setup)
+    turned = rigid.rotation(actual.rotation) @ arm[:, :, None]
+    found: Array = actual.displacement + turned[:, :, 0] - arm
+    return found
+
+
+def levers_at(errors: ErrorModel, poses: Array, arm: Array) -> Array:
+    """Return what a unit of each error moves a point beside the tool point by, (terms, n, 3).
+
+    poses : (n, q); arm : (n, 3) m from the tool point to that point
+    """
+    levers = errors.levers(poses)
+    return levers + rigid.cross(errors.angular_levers(poses), arm) if np.any(arm) else levers
 
 
 def grown(setup: Setup, nominal: Nominal) -> Array:

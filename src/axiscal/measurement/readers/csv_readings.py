@@ -1,7 +1,8 @@
 """READINGS.csv: `[reading,]setup,X_mm,…,B_deg,approach,value_um[,std_um][,time]`, and what a reading is as written.
 
-`value_x_um,value_y_um,value_z_um` for an instrument that reads three directions, `value_1_um` and so on for tracers
-that read at once.
+`value_x_um,value_y_um,value_z_um` for an instrument that reads three directions, along those of the workpiece, or
+`found_x_mm,found_y_mm,found_z_mm`, where the machine's axes stood; `value_1_um` and so on for tracers that read at
+once.
 Positions may be left out (a parked axis); `value_urad` or `value_arcsec` for angles.  No machine is known here: who
 does know it checks the names of set-ups and axes, and whether a position lies within the travel.
 """
@@ -42,6 +43,7 @@ _DAY = re.compile(r"\d{4}-?(\d{2}-?\d{2}|W\d{2}(-?\d)?)", re.ASCII)
 _REMEDY = "write it as 2026-11-20T14:05:30, 14:05:30 or 95 min, and the lines in the order of time"
 
 _THREE = ("value_x", "value_y", "value_z")
+_MET = ("found_x", "found_y", "found_z")
 _STATIONS = tuple(f"value_{number}" for number in range(1, MOST + 1))
 """Columns of tracers that read at once."""
 _HIGHEST = 10**6
@@ -55,6 +57,7 @@ _LAYOUT = {
     "time": TEXT,
     "check": TEXT,
     **dict.fromkeys(("value", "std", *_THREE, *_STATIONS), LENGTHS + ANGLES),
+    **dict.fromkeys(_MET, LENGTHS),
     "rms": LENGTHS,
     **dict.fromkeys((name for name in FOUND if name != "rms_um"), TEXT),
 }
@@ -77,6 +80,7 @@ class RawReading:
     others : the values along y and z of an instrument that reads three directions, whose first is `value`, or those of
         the second station and on
     by_station : the values are one from each station
+    met : the values are the machine's X, Y, Z with the tool point where it found a ball, m
     test : of one axis, or of a circle, that the reading belongs to; None for none
     run : of a test
     check : its place was drawn at random
@@ -84,6 +88,7 @@ class RawReading:
     error : where a file names no set-up but the error that was read, such as "EXX"; "z" a height, "slope" a level's
     time : s after the first reading of the file; None where it does not say
     base : how far apart the feet of a level stood, m
+    beside : how far the probe of a printer stands beside its nozzle along x and y, m
     """
 
     setup: str
@@ -97,8 +102,10 @@ class RawReading:
     error: str = ""
     time: float | None = None
     base: float | None = None
+    beside: tuple[float, float] | None = None
     number: int | None = None
     by_station: bool = False
+    met: bool = False
     test: Test | None = None
     run: int = 0
     check: bool = False
@@ -152,7 +159,7 @@ def table_readings(file: TextFile, around: Around) -> Found:
     table, bare = table_of(file, header), around.bare
     table.allow(_LAYOUT | axis_layout(table))
     setup = next(iter(table.all_of("setup")), None) if bare else table.one_of("setup", "setup")
-    if not any(table.all_of(first) for first in ("value", _THREE[0], _STATIONS[0])):
+    if not any(table.all_of(first) for first in ("value", _THREE[0], _MET[0], _STATIONS[0])):
         table.one_of("value", "value_um")
     used = next(iter(table.all_of("used")), None)
     table = replace(table, rows=tuple(row for row in table.rows if used is None or row.text(used) != "no"))
@@ -191,8 +198,11 @@ def _numbers(table: CsvTable) -> list[int | None]:
 
 def _reading(table: CsvTable, row: Row, setup: str, bare: bool) -> RawReading:
     three = [row.only_filled(table.all_of(stem)) for stem in _THREE]
+    met = [row.only_filled(table.all_of(stem)) for stem in _MET]
     stations = [row.only_filled(table.all_of(stem)) for stem in _STATIONS]
-    column = row.only_filled([*table.all_of("value"), *table.all_of("value_x"), *table.all_of("value_1")])
+    column = row.only_filled(
+        [*table.all_of("value"), *(c for first in (_THREE, _MET, _STATIONS) for c in table.all_of(first[0]))]
+    )
     if column is None:
         raise row.fail("the line has no value", "write the deviation that was read, or take out the line")
     if not (setup or bare):
@@ -203,11 +213,14 @@ def _reading(table: CsvTable, row: Row, setup: str, bare: bool) -> RawReading:
     if column is three[0]:
         what = "the line has a value along x, but not along y and z too"
         others = _beside(row, three, len(three), what, "fill value_x, value_y and value_z")
+    elif column is met[0]:
+        what = "the line has a place along x, but not along y and z too"
+        others = _beside(row, met, len(met), what, "fill found_x, found_y and found_z")
     elif by_station:
         what = "a station between others has no value"
         others = _beside(row, stations, 1, what, "fill value_1, value_2 and so on, one for each station")
     raw = RawReading(setup, position, approach, value, std, column.dimension, row.line, others)
-    return replace(raw, by_station=by_station)
+    return replace(raw, by_station=by_station, met=column is met[0])
 
 
 def _beside(row: Row, columns: Sequence[Column | None], least: int, what: str, remedy: str) -> tuple[float, ...]:
@@ -301,7 +314,7 @@ def filled_sheet(axes: Sequence[Axis], readings: Sequence[Reading]) -> str:
 
 def heading(axes: Sequence[Axis], values: Sequence[str]) -> list[str]:
     """Return the columns of a file of readings, those of the values last."""
-    return ["setup", *(f"{axis.name}_{axis.unit}" for axis in axes), "approach", *values]
+    return ["setup", *(axis.column for axis in axes), "approach", *values]
 
 
 def _at(axes: Sequence[Axis], setup: str, pose: Sequence[float], approach: Sequence[float]) -> list[str]:

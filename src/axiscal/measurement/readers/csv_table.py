@@ -326,9 +326,12 @@ def unshielded(cell: str) -> str:
 _APPROACH = re.compile(f"({AXIS_NAME})([+-])")
 
 
+_AXIS = re.compile(f"{AXIS_NAME}(?:_radius|_diameter)?")
+
+
 def axis_names(table: CsvTable) -> tuple[str, ...]:
-    """Return the axes that have a column, in the order of the header."""
-    return tuple(dict.fromkeys(column.stem for column in table.columns if re.fullmatch(AXIS_NAME, column.stem)))
+    """Return the axes that have a column, in the order of the header; "X_diameter" where it says what X is."""
+    return tuple(dict.fromkeys(column.stem for column in table.columns if _AXIS.fullmatch(column.stem)))
 
 
 def axis_layout(table: CsvTable) -> dict[str, tuple[str, ...]]:

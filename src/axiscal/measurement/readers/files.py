@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
@@ -11,6 +12,7 @@ from axiscal.language.spoken import joined, later, put, said
 from axiscal.machine.axis import Axis
 from axiscal.measurement.readers import axis_tests, bed_map, level_survey, marlin_map, point_lists, renishaw
 from axiscal.measurement.readers.csv_readings import ALONE, Around, Found, RawReading, table_readings
+from axiscal.measurement.readers.probe_offset import offset_in
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.measurement.setup import Setup
 
@@ -96,7 +98,11 @@ def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Reco
     if unit and not kind.unitless:
         what, remedy = "this is {title}, whose units are known, and --unit names another", "leave --unit out"
         raise file.fail(what, remedy, title=said(kind.title))
-    return Recognised(file.name, kind.title, kind.read(file, around))
+    found = kind.read(file, around)
+    if any(each.error == "z" for each in found.readings):  # heights, by a probe that may stand beside the tool point
+        beside = offset_in("\n".join(file.lines))
+        found = replace(found, readings=tuple(replace(each, beside=beside) for each in found.readings))
+    return Recognised(file.name, kind.title, found)
 
 
 def read_any(path: str | Path, axes: Sequence[Axis] = (), setups: Sequence[Setup] = ()) -> tuple[RawReading, ...]:

@@ -11,6 +11,7 @@ against a small server. What is there under the same name is kept beside it.
 
 from __future__ import annotations
 
+import math
 import posixpath
 import re
 import time
@@ -29,6 +30,7 @@ from axiscal.exceptions import SourceError, TableError, TravelError
 from axiscal.language.spoken import later, said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import tip_at
+from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import FROM_ABOVE, cycle_of, met_from, read_as, stated
 from axiscal.ports.printers.homing import Place, homed_at, zero_of
 from axiscal.ports.printers.klipper import holds_heights, plain_profile
@@ -231,6 +233,10 @@ _FARTHEST = 5.0
 """mm off the bed's zero; a probe that triggers farther away has met something else, or nothing."""
 
 
+_STANDS = 0.1
+"""mm, to which a probe may stand elsewhere than stated: nobody measures it better."""
+
+
 class PrinterSource:
     """A printer over the network, looked at before the first reading: it probes its bed, or balls on it from above.
 
@@ -249,6 +255,7 @@ class PrinterSource:
         A point that it cannot go to is skipped.  Raises SourceError.
         """
         self._refuse_others(request)
+        self._refuse_other_offset(request.setup)
         self._printer.refuse_unready()  # somebody may have started a print since
         try:
             return self._ball(request) if request.setup.instrument == "sphere" else self._height(request)
@@ -314,6 +321,15 @@ class PrinterSource:
         if not bed and not (setup.instrument == "sphere" and set("XYZ") <= names):
             remedy = 'It probes its bed, instrument = "probe" and direction = "z", or balls, instrument = "sphere"'
             raise SourceError("a printer cannot take the readings of the set-up {setup}", remedy, setup=setup.name)
+
+    def _refuse_other_offset(self, setup: Setup) -> None:
+        if setup.offset is not None:
+            stated = [float(to_unit(each, "mm")) for each in setup.offset[:2]]
+            if math.dist(stated, self._aside) > _STANDS:
+                what = "the probe of the printer stands {found} mm beside the nozzle along x and y, and not {stated} mm"
+                found, given = (" ".join(f"{each:g}" for each in pair) for pair in (self._aside, stated))
+                remedy = "Start the campaign again with this offset in campaign.toml"
+                raise SourceError(what, remedy, found=found, stated=given)
 
 
 def printer_behind(kind: str, host: str, machine: Machine) -> PrinterSource:

@@ -22,6 +22,7 @@ from axiscal.estimation.knowledge import block
 from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, said
+from axiscal.machine import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.reading import Place, direction_text, place_text, reading_unit, shown_coordinate, value_names
@@ -118,6 +119,7 @@ _DIGITS = 4
 class AxisPlace(AnswerDocument):
     """axis : its name; value : in its unit, mm or deg; moves : whether the set-up moves it
 
+    diameter : whether its display shows diameters; value is the radius
     changed : whether it stood elsewhere at the reading before, or there was none
     side : "+" where it comes from below, "-" from above, "" where that does not matter
     """
@@ -128,6 +130,7 @@ class AxisPlace(AnswerDocument):
     moves: bool
     changed: bool
     side: Literal["+", "-", ""]
+    diameter: bool = False
 
     @property
     def shown(self) -> str:
@@ -198,7 +201,7 @@ class Question(AnswerDocument):
             touch=touch,
             again=again,
             check=said("drawn at random: what the others promise is judged by it") if asked.place.check else "",
-            sign=sense(setup).sign,
+            sign=sign_on(campaign.description.machine, setup),
             ways=list(sense(setup).ways),
             turns=INSTRUMENTS[setup.instrument].model.reads == "angle",
             unit=unit,
@@ -228,7 +231,14 @@ def question_text(places: Sequence[AxisPlace], touch: str, sign: str, *others: t
 
 def coordinates_text(places: Sequence[AxisPlace], *, moves: bool) -> str:
     """Return where the axes go that move, or where the others stand: "X = 120 mm", in the order of the display."""
-    return ", ".join(f"{place.axis} = {place.shown} {place.unit}" for place in places if place.moves is moves)
+    found = []
+    for place in places:
+        text = f"{place.axis} = {place.shown} {place.unit}"
+        if place.diameter:
+            twice = place.model_copy(update={"value": 2 * place.value}).shown
+            text = said("{place} (the diameter {twice} mm)", place=text, twice=twice)
+        found += [text] if place.moves is moves else []
+    return ", ".join(found)
 
 
 def touch_text(campaign: Campaign, asked: Asked) -> str:
@@ -264,6 +274,7 @@ def axis_places(campaign: Campaign, asked: Asked) -> list[AxisPlace]:
             moves=k in setup.moves,
             changed=before is None or before[k] != asked.place.pose[k],
             side={1: "+", -1: "-"}.get(asked.place.approach[k], ""),
+            diameter=axis.diameters,
         )
         for k, axis in enumerate(campaign.description.machine.axes)
     )
@@ -298,6 +309,13 @@ def sense(setup: Setup) -> Sense:
         turned = "+ where the tool is turned too far about {way} by the right hand, seen from the workpiece"
         return Sense(said("about {way}", way=direction), said(turned, way=way), (setup.direction,))
     return Sense(said("along {way}", way=direction), said(towards, way=way), (setup.direction,))
+
+
+def sign_on(machine: Machine, setup: Setup) -> str:
+    """Return when a reading is positive, and that x, y and z turn with a table where one turns in the set-up."""
+    sign, axes = sense(setup).sign, [machine.axes[k] for k in setup.moves]
+    turns = any(axis.rotary and axis.workpiece_side for axis in axes) and "x" in value_names(setup)
+    return said("{sign}; x, y and z turn with the table", sign=sign) if turns else sign
 
 
 BAND = 2.0

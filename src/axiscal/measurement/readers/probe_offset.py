@@ -1,0 +1,54 @@
+"""Where the probe of a 3D printer stands beside its nozzle, as the printer's own files say.
+
+Klipper: `x_offset` and `y_offset` of [probe], [bltouch] and their kin. Marlin: `M851`. RepRapFirmware: `G31`. All count
+from the nozzle to the probe.
+"""
+
+from __future__ import annotations
+
+import configparser
+import re
+from collections.abc import Iterable, Mapping
+
+from axiscal.document.file import number_or_none
+from axiscal.units import from_unit
+
+Beside = tuple[float, float]
+"""X and Y, m."""
+Sections = Mapping[str, Mapping[str, str]]
+_COMMAND = re.compile(r"^[^;\n]*?\b(?:M851|G31)\b([^;\n]*)", re.MULTILINE)
+_WORD = re.compile(r"\b([XY])(-?[\d.]+)")
+_DISPLAY = "display"
+"""A section of Klipper with an x_offset of another kind."""
+
+
+def sections_in(text: str) -> Sections | None:
+    """Return the sections of a printer.cfg, those that Klipper saved among them; None where the text has none."""
+    config = configparser.RawConfigParser(strict=False, inline_comment_prefixes=("#", ";"), allow_no_value=True)
+    try:
+        config.read_string(text.replace("#*#", ""))
+    except configparser.Error:  # G-code has no sections
+        return None
+    return {name: {key: value or "" for key, value in config[name].items()} for name in config.sections()}
+
+
+def offset_of(sections: Sections) -> Beside | None:
+    """Return how far the probe of a Klipper stands beside the nozzle; None where no section says it."""
+    probes = [keys for name, keys in sections.items() if not name.startswith(_DISPLAY)]
+    stated = next((keys for keys in probes if "x_offset" in keys or "y_offset" in keys), None)
+    return None if stated is None else pair_of(stated.get(f"{side}_offset", "0") for side in "xy")
+
+
+def offset_in(text: str) -> Beside | None:
+    """Return how far the probe stands beside the nozzle by a printer.cfg, a report of M503 or a config.g."""
+    if (sections := sections_in(text)) is not None:
+        return offset_of(sections)
+    words = dict(_WORD.findall("".join(_COMMAND.findall(text)[:1])))
+    return pair_of(words.get(side, "0") for side in "XY") if words else None
+
+
+def pair_of(texts: Iterable[str | None]) -> Beside | None:
+    """Return two lengths in mm, m; None where one of them is none."""
+    values = [number_or_none((text or "").strip()) for text in texts]
+    found = [float(from_unit(value, "mm")) for value in values if value is not None]
+    return (found[0], found[1]) if len(values) == len(found) == 2 else None

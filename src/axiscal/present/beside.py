@@ -1,0 +1,50 @@
+"""What a person has to be told of an instrument that looks beside the tool point: angles count there as well."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from axiscal.estimation.accuracy.expanded import BAND
+from axiscal.estimation.estimation import Estimation
+from axiscal.language.spoken import listed, said
+from axiscal.present.summary import Finding
+from axiscal.units import format_quantity, said_quantity
+
+_HARDLY_TOLD = 0.5
+"""Share of what was expected of angles: readings that leave more do not tell them."""
+
+
+def beside_the_tool(estimation: Estimation) -> Iterator[Finding]:
+    """Yield a warning for each set-up that looks beside the tool point, of angles that act there and are hardly known.
+
+    They are expected by more than its noise, and readings have taken off less than half of that.
+    """
+    text = (
+        '"{setup}" looks {far} beside the tool point. There {names} count as well, by ± {size} (95 %), and these '
+        "readings do not tell them from what the tool point does. Read these angles with a level, or read the same "
+        "places at the tool point itself."
+    )
+    observation, errors, printed = estimation.case.observation, estimation.case.errors, estimation.printed.belief
+    for index, setup in enumerate(observation.setups):
+        read = [reading.pose for reading in estimation.readings if reading.setup == setup.name]
+        if not read or not any(setup.offset or ()):
+            continue
+        poses = np.array(read)
+        at_tool = np.einsum("fmc,c->fm", errors.levers(poses), np.array(setup.direction))
+        levers = observation.levers(index, poses)[0] - at_tool
+        levers[[not set(setup.moves) & set(term.axes) for term in errors.terms]] = 0.0  # one value, as its zero
+        rows = errors.along(levers, poses, np.zeros_like(poses))
+        rows = rows - rows.mean(axis=0)
+        before, after = (
+            float(np.sqrt(np.mean(np.sum((rows @ factor[: errors.size]) ** 2, axis=1))))
+            for factor in (estimation.case.prior.factor, printed.factor)
+        )
+        if after > max(setup.noise, _HARDLY_TOLD * before):
+            names = [term.name for term, lever in zip(errors.terms, levers, strict=True) if np.any(lever)]
+            far = format_quantity(math.dist(setup.offset or (0.0,), (0.0, 0.0, 0.0)), "mm", 2)
+            size = said_quantity(BAND * after, "um", 2)
+            named = {"setup": setup.name, "far": far, "names": listed(", ", names), "size": size}
+            yield Finding("beside", None, said(text, **named))

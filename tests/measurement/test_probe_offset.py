@@ -1,0 +1,80 @@
+"""How far a probe stands beside the nozzle: read from a printer's files where nobody says it, else asked for."""
+
+from __future__ import annotations
+
+from io import StringIO
+from pathlib import Path
+
+import pytest
+
+from axiscal.measurement.readers.probe_offset import offset_in
+from tests.zoo.animals import Job
+from tests.zoo.beds import JOB, rolled
+from tests.zoo.running import described, given
+
+MESH = rolled(1e-3, 2, (7.5, -28.0))(0).readings
+
+
+@pytest.mark.parametrize(
+    ("text", "beside"),
+    [
+        ("[probe]\nx_offset: -33\ny_offset: -46.5  # in front\nz_offset: 1\n", (-33, -46.5)),
+        ("[display]\nx_offset: 3\n[probe_eddy_current btt]\ny_offset: 21\n", (0, 21)),
+        ("[probe]\npin: PA0\n", None),
+        ("echo:; Z-Probe Offset (mm):\necho:  M851 X-44.00 Y-6.50 Z-1.78\n", (-44, -6.5)),
+        ("; G31 X1 Y1\nM558 P9\nG31 P25 X2.5 Y30 Z2.1\n", (2.5, 30)),
+        ("M420 S1\n", None),
+    ],
+)
+def test_reads_what_each_firmware_calls_it(text: str, beside: tuple[float, float] | None) -> None:
+    found = offset_in(text)
+    assert found is beside or found == pytest.approx([1e-3 * each for each in beside or ()])
+
+
+@pytest.mark.parametrize(
+    ("stated", "mesh", "says"),
+    [
+        (None, MESH, "looks 29 mm beside the tool point"),
+        ('"7.5 mm", "-28 mm", "-1 mm"', MESH, "looks 29 mm beside the tool point"),
+        ('"7.5 mm", "28 mm", "0 mm"', MESH, 'along x and y by this file, and 7.5 mm 28 mm by "probe"'),
+        (None, MESH.replace("_offset", ""), "How far does the probe"),
+    ],
+)
+def test_a_bed_map_brings_its_own(tmp_path: Path, stated: str | None, mesh: str, says: str) -> None:
+    campaign, cfg = described(JOB, tmp_path / "job"), tmp_path / "printer.cfg"
+    if stated is not None:
+        text = campaign.read_text().replace('moves = ["X", "Y"]', f'moves = ["X", "Y"]\noffset = [{stated}]')
+        campaign.write_text(text)
+    cfg.write_text(mesh)
+    found = given("data", "estimate", campaign, cfg, "--out", tmp_path / "out")
+    assert says in " ".join((found.out + found.err).split())
+    assert found.status == (1 if "by this file" in says else 0)
+
+
+def test_the_record_says_where_the_probe_stood(tmp_path: Path) -> None:
+    campaign, cfg = described(JOB, tmp_path / "job"), tmp_path / "printer.cfg"
+    cfg.write_text(MESH)
+    assert given("data", "estimate", campaign, cfg, "--out", tmp_path / "out").status == 0
+    record = (tmp_path / "out" / "campaign.axiscal").read_text()
+    assert r"offset = [\"7.5 mm\", \"-28 mm\", \"0 mm\"]" in record
+
+
+@pytest.mark.parametrize(
+    ("instrument", "says"), [("level", "the same beside the tool point"), ("tracker", "reads the tool point itself")]
+)
+def test_what_looks_at_the_tool_point_has_no_offset(tmp_path: Path, instrument: str, says: str) -> None:
+    place = f'instrument = "{instrument}"\n'
+    job = Job("three-axis-mill", (instrument,), "20 um", ((place, f'{place}offset = ["1 mm", "0 mm", "0 mm"]\n'),))
+    found = given("plan", described(job, tmp_path / "job"))
+    assert found.status == 1
+    assert says in " ".join(found.err.split())
+
+
+@pytest.mark.parametrize(("answer", "offset"), [("-20.5, 4", "-20.5 mm, 4 mm"), ("", "0 mm, 0 mm")])
+def test_whoever_has_a_probe_is_asked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, answer: str, offset: str
+) -> None:
+    monkeypatch.setattr("sys.stdin", StringIO(f"probe\n{answer}\n"))
+    assert given("init", tmp_path, "--machine", "printer-gantry", "--target", "50 um").status == 0
+    x, y = offset.split(", ")
+    assert f'\noffset = ["{x}", "{y}", "0 mm"]' in (tmp_path / "campaign.toml").read_text()

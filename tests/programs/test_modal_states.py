@@ -1,0 +1,96 @@
+"""Whatever is in force before a measuring program, its motion is the same: tried on LinuxCNC's own interpreter."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.numerics import Array
+from tests.certify.gcode_traces import canonical_calls
+from tests.zoo.animals import Job
+from tests.zoo.mills import LATHE
+from tests.zoo.running import described, given
+
+SHIFTS = {"SET_G5X_OFFSET": 1, "SET_G92_OFFSET": 0, "USE_TOOL_LENGTH_OFFSET": 0}
+"""Calls that shift what is meant, and the numbers before X Y Z."""
+STATES = ("G7", "G20", "G91", "G93", "G95", "G18", "G19", "G91.1", "G43.1 Z7", "G92 X4 Z-3", "G10 L2 P1 X5 Z2 R30")
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A program for the cross slide of a lathe, by the command line."""
+    folder = tmp_path_factory.mktemp("lathe")
+    campaign = described(Job(LATHE, ("laser",), "20 um"), folder / "job")
+    assert given("plan", campaign, "--readings", 8, "--gcode", "linuxcnc", "--out", folder / "nc").status == 0
+    return next(path.read_text() for path in sorted(folder.rglob("*.ngc")) if path.stem.endswith("_X"))
+
+
+def moves(calls: list[str]) -> Array:
+    """Return where feeds lead, (m, 4): X Y Z of the machine, mm, and mm/min.
+
+    The interpreter says places in what is in force: the turn about z comes after G92 and before the rest.
+    """
+    shifts, turn, feed, unit, found = dict.fromkeys(SHIFTS, np.zeros(3)), 0.0, 0.0, 1.0, []
+    for call in calls:
+        name, numbers = (
+            call.partition("(")[0],
+            [float(each) for each in re.findall(r"-?\d+\.?\d*", call.split("(")[-1])],
+        )
+        if name in SHIFTS:
+            shifts[name] = np.array(numbers[SHIFTS[name] :][:3])
+        elif name == "USE_LENGTH_UNITS":
+            unit = 25.4 if "INCHES" in call else 1.0
+        elif name == "SET_XY_ROTATION":
+            turn = np.radians(numbers[0])
+        elif name == "SET_FEED_RATE":
+            feed = numbers[0]
+        elif name == "STRAIGHT_FEED":
+            x, y, z = np.array(numbers[:3]) + shifts["SET_G92_OFFSET"]
+            turned = np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y, z
+            at = np.array(turned) + shifts["SET_G5X_OFFSET"] + shifts["USE_TOOL_LENGTH_OFFSET"]
+            found.append([*unit * at, unit * feed])
+    return np.array(found)
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="LinuxCNC's interpreter is not installed")
+@pytest.mark.parametrize("state", STATES)
+def test_the_motion_does_not_hang_on_what_is_in_force(program: str, state: str, tmp_path: Path) -> None:
+    bare, before = (moves(canonical_calls(text, tmp_path)) for text in (program, f"{state}\n{program}"))
+    assert len(bare) >= 4
+    assert np.ptp(bare[:, 0]) > 50
+    np.testing.assert_allclose(before[:, [0, 2, 3]], bare[:, [0, 2, 3]], atol=2e-4)
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="LinuxCNC's interpreter is not installed")
+@pytest.mark.parametrize("state", ["G7", "G20"])
+def test_without_its_head_the_motion_would_be_another(program: str, state: str, tmp_path: Path) -> None:
+    headless = program.partition("\n")[2]
+    bare, before = (moves(canonical_calls(text, tmp_path)) for text in (program, f"{state}\n{headless}"))
+    assert not np.allclose(before[:, 0], bare[:, 0], atol=1.0)
+
+
+@pytest.mark.parametrize(
+    ("controller", "words"),
+    [
+        ("fanuc", ["G15", "G50", "G50.1 Z0 X0", "G69"]),
+        ("sinumerik", ["DIAMOF", "TRANS"]),
+        ("isg", ["G20", "G52"]),
+        ("heidenhain", ["CYCL DEF 8.1", "CYCL DEF 10.1 ROT+0", "CYCL DEF 11.1 SCL 1"]),
+    ],
+)
+def test_others_end_by_their_manuals_what_scales_mirrors_or_turns(
+    controller: str, words: list[str], tmp_path: Path
+) -> None:
+    campaign = described(Job(LATHE, ("laser",), "20 um"), tmp_path / "job")
+    assert given("plan", campaign, "--readings", 8, "--gcode", controller, "--out", tmp_path / "nc").status == 0
+    texts = [path.read_text() for path in tmp_path.rglob("AXISCAL_0*") if path.suffix != ".csv"]
+    assert texts
+    for text in texts:
+        begun = [re.sub(r"^\d+ ", "", line) for line in text.splitlines()]
+        at = [begun.index(word) for word in words]
+        assert at == sorted(at)
+        assert max(at) < min(n for n, line in enumerate(begun) if re.match(r"(G53 )?G1 |L ", line))
