@@ -132,32 +132,6 @@ def test_a_rotary_axis_without_end_has_a_turn_of_travel_and_its_limits(tmp_path:
 
 
 @pytest.mark.parametrize(
-    ("good", "bad", "said"),
-    [
-        ("MAX_LIMIT = 600", "MAX_LIMIT = six", "line 11: MAX_LIMIT = six is not a number"),
-        ("MAX_LIMIT = 600", "MAX_LIMIT = 1e400", "line 11: MAX_LIMIT = 1e400 is not a number"),
-        ("MAX_LIMIT = 600", "MAX_LIMIT = -1", "line 11: MAX_LIMIT of X is -1, and MIN_LIMIT is 0"),
-        ("MAX_LIMIT = 600\n", "", 'MAX_LIMIT = 500, or add --limits "X 0 500"'),
-        ("MAX_VELOCITY = 100", "MAX_VELOCITY = 0", "line 12: MAX_VELOCITY = 0 is not above zero"),
-        ("LINEAR_UNITS = mm", "LINEAR_UNITS = furlong", "line 8: LINEAR_UNITS = furlong is no unit known here"),
-        ("COORDINATES = X Y Z", "COORDINATES = Q", "line 7: 'Q' names no axes"),
-        ("COORDINATES = X Y Z", "COORDINATES = XYZABCU", "line 7: XYZABCU are more than 6 axes"),
-        ("COORDINATES = X Y Z\n", "", "line 7: [TRAJ] says no COORDINATES"),
-        ("KINEMATICS = trivkins", "KINEMATICS = genhexkins", "line 4: genhexkins is no chain of axes"),
-        ("KINEMATICS = trivkins", "KINEMATICS = xyzac-trt-kins", "line 4: xyzac-trt-kins has axes X, Y, Z, A and C"),
-        ("MAX_LIMIT = 600", "MAX_LIMIT = 1e99", "line 11: The INI file says no MAX_LIMIT of X"),
-        ("[AXIS_X]", "rubbish", "line 9: 'rubbish' is neither a [SECTION] nor KEY = VALUE"),
-        ("[EMC]", "#INCLUDE other.inc\n[EMC]", "line 1: The file 'other.inc' that is included here is not there"),
-    ],
-)
-def test_a_fault_is_named_with_its_line(tmp_path: Path, good: str, bad: str, said: str) -> None:
-    assert good in SMALL
-    with pytest.raises(AxiscalError) as refused:
-        found(tmp_path, SMALL.replace(good, bad))
-    assert said in str(refused.value)
-
-
-@pytest.mark.parametrize(
     ("kinematics", "moving", "joints"),
     [
         ("trivkins", "X Z", {"X": 0, "Z": 2}),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,10 +25,6 @@ from tests.generators.texts import machine_text
 THREE = machine_from_text(
     machine_text("w-b-X-Y-Z-t", {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M")
 )
-FANUC = (
-    "%\nN3620A1P10A2P50A3P100;\nN3621A1P11A2P51A3P101;\nN3622A1P40A2P70A3P110;\nN3623A1P1A2P1A3P1;\n{}\nN10000P0;\n%\n"
-)
-PITCH = "N3624A1P10.0A2P10.0A3P10.0;"
 ALONG = {"X": (0, 300), "Z": (0, 100), "W": (0, 80)}
 LATHE, TAILSTOCK = (
     machine_from_text(
@@ -39,26 +34,6 @@ LATHE, TAILSTOCK = (
     )
     for chain in ("X-Z", "X-Z-W")
 )
-
-
-@pytest.mark.parametrize(
-    ("controller", "name", "text", "what"),
-    [
-        ("klipper", "printer.cfg", "[printer]\nkinematics: cartesian\n", "no mesh and no skew is saved here"),
-        ("fanuc", "par.txt", FANUC.format("N3624A1P0A2P0A3P0;"), "no axis has an interval of compensation"),
-        ("fanuc", "par.txt", FANUC.format(PITCH + "\nN3605A1P1;\nN3626A1P60;"), "entries of its own for the way down"),
-        ("linuxcnc-volumetric", "X.comp", "0 0 0\n1 0 0\n", "X.comp is no file of the whole correction"),
-        (
-            "csv",
-            "X.csv",
-            "axis,over,position_mm,forward_um,reverse_um,std_um\nX,Y,0,0,0,1\nX,Z,10,0,0,1\n",
-            "the file holds several tables",
-        ),
-    ],
-)
-def test_an_old_file_that_is_not_whole(controller: str, name: str, text: str, what: str) -> None:
-    with pytest.raises(TableError, match=re.escape(what)):
-        loaded(controller, THREE, ExportOptions(old_files=(OldFile(name, text),)))
 
 
 @pytest.mark.parametrize("named", ["joint0.comp", "JOINT_0.comp", "x.comp"])
@@ -72,7 +47,6 @@ CEC = (
     "$AN_CEC_OUTPUT_AXIS[0]=(AX2)\n$AN_CEC_STEP[0]=100.0\n$AN_CEC_MIN[0]=0.0\n$AN_CEC_MAX[0]=100.0\n"
     "$AN_CEC_DIRECTION[0]=0\n$AN_CEC_MULT_BY_TABLE[0]={}\nM17\n"
 )
-CURVE = "setp y-x.x-val-0 {}\nsetp y-x.x-val-1 100\nsetp y-x.y-val-0 0\n{}"
 
 
 def test_a_table_that_another_one_multiplies_is_refused() -> None:
@@ -82,12 +56,6 @@ def test_a_table_that_another_one_multiplies_is_refused() -> None:
     ]
     with pytest.raises(TableError, match="a CEC table of Y is multiplied by another one"):
         loaded("sinumerik", THREE, ExportOptions(old_files=(OldFile("NC_CEC.INI", CEC.format(1)),)))
-
-
-@pytest.mark.parametrize("text", [CURVE.format(100, "setp y-x.y-val-1 1\n"), CURVE.format(0, "")])
-def test_a_curve_that_does_not_go_on_or_is_cut_is_refused(text: str) -> None:
-    with pytest.raises(TableError, match="the curve of Y over X is not whole"):
-        loaded("linuxcnc", THREE, ExportOptions(old_files=(OldFile("c.hal", text),)))
 
 
 def test_what_a_reader_trips_over_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
