@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
@@ -13,7 +12,7 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, Ended, Milestone
+from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, Milestone
 from axiscal.campaign.sources import Answer, Request, Skip
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.case import Case
@@ -288,15 +287,6 @@ def test_a_campaign_ends_by_what_its_report_says_and_is_estimated_once(
     assert len(asked) == 1
 
 
-def test_a_person_may_go_beyond_the_target(start: Start) -> None:
-    campaign = start("readings = 1")
-    campaign.next()
-    campaign.record(1e-6)
-    assert campaign.next() == Ended("1 reading taken")
-    assert isinstance(campaign.next(beyond=True), Asked)
-    assert campaign.status().reached is not None
-
-
 def test_beyond_the_plan_no_reading_is_worth_a_long_mounting(start: Start, tmp_path: Path) -> None:
     (tmp_path / "m.toml").write_text(MACHINE.replace("[errors]", '[errors]\nEYY_reversal = { std = "20 um" }'))
     (tmp_path / "d.toml").write_text(TEXT.replace("TARGET", "readings = 4") + 'approach = "both"\nsetup_time = "1 h"\n')
@@ -381,24 +371,6 @@ def test_a_source_that_only_skips_is_given_up(start: Start) -> None:
     with pytest.raises(SourceError, match="skipped 25 readings in a row; the last one because: warming up"):
         campaign.run(Listed(*[Skip("warming up")] * 99), ignore)
     assert len(campaign.state.skipped) == 25
-
-
-def test_two_people_do_not_answer_the_same_question(start: Start) -> None:
-    campaign = start("readings = 5")
-    campaign.next()
-    with Campaign.open(campaign.path, every_ten_millimetres) as other:
-        other.record(1e-6)
-        with pytest.raises(RecordError, match="Another process has written"):
-            campaign.record(1e-6)
-        assert len(other.state.readings) == 1
-
-
-def test_readings_that_exist_are_adopted(start: Start) -> None:
-    campaign = start("readings = 5")
-    readings = tuple(Reading("laser along X", (0.1 * n, 0.2), (1, 0), n * 1e-6, None) for n in range(4))
-    campaign.adopt(readings)
-    assert campaign.state.readings == tuple(replace(each, number=n) for n, each in enumerate(readings, start=1))
-    assert 4 * 59 < campaign.status().seconds < 4 * 63
 
 
 def test_each_set_up_of_readings_in_a_file_is_mounted_once(start: Start) -> None:

@@ -73,13 +73,6 @@ def _gone(whole: bytes, first: int, last: int) -> Missing:
     return Missing(first, last, lines[first - 1].begin, lines[last - 1].end)
 
 
-def test_a_whole_file_stands_whole(found: Path, whole: bytes) -> None:
-    stands = _stands(found, whole)
-    assert list(stands.entries) == list(range(1, EVENTS + 1))
-    assert [row.payload for row in stands.entries.values()] == [line.payload for line in lines_of(whole)]
-    assert stands[1:] == ([], [], True)
-
-
 @pytest.mark.parametrize("at", [10, 100], ids=["chain", "text"])
 @pytest.mark.parametrize("marks", [True, False])
 def test_one_damaged_line_links_those_around_it(found: Path, whole: bytes, at: int, marks: bool) -> None:

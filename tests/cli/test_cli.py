@@ -83,15 +83,6 @@ def test_values_as_they_are_typed(started: Command, words: list[str], value: flo
     assert kept.document["unit"] == "um"
 
 
-def test_a_reading_of_another_place(started: Command) -> None:
-    kept = started(
-        "record", "m.axiscal", "0.8 um", "--at", "X=120 mm", "--setup", "laser", "--approach", "X-", "--json"
-    )
-    assert kept.document["position"] == {"X": 120.0}
-    started("record", "m.axiscal", "0.8 um", "--at", "X = 0.13 m")
-    assert started("status", "m.axiscal", "--json").document["readings"] == 2
-
-
 @pytest.mark.parametrize(
     ("words", "says"),
     [
@@ -184,16 +175,6 @@ def test_a_finished_campaign_says_so(started: Command) -> None:
     assert started("next", "m.axiscal").status == 0
 
 
-def test_finishing_again_replaces_the_copy(started: Command) -> None:
-    assert started("finish", "m.axiscal", "--out", "r").status == 0
-    started("undo", "m.axiscal")
-    started("next", "m.axiscal")
-    started("record", "m.axiscal", "1 um")
-    assert started("finish", "m.axiscal", "--out", "r").status == 0
-    now = started("status", "m.axiscal", "--json").document
-    assert now["readings"] == started("status", "r/campaign.axiscal", "--json").document["readings"] == 1
-
-
 def test_finishing_beside_another_campaign_writes_nothing(started: Command) -> None:
     Path("r").mkdir()
     assert started("start", "c.toml", "r/campaign.axiscal").status == 0
@@ -248,15 +229,6 @@ def test_wrong_usage_is_status_2(started: Command, words: list[str]) -> None:
 )
 def test_what_cannot_be_done_is_one_paragraph(started: Command, words: list[str], says: str) -> None:
     started(*words).refused(says)
-
-
-def test_a_run_without_a_person(axiscal: Command) -> None:
-    outcome = axiscal("run", "c.toml", "--source", "sim:3", "--out", "d", "--json")
-    assert outcome.status == 0
-    assert outcome.document["readings"] == 4
-    assert "reading 1 of 4" not in outcome.err  # nobody looks at a pipe
-    again = axiscal("run", "c.toml", "--source", "sim:3", "--out", "e", "--json")
-    assert again.document["history"] == outcome.document["history"]
 
 
 def test_the_details_say_u_and_what_it_holds_for_and_the_tables_stand_beside_it(axiscal: Command) -> None:
@@ -427,14 +399,6 @@ def test_a_defect_is_not_a_traceback(started: Command, monkeypatch: pytest.Monke
 
 
 READINGS = "setup,X_mm,approach,value_um\nlaser,0,X+,0.5\nlaser,100,X+,1.5\nlaser,100,X-,-1.5\n"
-
-
-def test_readings_that_exist_are_evaluated(axiscal: Command, tmp_path: Path) -> None:
-    (tmp_path / "r.csv").write_text(READINGS)
-    (tmp_path / "c.toml").write_text(f'usual = "off"\nsure = "exactly"\n{FOUR_READINGS}')
-    result = axiscal("estimate", "c.toml", "r.csv", "--out", "d", "--json").document
-    assert (result["readings"], result["stopped_because"]) == (3, "all readings evaluated")
-    assert result["history"][3]["rms_um"] < result["history"][0]["rms_um"]
 
 
 def test_a_positioning_test_is_evaluated(axiscal: Command, tmp_path: Path) -> None:

@@ -38,22 +38,6 @@ def campaign(tmp_path: Path) -> Path:
     return path
 
 
-def test_seven_readings_on_seven_knots_are_near_the_best_possible(campaign: Path, command: Command) -> None:
-    """J of seven chosen together is 0.0832 mm² mm; no seven can be below 0.0788 (numbers computed elsewhere)."""
-    document = command("plan", campaign, "--json").document
-    assert document["schema"] == "axiscal-plan/1"
-    assert document["J"] <= 0.0833e-9
-    assert document["bound_J"] == pytest.approx(0.0788e-9, rel=1e-3)
-    assert document["ratio"] == pytest.approx(1.056, abs=2e-3)
-    assert document["bound_holds_for"] == "lattice of 2,000 candidates"
-    points = document["points"]
-    assert [set(point) for point in points] == [
-        {"setup", "position", "direction", "approach", "rms_um", "worst_um", "minutes", "tcp"}
-    ] * 7
-    assert sorted(point["position"]["X"] for point in points)[::6] == [0.0, 10.0]
-    assert [p["rms_um"] for p in points] == sorted((p["rms_um"] for p in points), reverse=True)
-
-
 @pytest.mark.long
 def test_the_volume_criterion_says_its_bound_in_micrometres(campaign: Path, command: Command) -> None:
     campaign.write_text(CAMPAIGN.replace('criterion = "joint"', ""))

@@ -44,19 +44,6 @@ def test_each_line_of_the_target_that_the_page_comments_out_can_be_used(tmp_path
     assert len(target.wants) == 3
 
 
-def test_the_record_s_copy_is_the_same_campaign(tmp_path: Path) -> None:
-    (tmp_path / "c.toml").write_text(EXAMPLE)
-    campaign = read_campaign(tmp_path / "c.toml")
-    machine = load_machine("three-axis-mill")
-    assert campaign_from_texts(EXAMPLE, campaign.source, machine.text, "three-axis-mill") == campaign
-
-
-def test_a_machine_beside_the_campaign_is_found(tmp_path: Path) -> None:
-    (tmp_path / "machine.toml").write_text(load_machine("three-axis-mill").text)
-    (tmp_path / "c.toml").write_text(EXAMPLE.replace('"three-axis-mill"', '"machine.toml"'))
-    assert read_campaign(tmp_path / "c.toml").machine_source == str(tmp_path / "machine.toml")
-
-
 @pytest.mark.parametrize(
     ("written", "direction"),
     [

@@ -16,7 +16,6 @@ from axiscal.estimation.promise.columns import PlaneUnknowns
 from axiscal.estimation.promise.problem import MOST_COLUMNS, MOST_NUMBERS, Inherited, Problem
 from axiscal.estimation.promise.spaces import parts_of
 from axiscal.estimation.promise.unknowns import Unknowns
-from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine
 from axiscal.measurement.instruments.distance import SHIFTS
 from axiscal.measurement.reading import Reading
@@ -160,13 +159,6 @@ def test_a_reading_comes_as_allowed_where_a_reversal_shows(approach: str, allowe
             reading = Reading("laser", (0.5,), (side,), 0.0)
             assert case.came_as_allowed(reading) == (side in allowed or not reverses)
             assert replace(case, both=frozenset({"laser"})).came_as_allowed(reading) == (side != 0 or not reverses)
-
-
-def test_a_set_up_is_found_by_its_name_alone() -> None:
-    case = mixed()
-    assert [case.index(name) for name in ("probe", "nest")] == [0, 1]
-    with pytest.raises(DescriptionError):
-        case.index("laser")
 
 
 _MANY = MOST_NUMBERS // 3 + 1

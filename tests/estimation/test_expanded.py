@@ -63,12 +63,6 @@ def test_the_worst_place_counts_alone_and_not_for_the_volume() -> None:
     assert found.worst == pytest.approx(10 * found.space)
 
 
-def test_where_nothing_is_left_to_vary_nothing_is_uncertain() -> None:
-    found = expanded_of(np.zeros((4, 3, 3)), np.ones(4, dtype=bool))
-    assert (found.space, found.axes, found.worst) == (0.0, (0.0, 0.0, 0.0), 0.0)
-    assert found.factor(0.0) > 0
-
-
 @given(
     st.lists(st.floats(1e-3, 1e3), min_size=1, max_size=6),
     st.integers(0, 20),
@@ -125,13 +119,6 @@ def _case(folder: Path) -> Case:
     (folder / "machine.toml").write_text(MACHINE)
     (folder / "campaign.toml").write_text(CAMPAIGN)
     return Case(read_campaign(folder / "campaign.toml"))
-
-
-def test_the_covariances_at_the_poses_have_the_variances_as_traces(tmp_path: Path) -> None:
-    case = _case(tmp_path)
-    factor = case.prior.factor
-    traces = np.einsum("pcc->p", case.yardstick.covariances(factor))
-    assert traces == pytest.approx(case.yardstick.variances(factor), rel=1e-9)
 
 
 @pytest.mark.long

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from axiscal.campaign.campaign import Campaign
-from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.errors.model import ErrorFunction
 from axiscal.estimation.case import Case
@@ -21,7 +18,6 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.present.curves import curves
 from axiscal.present.findings import findings
-from tests.commands import Command
 from tests.generators.texts import campaign_text, setup_text
 
 CAMPAIGN = campaign_text(
@@ -78,10 +74,6 @@ def _moves_little(before: Estimation, after: Estimation, function: ErrorFunction
     return bool(np.all(np.abs(moved) <= 0.5 * std))
 
 
-def test_readings_that_agree_are_all_believed() -> None:
-    assert not any(_estimated(_readings(seed)).outliers for seed in range(5))
-
-
 def test_a_bad_reading_is_marked_in_the_pictures_of_the_curves() -> None:
     readings = _readings(1)
     readings[7] = replace(readings[7], value=readings[7].value - 80e-6)
@@ -95,12 +87,6 @@ def test_values_a_thousand_times_too_small_are_not_as_stated() -> None:
     small = [replace(r, value=r.value / 1000) for r in _readings(1)]
     assert [f.error for f in findings(_estimated(small)) if f.code == "prior-misfit"]
     assert not [f for f in findings(_estimated(_readings(1))) if f.code == "prior-misfit"]
-
-
-def test_a_reading_that_somebody_vouches_for_is_believed() -> None:
-    readings = _readings(2)
-    readings[9] = replace(readings[9], value=readings[9].value + 80e-6, accepted=True)
-    assert not any(doubt.reading == 9 for doubt in _estimated(readings).outliers)
 
 
 def test_nobody_can_say_which_of_two_readings_is_wrong() -> None:
@@ -135,25 +121,6 @@ def test_readings_that_agree_with_their_neighbour_are_a_fact_and_not_bad() -> No
     assert [doubt.reading for doubt in _estimated(lonely).outliers] == [14]
 
 
-def test_the_record_keeps_a_surprising_reading_and_says_so(tmp_path: Path, command: Command) -> None:
-    record = tmp_path / "mill.axiscal"
-    with Campaign.create(record, _description()) as campaign:
-        campaign.adopt(tuple(_readings(3, 20)))
-    place = ["--at", "X=500 mm", "--setup", "laser", "--approach", "X+"]
-    assert (
-        "standard deviations from all that the stated std and the other readings allow"
-        in command("record", record, "900 um", *place).printed
-    )
-    assert run(["undo", str(record)]) == 0
-    assert (
-        "standard deviations from all" not in command("record", record, "900 um", *place, "--accept").printed
-    )  # the odds against the model are said still
-    with Campaign.open(record) as campaign:
-        assert campaign.state.readings[-1].accepted
-        last = len(campaign.state.readings) - 1
-        assert last not in {doubt.reading for doubt in campaign.estimate(ended=True).outliers}
-
-
 def test_a_reading_in_mm_is_not_believed_and_others_do_not_make_it_so() -> None:
     readings = [replace(each, time=60.0 * number) for number, each in enumerate(_readings(1, 6))]
     readings[2] = replace(readings[2], value=2.5e-3)
@@ -168,12 +135,6 @@ def test_a_reading_in_mm_is_not_believed_and_others_do_not_make_it_so() -> None:
             np.testing.assert_array_equal(found.printed.belief.mean, other.printed.belief.mean)
             curve = found.estimate().curve("EXX", at)
             assert np.all(np.abs(curve.mean - clean.mean) < 0.5 * clean.std)
-
-
-def test_an_implausible_reading_that_somebody_vouches_for_is_believed() -> None:
-    readings = _readings(1, 6)
-    readings[2] = replace(readings[2], value=2.5e-3, accepted=True)
-    assert not any(doubt.implausible for doubt in _calibrated(readings[:3]).outliers)
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -123,13 +123,6 @@ def test_a_bad_reading_is_found_and_named(at: int, noises: float) -> None:
     assert np.max(np.abs(found.mean - clean.mean) / _stds(found)) < 4
 
 
-def test_two_bad_readings_are_found() -> None:
-    """Among neighbours: a lone reading far off may be a lone detail."""
-    crowd = [replace(r, pose=(0.1 + 0.8 * i / 39,)) for i, r in enumerate(_readings(40))]
-    flat = [replace(r, value=1e-7 * (-1) ** i, approach=(1,)) for i, r in enumerate(crowd)]
-    assert set(_of(_off(tuple(flat), {14: 80.0, 25: -60.0})).bad) == {14, 25}
-
-
 @pytest.mark.parametrize("seed", range(4))
 def test_no_good_reading_is_bad(seed: int) -> None:
     assert not _of(_readings(24, 20 + seed)).bad

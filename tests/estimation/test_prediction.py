@@ -111,13 +111,6 @@ def test_what_a_pose_leaves_out_is_the_middle_of_the_travel_from_any_side_and_le
     assert predict_poses(have, [], FILE) == []
 
 
-def test_poses_come_in_their_order() -> None:
-    have = known().estimation()
-    wanted = [raw({"X": x, "C": c}, {"X": 1, "C": 1}) for x, c in POSES.tolist()]
-    mean, _ = tcp_prediction(have, POSES, np.ones_like(POSES))
-    assert np.array([each.mean_um for each in predict_poses(have, wanted, FILE)]) == pytest.approx(mean * 1e6)
-
-
 @pytest.mark.parametrize(("at", "allowed"), [(0.0, True), (0.5e-9, True), (2e-9, False)])
 def test_an_end_of_the_travel_is_within_it_up_to_rounding(at: float, allowed: bool) -> None:
     have, (low, high) = known().estimation(), ERRORS.machine.axes[0].travel

@@ -91,12 +91,6 @@ def test_one_error_may_be_known_and_another_not() -> None:
     assert sizes.index("std", "EZY") >= 0
 
 
-def test_an_inherited_prior_keeps_its_sizes() -> None:
-    """Only rests, what passes, and noises vary then."""
-    sizes = sizes_for(case_of("five axes"), inherited=True)
-    assert {size.kind for size in sizes.of} == {"rest", "drift", "cycle", "growth", "way", "noise"}
-
-
 def test_the_table_says_where_its_figures_come_from() -> None:
     causes = [each for each in vars(model).values() if isinstance(each, model.Cause)]
     assert len(causes) == len({cause.name for cause in causes}) == 15
@@ -115,10 +109,6 @@ def test_a_size_is_lognormal_about_what_is_stated() -> None:
         wanted = lognorm(spread, scale=median)
         np.testing.assert_allclose(wanted.cdf(np.exp(theta[:, column])), norm.cdf(x), rtol=1e-9)
     assert lognorm(1.4, scale=np.exp(-(1.4**2))).moment(2) == pytest.approx(1.0)
-
-
-def test_as_stated_every_factor_is_one() -> None:
-    np.testing.assert_array_equal(SEVERAL.theta(SEVERAL.stated)[0], np.zeros(3))
 
 
 def test_slope_is_that_of_differences_and_far_out_nothing_overflows() -> None:

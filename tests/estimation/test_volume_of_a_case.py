@@ -43,12 +43,6 @@ def test_a_part_that_is_aligned_is_measured_at_poses_all_over_the_volume() -> No
     assert np.corrcoef(share.T) - np.eye(3) == pytest.approx(0.0, abs=0.03)
 
 
-def test_what_is_left_of_a_part_that_is_aligned_is_less_than_of_the_box() -> None:
-    """A shift and a turn of the whole volume are no errors then, so that less is open before any reading."""
-    whole, part = (case.yardstick.measure(case.prior).rms for case in (aligned(part=False), aligned()))
-    assert part < 0.95 * whole
-
-
 def test_from_both_sides_more_is_seen_than_from_one() -> None:
     text = CAMPAIGN.replace('approach = "both"', 'approach = "+"')
     case = Case(campaign_from_texts(text, "c.toml", MACHINE, "m"))

@@ -113,21 +113,6 @@ def test_the_first_line_says_what_became_of_the_target(verdict: Verdict, aims: l
     assert _screen(answer(verdict=verdict, rows=[POSITIONING], aims=aims)).startswith(begins)
 
 
-def test_a_row_that_is_missing_is_named_in_the_language_that_is_spoken() -> None:
-    missing = answer(verdict="more", aims=[aim("straightness X in Y", 4, 1, 0), aim("centre of C", 1, 2, 0)])
-    with speaking("de"):
-        assert "1 von 2 Grenzen: Geradheit X in Y 4,0 von 1 um" in _screen(missing)
-
-
-def test_a_row_says_found_known_and_left() -> None:
-    figures = {"found": 10.23, "known_to": 4.87, "limit": 5.0, "reached": True, "left": {"linuxcnc": 0.6123}}
-    found = answer(rows=[POSITIONING.model_copy(update=figures)])
-    text = _screen(found)
-    assert re.search(r"positioning X +10 um +± 4\.87 of 5 um +0\.61 um", text)
-    with speaking("de"):
-        assert re.search(r"Positionierung X +10 um +± 4,87 von 5 um", _screen(found))
-
-
 LINE = AnswerLine(
     setup="laser", axis="X", ends=(0, 900), at={"Y": 200.0, "Z": 100.0}, places={"+": 9, "-": 9, "both": 9}
 )

@@ -20,7 +20,7 @@ from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
 from axiscal.measurement.reading import Reading
 from axiscal.ports.postgres import database as database_module
 from axiscal.ports.postgres.database import Database, opened_database, store_address
-from axiscal.ports.postgres.server_log import Entry, ServerLog, enter, entries, insert
+from axiscal.ports.postgres.server_log import Entry, ServerLog, enter, insert
 from axiscal.ports.postgres.tables import prepare
 from axiscal.record.copies import opened_log
 from axiscal.record.events import Created, Noted, Recorded
@@ -520,7 +520,3 @@ def test_commands_go_on_over_the_store(
     with pytest.raises(RecordError, match="No campaign of the store"):
         opened_log("store:")
     assert {path.name for path in tmp_path.iterdir()} == {"machine.toml", "campaign.toml", "results", "mill 7.axiscal"}
-
-
-def test_all_campaigns_of_a_store(database: Database, log: ServerLog) -> None:
-    assert log.entry in entries(database)

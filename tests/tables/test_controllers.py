@@ -26,7 +26,7 @@ from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import exporting, pivots, writer
 from axiscal.ports.linuxcnc.tables.cross import Wiring
 from axiscal.ports.printers import contents, klipper
-from axiscal.tables.controllers import heidenhain, isg, sinumerik
+from axiscal.tables.controllers import isg, sinumerik
 from axiscal.tables.controllers.fanuc import PitchParameters, increments
 from axiscal.tables.exporter import Draft, ExportOptions, MapFormat
 from axiscal.tables.offer import Export, spread_poses, tried_out
@@ -389,17 +389,6 @@ def test_heidenhain_has_the_decimals_of_its_template_from_three_on() -> None:
         assert {len(row[head].partition(".")[2]) for head in ("AXISPOS", "BACKLASH", "X")} == {decimals}
 
 
-def test_heidenhain_keeps_the_form_of_the_template() -> None:
-    files = draft("heidenhain")[1].files
-    assert set(files) == {"X_AXIS.COM", "Y_AXIS.COM", "Z_AXIS.COM"}
-    for name, text in files.items():
-        lines = text.splitlines()
-        assert lines[0] == f"BEGIN {name.removesuffix('.COM')} .COM MM"
-        assert (lines[1], lines[-1]) == (COM.splitlines()[1], "[END]")
-        assert {len(line) for line in lines[2:-1]} == {len(COM.splitlines()[2])}
-    assert heidenhain.read_layout(files["X_AXIS.COM"], "again").heads == ("NR", "AXISPOS", "BACKLASH", "X", "Y", "Z")
-
-
 @given(st.floats(-0.02, 0.02), st.floats(-0.02, 0.02), st.floats(-0.02, 0.02))
 def test_klipper_finds_the_skew_in_its_lengths(xy: float, xz: float, yz: float) -> None:
     found = klipper.read_skew(klipper.write_skew({"XY": xy, "XZ": xz, "YZ": yz}, "a"))
@@ -511,18 +500,6 @@ def test_a_control_that_can_count_as_iso_841_is_told_to() -> None:
         assert pivots.read(text, "mm").conventional is told
 
 
-def test_the_note_asks_which_way_rotary_axes_count_until_it_is_said() -> None:
-    for ways, asked in (("", True), (" iso reversed", False)):
-        lines = export(known(f"dmu60{ways}")[0], "csv", ExportOptions()).readme.splitlines()
-        assert lines[2].startswith("WHICH WAY DO C and B COUNT?") is asked
-
-
 def test_a_kinematics_without_all_its_settings_is_refused() -> None:
     with pytest.raises(TableError, match="not whole"):
         pivots.read("setp xyzac-trt-kins.x-rot-point 1.0\n", "mm")
-
-
-def test_the_note_on_kinematics_is_for_machines_with_rotary_axes() -> None:
-    turning, straight = (export(known(name)[0], "linuxcnc", ExportOptions()).readme for name in ("dmu60", "small"))
-    assert "xyzac-trt-kins" in turning
-    assert "xyzac-trt-kins" not in straight

@@ -84,12 +84,6 @@ def test_a_machine_without_reversal_has_no_such_file() -> None:
     assert set(made.files) == {"volcomp.csv", "volcomp.lis"}
 
 
-def test_with_the_tables_less_is_left_than_without() -> None:
-    estimate = known()
-    made = export(estimate, "isg", ExportOptions())
-    assert made.effect.after < 0.15 * made.effect.before
-
-
 def test_a_line_that_the_kernel_does_not_know_is_found() -> None:
     with pytest.raises(TableError, match="would not know"):
         read_list("kw.ssfk.table[0].up 3\n", known().machine)

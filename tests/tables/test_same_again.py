@@ -186,16 +186,6 @@ def test_what_no_controller_could_hold_is_refused(changes: dict[str, Any], messa
         table(**changes)
 
 
-def test_csv_text() -> None:
-    assert plain_csv.text_of(table()).splitlines() == [
-        "axis,position_mm,forward_um,reverse_um,std_um",
-        "X,0.0000000,1.0000,0.0000,0.1000",
-        "X,100.0000000,3.0000,1.0000,0.1000",
-        "X,300.0000000,-1.0000,-3.0000,0.1000",
-    ]
-    assert plain_csv.text_of(table(axis="C")).startswith("axis,position_deg,forward_arcsec")
-
-
 @given(
     st.lists(st.floats(-10, 10), min_size=1, max_size=20, unique_by=lambda x: round(x, 6)).map(sorted),
     st.booleans(),

@@ -75,11 +75,6 @@ def flipped(tables: tuple[CompensationTable, ...]) -> tuple[CompensationTable, .
     return tuple(replace(t, forward=-t.forward, reverse=-t.reverse) for t in tables)
 
 
-def test_an_axis_alone_has_a_table_of_its_own_and_none_over_another() -> None:
-    estimate, _ = known(ErrorModel(load_machine("one-axis")), 3)
-    assert [(table.axis, table.over) for table in axis_tables(estimate) + cross_tables(estimate)] == [("X", "X")]
-
-
 @pytest.mark.parametrize("chain", CHAINS)
 def test_tables_take_away_what_moves_along_axes_whichever_side_carries_them(chain: str) -> None:
     estimate, truth = known(ErrorModel(machine(chain)), 3)

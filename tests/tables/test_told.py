@@ -8,7 +8,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from axiscal.answers.answer_of_campaign import answered
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -20,7 +19,6 @@ from axiscal.measurement.simulation import Simulator
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
-from axiscal.units import to_unit
 from tests.generators.texts import artefact_text, campaign_text, machine_text, setup_text
 
 LEGS = {
@@ -97,18 +95,6 @@ def test_beyond_what_was_read_a_table_stays_as_it_is_there() -> None:
 def test_what_no_row_tells_is_no_table() -> None:
     with pytest.raises(TableError, match="no deviation that these files could hold"):
         _files(_known(DIALS))
-
-
-def test_every_surface_has_the_figures_of_the_answer() -> None:
-    known = _known(SQUARE.replace('wants = ["squareness XY 20 urad"]\n', ""))
-    files = _files(known)
-    (volume,) = (row for row in answered(known, {"csv": files.control}) if row.row.kind == "volume")
-    said = re.search(r"from ([\d.]+) um RMS to ([\d.]+) um", files.readme)
-    assert said
-    assert [float(each) for each in said.groups()] == pytest.approx(
-        [to_unit(volume.found, "um"), to_unit(volume.left["csv"], "um")], rel=6e-3
-    )
-    assert files.expected == pytest.approx(volume.left["csv"], rel=1e-9)
 
 
 def test_an_angle_that_moves_no_tool_point_is_judged_by_its_row() -> None:
