@@ -284,12 +284,6 @@ def test_what_is_no_source_is_refused(opened: Opened, text: str, says: str) -> N
         opened(text)
 
 
-def test_a_virtual_machine_is_its_seed(opened: Opened) -> None:
-    first, again, other = (opened(text).read(REQUEST) for text in ("sim:3", "sim:3", "sim:4"))
-    assert first == again != other
-    assert opened("sim").read(REQUEST) == opened("sim:0").read(REQUEST)
-
-
 def test_the_noise_of_a_reading_does_not_depend_on_those_before(opened: Opened) -> None:
     through, resumed = opened("sim:3"), opened("sim:3")
     readings = [through.read(replace(REQUEST, reading=number)) for number in range(1, 6)]
@@ -339,12 +333,6 @@ def test_a_row_that_agrees_is_answered(table: Callable[[str], Source]) -> None:
     source = table(text)
     assert source.read(REQUEST) == Answer(1.5e-6, 0.5e-6)
     assert source.read(REQUEST) == Answer(-1e-6)
-
-
-@pytest.mark.parametrize("said", ["X+ C-", "X+;C-", "C-", ""])
-def test_a_row_may_name_the_sides_of_several_axes(table: Callable[[str], Source], said: str) -> None:
-    source = table(f"approach,value_um\n{said},1\n")
-    assert source.read(replace(REQUEST, approach=(1, -1))) == Answer(1e-6)
 
 
 @pytest.mark.parametrize(

@@ -109,14 +109,6 @@ def test_a_block_that_stands_twice_counts_once(found: Path, whole: bytes) -> Non
     assert (list(stands.entries), stands.missing, stands.apart) == (list(range(1, EVENTS + 1)), [], [])
 
 
-def test_lines_of_another_file_are_named_and_left_out(found: Path, whole: bytes, other: bytes) -> None:
-    lines = lines_of(whole)
-    begin, end = lines[3].begin + 5, lines[6].begin + 5
-    stands = _stands(found, whole[:begin] + other[begin:end] + whole[end:])
-    assert (list(stands.entries), stands.missing) == ([1, 2, 3, 8, 9], [_gone(whole, 4, 7)])
-    assert stands.apart == [(lines[4].begin, lines[5].end, 2)]
-
-
 @pytest.mark.parametrize("at", MARKS)
 def test_a_foreign_mark_does_not_say_where_this_file_ends(found: Path, whole: bytes, other: bytes, at: int) -> None:
     stands = _stands(found, _changed(whole, at, other[at : at + MARK]))

@@ -442,11 +442,3 @@ def test_the_machines(axiscal: Command, tmp_path: Path) -> None:
         assert name in axiscal("machine", "list").out
         (tmp_path / "copy.toml").write_text(axiscal("machine", "show", name).out)
         assert axiscal("machine", "check", "copy.toml").status == 0
-
-
-def test_what_comes_next_after_the_results_is_to_load_and_check_them(started: Command) -> None:
-    started("next", "m.axiscal")
-    started("record", "m.axiscal", "1 um")
-    started("finish", "m.axiscal", "--out", "m-results")
-    assert "axiscal verify m.axiscal" in (out := started("status", "m.axiscal").out)
-    assert "axiscal finish" not in out

@@ -25,7 +25,6 @@ from axiscal.description.first_files import (
     offered_words,
     with_travels,
 )
-from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import LANGUAGES, speaking
@@ -217,14 +216,6 @@ def test_instruments_are_named_as_people_name_them(language: str) -> None:
             "tracker",
         ]
         assert instruments_of("laser, tracker") == ["interferometer", "tracker"]
-
-
-def test_a_dial_and_a_square_see_straightness_and_squareness(tmp_path: Path) -> None:
-    assert written(tmp_path, "three-axis-mill", "dial", "square") == 0
-    campaign = read_campaign(tmp_path / "campaign.toml")
-    rows = {want.want.row.name for want in asked_rows(campaign, [])}
-    assert {"straightness X in Y", "squareness XY", "squareness XZ", "squareness YZ"} <= rows
-    assert [setup.name.startswith("dial on the leg") for setup in campaign.setups] == [True] * 6
 
 
 @pytest.mark.parametrize(

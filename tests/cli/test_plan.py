@@ -119,11 +119,6 @@ def test_so_many_readings_are_planned_whatever_accuracy_the_campaign_asks_for(ca
     assert len(command("plan", campaign, "--readings", "9", "--json").document["points"]) == 9
 
 
-def test_a_target_alone_is_planned_within_what_the_campaign_allows(campaign: Path, command: Command) -> None:
-    assert len(command("plan", campaign, "--target", "1 um", "--json").document["points"]) == 7
-    assert len(command("plan", campaign, "--target", "1 um", "--readings", "3", "--json").document["points"]) == 3
-
-
 @pytest.mark.parametrize("more", [[], ["--prove"]])
 @pytest.mark.parametrize(("sure", "needed"), [("exactly", 0), ("roughly", 6)])
 def test_a_target_that_is_met_before_anything_is_read_needs_a_few_that_check_the_sizes(

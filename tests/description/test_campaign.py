@@ -62,11 +62,6 @@ def test_directions(written: str, direction: tuple[float, ...]) -> None:
     assert math.hypot(*campaign.setups[0].direction) == pytest.approx(1, abs=1e-15)
 
 
-def test_nothing_is_assumed_where_there_are_to_be_no_unknowns() -> None:
-    text = EXAMPLE.replace('unknowns = { zero = "100 um" }', "unknowns = {}").replace("dead_band", "# dead_band")
-    assert campaign_from_texts(text, "c.toml", load_machine("three-axis-mill").text, "m").setups[0].unknowns == ()
-
-
 def test_the_table_of_defaults_is_the_program_s() -> None:
     rows = re.findall(r"^\| (\w+) \| (length|angle) [^|]*\|(.*)\|$", PAGE, re.MULTILINE)
     assert [row[0] for row in rows] == list(INSTRUMENTS)

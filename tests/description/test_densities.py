@@ -45,14 +45,6 @@ def test_a_dead_band_along_the_way_is_a_lag_by_the_side_of_approach() -> None:
     assert shown[:, 0] == pytest.approx([2e-6, -2e-6, 0.0], abs=1e-15)
 
 
-def test_a_dead_band_across_the_way_is_a_bound() -> None:
-    start = 'machine = "m"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\ninstrument = "indicator"\n'
-    text = start + 'direction = "y"\ndead_band = "3 um"\n'
-    machine = MACHINE + 'EYX = { std = "5 um", length = "200 mm" }\n'
-    across = campaign_from_texts(text, "c", machine, "m").setups[0]
-    assert (across.bound, across.lag) == (3e-6, 0.0)
-
-
 def test_a_dead_band_where_two_axes_move_is_a_bound() -> None:
     start = 'machine = "m"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\ninstrument = "indicator"\n'
     machine = machine_text("w-b-X-Y-t", {"X": (0, 300), "Y": (0, 300)}, {"EXX EYX": "5 um"})

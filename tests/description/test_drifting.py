@@ -96,16 +96,3 @@ def _quoted(text: str) -> str:
 )
 def test_a_report_says_what_is_taken_for_granted_of_zeros(lines: str, words: list[str]) -> None:
     assert drift_words([described(LASER + lines)]) == words
-
-
-def test_one_of_two_set_ups_that_does_not_drift_is_named() -> None:
-    still, usual = described(LASER + 'moves = ["X"]\ndrift = "0"'), described(LASER + 'moves = ["X"]')
-    assert drift_words([usual, still]) == [
-        "with zeros that wander as is usual, 5 um/h",
-        'as if the zero of "it" did not drift: you said that it does not',
-    ]
-
-
-def test_without_the_default_nothing_wanders_that_is_not_stated() -> None:
-    assert described(LASER + 'moves = ["X"]', usual=False).drift == 0.0
-    assert described(LASER + 'moves = ["X"]\ndrift = "2 um/h"', usual=False).drift > 0.0

@@ -60,21 +60,6 @@ def of_lab(folder: Path, joints: list[Joint], chosen: Settings | None = None) ->
     return found(folder, written.pop("machine.ini"), written)
 
 
-def test_limits_speeds_and_names_are_those_of_the_file(tmp_path: Path) -> None:
-    machine = built(found(tmp_path, SMALL))
-    assert machine.name == 'mill "of" mine'
-    assert {axis.name: axis.travel for axis in machine.axes} == {"X": (0, 0.6), "Y": (0, 0.4), "Z": (-0.3, 0)}
-    assert machine.axis("X").speed == pytest.approx(0.1)
-    assert found(tmp_path, SMALL).compensated == ()
-
-
-def test_a_joint_whose_axis_is_not_among_the_coordinates_stands(tmp_path: Path) -> None:
-    text = SMALL.replace("trivkins", "trivkins coordinates=XYZ").replace("= X Y Z", "= X Z")
-    read = found(tmp_path, text.replace("[AXIS_Y]\nMIN_LIMIT = 0\nMAX_LIMIT = 400\n", ""))
-    assert {axis.letter: axis.joints for axis in read.axes} == {"X": (0,), "Z": (2,)}
-    assert set(built(read).chain.replace("'", "")) & set("XYZ") == {"X", "Z"}
-
-
 def test_it_reads_what_the_real_controller_takes(tmp_path: Path) -> None:
     joints = [Joint("X", 0, 24, 10, 50), Joint("Y", 0, 12, 10, 50), Joint("Z", -10, 0, 5, 20, table="0 0 0\n")]
     read = of_lab(tmp_path, joints, Settings(unit="in"))

@@ -75,13 +75,6 @@ def test_errors_of_two_axes_count_against_a_stroke_where_no_other_is_stated() ->
         campaign_from_texts(f'machine = "m"\n{bar}', "campaign.toml", source, "m")
 
 
-def test_rotary_axes_stand_where_they_are_parked() -> None:
-    (setup,) = described(BAR + 'plane = "xy"\npark = { B = "10 deg" }\n').setups
-    machine = load_machine("dmu60")
-    assert isinstance(setup.chart, Circle)
-    assert setup.chart.park[machine.index("B")] == pytest.approx(math.radians(10))
-
-
 def test_a_nest_is_read_at_one_ball_in_touch() -> None:
     (setup,) = described(SPHERES + TOUCHED.replace("sphere", "rtest", 1) + 'ball = "high"\nmoves = ["C"]\n').setups
     assert isinstance(setup.chart, Held)

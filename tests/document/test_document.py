@@ -93,13 +93,6 @@ def test_every_path_with_a_line_is_in_the_data() -> None:
             entry = entry[key]  # type: ignore[index]
 
 
-def test_a_missing_key_has_the_line_of_its_table() -> None:
-    document = Document.parse(TEXT, "x.toml")
-    assert document.line("tool", "width") == 6
-    assert document.line("nothing") is None
-    assert document.line() is None
-
-
 BAD_FILES: list[tuple[bytes, int | None, str]] = [
     (b"\xef\xbb\xbfname = 'x'", 1, "byte order mark"),
     ("name = 'x'".encode("utf-16"), 1, "UTF-16"),

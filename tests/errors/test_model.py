@@ -13,7 +13,7 @@ from axiscal.errors.volume import deviation_of, deviations_of, levers_at
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import tool_motion
-from axiscal.numerics import Array
+from axiscal.numerics import Array, rigid
 from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline
 from tests.generators.machines import random_machine, random_poses, twin_derivative
 
@@ -194,3 +194,15 @@ def test_levers_without_errors_are_the_nominal_ones(name: str) -> None:
     straight, angular = levers_at(model, np.zeros(model.size), poses)
     assert np.abs(straight - model.levers(poses)).max() < 1e-15
     assert np.abs(angular - model.angular_levers(poses)).max() < 1e-15
+
+
+def test_left_jacobian_is_the_derivative_of_the_rotation() -> None:
+    rng = np.random.default_rng(2)
+    for size in (1e-9, 5e-3, 0.02, 2.0):
+        vector = size * rng.standard_normal((1, 3))
+        jacobian = rigid.left_jacobian(vector)[0]
+        for c in range(3):
+            step = 1e-6 * np.eye(3)[c]
+            turned = (rigid.rotation(vector + step) - rigid.rotation(vector - step))[0] / 2e-6
+            spin = turned @ rigid.rotation(vector)[0].T
+            assert [spin[2, 1], spin[0, 2], spin[1, 0]] == pytest.approx(jacobian[:, c], abs=1e-8)

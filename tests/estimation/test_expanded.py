@@ -57,12 +57,6 @@ def test_over_many_places_u_is_that_of_draws_at_places_drawn_evenly(degrees: flo
     assert found.axes == pytest.approx(np.quantile(np.abs(draws), LEVEL, axis=0), rel=0.015)
 
 
-def test_the_worst_place_counts_alone_and_not_for_the_volume() -> None:
-    covariances = np.array([np.eye(3), np.eye(3), 100 * np.eye(3)])
-    found = expanded_of(covariances, np.array([True, True, False]))
-    assert found.worst == pytest.approx(10 * found.space)
-
-
 @given(
     st.lists(st.floats(1e-3, 1e3), min_size=1, max_size=6),
     st.integers(0, 20),

@@ -201,12 +201,6 @@ def test_location_errors_of_a_millimetre_and_a_milliradian_keep_their_bands() ->
     assert 0.9 < np.mean(exact) < 1.1
 
 
-def test_a_machine_in_service_is_taken_as_linear() -> None:
-    case = _case("15 um", "30 urad")
-    _, readings = _read(case, 3)
-    assert located(case, readings).case.about is None
-
-
 def test_the_rounds_end_where_the_exact_chain_gives_the_readings() -> None:
     """At the end the rows and the chain say the same of every reading: the mean is a fixed point."""
     case = _case("3 mm", "3 mrad")

@@ -89,30 +89,6 @@ def test_values_a_thousand_times_too_small_are_not_as_stated() -> None:
     assert not [f for f in findings(_estimated(_readings(1))) if f.code == "prior-misfit"]
 
 
-def test_nobody_can_say_which_of_two_readings_is_wrong() -> None:
-    pair = [Reading("laser", (0.5,), (1,), 0.0), Reading("laser", (0.5,), (1,), 1e-4)]
-    spread = [Reading("laser", (x,), (1,), 5e-5) for x in (0.0, 0.1, 0.9, 1.0)]
-    assert _estimated(pair + spread).outliers == ()
-
-
-@pytest.mark.parametrize("seed", [0, 2, 3, 5])  # two beside each other look like a zero that jumped and came back
-def test_bad_readings_of_one_size_do_not_cover_each_other(seed: int) -> None:
-    """By what is stated alone they are refused. Else they may be details of the machine, and the promise has them."""
-    bad = set(np.random.default_rng(seed).choice(30, 3, replace=False).tolist())
-    alone = {index for index in bad if not {index - 1, index + 1} & bad}
-    alone_as_stated = 'usual = "off"\nsure = "exactly"\n'
-    clean, as_stated = _readings(seed, head=alone_as_stated), _description(alone_as_stated)
-    wrong = [replace(r, value=r.value + 30e-6 * (i in bad)) for i, r in enumerate(clean)]
-    refused = {doubt.reading for doubt in concluded(Case(as_stated), wrong).outliers}
-    assert alone <= refused
-    assert len(refused) <= 6
-    before, after = _estimated(clean), _estimated(wrong)
-    assert {doubt.reading for doubt in after.outliers} <= bad
-    at = np.linspace(0, 1, 101)
-    right, found = (each.estimate().curve("EXX", at) for each in (before, after))
-    assert np.all(np.abs(found.mean - right.mean) <= 1.96 * found.std)
-
-
 def test_readings_that_agree_with_their_neighbour_are_a_fact_and_not_bad() -> None:
     """A bump of the curve that two of thirty readings see: no reading is wrong, so none is set aside."""
     bumped = [replace(r, value=r.value + 30e-6 * (i in (14, 15))) for i, r in enumerate(_readings(2))]
@@ -142,14 +118,6 @@ def test_a_prior_that_is_three_times_too_small_makes_no_reading_implausible(seed
     large = [replace(reading, value=3 * reading.value) for reading in _readings(seed, 40)]
     for estimation in (_calibrated(large), _estimated(large)):
         assert not any(doubt.implausible for doubt in estimation.outliers)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_curves_of_a_prior_ten_times_too_small_are_not_taken_for_bad_readings_afterwards(seed: int) -> None:
-    readings = _readings(seed, 40)
-    zero = float(np.median([reading.value for reading in readings]))
-    large = [replace(reading, value=zero + 10 * (reading.value - zero)) for reading in readings]
-    assert not any(doubt.implausible for doubt in _estimated(large).outliers)
 
 
 def test_a_wide_zero_is_learnt_before_readings_are_held_against_it() -> None:

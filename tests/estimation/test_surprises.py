@@ -170,11 +170,6 @@ def test_most_of_a_file_has_to_be_implausible(monkeypatch: pytest.MonkeyPatch) -
         refuse_implausible([*slips[:8], *readings[8:]], description, "r.csv")
 
 
-def test_readings_of_nothing_at_all_are_not_taken_for_another_unit() -> None:
-    description, _ = described("one-axis", 1.0, "stated")
-    refuse_implausible(_times(_readings(description, 1.0, 0), 0.0), description, "r.csv")
-
-
 def test_a_dial_that_shows_the_same_six_times_is_not_taken_for_another_unit() -> None:
     """Its zero takes the figure up, in whichever unit."""
     text = (

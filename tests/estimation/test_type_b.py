@@ -317,12 +317,6 @@ artefact = "one"
     assert causes(observed(campaign_from_texts(touched, "c.toml", machine.text, FIVE)), readings) == {}
 
 
-def test_a_zero_that_is_open_holds_what_is_constant() -> None:
-    found = causes(observed(described(BEDSIDE + 'instrument = "probe"\ndirection = "x"')),
-                   read_at(np.array([0.0, 1.0]), setup="s"))  # fmt: skip
-    assert found == {}
-
-
 def test_one_laser_has_one_scale_in_all_its_set_ups_and_lies_anew_in_each() -> None:
     again = LASER.replace('"laser"', '"again"')
     readings = read_at(np.array([0.0, 1.0])) + read_at(np.array([0.0, 1.0]), setup="again")

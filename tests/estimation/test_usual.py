@@ -52,15 +52,6 @@ def test_every_size_has_an_owner_and_no_two_the_same(kind: str) -> None:
     assert all(size.spread > 0 for size in sizes.of)
 
 
-def test_errors_that_are_alike_share_a_factor() -> None:
-    """Positions of linear axes one, their angles another."""
-    sizes = sizes_for(case_of("five axes"))
-    assert sizes.index("std", "EXX") == sizes.index("std", "EYY") >= 0
-    assert sizes.index("std", "EXX") != sizes.index("std", "EAX")
-    assert sizes.index("std", "EXX") != sizes.index("std", "ECC")
-    assert sizes.index("length", "EXX") == sizes.index("length", "EAX") >= 0
-
-
 def test_each_setup_has_its_noise() -> None:
     sizes = sizes_for(case_of("two set-ups"))
     assert sizes.index("noise", "probe") != sizes.index("noise", "nest")
@@ -76,10 +67,6 @@ def test_how_sure_somebody_is_is_the_spread(sure: Sure, spread: float) -> None:
     assert sizes.spreads[sizes.index("length", "EXX")] == pytest.approx(min(spread, LENGTH.spread))
     assert sizes.spreads[sizes.index("reversal", "EXX_reversal")] == pytest.approx(min(spread, REVERSAL.spread))
     assert np.log(SURE[sure]) == pytest.approx(spread)
-
-
-def test_what_is_exact_and_not_usual_leaves_no_size() -> None:
-    assert len(sizes_for(case_of("five axes"), "exactly", usual=False)) == 0
 
 
 def test_one_error_may_be_known_and_another_not() -> None:
@@ -141,8 +128,3 @@ def test_no_size_is_learnt_far_beyond_what_is_stated(kind: model.Kind, most: flo
     assert np.exp(theta[1, 0]) == pytest.approx(most)
     assert theta[2, 0] == -7.0
     assert [bool(each) for each in slope[:, 0]] == [True, False, False]
-
-
-def test_a_size_is_found_by_kind_and_owner() -> None:
-    assert SEVERAL.indices("std", ["EYY", "EZZ", "EXX"]).tolist() == [0, -1, 0]
-    assert SEVERAL.index("noise", "EXX") == -1

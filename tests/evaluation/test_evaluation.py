@@ -281,13 +281,6 @@ def test_the_figures_of_vdi_3441_are_their_definitions_written_out_target_by_tar
     assert evaluated(tmp_path, one_sided).vdi3441 == {}
 
 
-@pytest.mark.parametrize(("name", "drifts"), [("ess_target_x", True), ("ess_muts_x", False), ("ess_muts_y", True)])
-def test_runs_that_move_steadily_are_said_to_drift(name: str, drifts: bool) -> None:
-    """The means of the runs of target_x go 5.7 um one way, of muts_y 44 um; those of muts_x go up and down."""
-    said = evaluate(read_iso230(GOLDEN / f"{name}.csv")).warnings
-    assert any("move steadily" in each for each in said) == drifts
-
-
 @st.composite
 def readings(draw: st.DrawFn) -> tuple[Array, Array]:
     n, up, down = draw(st.integers(1, 8)), draw(st.integers(2, 5)), draw(st.integers(2, 5))

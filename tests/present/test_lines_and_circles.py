@@ -137,8 +137,3 @@ def test_the_points_that_are_kept_are_those_of_douglas_and_peucker(seed: int) ->
         points += points[::-1]  # there and back: it ends where it began
     kept = sorted({0, len(points) - 1} | _kept(points, 0, len(points) - 1))
     assert simplified(points) == [points[i] for i in kept]
-
-
-def test_two_points_are_a_line_and_none_is_nothing() -> None:
-    assert simplified([(0.0, 0.0), (1.0, 2.0)]) == [(0.0, 0.0), (1.0, 2.0)]
-    assert simplified([]) == []

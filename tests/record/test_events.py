@@ -140,16 +140,6 @@ def test_that_it_goes_on_is_said_of_these_readings_alone(drawn: list[Event]) -> 
     assert fold(stored(events)).continued == (last.basis if isinstance(last, Continued) else None)
 
 
-@given(st.lists(recorded | asked, max_size=20))
-def test_readings_are_those_recorded(drawn: list[Event]) -> None:
-    state = fold(stored([CREATED, *drawn]))
-    values = [each.reading.value for each in drawn if isinstance(each, Recorded)]
-    assert [reading.value for reading in state.readings] == values
-    assert state.last == len(drawn) + 1
-    last = drawn[-1] if drawn else None
-    assert state.pending == (last if isinstance(last, Asked) else None)
-
-
 @given(event)
 def test_an_event_survives_the_record(each: Event) -> None:
     kind, text = encode(each)

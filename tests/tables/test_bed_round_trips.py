@@ -228,19 +228,6 @@ def test_a_plane_without_z_is_told_where_its_height_can_go(tmp_path: Path, comma
     assert "readings first" not in said
 
 
-def test_tables_say_that_they_leave_what_two_axes_do_together(tmp_path: Path) -> None:
-    """A mesh holds it and says nothing; tables of Z over X and over Y cannot."""
-    plane = 'EZXY = { std = "80 um", length = "100 mm", rest = "3 um" }\n'
-    record = estimated(tmp_path, klipper_file(X, Y, warped(X, Y)), "printer.cfg", planes=plane)
-    tables, mesh = exported(record, "csv")["README.txt"], exported(record, "klipper")["README.txt"]
-    found = re.search(r"what two axes do together \(EZXY: ([\d.]+) um RMS over the volume\)", tables)
-    assert found, tables
-    whole = warped(X, Y)
-    alone = whole - whole.mean(axis=0)[None] - whole.mean(axis=1)[:, None] + whole.mean()
-    assert float(found[1]) == pytest.approx(1e3 * np.std(alone), rel=0.5)
-    assert "two axes do together" not in mesh
-
-
 def test_a_saved_profile_reads_the_same_in_a_file_that_is_included() -> None:
     """The block that Klipper keeps is made of comments; an included file has the lines themselves."""
     saved = write_mesh(Mesh(X / 1e3, Y / 1e3, bed(X, Y) / 1e3), "axiscal")

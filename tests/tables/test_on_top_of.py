@@ -114,12 +114,6 @@ def test_an_ini_file_that_includes_another_names_its_tables_too(tmp_path: Path) 
     assert (file.joint, file.backlash) == (1, 0.030)
 
 
-def test_a_table_of_an_axis_that_was_not_measured_is_kept() -> None:
-    made = exported("linuxcnc", OldFile("Z.comp", "0 0.002 0.004\n50 50.010 50.012\n100 100.005 100.005\n"))
-    rows = [[float(word) for word in line.split()] for line in made.files["Z.comp"].splitlines()]
-    assert rows == [[0, 0.002, 0.004], [50, 50.01, 50.012], [100, 100.005, 100.005]]
-
-
 def test_the_curves_of_an_earlier_hal_file_stay_in_the_sum() -> None:
     first = exported("linuxcnc")
     again = exported("linuxcnc", OldFile("axiscal-cross.hal", first.files["axiscal-cross.hal"]))
@@ -220,16 +214,6 @@ def test_a_column_of_an_axis_that_was_not_measured_stays_beside_the_new_ones() -
     assert departures["Y"] == pytest.approx(lost, abs=1e-7)
 
 
-def test_old_points_that_do_not_fit_the_new_ones_leave_even_points_for_a_sinumerik() -> None:
-    old = siemens(-OLD_UP[:11]).replace("STEP[0,AX1]=25.0", "STEP[0,AX1]=30.0")
-    made = exported("sinumerik", OldFile("AX_EEC.INI", old)).files["AX_EEC.INI"]
-    values = {int(i): float(v) for i, v in re.findall(r"ENC_COMP\[0,(\d+),AX1\]=(\S+)", made)}
-    step = float(re.findall(r"STEP\[0,AX1\]=(\S+)", made)[0])
-    added = -np.interp(PROBES, step * np.arange(len(values)), [values[i] for i in sorted(values)])
-    sum_of_both = np.interp(PROBES, 30.0 * np.arange(11), OLD_UP[:11]) - left("EXX", PROBES)
-    assert added == pytest.approx(sum_of_both, abs=2e-3)
-
-
 GRID = np.linspace(0, 300, 7), np.linspace(0, 200, 5)
 
 
@@ -254,12 +238,6 @@ def test_a_height_map_stays_in_the_sum(controller: str) -> None:
     rest = left("EZX", mesh_x)[None] + left("EZY", mesh_y)[:, None]
     apart = new - (was - rest)
     assert np.std(apart) < 0.006 < 0.015 < np.std(was)
-
-
-def test_the_effect_counts_from_the_machine_as_it_was_measured() -> None:
-    plain, above = exported("linuxcnc"), exported("linuxcnc", OldFile("X.comp", comp(0)))
-    assert above.effect.before == pytest.approx(plain.effect.before)
-    assert above.effect.after == pytest.approx(plain.effect.after, abs=0.2e-6)
 
 
 def test_old_files_that_cannot_be_are_refused(tmp_path: Path) -> None:
@@ -397,29 +375,6 @@ def test_a_folder_of_an_export_is_an_old_compensation(tmp_path: Path) -> None:
     (tmp_path / "README.txt").write_text("X")
     (tmp_path / "manifest-linuxcnc.json").write_text("{}")
     assert [Path(file.name).name for file in read_old([str(tmp_path)])] == ["X.comp"]
-
-
-def test_isg_gets_old_and_new_together() -> None:
-    """An old table of its own points, read as the kernel does: EXX and a squareness, and one that is not described."""
-    old = "// old\nC0Y\n2.0e-5\n#\nX EXX EZX\n0 0 0\n110 0.011 0.002\n300 0.030 -0.001\n"
-    plain, above = exported("isg"), exported("isg", OldFile("volcomp.csv", old))
-    before, after = (isg_of(made.files["volcomp.csv"]) for made in (plain, above))
-    at = np.linspace(0, 300, 31)
-    for error, values in (("EXX", [0, 0.011, 0.030]), ("EZX", [0, 0.002, -0.001])):
-        added = np.interp(at, *after[error]) - np.interp(at, *before[error])
-        assert added == pytest.approx(np.interp(at, [0, 110, 300], values), abs=1e-8)
-    assert after["C0Y"][1] == pytest.approx([2.0e-5])
-
-
-def isg_of(text: str) -> dict[str, tuple[list[float], list[float]]]:
-    """Return positions and values by error, by hand: mm and rad."""
-    found: dict[str, tuple[list[float], list[float]]] = {}
-    for block in re.sub(r"//.*", "", text).split("#"):
-        header, *lines = [line.split() for line in block.splitlines() if line.strip()]
-        table = [[float(word) for word in line] for line in lines]
-        for column, name in enumerate(header):
-            found[name] = ([row[0] for row in table], [row[column] for row in table])
-    return found
 
 
 def test_an_old_mesh_that_is_not_square_leaves_the_size_of_the_new_one_open() -> None:

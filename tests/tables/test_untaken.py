@@ -41,12 +41,6 @@ def test_an_axis_that_a_file_is_said_to_be_for_has_a_table_in_it(controller: str
         read(controller, name, text, axis="Z")
 
 
-def test_all_entries_are_said_at_once() -> None:
-    with pytest.raises(TableError) as refused:
-        read("linuxcnc", "X.comp", "0 0 0\n9 9 9\n9 9.1 9\n20 20 20\n7 7 7\n")
-    assert all(f"line {line}" in str(refused.value) for line in (3, 5))
-
-
 def test_a_file_of_an_axis_under_its_own_name_is_taken_where_somebody_says_whose_it_is() -> None:
     (usual,), (own,) = (
         read("sinumerik", "s.ini", text, axis=axis).tables
@@ -55,13 +49,6 @@ def test_a_file_of_an_axis_under_its_own_name_is_taken_where_somebody_says_whose
     assert (own.axis, own.forward.tolist()) == (usual.axis, usual.forward.tolist())
     with pytest.raises(TableError, match="this file has tables of AX1, AX2"):
         read("sinumerik", "s.ini", ENC + ENC.replace("AX1", "AX2"), axis="X")
-
-
-def test_what_the_template_keeps_of_other_axes_is_no_loss() -> None:
-    other = FANUC.replace("N10013P0", "N10013P3")
-    assert read("fanuc", "pitch.txt", other, other).tables[0].forward == pytest.approx(
-        read("fanuc", "pitch.txt", FANUC).tables[0].forward
-    )
 
 
 def test_tables_of_the_field_are_taken_or_refused() -> None:

@@ -54,12 +54,6 @@ def test_what_is_written_is_taken_by_the_component(core: Core) -> None:
         assert core.load(text(name).encode()) == (None, len(text(name).splitlines()))
 
 
-def test_machine_zero_is_kept_without_rotary_axes() -> None:
-    last = read(text("small")).axes[-1]
-    assert np.any(last.place[:3] != 0)
-    assert not np.any(last.place[3:])
-
-
 @NEEDS_GCC
 def test_no_changed_character_gets_through(core: Core) -> None:
     """1,500 characters anywhere, each changed to another, and every cut at a line and some between."""
