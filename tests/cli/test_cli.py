@@ -206,31 +206,6 @@ def test_wrong_usage_is_status_2(started: Command, words: list[str]) -> None:
     assert "Traceback" not in outcome.err
 
 
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        (["start", "none.toml"], "none.toml: there is no such file"),
-        (["start", "."], "folder"),
-        (["start", "c.toml", "m.axiscal"], "exists already"),
-        (["start", "c.toml", "no/such/folder/r.axiscal"], "cannot be written"),
-        (["next", "none.axiscal"], "no such record"),
-        (["next", "c.toml"], "not a campaign record"),
-        (["status", "c.toml"], "not a campaign record"),
-        (["record", "m.axiscal", "1 um"], "No reading has been asked for"),
-        (["run", "c.toml", "--source", "laser", "--out", "d"], "is not a source"),
-        (["run", "c.toml", "--source", "csv:none.csv", "--out", "d"], "none.csv"),
-        (["run", "c.toml", "--source", "sim", "--out", "c.toml"], "c.toml"),
-        (["run", "c.toml", "--source", "sim", "--out", "d", "--timeout", "10"], "has no unit"),
-        (["estimate", "c.toml", "none.csv", "--out", "d"], "none.csv"),
-        (["iso230", "none.csv"], "none.csv"),
-        (["machine", "show", "mill"], "neither a file nor a built-in machine"),
-        (["machine", "check", "c.toml"], "c.toml"),
-    ],
-)
-def test_what_cannot_be_done_is_one_paragraph(started: Command, words: list[str], says: str) -> None:
-    started(*words).refused(says)
-
-
 def test_the_details_say_u_and_what_it_holds_for_and_the_tables_stand_beside_it(axiscal: Command) -> None:
     Path("c.toml").write_text(FOUR_READINGS.replace("readings = 4", "readings = 12"))
     outcome = axiscal("run", "c.toml", "--source", "sim:3", "--out", "d", "--details")

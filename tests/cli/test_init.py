@@ -218,23 +218,12 @@ def test_instruments_are_named_as_people_name_them(language: str) -> None:
         assert instruments_of("laser, tracker") == ["interferometer", "tracker"]
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["--machine", "mill", "--instrument", "ballbar", "--target", "9 um"], "no built-in machine"),
-        (["--machine", "one-axis", "--instrument", "yardstick", "--target", "9 um"], "Offered are"),
-        (["--machine", "one-axis", "--instrument", "interferometer", "--target", "9"], "unit"),
-        (["--machine", "one-axis", "--instrument", "ballbar", "--target", "9 um"], "Nothing of ballbar"),
-        (["--machine", "printer-gantry", "--instrument", "ballbar", "--target", "9 um"], "Align the axes first"),
-        (["--machine", "one-axis"], "Nobody answered"),
-        ([], "Nobody answered"),
-    ],
-)
-def test_what_cannot_be_is_refused_and_nothing_is_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command, words: list[str], said: str
+@pytest.mark.parametrize("words", [["--machine", "one-axis"], []])
+def test_where_nobody_answers_nothing_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command, words: list[str]
 ) -> None:
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
-    assert said in command("init", tmp_path / "new", *words).refusal
+    assert "Nobody answered" in command("init", tmp_path / "new", *words).refusal
     assert not (tmp_path / "new").exists()
 
 

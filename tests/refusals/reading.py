@@ -1,16 +1,20 @@
-"""Files of refusals: right texts by name, and rows of what is wrong in one of them with the sentence that it gets."""
+"""Files of refusals: right texts by name, and rows of what is wrong in one of them, or of a command, with what is said."""
 
 from __future__ import annotations
 
+import io
 import json
+import shlex
 import tempfile
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import chdir
+from contextlib import chdir, redirect_stderr, redirect_stdout
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple, cast
+from unittest.mock import patch
 
+from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import machine_of
@@ -23,6 +27,7 @@ from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
 from axiscal.tables.registry import loaded
 from axiscal.units import Dimension, parse_quantity
+from tests.generators.begun import begun
 
 FOLDER = Path(__file__).parent
 
@@ -77,10 +82,10 @@ def said(kind: str, of: str, text: str) -> str:
             if name.endswith(".toml"):
                 Path(name).write_text(right, encoding="utf-8")
         try:
-            _READERS[kind](of, text)
+            found = _READERS[kind](of, text)
         except InputError as failure:
             return f"{type(failure).__name__}: {failure}"
-    return ""
+    return found if isinstance(found, str) else ""
 
 
 def written(kind: str, rows: Iterable[Row]) -> None:
@@ -115,8 +120,23 @@ def _old_table(of: str, text: str) -> object:
     return loaded(controller, machine_from_text(texts["machine.toml"]), options)
 
 
+def _command(_: str, text: str) -> str:
+    """Return what a command says that is refused, beside a campaign `c.toml` and its record `m.axiscal`."""
+    begun(Path(), {"c.toml": refusals("command").texts["c.toml"]}, *_BEGUN)
+    out, told = io.StringIO(), io.StringIO()
+    with redirect_stdout(out), redirect_stderr(told), patch("sys.stdin", io.StringIO()):
+        status = run(shlex.split(text))
+    assert (status, out.getvalue()) == (1, "")
+    assert {path.name for path in Path().iterdir()} == {"c.toml", "m.axiscal"}
+    return " ".join(told.getvalue().split())
+
+
+_BEGUN = ("start", "c.toml", "m.axiscal"), ("record", "m.axiscal", "1 um", "--setup", "laser", "--at", "X=100 mm")
+
+
 _READERS: Mapping[str, Callable[[str, str], object]] = {
     "campaign": _of_file("campaign.toml", read_campaign),
+    "command": _command,
     "chain": lambda _, text: parse_chain(text),
     "error_name": lambda _, text: parse_error_name(text),
     "ini": _of_file("machine.ini", lambda path: machine_of(read_ini(path))),
