@@ -11,49 +11,10 @@ from hypothesis import strategies as st
 
 from axiscal.description.campaign import campaign_from_texts, read_campaign
 from axiscal.exceptions import DescriptionError, InputError, UnitError
-from tests.generators.texts import machine_text
+from tests.refusals.reading import refusals
 
-MACHINE = machine_text(
-    "w-C'-X'-b-Z-t",
-    {"C": (0, 360), "X": (0, 600), "Z": (50, 400)},
-    {"EXX": 'std = "10 um"'},
-    tool=100,
-    name="Small mill",
-)
-
-GOOD = """\
-machine = "machine.toml"
-[programs]
-clearance = "Z=400 mm"
-order = "Z,X,C"
-feed = "500 mm/min"
-dwell = true
-[target]
-rms = "2 um"
-worst = "4 um"
-readings = 40
-budget = "90 min"
-volume = { X = ["50 mm", "550 mm"] }
-criterion = "volume"
-[[setups]]
-name = "laser along X"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-park = { Z = "250 mm" }
-noise = "0.3 um"
-unknowns = { zero = "100 um", slope = "50 urad" }
-setup_time = "30 min"
-settle = "1 s"
-reading_time = "3 s"
-raster = { X = "10 mm" }
-approach = "both"
-[[setups]]
-name = "level"
-instrument = "level"
-direction = [0, 1, 0]
-moves = ["Z"]
-"""
+TEXTS = refusals("campaign").texts
+MACHINE, GOOD = TEXTS["machine.toml"], TEXTS["mill"]
 
 
 @pytest.fixture

@@ -18,28 +18,10 @@ from axiscal.machine import Machine, load_machine, machine_from_text
 from axiscal.measurement.readers.csv_table import MOST_LINES
 from axiscal.ports.linuxcnc.tables import pivots
 from tests.linuxcnc.lab import Joint, Settings, files
+from tests.refusals.reading import refusals
 
 EXAMPLES = Path("/usr/share/doc/linuxcnc/examples/sample-configs")
-SMALL = """\
-[EMC]
-MACHINE = mill "of" mine
-[KINS]
-KINEMATICS = trivkins
-JOINTS = 3
-[TRAJ]
-COORDINATES = X Y Z
-LINEAR_UNITS = mm
-[AXIS_X]
-MIN_LIMIT = 0
-MAX_LIMIT = 600
-MAX_VELOCITY = 100 ; a remark
-[AXIS_Y]
-MIN_LIMIT = 0
-MAX_LIMIT = 400
-[AXIS_Z]
-MIN_LIMIT = -300
-MAX_LIMIT = 0
-"""
+SMALL = refusals("ini").texts["small"]
 
 
 def found(folder: Path, text: str, others: Mapping[str, str] | None = None) -> IniMachine:

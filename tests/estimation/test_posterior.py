@@ -7,19 +7,16 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.stats import binom
 
 from axiscal.estimation.promise.draws import draws, mode, weighed
 from axiscal.estimation.promise.posterior import Posterior, sorted_out
-from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from tests.generators.dense_posterior import Dense, degrees_of, mixture
-from tests.generators.problems import asked, case_of, drawn_values, readings_of, sized, stated
+from tests.generators.problems import asked, case_of, readings_of, stated
 
 NOISE = 0.5e-6
-_FAST = ("std", "length", "rest", "noise")
 
 
 @cache
@@ -70,31 +67,6 @@ def test_moments_and_odds_are_those_of_the_equations(kind: str, count: int) -> N
         np.testing.assert_allclose(left.covariance, spread, rtol=1e-3, atol=1e-3 * np.abs(spread).max())
         assert np.exp(left.log_odds) == pytest.approx(dense.odds(thetas, weights, reading), rel=1e-3)
     assert found.effective == pytest.approx(over.effective)
-
-
-@pytest.mark.long
-def test_it_covers_what_it_promises() -> None:
-    """Sizes from their prior, machine and readings from the model: 95 % of z lie within 1.96 and their variance is one.
-
-    Of the difference of two places among the readings: the level of a curve no laser with an open zero can tell.
-    """
-    problem = sized(asked("axis", 14, 1), _FAST)
-    rng, count = np.random.default_rng(11), 60
-    row = np.zeros(problem.answered)
-    row[4], row[6] = 1.0, -1.0
-    z = np.array([_score(problem, row, rng) for _ in range(count)])
-    low, high = binom.interval(0.999, count, 0.95)
-    assert low <= np.sum(np.abs(z) < 1.96) <= high
-    assert np.mean(z**2) == pytest.approx(1.0, abs=4 * np.sqrt(2 / count))
-    assert np.mean(z) == pytest.approx(0.0, abs=4 / np.sqrt(count))
-
-
-def _score(problem: Problem, row: Array, rng: np.random.Generator) -> float:
-    """Return how far the truth of a machine drawn from the model lies from its mean, in standard deviations."""
-    theta = problem.sizes.theta(rng.standard_normal(len(problem.sizes)))[0]
-    truth, values = drawn_values(problem, theta, rng)
-    found = sorted_out(replace(problem, values=values), sure=range(len(values))).posterior()
-    return float(row @ (truth - found.mean) / np.sqrt(row @ found.covariance @ row))
 
 
 @pytest.mark.parametrize("at", [0, 7, 23])

@@ -16,22 +16,13 @@ from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate,
 from axiscal.exceptions import EvaluationError, ReadingError
 from axiscal.numerics import Array
 from tests.generators.field import FIELD
+from tests.refusals.reading import refusals
 
 GOLDEN = Path(__file__).resolve().parents[1] / "golden" / "iso230"
 REAL = ["ess_target_x", "ess_muts_x", "ess_muts_y"]
 ROUNDING = 2e-5  # mm, of the published figures
 
-GOOD = """# one axis
-target_mm,direction,run,deviation_um
-0,+,1,1.0
-100,+,1,2.0
-0,-,1,0.0
-100,-,1,3.0
-0,+,2,1.5
-100,+,2,2.5
-0,-,2,0.5
-100,-,2,3.5
-"""
+GOOD = refusals("positioning").texts["test"]
 
 
 def written(tmp_path: Path, text: str | bytes) -> Path:

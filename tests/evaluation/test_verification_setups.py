@@ -121,14 +121,6 @@ def test_as_found_values_that_are_nonsense_do_not_pass(factor: float) -> None:
     assert "contradict" in told
 
 
-@pytest.mark.long
-def test_the_change_is_as_unlikely_as_it_says() -> None:
-    """Readings with the tables, of fresh noise each time: p below 0.1 one time in ten."""
-    results = [judged(readings(s), readings(s + 1000, tables=1.0), Unknown("growth", 1e-9)).changed for s in range(300)]
-    assert 0.06 < np.mean(np.array(results) < 0.1) < 0.15
-    assert 0.42 < np.mean(np.array(results) < 0.5) < 0.58
-
-
 def test_rounding_is_printed_as_nothing() -> None:
     same = tuple(replace(reading, value=0.1) for reading in readings(2))
     told = said_of(judged(same, same))

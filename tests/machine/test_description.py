@@ -229,23 +229,6 @@ def test_the_names() -> None:
     assert builtin_names() == names
 
 
-@pytest.mark.parametrize("name", builtin_names())
-def test_a_built_in_machine_is_commented_and_has_its_own_name(name: str) -> None:
-    machine = load_machine(name)
-    assert machine.text.startswith("# ")
-    assert machine.name not in ("", name)
-    assert all(line.isprintable() for line in machine.text.splitlines())
-
-
-def test_the_papers_machine_is_three_splines_of_seven_free_control_points() -> None:
-    machine = load_machine("paper-three-stacked")
-    assert sizes(machine) == {"EZX": 7, "EZU": 7, "EZP": 7}
-    assert {entry.std for entry in machine.errors} == {1e-3}
-    assert {entry.length for entry in machine.errors} == {None}
-    assert {axis.direction for axis in machine.axes} == {(1.0, 0.0, 0.0)}
-    assert {axis.travel for axis in machine.axes} == {(0.0, 0.01)}
-
-
 @pytest.mark.parametrize("name", ["three-axis-mill", "portal-mill", "printer-gantry"])
 def test_three_linear_axes_have_the_21_errors_of_iso_230_and_reversal(name: str) -> None:
     expected = motions("X") | motions("Y") | motions("Z") | {"C0Y", "B0Z", "A0Z"}

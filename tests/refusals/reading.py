@@ -1,4 +1,4 @@
-"""Files of refusals: right texts by name, and rows of what is wrong in one of them, or of a command, with what is said."""
+"""Files of refusals: right texts by name; rows of what is wrong in one of them, or of a command, and what is said."""
 
 from __future__ import annotations
 

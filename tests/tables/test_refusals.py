@@ -21,6 +21,7 @@ from axiscal.tables.registry import export, loaded
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.table import CompensationTable
 from tests.generators.texts import machine_text
+from tests.refusals.reading import refusals
 
 THREE = machine_from_text(
     machine_text("w-b-X-Y-Z-t", {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M")
@@ -42,20 +43,10 @@ def test_a_table_of_linuxcnc_is_of_the_joint_that_its_name_says(named: str) -> N
     assert {table.axis for table in found.tables} == {"X"}
 
 
-CEC = (
-    "%_N_NC_CEC_INI\nCHANDATA(1)\n$AN_CEC[0,0]=0.01\n$AN_CEC[0,1]=0.02\n$AN_CEC_INPUT_AXIS[0]=(AX1)\n"
-    "$AN_CEC_OUTPUT_AXIS[0]=(AX2)\n$AN_CEC_STEP[0]=100.0\n$AN_CEC_MIN[0]=0.0\n$AN_CEC_MAX[0]=100.0\n"
-    "$AN_CEC_DIRECTION[0]=0\n$AN_CEC_MULT_BY_TABLE[0]={}\nM17\n"
-)
-
-
-def test_a_table_that_another_one_multiplies_is_refused() -> None:
-    old = OldFile("NC_CEC.INI", CEC.format(0))
-    assert [(one.axis, one.over) for one in loaded("sinumerik", THREE, ExportOptions(old_files=(old,))).tables] == [
-        ("Y", "X")
-    ]
-    with pytest.raises(TableError, match="a CEC table of Y is multiplied by another one"):
-        loaded("sinumerik", THREE, ExportOptions(old_files=(OldFile("NC_CEC.INI", CEC.format(1)),)))
+def test_a_table_over_another_axis_is_of_the_axis_that_it_moves() -> None:
+    old = OldFile("NC_CEC.INI", refusals("old_table").texts["sinumerik NC_CEC.INI"])
+    found = loaded("sinumerik", THREE, ExportOptions(old_files=(old,))).tables
+    assert [(one.axis, one.over) for one in found] == [("Y", "X")]
 
 
 def test_what_a_reader_trips_over_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,20 +11,14 @@ from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.registry import loaded
 from tests.generators.field import with_field
 from tests.generators.texts import machine_text
+from tests.refusals.reading import refusals
 
 SPANS = {"X": (-400, 400), "Y": (0, 200), "Z": (0, 100)}
 MACHINE = machine_from_text(machine_text("w-b-X-Y-Z-t", SPANS, {"EXX": ("10 um", 7, 150)}, name="M"))
-ENC = (
-    "CHANDATA(1)\n$AA_ENC_COMP[0,0,AX1]=0.001\n$AA_ENC_COMP[0,1,AX1]=0.002\n$AA_ENC_COMP_STEP[0,AX1]=10.0\n"
-    "$AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=10.0\nM17\n"
+TEXTS = refusals("old_table").texts
+ENC, FANUC, CSV, M503 = (
+    TEXTS[name] for name in ("sinumerik AX_EEC.INI", "fanuc pitch.txt", "csv X.csv", "marlin m503.txt")
 )
-FANUC = (
-    "%\nN3620A1P10A2P0A3P0;\nN3621A1P11A2P0A3P0;\nN3622A1P12A2P0A3P0;\nN3623A1P1A2P0A3P0;\nN3624A1P10.0A2P0A3P0;\n"
-    "N10011P1;\nN10012P2;\nN10013P0;\n%\n"
-)
-
-CSV = "axis,position_mm,forward_um,reverse_um,std_um\nX,0,1,1,1\nX,9,1,1,1\n"
-M503 = "echo: M425 F1 S0 X0.1\nM852 I0.01 J0 K0\n"
 
 
 def read(controller: str, name: str, text: str, template: str | None = None, axis: str = "") -> Loaded:
