@@ -212,29 +212,6 @@ def test_addresses_are_read_as_postgresqls_own_programs_read_them() -> None:
     assert store_address(None, {"AXISCAL_STORE": "postgres://u@h/d", "PGSSLMODE": "require"}).sslmode == "require"
 
 
-@pytest.mark.parametrize(
-    "address",
-    [
-        "postgresql://anna:secret/x@host/db",
-        "postgresql://anna:12/secret@host/db",
-        "postgresql://anna:secret?x=s@host/db",
-        "postgresql://anna:12?secret@host/db",
-        "postgresql://anna:12#secret@host/db",
-        "postgresql://anna:secret[@host/db",
-        "postgresql://host/?password=secret",
-        "host=host password=secret",
-        "anna:secret@host/db",
-        "postgresql://anna:secret@host/db?port=many",
-        "postgresql://anna:secret@host/db?port=99999",
-        "postgresql://anna:secret@host/db?keepalives",
-    ],
-)
-def test_no_part_of_a_password_is_said(address: str) -> None:
-    with pytest.raises(RecordError, match=r"is no address of a store.* is %2F") as told:
-        store_address(address, {})
-    assert "secret" not in str(told.value)
-
-
 def test_a_server_that_goes_away_and_comes_back_has_lost_nothing() -> None:
     with running_server() as server:
         database = Database(store_address(server.address()))

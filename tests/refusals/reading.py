@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import NamedTuple, cast
 from unittest.mock import patch
 
+from axiscal.campaign.sources import open_source
 from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
 from axiscal.description.ini_file import read_ini
@@ -23,11 +24,13 @@ from axiscal.exceptions import InputError
 from axiscal.machine import machine_from_text
 from axiscal.machine.description import parse_chain
 from axiscal.machine.entry import parse_error_name
+from axiscal.ports.postgres.database import store_address
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
 from axiscal.tables.registry import loaded
 from axiscal.units import Dimension, parse_quantity
 from tests.generators.begun import begun
+from tests.generators.requests import REQUEST, SIMULATOR
 
 FOLDER = Path(__file__).parent
 
@@ -134,7 +137,18 @@ def _command(_: str, text: str) -> str:
 _BEGUN = ("start", "c.toml", "m.axiscal"), ("record", "m.axiscal", "1 um", "--setup", "laser", "--at", "X=100 mm")
 
 
+def _answer(_: str, line: str) -> object:
+    """Return what is understood of the line with which a command answers a request."""
+    Path("answer").write_text(f"{line}\n", encoding="utf-8")
+    source = open_source("exec:sh -c 'read asked; cat answer; cat > /dev/null'", SIMULATOR)
+    try:
+        return source.read(REQUEST)
+    finally:
+        source.close()
+
+
 _READERS: Mapping[str, Callable[[str, str], object]] = {
+    "answer": _answer,
     "campaign": _of_file("campaign.toml", read_campaign),
     "command": _command,
     "chain": lambda _, text: parse_chain(text),
@@ -142,6 +156,9 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "ini": _of_file("machine.ini", lambda path: machine_of(read_ini(path))),
     "machine": lambda _, text: machine_from_text(text, "mill.toml"),
     "old_table": _old_table,
+    "answers_in_a_table": _of_file("r.csv", lambda path: open_source(f"csv:{path}", SIMULATOR).read(REQUEST)),
     "positioning": _of_file("test.csv", read_iso230),
     "quantity": lambda of, text: parse_quantity(text, cast("Dimension", of)),
+    "source": lambda _, text: open_source(text, SIMULATOR),
+    "store": lambda _, text: store_address(text, {}),
 }

@@ -111,7 +111,9 @@ COMMANDS: Mapping[str, Command] = {
     "finish": Command(FINISH, MEASURED, out="out", manifest=SET),
     "finish, over earlier results": Command(FINISH, (*MEASURED, FINISH, UNDONE, UNDONE), out="out", manifest=SET),
     "export": Command(EXPORT, MEASURED, out="out", manifest=TABLES),
-    "export, over earlier tables": Command(EXPORT, (*MEASURED, NEXT, TAKEN, EXPORT, UNDONE), out="out", manifest=TABLES),
+    "export, over earlier tables": Command(
+        EXPORT, (*MEASURED, NEXT, TAKEN, EXPORT, UNDONE), out="out", manifest=TABLES
+    ),
     "run": Command(RUN, again=(*RUN, "--resume"), out="out", manifest=SET),
     "estimate": Command(ESTIMATE, out="out", manifest=SET),
     "report": Command(_words(f"report {RECORD} --out out/page.html"), MEASURED, out="out/page.html"),

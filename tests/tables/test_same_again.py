@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.exceptions import InputError, TableError
+from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
@@ -200,17 +200,3 @@ def test_csv_comes_back_as_written(positions: list[float], rotary: bool, data: s
     assert back.positions == pytest.approx(written.positions, abs=1e-9)
     for name in ("forward", "reverse", "std"):
         assert getattr(back, name) == pytest.approx(getattr(written, name), abs=2.5e-10 if rotary else 0.6e-10)
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("axis,position_mm,forward_um,reverse_um,std_um\nX,0,1,1,1\nY,1,1,1,1\n", "holds the axes X, Y"),
-        ("axis,position_deg,forward_um,reverse_um,std_um\nC,0,1,1,1\n", "mix lengths and angles"),
-        ("axis,position_mm,forward_um,reverse_um\nX,0,1,1\n", "no column 'std_mm'"),
-        ("axis,position_mm,forward_um,reverse_um,std_um\nX,0,1,1,nan\n", "'nan' is not finite"),
-    ],
-)
-def test_a_csv_table_that_is_none(text: str, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        plain_csv.parse(text)
