@@ -105,7 +105,7 @@ def test_a_line_without_end_is_refused(answering: Callable[[str], Source], line:
 
 
 def test_a_command_with_a_nul_is_refused(opened: Opened) -> None:
-    with pytest.raises(SourceError, match="cannot be started|cannot be split"):
+    with pytest.raises(SourceError, match=r"cannot be started|cannot be split"):
         opened("exec:\0")
 
 
