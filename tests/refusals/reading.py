@@ -27,7 +27,8 @@ from axiscal.machine.entry import parse_error_name
 from axiscal.ports.postgres.database import store_address
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
-from axiscal.tables.registry import loaded
+from axiscal.tables.registry import export, loaded
+from axiscal.tables.round_trip import drawn_and_known
 from axiscal.units import Dimension, parse_quantity
 from tests.generators.begun import begun
 from tests.generators.requests import REQUEST, SIMULATOR
@@ -123,6 +124,12 @@ def _old_table(of: str, text: str) -> object:
     return loaded(controller, machine_from_text(texts["machine.toml"]), options)
 
 
+def _template(of: str, text: str) -> object:
+    """Make files from a template of the control.  of : which"""
+    known = drawn_and_known(machine_from_text(refusals("template").texts["machine.toml"]))
+    return export(known, of, ExportOptions(template=text))
+
+
 def _command(_: str, text: str) -> str:
     """Return what a command says that is refused, beside a campaign `c.toml` and its record `m.axiscal`."""
     begun(Path(), {"c.toml": refusals("command").texts["c.toml"]}, *_BEGUN)
@@ -161,4 +168,5 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "quantity": lambda of, text: parse_quantity(text, cast("Dimension", of)),
     "source": lambda _, text: open_source(text, SIMULATOR),
     "store": lambda _, text: store_address(text, {}),
+    "template": _template,
 }
