@@ -226,7 +226,7 @@ def test_a_board_that_has_no_new_places_is_read_again_as_it_lies(
     """A board put down by eye is turned by milliradians, whose squares move its balls by microns."""
     at = ((0, "100 mm", "100 mm"), (90, "200 mm", "100 mm"), (180, "150 mm", "180 mm"))
     boards = [PLACED.format(turn, [x, y, "0 mm"]) for turn, x, y in at]
-    record = _record(tmp_path / "board.axiscal", BALLS, *boards, machine=THREE)
+    record = measured(tmp_path / "board.axiscal", _description(BALLS, *boards, machine=THREE, target=""), SEED)
     assert run(["verify", str(record), "--json"]) == 0
     said = json.loads(capsys.readouterr().out)
     assert len(said["read_again"]) >= 2
