@@ -59,7 +59,7 @@ test-long: .venv/dev.stamp $(if $(wildcard $(CONTROLS)),.venv-controls/stamp)
 	AXISCAL_HYPOTHESIS=long $(BIN)/pytest -n 5 --dist loadfile --no-loadscope-reorder -m "long or hypothesis" tests
 
 # Whole rooms where their tests take seconds, else the files that do.
-QUICK := description docs/test_constants.py docs/test_house.py docs/test_shapes.py document errors/test_gauge.py \
+QUICK := core/test_docstrings.py description docs/test_constants.py docs/test_house.py docs/test_shapes.py document errors/test_gauge.py \
 	estimation/test_alignment.py estimation/test_belief_properties.py estimation/test_criterion.py estimation/test_directions.py \
 	estimation/test_yardstick.py evaluation/test_around_a_turn.py evaluation/test_evaluation.py \
 	machine measurement/test_displacement.py \

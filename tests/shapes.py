@@ -123,13 +123,13 @@ class _Loader(SourceFileLoader):
 
 class _Finder(MetaPathFinder):
     def find_spec(self, name: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
-        """Find the modules of the package."""
-        spec = PathFinder.find_spec(name, path, target) if name.startswith("axiscal.") else None
+        """Find the modules of the product and of the core."""
+        spec = PathFinder.find_spec(name, path, target) if name.startswith(("axiscal.", "axiscal_core.")) else None
         if spec is not None and isinstance(spec.loader, SourceFileLoader):
             spec.loader = _Loader(spec.loader.name, spec.loader.path)
         return spec
 
 
 def install() -> None:
-    """Look at every module of the package that is loaded from now on."""
+    """Look at every module of both that is loaded from now on."""
     sys.meta_path.insert(0, _Finder())

@@ -12,7 +12,8 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.evaluation.standards import read_iso230
+from axiscal.evaluation.standards import positioning_test
+from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.tables.sampling import axis_tables
@@ -36,7 +37,7 @@ class Runs:
     @classmethod
     def of(cls, name: str) -> Runs:
         """Return a file's runs; all three have both directions."""
-        test = read_iso230(GOLDEN / f"{name}.csv")
+        test = positioning_test(recognised(GOLDEN / f"{name}.csv"))
         assert test.up is not None
         assert test.down is not None
         return cls(test.targets, test.up, test.down)

@@ -21,7 +21,6 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.tables.offer import unknown
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine
 
 DRAWN = machine(5)
@@ -99,7 +98,7 @@ def test_a_control_that_corrects_what_is_known_leaves_what_is_not() -> None:
     for row in answered(known, {"all": control, "none": nothing}):
         assert row.left["none"] == pytest.approx(row.found, rel=1e-9)
         assert row.left["all"] < row.found
-        missing = row.known / BAND if row.signed else unknown(known.estimate()).rms
+        missing = row.known / BAND if row.signed else known.estimate().unknown.rms
         assert row.left["all"] == pytest.approx(missing, rel=1e-3)
 
 

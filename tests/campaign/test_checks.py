@@ -8,7 +8,7 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.measurement.readers.csv_readings import read_readings
+from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place, Reading
 from axiscal.present.result_document import readings_csv, result_json
 from axiscal.present.summarising import Extras, summarise
@@ -61,4 +61,4 @@ def test_readings_of_a_file_at_places_of_checks_are_checks_and_their_file_says_s
         assert [reading.check for reading in campaign.state.readings] == [place.check for place in PLACES]
         written = tmp_path / "readings.csv"
         written.write_bytes(readings_csv(summarise(campaign, campaign.estimate(ended=True), Extras())))
-    assert [row.check for row in read_readings(written)] == [place.check for place in PLACES]
+    assert [row.check for row in read_any(written)] == [place.check for place in PLACES]

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from axiscal.campaign.sources import Answer, Skip, Source, open_source
 from axiscal.campaign.sources import exec as exec_source
 from axiscal.campaign.sources.exec import ExecSource
-from axiscal.exceptions import ReadingError, SourceError
+from axiscal.exceptions import InputError, ReadingError, SourceError
 from axiscal.measurement.setup import Setup
 from tests.generators.requests import REQUEST, SETUP, SIMULATOR
 
@@ -213,6 +213,21 @@ def test_a_command_that_will_not_end_is_ended(
     source.close()
     source.close()
     assert source._process.returncode == -9
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("target_mm,direction,run,deviation_um\n0,+,1,1\n", "a test of one axis"),
+        ("0 0 1\n9 0 1\n", "a list of points X Y Z"),
+    ],
+)
+def test_a_file_that_is_not_in_the_order_asked_is_no_source(
+    opened: Opened, tmp_path: Path, text: str, says: str
+) -> None:
+    (tmp_path / "r.csv").write_text(text)
+    with pytest.raises(InputError, match=f"this is {says}.*, and no table of readings in the order asked"):
+        opened(f"csv:{tmp_path}/r.csv")
 
 
 def test_the_noise_of_a_reading_does_not_depend_on_those_before(opened: Opened) -> None:

@@ -29,7 +29,8 @@ from axiscal.exceptions import SourceError
 from axiscal.machine.description import load_machine
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.readers.bed_map import mesh as saved_mesh
-from axiscal.measurement.readers.csv_table import TextFile
+from axiscal.measurement.readers.csv_readings import ALONE
+from axiscal.measurement.readers.text_file import TextFile
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
@@ -226,7 +227,7 @@ def loaded(printer: Printer, mesh: str) -> tuple[Array, Array]:
     assert np.abs(np.diff(left) - np.diff(bed - found)).max() < _AS_LEFT
     printer.told("BED_MESH_CLEAR")
     text = TextFile(_OLD, tuple(mesh.splitlines()))
-    return found, 1e3 * mesh_of_nodes(saved_mesh(text)).at(*_PLACES[:, :2].T * 1e-3)
+    return found, 1e3 * mesh_of_nodes(saved_mesh(text, ALONE).readings).at(*_PLACES[:, :2].T * 1e-3)
 
 
 def as_left(printer: Printer, mesh: str) -> Array:

@@ -72,15 +72,24 @@ def test_a_reading_that_does_not_fit_a_set_up_is_refused(said: Mapping[str, Any]
     assert why in refusal(described(MILL), **said)
 
 
+def as_read(test: str, dimension: str) -> dict[str, Any]:
+    return {"setup": "", "position": {"": 0.1}, "approach": {"": 1}, "dimension": dimension, "test": test}
+
+
 def test_set_ups_that_a_file_cannot_tell_apart_are_refused() -> None:
     twice = described(MILL.replace('direction = "y"', 'direction = "x"'))
     assert "several set-ups read a length along x" in refusal(twice, setup="", error="EXX")
     alone = described(MILL.rpartition("[[setups]]")[0])
-    (reading,) = placed_readings((RawReading("", {"": 0.1}, {"": -1}, 1e-6, None, "length", 3),), alone, "r.csv")
+    tested = RawReading("", {"": 0.1}, {"": -1}, 1e-6, None, "length", 3, test="positioning")
+    (reading,) = placed_readings((tested,), alone, "r.csv")
     assert (reading.setup, reading.pose[0], reading.approach[0]) == ("laser", 0.1, -1)
     level = described(LEVELS.rpartition("[[setups]]")[0])
-    unnamed: dict[str, Any] = {"setup": "", "position": {"": 0.1}, "approach": {"": 1}, "dimension": "angle"}
-    assert "X, whose position is a length, and the file gives the other kind" in refusal(level, **unnamed)
+    for dimension in ("length", "angle"):
+        assert "rotary for deg, and reads along it" in refusal(level, **as_read("positioning", dimension))
+    assert "moves one linear axis and reads across it" in refusal(alone, **as_read("straightness", "length"))
+    assert "names no axes" in refusal(alone, **as_read("circle", "length"))
+    both = described(LEVELS)
+    assert "several set-ups read what this test reads: " in refusal(both, **as_read("angular", "angle"))
 
 
 def test_levels_are_told_apart_by_their_base() -> None:

@@ -19,9 +19,10 @@ PAGE, NOTEBOOK = ROOT / "docs" / "python.md", ROOT / "docs" / "python.ipynb"
 _HEAD = """\
 # axiscal from Python
 
-Three stories with public names only. Each is a file in [examples/](../examples) that runs by itself, and a cell of
+Two stories with public names only. Each is a file in [examples/](../examples) that runs by itself, and a cell of
 [python.ipynb](python.ipynb), which the tests execute. Numbers are metres, radians and seconds; text carries its unit.
-Every public name is on [api.md](api.md); the fields of `result.json` on [result.md](result.md).
+Every public name is on [api.md](api.md); the fields of `result.json` on [result.md](result.md). Instruments, errors and
+machines of your own are on [core.md](core.md).
 """
 
 

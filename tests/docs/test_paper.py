@@ -24,7 +24,7 @@ KNOTS = np.linspace(0, 10, 7)
 
 
 SPLINE, STACKED = (
-    runpy.run_path(str(ROOT / "examples" / name)) for name in ("ex09_paper_spline.py", "ex06_stacked_axes.py")
+    runpy.run_path(str(ROOT / "examples" / name)) for name in ("ex08_paper_spline.py", "ex05_stacked_axes.py")
 )
 
 

@@ -10,7 +10,8 @@ from axiscal.description.usual import sizes_of
 from axiscal.errors import prior
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise.problem import problem
-from axiscal.estimation.promise.unknowns import Given, space_of
+from axiscal.estimation.promise.spaces import Given
+from axiscal.estimation.promise.unknowns import space_of
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.observation import Observation

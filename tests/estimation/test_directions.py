@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -23,7 +22,6 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import InputError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import even_points
-from axiscal.tables.offer import unknown
 from tests.commands import Command
 
 _EVERY_LINE = 'directions = ["z"]'
@@ -117,13 +115,6 @@ def test_sampled_means_are_those_in_closed_form() -> None:
     spread = errors.prior_covariance()
     assert np.sum(sampled.gram * spread) == pytest.approx(float(np.sum(closed.gram * spread)), rel=0.01)
     assert sampled.rest == pytest.approx(closed.rest, rel=0.01, abs=0)
-
-
-def test_what_files_are_said_to_leave_is_of_the_height() -> None:
-    found = known().estimate()
-    heights = unknown(found).rms
-    assert heights == pytest.approx(known().accuracy.rms, rel=0.1)
-    assert unknown(replace(found, counted=(True, True, True), unknown=None)).rms > 3 * heights
 
 
 @pytest.mark.parametrize("line", ["directions = []", 'directions = ["up"]', 'directions = "z"'])

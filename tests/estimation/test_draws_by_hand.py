@@ -15,7 +15,6 @@ from scipy.stats import norm
 from axiscal.description.usual import Kind, Sizes
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise import left_out as left_out_of
-from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Mode, Weighed, _halved, _wings, draws, mode, redrawn, weighed
 from axiscal.estimation.promise.left_out import LeftOut, left_out, with_stated
 from axiscal.estimation.promise.posterior import (
@@ -139,7 +138,7 @@ def _of_three_draws() -> tuple[Problem, Weighed]:
     problem = sized(asked("axis", 12, 3), ("std", "noise"))
     problem = replace(problem, values=problem.values + 60.0 * (problem.reading == 4))
     space, thetas = space_of(problem), np.array([[-0.4, 0.2], [0.1, 0.1], [0.3, -0.2]])
-    given = tuple(Considered(each) for theta in thetas if (each := space.given(theta)) is not None)
+    given = tuple(each for theta in thetas if (each := space.given(theta)) is not None)
     found = weighed(space, draws(space, mode(space)))
     return problem, replace(found, thetas=thetas, weights=np.array([0.3, 0.5, 0.2]), given=given)
 
@@ -205,11 +204,11 @@ def test_two_answers_that_count_one_half_each_are_their_mixture() -> None:
     problem, _, _ = _learnt()
     each, volume = [_judged(problem, apart) for apart in ((), (3, 7))], np.zeros((0, 0))
     one, other = (_moments([judged], volume) for judged in each)
-    found = _moments(each, volume)
+    found_mean, found_covariance, *_, cells = _moments(each, volume)
     mean, covariance = mixture([one[:2], other[:2]], np.array([0.5, 0.5]))
-    np.testing.assert_allclose(found.mean, mean, rtol=1e-9, atol=1e-12 * np.abs(mean).max())
-    np.testing.assert_allclose(found.covariance, covariance, rtol=1e-9, atol=1e-9 * np.abs(covariance).max())
-    np.testing.assert_allclose(found.cells, (one.cells + other.cells) / 2, rtol=1e-9)
+    np.testing.assert_allclose(found_mean, mean, rtol=1e-9, atol=1e-12 * np.abs(mean).max())
+    np.testing.assert_allclose(found_covariance, covariance, rtol=1e-9, atol=1e-9 * np.abs(covariance).max())
+    np.testing.assert_allclose(cells, (one[-1] + other[-1]) / 2, rtol=1e-9)
 
 
 def test_a_detail_is_no_larger_than_two_stated_sizes_of_the_curves() -> None:

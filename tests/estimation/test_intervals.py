@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from scipy.stats import norm
 
 from axiscal.errors.prior import matern
-from axiscal.estimation.intervals import Fitted, Sites, sited, sites
+from axiscal.estimation.intervals import Fitted, sited, sites
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root
@@ -25,18 +25,19 @@ def _root() -> Array:
     return _CURVE * lower_root(matern(np.abs(_AT[:, None] - _AT) / 0.2) + 1e-9 * np.eye(len(_AT)))
 
 
-def _by_sites(root: Array, found: Sites) -> tuple[Array, Array]:
-    covariance = np.linalg.inv(np.eye(root.shape[1]) + (root.T / found.variances) @ root)
-    mean = root @ covariance @ (root.T @ (found.values / found.variances))
+def _by_sites(root: Array, found: tuple[Array, Array]) -> tuple[Array, Array]:
+    values, variances = found
+    covariance = np.linalg.inv(np.eye(root.shape[1]) + (root.T / variances) @ root)
+    mean = root @ covariance @ (root.T @ (values / variances))
     return mean, np.sqrt(np.diag(root @ covariance @ root.T))
 
 
 @pytest.mark.parametrize(("step", "shown"), [(1.0, 0.3), (8.0, 24.0), (40.0, -40.0), (100.0, 0.0)])
 def test_one_interval_leaves_mean_and_variance_of_the_exact_posterior(step: float, shown: float) -> None:
     fitted = Fitted(np.array([[_CURVE]]), np.array([1.0 + step**2 / 12]), np.array([shown]), np.array([0]))
-    found = sites(fitted, np.array([step]), np.array([1.0]))
-    precision = 1 / _CURVE**2 + 1 / found.variances[0]
-    mean = found.values[0] / found.variances[0] / precision
+    (value,), (variance,) = sites(fitted, np.array([step]), np.array([1.0]))
+    precision = 1 / _CURVE**2 + 1 / variance
+    mean = value / variance / precision
 
     def density(truth: float) -> float:
         return float(

@@ -63,7 +63,7 @@ def test_the_likeliest_jump_of_a_set_up_is_that_of_the_dense_density(kind: str) 
     assert found.mistake[2:4] == ((0,), best[1])
     assert found.mistake.mistake == "jump"
     assert found.places == places
-    assert found.log_odds == pytest.approx(each[best], rel=1e-6)
+    assert found.mistake.log_odds == pytest.approx(each[best], rel=1e-6)
     np.testing.assert_allclose(found.columns, best[0] * ways * (problem.reading >= best[1]))
     known = jumped(problem)
     assert known is not None

@@ -24,7 +24,6 @@ from axiscal.estimation.promise.agreement import (
     _units,
     agreement,
 )
-from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Weighed
 from axiscal.estimation.promise.draws import sized as weighed_of
 from axiscal.estimation.promise.problem import Problem
@@ -44,7 +43,7 @@ def _learning(kind: str, sizes: tuple[str, ...] = ()) -> tuple[Problem, Weighed]
     if not sizes:
         return problem, found
     thetas, space = np.array([-0.4, 0.1, 0.3])[:, None] * np.ones(len(problem.sizes)), space_of(problem)
-    given = tuple(Considered(each) for theta in thetas if (each := space.given(theta)) is not None)
+    given = tuple(each for theta in thetas if (each := space.given(theta)) is not None)
     return problem, replace(found, thetas=thetas, weights=np.array([0.2, 0.5, 0.3]), given=given)
 
 

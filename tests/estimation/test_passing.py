@@ -1,4 +1,7 @@
-"""What readings suffer with time: a reversal that is not there yet, zeros that drift, ways from one to the next."""
+"""What readings suffer with time: when it is there, and ways from one to the next.
+
+How large it is the core says (`tests/core/test_beside_the_product.py`).
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.usual import CYCLE, DRIFT, GROWTH, WAY, sizes_of
+from axiscal.description.usual import sizes_of
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.passing import passing_columns, turning
 from axiscal.estimation.timed import Timed, elapsed, timed
@@ -24,8 +27,6 @@ from tests.generators.laser_axis import CASE, machine, read
 
 AT = (0.1, 0.3, 0.45, 0.2, 0.15, 0.2, 0.2)
 SIDES = (1, 1, 1, 1, -1, -1, -1)
-SINCE = (0.001, 0.201, 0.351, 0.001, 0.001, 0.001, 0.001)
-"""Back to 0.2 from above, coming from below, it turns twice; so it does where it comes from above and goes up."""
 
 
 def axis(approach: str = "both", usual: str = "on") -> Case:
@@ -53,16 +54,6 @@ def columns(case: Case) -> dict[str, Array]:
     found = passing_columns(case.observation, readings, places, np.arange(len(AT)), case.sizes, case.description.usual)
     kinds = np.array([case.sizes.of[number].kind for number in found.size_at])
     return {kind: found.columns[:, kinds == kind] for kind in np.unique(kinds)}
-
-
-def test_what_is_missing_of_a_reversal_falls_with_the_way_since_the_axis_turned() -> None:
-    case = axis()
-    std = next(entry.std for entry in case.description.machine.errors if entry.name == "EXX_reversal")
-    found = columns(case)["way"]
-    assert found.shape == (len(AT), 3)
-    for column, way in zip(found.T, (0.03, 0.1, 0.35), strict=True):
-        wanted = -WAY.size * std / 2 * np.array(SIDES) * np.exp(-np.array(SINCE) / way)
-        assert column == pytest.approx(wanted, rel=1e-9)
 
 
 def test_it_is_there_where_both_sides_are_read_and_what_usually_goes_wrong_counts() -> None:
@@ -98,39 +89,6 @@ def _by_kind(case: Case, readings: Sequence[Reading]) -> dict[str, Array]:
     found = passing_columns(case.observation, readings, places, reading, case.sizes, case.description.usual)
     kinds = np.array([case.sizes.of[number].kind if number >= 0 else "" for number in found.size_at])
     return {kind: found.columns[:, kinds == kind] for kind in np.unique(kinds)}
-
-
-def test_zeros_drift_by_a_line_and_brownian_motion_come_and_go_and_axes_grow() -> None:
-    """Covariances as the first lines of the module say them; a nest has a zero for each of its three numbers."""
-    case, count = mixed(), 20
-    readings = [replace(each, time=40.0 * i) for i, each in enumerate(drawn(case, count))]
-    found, noises = _by_kind(case, readings), {setup.name: setup.noise for setup in case.description.setups}
-    names = [each.setup for each in readings for _ in each.values]
-    clock = np.array([each.time for each in readings for _ in each.values])
-    number = np.array([k for each in readings for k in range(len(each.values))])
-    same = np.array([[a == b for a in names] for b in names]) & (number[:, None] == number)
-    noise = np.array([noises[name] for name in names])
-    begin = {name: min(clock[np.array(names) == name]) for name in noises}
-    length = {name: np.ptp(clock[np.array(names) == name]) for name in noises}
-    share = np.array([(time - begin[name]) / length[name] for name, time in zip(names, clock, strict=True)])
-    stated = float(np.sqrt(wandering(3e-6 / 3600, [float(length["nest"])])[0, 0] / 2))
-    size = np.array([np.hypot(DRIFT.size * noises[n], stated if n == "nest" else 0.0) for n in names])
-    drift = size[:, None] * size * (np.outer(share, share) + np.minimum(share[:, None], share)) * same
-    np.testing.assert_allclose(found["drift"] @ found["drift"].T, drift, atol=0.02 * drift.max())
-    cycle = CYCLE.size**2 * np.outer(noise, noise) * np.exp(-np.abs(clock[:, None] - clock) / 360) * same
-    np.testing.assert_allclose(found["cycle"] @ found["cycle"].T, cycle, atol=1e-6 * cycle.max())
-
-
-def test_an_axis_grows_from_the_middle_of_its_travel_and_forgets_itself_in_two_fifths_of_the_time() -> None:
-    """Ten readings, each at a node in time: Matern-3/2 by its formula."""
-    case, at, apart = axis(), np.linspace(0.03, 0.48, 10), np.abs(np.subtract.outer(np.arange(10), np.arange(10))) / 9
-    readings = [Reading("laser", (x,), (1,), 0.0, time=90.0 * n) for n, x in enumerate(at)]
-    travel = np.array(case.description.machine.axes[0].travel)
-    off = (at - travel.mean()) / np.ptp(travel)
-    scaled = np.sqrt(3) * apart / 0.4
-    expected = (GROWTH.size * 0.5e-6) ** 2 * np.outer(off, off) * (1 + scaled) * np.exp(-scaled)
-    found = _by_kind(case, readings)["growth"]
-    np.testing.assert_allclose(found @ found.T, expected, atol=1e-6 * expected.max())
 
 
 def test_readings_of_a_long_day_and_many_of_them_have_no_cycle() -> None:

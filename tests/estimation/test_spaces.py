@@ -14,11 +14,10 @@ from scipy.special import gamma, kv
 from axiscal.description.usual import Sizes
 from axiscal.estimation.located import absorbed
 from axiscal.estimation.promise.columns import Curves
-from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.numbers import Numbers
 from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.spaces import parts_of
-from axiscal.estimation.promise.unknowns import Given, Space, Unknowns
+from axiscal.estimation.promise.spaces import Given, parts_of
+from axiscal.estimation.promise.unknowns import Space, Unknowns
 from axiscal.numerics import Array
 from tests.generators.dense_posterior import Dense
 from tests.generators.problems import KINDS, asked, case_of, inherited, plain, plain_case, readings_of
@@ -104,7 +103,7 @@ def test_answers_are_those_of_the_equations(drawn: tuple[Problem, Array]) -> Non
     mean, covariance = Dense(problem).unknowns(theta)
     stds = np.sqrt(np.diagonal(covariance))
     for space in _both(problem):
-        answer = _given(space, theta).posterior()
+        answer = _given(space, theta).without_causes()
         np.testing.assert_allclose((answer.mean - mean) / stds, 0, atol=1e-4)
         np.testing.assert_allclose((answer.covariance - covariance) / np.outer(stds, stds), 0, atol=1e-4)
 
@@ -132,7 +131,7 @@ def test_a_reading_left_out_is_left_out(drawn: tuple[Problem, Array]) -> None:
     problem, theta = drawn
     dense = Dense(problem)
     for space in _both(problem):
-        given_here, every = Considered(_given(space, theta)), parts_of(problem.reading)
+        given_here, every = _given(space, theta), parts_of(problem.reading)
         found = [one for part in every for one in zip(part, *given_here.left_out(part), strict=True)]
         assert len(found) == len(np.unique(problem.reading))
         for mine, weighted, block in found:

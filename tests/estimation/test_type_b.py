@@ -17,7 +17,6 @@ from axiscal.description.usual import Sizes, sizes_of
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.promise.causes import contributions
-from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.numbers import Numbers
 from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.promise.problem import Problem, problem
@@ -347,22 +346,21 @@ def test_the_mean_is_that_without_the_columns_and_the_covariance_has_what_they_d
     columns = np.array([each.column for each in causes(observation, readings, usual=False).values()]).T
     covariance, gained, rows = dense(observation, places, np.zeros((9, 0)))
     made = problem(observation, readings, NOBODY, usual=False)
-    given = room(made).given(np.zeros(0))
-    assert given is not None
-    found, moved = Considered(given), gained @ columns
+    found, moved = room(made).given(np.zeros(0)), gained @ columns
+    assert found is not None
     values = np.array([each.value for each in readings])
     assert found.posterior().mean == pytest.approx(gained @ values, rel=1e-6, abs=1e-12)
     assert found.posterior().covariance == pytest.approx(covariance + moved @ moved.T, rel=1e-4, abs=1e-16)
     noise = observation.setups[0].noise
     kept = rows @ observation.prior_covariance() @ rows.T + noise**2 * np.eye(9)
     inverse = np.linalg.inv((kept + columns @ columns.T) / noise**2)
-    assert found.precision(np.eye(9)) == pytest.approx(inverse, rel=1e-6, abs=1e-9)
-    assert found.square == pytest.approx(made.values @ inverse @ made.values, rel=1e-6)
+    assert found.judged(np.eye(9)) == pytest.approx(inverse, rel=1e-6, abs=1e-9)
+    assert found.misfit == pytest.approx(made.values @ inverse @ made.values, rel=1e-6)
     weighted, blocks = found.left_out(np.arange(9)[:, None])
     assert weighted[:, 0] == pytest.approx(inverse @ made.values, rel=1e-6, abs=1e-9)
     assert blocks[:, 0, 0] == pytest.approx(np.diagonal(inverse), rel=1e-6)
     dets = np.linalg.slogdet(kept / noise**2)[1] + np.linalg.slogdet(inverse)[1]
-    gained_squares = made.values @ np.linalg.inv(kept / noise**2) @ made.values - found.square
+    gained_squares = made.values @ np.linalg.inv(kept / noise**2) @ made.values - found.misfit
     assert found.density - found.value == pytest.approx(0.5 * (gained_squares + dets), rel=1e-5)
 
 

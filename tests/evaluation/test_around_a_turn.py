@@ -10,8 +10,9 @@ import pytest
 from scipy.optimize import minimize
 
 from axiscal.cli import app
-from axiscal.evaluation.standards import CircularTest, circular, evaluate, read_iso230
+from axiscal.evaluation.standards import CircularTest, circular, evaluate, positioning_test
 from axiscal.exceptions import EvaluationError
+from axiscal.measurement.readers.files import recognised
 from axiscal.numerics import Array
 
 AROUND = np.arange(72) * np.pi / 36
@@ -82,7 +83,7 @@ def test_a_reading_that_the_other_runs_contradict_is_named(tmp_path: Path) -> No
     for wrong, named in ((0.0, False), (6.0, True)):
         file = tmp_path / f"{wrong:g}.csv"
         file.write_text("\n".join(["target_mm,direction,run,deviation_um", *_runs(wrong)]))
-        said = " ".join(evaluate(read_iso230(file)).warnings)
+        said = " ".join(evaluate(positioning_test(recognised(file))).warnings)
         assert ("Run 3 in direction + at 260 mm is" in said) is named
 
 

@@ -66,7 +66,7 @@ def test_the_right_tables_pass_and_another_machine_is_noticed(
 
 @pytest.fixture(scope="module")
 def two(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A record of a tracker along X and a probe, all readings taken: no plan of these makes Y known to 1.5 um."""
+    """A record of a tracker along X and a probe, with all of its readings: no plan makes Y known to 1.5 um."""
     description = _description(NEAR + 'moves = ["X"]\n', PROBE, target="")
     return measured(tmp_path_factory.mktemp("two") / "m.axiscal", description, SEED)
 

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from axiscal.cli.app import run
-from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate, read_iso230
+from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate, positioning_test
 from axiscal.exceptions import EvaluationError, ReadingError
+from axiscal.measurement.readers.files import recognised
 from axiscal.numerics import Array
 from tests.generators.field import FIELD
 from tests.refusals.reading import refusals
@@ -32,13 +33,13 @@ def written(tmp_path: Path, text: str | bytes) -> Path:
 
 
 def evaluated(tmp_path: Path, text: str) -> Positioning:
-    return evaluate(read_iso230(written(tmp_path, text)))
+    return evaluate(positioning_test(recognised(written(tmp_path, text))))
 
 
 @pytest.mark.parametrize("name", REAL)
 def test_every_published_iso_figure_of_a_real_test(name: str) -> None:
     expected = json.loads((GOLDEN / f"{name}.expected.json").read_text())
-    document = evaluate(read_iso230(GOLDEN / f"{name}.csv")).as_json()
+    document = evaluate(positioning_test(recognised(GOLDEN / f"{name}.csv"))).as_json()
     published = expected["reported_by_source"]
     figures = {"A": "A", "A_up": "A_fwd", "A_down": "A_bwd", "E_up": "E_fwd", "E_down": "E_bwd"} | {
         "R_up": "R_fwd", "R_down": "R_bwd", "B": "B", "B_mean": "B_avg", "M": "M"
@@ -55,7 +56,7 @@ def test_every_published_iso_figure_of_a_real_test(name: str) -> None:
 def test_every_published_iso_figure_of_each_target(name: str) -> None:
     expected = json.loads((GOLDEN / f"{name}.expected.json").read_text())
     published = expected["reported_by_source"]
-    document = json.loads(json.dumps(evaluate(read_iso230(GOLDEN / f"{name}.csv")).as_json()))
+    document = json.loads(json.dumps(evaluate(positioning_test(recognised(GOLDEN / f"{name}.csv"))).as_json()))
     columns = {"mean": "x_avg_bi", "B_i": "B_i", "s_up": "s_fwd", "s_down": "s_bwd"} | {
         "R_up_i": "R_fwd_i", "R_down_i": "R_bwd_i", "R_i": "R_i"
     }  # fmt: skip
@@ -210,7 +211,9 @@ def test_a_missing_reading_costs_its_target_alone(tmp_path: Path) -> None:
 def test_tests_of_the_field_give_what_they_can(capsys: pytest.CaptureFixture[str]) -> None:
     folder = FIELD / "03-single-run"
     if folder.is_dir():
-        single, missing = (evaluate(read_iso230(folder / name)) for name in ("single.rtl", "missing.csv"))
+        single, missing = (
+            evaluate(positioning_test(recognised(folder / name))) for name in ("single.rtl", "missing.csv")
+        )
         assert 1e6 * single.figures["E"] == pytest.approx(9.4957 + 2.1509, abs=1e-9)
         assert "A" not in single.figures
         assert 1e6 * missing.figures["A"] == pytest.approx(11.221, abs=0.001)
@@ -228,7 +231,7 @@ def test_no_direction_at_all_is_refused() -> None:
 @pytest.mark.parametrize(("content", "message"), [(GOOD.encode("utf-16-le"), "UTF-16"), (b"\x7fELF\x00\x00", "binary")])
 def test_a_file_that_is_no_text_is_refused(content: bytes, message: str, tmp_path: Path) -> None:
     with pytest.raises(ReadingError, match=message) as caught:
-        read_iso230(written(tmp_path, content))
+        positioning_test(recognised(written(tmp_path, content)))
     assert (caught.value.file, caught.value.line) == (str(tmp_path / "test.csv"), None)
 
 
@@ -238,13 +241,15 @@ def test_a_table_is_read_as_spreadsheets_of_any_age_save_it(encoding: str, tmp_p
     text = GOOD.replace("one axis", "für")
     plain.write_bytes(text.encode())
     saved.write_bytes(text.encode(encoding))
-    assert evaluate(read_iso230(saved)).figures == evaluate(read_iso230(plain)).figures
+    assert (
+        evaluate(positioning_test(recognised(saved))).figures == evaluate(positioning_test(recognised(plain))).figures
+    )
 
 
 @pytest.mark.parametrize("name", ["no_such.csv", ".", "a\0b"])
 def test_a_file_that_cannot_be_opened(name: str, tmp_path: Path) -> None:
     with pytest.raises(ReadingError):
-        read_iso230(tmp_path / name)
+        positioning_test(recognised(tmp_path / name))
 
 
 def test_the_uncertainty_is_how_the_figures_scatter_when_the_test_is_repeated() -> None:

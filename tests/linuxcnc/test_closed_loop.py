@@ -184,7 +184,7 @@ approach = "both"
         assert machine.spheres is not None
         for pose, side in zip(poses[[3, 29]], sides[[3, 29]], strict=True):
             read = machine.spheres.read(setup, tuple(pose), tuple(side), rng)
-            # Each touch is a multiple of the probe's 1 um; of 32 poses middles of five touches are 1.41 off at most.
+            # Each touch is a multiple of the probe's 1 um; the middles at 32 poses are 1.41 off at most.
             assert read == pytest.approx(met(truth, setup, pose, side), abs=1.5e-6)
             assert machine.spheres.found[-1].radius == pytest.approx(Probe().radius, abs=4e-3)  # less half a reversal
         assert machine.errors == ()

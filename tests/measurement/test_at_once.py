@@ -18,7 +18,7 @@ from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.charts.kinds import Sight
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.readers.csv_readings import read_readings
+from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place, columns_of
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Unknown
@@ -93,7 +93,7 @@ def test_readings_of_all_are_columns_in_the_order_of_the_stations(tmp_path: Path
     description, path = described(TOGETHER + one(0)), tmp_path / "r.csv"
     assert columns_of(description.setups) == ["value_um", "value_1_um", "value_2_um", "value_3_um"]
     path.write_text("setup,X_mm,Y_mm,Z_mm,value_1_um,value_2_um,value_3_um\nbeams,100,200,50,1,-2,3\n")
-    (reading,) = placed_readings(read_readings(path), description, path)
+    (reading,) = placed_readings(read_any(path), description, path)
     assert reading.values == pytest.approx((1e-6, -2e-6, 3e-6), rel=1e-12)
     (blank,) = blank_readings(description.setups[:1], [reading.place])
     assert len(blank.values) == 3
@@ -112,7 +112,7 @@ def test_readings_of_another_form_are_refused(tmp_path: Path, line: str, said: s
     path = tmp_path / "r.csv"
     path.write_text(line + "\n")
     with pytest.raises(ReadingError, match=said) as failure:
-        placed_readings(read_readings(path), described(TOGETHER), path)
+        placed_readings(read_any(path), described(TOGETHER), path)
     assert failure.value.line == 2
 
 

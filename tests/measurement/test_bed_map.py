@@ -18,7 +18,6 @@ from axiscal.ports.printers.klipper import Klipper
 from axiscal.ports.printers.reprapfirmware import RepRapFirmware
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile, read_old
-from tests.generators.field import FIELD, with_field
 from tests.tables.test_bed_round_trips import X, Y, bed, duet_file, klipper_file
 
 ROUND = "[bed_mesh]\nmesh_radius: {}\nmesh_origin: 5, -5\nround_probe_count: {}\n"
@@ -134,11 +133,3 @@ def test_a_profile_of_a_file_without_meshes_is_refused(tmp_path: Path) -> None:
 def test_a_mesh_in_a_file_that_is_included_is_read(tmp_path: Path) -> None:
     (tmp_path / "mesh.cfg").write_text(klipper_file(X, Y, bed(X, Y)).partition("#*#\n")[2].replace("#*# ", ""))
     assert len(places(tmp_path / "mesh.cfg")) == X.size * Y.size
-
-
-def test_both_profiles_of_the_field_are_read() -> None:
-    for _ in with_field({}, "15-two-profiles/two.cfg"):
-        path = FIELD / "15-two-profiles" / "two.cfg"
-        assert [len(read_any(f"{path}#{name}")) for name in ("default", "hot")] == [25, 49]
-        with pytest.raises(ReadingError, match=r"two\.cfg#hot"):
-            read_any(path)

@@ -8,8 +8,9 @@ import pytest
 
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.csv_readings import read_times
-from axiscal.measurement.readers.csv_table import MOST_LINES, parse_table
+from axiscal.measurement.readers.csv_table import parse_table
 from axiscal.measurement.readers.files import read_any
+from axiscal.measurement.readers.text_file import MOST_LINES
 from tests.measurement.test_instrument_files import MAP, MESH, RTL
 from tests.measurement.test_level_survey import SURVEY
 
@@ -20,7 +21,7 @@ FOUND = [
     (MAP.replace("30.00,30.00,3,2", "30.00,30.00,9,2"), "line 3.*9 nodes from 10 to 70 mm, 30 mm apart, are no map"),
     (MAP.replace("30.00,30.00,3,2", "0,30.00,3,2"), "3 nodes from 10 to 70 mm, 0 mm apart, are no map"),
     (MAP.replace("30.00,30.00,3,2", "30.00,30.00,0,2"), "0 nodes from 10 to 70 mm, 30 mm apart, are no map"),
-    (NOTHING_PROBED, "line 3.*no node was probed"),
+    (NOTHING_PROBED, "line 4.*no node was probed"),
     (MESH.replace("max_x = 70.0", "max_x = 10.0"), "line 4.*3 nodes from 10 to 10 mm, 0 mm apart, are no map"),
     (MESH.replace("x_count = 3", "x_count = 1"), "1 nodes from 10 to 70 mm, 60 mm apart, are no map"),
     (RTL[: RTL.index("1   1   0.100")], "there are no deviations"),

@@ -21,7 +21,7 @@ from axiscal.estimation.promise.problem import problem as posed_of
 from axiscal.exceptions import DescriptionError, ReadingError, UnitError
 from axiscal.machine import load_machine
 from axiscal.measurement.cells import MEMORY, STEP, Course, wandering
-from axiscal.measurement.readers.csv_readings import read_readings
+from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.reading_rows import places_of, seen, times_of, visited
 from axiscal.measurement.simulation import Simulator, VirtualMachine
@@ -271,7 +271,7 @@ def test_a_table_of_readings_may_say_when_they_were_taken(
 ) -> None:
     file = tmp_path / "readings.csv"
     file.write_text("setup,X_mm,value_um,time\n" + "".join(f"laser,{100 * i},1,{t}\n" for i, t in enumerate(times)))
-    placed = placed_readings(read_readings(file), _description(), file)
+    placed = placed_readings(read_any(file), _description(), file)
     assert [reading.time for reading in placed] == pytest.approx(seconds)
 
 
@@ -280,7 +280,7 @@ def test_a_time_that_is_none_is_named_with_its_line(tmp_path: Path, wrong: str) 
     file = tmp_path / "readings.csv"
     file.write_text(f"setup,X_mm,value_um,time\nlaser,1,1,10:00\nlaser,2,1,{wrong}\n")
     with pytest.raises(ReadingError) as caught:
-        read_readings(file)
+        read_any(file)
     assert caught.value.line == 3
 
 
@@ -289,7 +289,7 @@ def test_a_day_is_no_time_for_all_its_readings_would_be_taken_at_once(tmp_path: 
     file = tmp_path / "readings.csv"
     file.write_text(f"setup,X_mm,value_um,time\nlaser,1,1,{day}\nlaser,2,1,{day}\n")
     with pytest.raises(ReadingError, match="without a time of day"):
-        read_readings(file)
+        read_any(file)
 
 
 @pytest.mark.parametrize("wrong", ['"2 um"', '"2 urad/h"', '"-2 um/h"', '"2 m/min"'])

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
-from axiscal.evaluation.standards import evaluate, read_iso230
+from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import ReadingError
-from axiscal.measurement.readers.files import read_any
+from axiscal.measurement.readers.files import read_any, recognised
 from tests.commands import Command
-from tests.generators.field import with_field
 from tests.generators.texts import machine_text
 
 RTL = """HEADER::
@@ -91,7 +89,7 @@ def _file(tmp_path: Path, text: str, encoding: str = "utf-8", name: str = "file"
 @pytest.mark.parametrize("ends", ["\n", "\r\n"])
 def test_a_rtl_file_is_a_positioning_test(tmp_path: Path, encoding: str, ends: str) -> None:
     text = RTL.replace("Fräse", "Fr?se") if encoding == "gbk" else RTL
-    test = read_iso230(_file(tmp_path, text.replace("\n", ends), encoding, "test.rtl"))
+    test = positioning_test(recognised(_file(tmp_path, text.replace("\n", ends), encoding, "test.rtl")))
     assert test.targets == pytest.approx([0.0, 0.05, 0.1])
     assert test.up is not None
     assert test.down is not None
@@ -101,17 +99,19 @@ def test_a_rtl_file_is_a_positioning_test(tmp_path: Path, encoding: str, ends: s
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        (RTL.replace("File type  : rtl", "File type  : rta"), "line 2: this is a test of angles (File type : rta)"),
-        (RTL.replace("File type  : rtl", "File Type: RTS"), "line 2: this is a test of straightness (File type : rts)"),
-        *((text, "line 2: this is a test of angles") for text in with_field({}, "02-angular-rtl/b.rta")),
-    ],
+    ("kind", "test", "unit", "value"), [("rta", "angular", "arcsec", 1.9e-3), ("RTS", "straightness", "um", 1.9e-6)]
 )
-def test_a_file_of_the_same_form_for_another_test_is_refused_by_name(tmp_path: Path, text: str, said: str) -> None:
-    for read in (read_any, read_iso230):
-        with pytest.raises(ReadingError, match=re.escape(said)):
-            read(_file(tmp_path, text))
+def test_files_of_the_same_form_are_other_tests(tmp_path: Path, kind: str, test: str, unit: str, value: float) -> None:
+    read = recognised(_file(tmp_path, RTL.replace("File type  : rtl", f"File type  : {kind}")))
+    assert {each.test for each in read.found.readings} == {test}
+    assert read.found.readings[4].value == pytest.approx(value)
+    found = evaluate(positioning_test(read))
+    assert (found.unit, found.target_unit) == (unit, "mm")
+
+
+def test_a_file_of_laser_software_of_another_type_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ReadingError, match=r"files of type rtx are not known\. Known are rtl, rta, rts"):
+        read_any(_file(tmp_path, RTL.replace("File type  : rtl", "File type  : rtx")))
 
 
 def test_the_flags_can_say_that_all_runs_go_up(tmp_path: Path) -> None:
@@ -126,7 +126,7 @@ def test_the_flags_can_say_that_all_runs_go_up(tmp_path: Path) -> None:
         ("1   2   1.300", "1   2   1e200", "line 18.*'1e200' is too large for a machine"),
         ("1   2   1.300", "1   9   1.300", "line 18.*target 9 of run 1 is not there"),
         ("1   2   1.300", "1   2", "line 18.*is not run, target and deviation"),
-        ("1   2   1.300", "1   1   1.300", "line 18.*has target 1 already"),
+        ("1   2   1.300", "1   1   1.300", "line 18: target 0 mm, direction \\+, run 1 was read in line 17"),
         ("Target-count: 3", "Target-count: 4", "line 6: 4 targets are announced, and there are 3"),
         ("DEVIATIONS::", "OTHER::", "no section DEVIATIONS"),
         ("TARGET DATA::", "OTHER::", "no section TARGET DATA"),

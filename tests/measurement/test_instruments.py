@@ -19,7 +19,7 @@ from axiscal.estimation.judged import judged
 from axiscal.exceptions import DescriptionError, InputError, ReadingError
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.readers.csv_readings import read_readings
+from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.simulation import Simulator, VirtualMachine
@@ -102,17 +102,17 @@ def test_set_ups_that_make_no_sense_are_refused(setup: str, reason: str) -> None
 def test_three_values_come_from_a_file(tmp_path: Path) -> None:
     path = tmp_path / "readings.csv"
     path.write_text("setup,X_mm,Y_mm,Z_mm,value_x_um,value_y_um,value_z_um\n0,100,200,50,1,-2,3\n")
-    (reading,) = placed_readings(read_readings(path), _description('instrument = "rtest"'), path)
+    (reading,) = placed_readings(read_any(path), _description('instrument = "rtest"'), path)
     assert reading.values == pytest.approx((1e-6, -2e-6, 3e-6))
     with pytest.raises(ReadingError, match="gives 1 values a reading"):
-        placed_readings(read_readings(path), _description('instrument = "probe"\ndirection = "x"'), path)
+        placed_readings(read_any(path), _description('instrument = "probe"\ndirection = "x"'), path)
 
 
 def test_two_of_three_values_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "readings.csv"
     path.write_text("setup,X_mm,Y_mm,Z_mm,value_x_um,value_y_um,value_z_um\n0,100,200,50,1,,3\n")
     with pytest.raises(ReadingError, match="line 2: the line has a value along x, but not along y and z"):
-        read_readings(path)
+        read_any(path)
 
 
 def test_three_values_are_recorded_and_kept(tmp_path: Path, command: Command) -> None:

@@ -1,4 +1,4 @@
-"""What instruments see: rows against the virtual machine's own readings, rests against a dense twin, exact lines."""
+"""What instruments see: rows against the virtual machine's own readings, rests against the core, exact lines."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.polynomial.chebyshev import chebfit, chebval
 
+import axiscal_core as ac
 from axiscal.errors.model import ErrorFunction, ErrorModel
 from axiscal.estimation.belief import Belief
 from axiscal.machine import Machine, load_machine
@@ -23,6 +24,7 @@ from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.simulation import Curve, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.line import node_count, nodes
+from tests.core.beside import instrument_of, machine_of
 from tests.generators.forms import gain_forms
 from tests.generators.machines import random_machine, random_poses
 
@@ -118,36 +120,22 @@ def _fed(observation: Observation, poses: Array, approaches: Array, values: Arra
     return belief, observation
 
 
-def _rest_kernel(model: ErrorModel, levers: Array, poses: Array, approaches: Array) -> Array:
-    """Return the covariance of the rests of readings: one number per eighth of a knot interval, which begins
-    0.2 mm before.
-    """
-    total = np.zeros((len(poses), len(poses)))
-    for function, lever in zip(model.functions, levers, strict=True):
-        low, high = model.machine.axes[function.axis].travel
-        count = 8 * (len(function.basis.knots) - 1)
-        share = (poses[:, function.axis] - low + 2e-4) / (high - low)
-        cell = np.minimum((share * count).astype(int), count - 1)
-        felt = lever * approaches[:, function.axis] / 2 if function.name.endswith("_reversal") else lever
-        total += function.rest**2 * np.outer(felt, felt) * (cell[:, None] == cell)
-    return total
-
-
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("instrument", ["probe", "level"])
-def test_readings_share_rests_as_in_a_dense_twin(seed: int, instrument: str) -> None:
-    """Poses repeated and close together; the twin has no columns for rests, only their joint covariance."""
+def test_readings_share_rests_as_in_the_core(seed: int, instrument: str) -> None:
+    """Poses repeated and close together; the core has no columns for rests, only their joint covariance."""
     machine = random_machine(seed, count=1 + seed % 3, smooth=True)
     machine = replace(machine, errors=tuple(replace(e, rest=2e-6 if e.rest else 0.0) for e in machine.errors))
     model, rng = ErrorModel(machine), np.random.default_rng(seed)
-    setup = mounted(machine, instrument, _direction(seed))
+    setup = replace(mounted(machine, instrument, _direction(seed)), unknowns=())
     poses, approaches = random_poses(machine, 15, rng)
     approaches = np.where(approaches == 0, 1.0, approaches)  # an untold side is a test of its own
     poses, approaches = np.concatenate([poses, poses[:8], poses[:4] + 1e-4]), np.tile(approaches, (2, 1))[:27]
     observation = Observation(model, (setup,))
-    levers = (model.levers if instrument == "probe" else model.angular_levers)(poses) @ np.array(setup.direction)
-    rows, prior = observation.rows(0, poses, approaches).rows, observation.prior_covariance()
-    joint = rows @ prior @ rows.T + _rest_kernel(model, levers, poses, approaches) + setup.noise**2 * np.eye(27)
+    core = ac.Case(machine_of(machine, usual=False), [instrument_of(setup, machine)], usual="off")
+    numbers, prior = core.numbers(ac.Places(setup.name, poses, approaches)), core.prior.covariance
+    rows = numbers.rows
+    joint = rows @ prior @ rows.T + core.shared(numbers, numbers) + np.diag(numbers.noise**2)
     values = np.linalg.cholesky(joint) @ rng.standard_normal(27)
     gain = np.linalg.solve(joint, rows @ prior).T
     belief, _ = _fed(observation, poses, approaches, values)

@@ -15,8 +15,15 @@ from hypothesis import strategies as st
 
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
-from axiscal.measurement.readers.csv_readings import RawReading, read_readings
-from axiscal.measurement.readers.csv_table import RawPose, csv_text, parse_table, read_poses, read_table, unshielded
+from axiscal.measurement.readers.csv_readings import RawReading
+from axiscal.measurement.readers.csv_table import (
+    RawPose,
+    csv_text,
+    parse_table,
+    read_poses,
+    read_table,
+    unshielded,
+)
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.simulation import read_truth
 
@@ -43,7 +50,7 @@ def written(tmp_path: Path, text: str) -> Path:
 
 
 def test_readings_are_in_si_units(tmp_path: Path) -> None:
-    first, second, third = read_readings(written(tmp_path, READINGS))
+    first, second, third = read_any(written(tmp_path, READINGS))
     assert first == RawReading("laser along X", {"X": 0.12, "Y": 0.25}, {"X": 1}, 1.7 / 1e6, None, "length", 2)
     assert second.position == {"X": 0.13, "Y": 0.25, "B": pytest.approx(pi / 2)}
     assert second.approach == {"X": 1, "Y": -1}
@@ -55,25 +62,25 @@ def test_readings_are_in_si_units(tmp_path: Path) -> None:
 
 def test_readings_of_an_iso_230_2_test(tmp_path: Path) -> None:
     text = "# one slide\ndirection,target_mm,deviation_um,run\n-,-20,4.5,3\n+,0,1,1\n"
-    first, second = read_readings(written(tmp_path, text))
-    assert first == RawReading("", {"": -0.02}, {"": -1}, 4.5 / 1e6, None, "length", 3, run=3)
+    first, second = read_any(written(tmp_path, text))
+    assert first == RawReading("", {"": -0.02}, {"": -1}, 4.5 / 1e6, None, "length", 3, test="positioning", run=3)
     assert (second.position, second.approach) == ({"": 0.0}, {"": 1})
 
 
 def test_readings_of_a_rotary_iso_230_2_test(tmp_path: Path) -> None:
-    (reading,) = read_readings(written(tmp_path, "direction,target_deg,deviation_arcsec,run\n-,180,1,3\n"))
+    (reading,) = read_any(written(tmp_path, "direction,target_deg,deviation_arcsec,run\n-,180,1,3\n"))
     assert reading.position == {"": pytest.approx(pi)}
     assert reading.dimension == "angle"
 
 
 def test_the_micro_sign_is_a_micro(tmp_path: Path) -> None:
-    (reading,) = read_readings(written(tmp_path, "setup,X_mm,value_µm\ns,1,2\n"))
+    (reading,) = read_any(written(tmp_path, "setup,X_mm,value_µm\ns,1,2\n"))
     assert reading.value == pytest.approx(2e-6)
 
 
 @pytest.mark.parametrize("approach", ["X+ Y-", "X+;Y-", " X+ ;  Y- ", '"X+ Y-"'])
 def test_spellings_of_an_approach(approach: str, tmp_path: Path) -> None:
-    (reading,) = read_readings(written(tmp_path, f"setup,approach,value_um\ns,{approach},2\n"))
+    (reading,) = read_any(written(tmp_path, f"setup,approach,value_um\ns,{approach},2\n"))
     assert reading.approach == {"X": 1, "Y": -1}
 
 
@@ -107,34 +114,33 @@ def test_a_file_without_a_header_is_shown_that_of_the_machine(tmp_path: Path) ->
 
 Reader = Callable[[str | Path], object]
 BAD: dict[str, tuple[Reader, str, str, int]] = {
-    "no header": (read_readings, "s,1,X+,2\n", "no columns. Let the first line be the header, such as setup,X_mm", 1),
-    "no set-up column": (read_readings, "X_mm,value_um\n1,2\n", "no column 'setup'", 1),
-    "empty set-up": (read_readings, "setup,X_mm,value_um\n,1,2\n", "has no set-up", 2),
-    "no value column": (read_readings, "setup,X_mm\ns,1\n", "no column 'value_um'", 1),
-    "empty value": (read_readings, "setup,X_mm,value_um\ns,1,\n", "no value", 2),
-    "two values": (read_readings, "setup,X_mm,value_um,value_urad\ns,1,2,3\n", "both filled", 2),
-    "two positions": (read_readings, "setup,X_mm,X_um,value_um\ns,1,2,3\n", "'X_mm' and 'X_um' are both filled", 2),
-    "angle as length": (read_readings, "setup,B_mm,value_um\ns,1,2\n", "'B_mm' has a unit of the wrong kind.*B_deg", 1),
-    "position without unit": (read_readings, "setup,X,value_um\ns,1,2\n", "'X' has no unit.*X_mm", 1),
-    "small letter": (read_readings, "setup,x_mm,value_um\ns,1,2\n", 'Perhaps "X_mm" is meant', 1),
-    "inches": (read_readings, "setup,X_in,value_um\ns,1,2\n", "X_in' is in inches. Inches are not read.*write X_mm", 1),
-    "unknown column": (read_readings, "setup,humidity,value_um\ns,1,2", "Known are reading, setup, approach, time", 1),
-    "a number that is none": (read_readings, "reading,setup,value_um\n1.5,s,2\n", '"1.5" is not the number of', 2),
-    "number zero": (read_readings, "reading,setup,value_um\n1,s,2\n0,s,2\n", '"0" is not the number', 3),
-    "a number left out": (read_readings, "reading,setup,value_um\n1,s,2\n,s,2\n", "in every line", 3),
-    "a number twice": (read_readings, "reading,setup,value_um\n7,s,2\n8,s,2\n7,s,3\n", "7 stands in line 2 too", 4),
-    "position NaN": (read_readings, "setup,X_mm,value_um\ns,nan,2\n", "X_mm 'nan' is not finite", 2),
-    "value absurd": (read_readings, "setup,X_mm,value_um\ns,1,-1e15\n", "'-1e15' is too large for a machine", 2),
-    "value infinite": (read_readings, "setup,X_mm,value_um\ns,1,-inf\n", "value_um '-inf' is not finite", 2),
-    "std zero": (read_readings, "setup,X_mm,value_um,std_um\ns,1,2,0\n", "std_um is 0.*at least 0.1 nm", 2),
-    "std of another kind": (read_readings, "setup,X_mm,value_um,std_urad\ns,1,2,1\n", "'std_urad' does not fit", 2),
-    "approach word": (read_readings, "setup,approach,value_um\ns,up,2\n", "approach 'up' cannot be read", 2),
-    "approach twice": (read_readings, "setup,approach,value_um\ns,X+ X-,2\n", "each axis once", 2),
-    "approach without axis": (read_readings, "setup,approach,value_um\ns,+,2\n", "as in 'X\\+'", 2),
-    "iso column missing": (read_readings, "target_mm,direction,deviation_um\n1,+,2\n", "there is no column 'run'", 1),
+    "no header": (read_any, "s,1,X+,2\n", "no columns. Let the first line be the header, such as setup,X_mm", 1),
+    "no set-up column": (read_any, "X_mm,value_um\n1,2\n", "no column 'setup'", 1),
+    "empty set-up": (read_any, "setup,X_mm,value_um\n,1,2\n", "has no set-up", 2),
+    "no value column": (read_any, "setup,X_mm\ns,1\n", "no column 'value_um'", 1),
+    "empty value": (read_any, "setup,X_mm,value_um\ns,1,\n", "no value", 2),
+    "two values": (read_any, "setup,X_mm,value_um,value_urad\ns,1,2,3\n", "both filled", 2),
+    "two positions": (read_any, "setup,X_mm,X_um,value_um\ns,1,2,3\n", "'X_mm' and 'X_um' are both filled", 2),
+    "angle as length": (read_any, "setup,B_mm,value_um\ns,1,2\n", "'B_mm' has a unit of the wrong kind.*B_deg", 1),
+    "position without unit": (read_any, "setup,X,value_um\ns,1,2\n", "'X' has no unit.*X_mm", 1),
+    "small letter": (read_any, "setup,x_mm,value_um\ns,1,2\n", 'Perhaps "X_mm" is meant', 1),
+    "unknown column": (read_any, "setup,humidity,value_um\ns,1,2", "Known are reading, setup, approach, time", 1),
+    "a number that is none": (read_any, "reading,setup,value_um\n1.5,s,2\n", '"1.5" is not the number of', 2),
+    "number zero": (read_any, "reading,setup,value_um\n1,s,2\n0,s,2\n", '"0" is not the number', 3),
+    "a number left out": (read_any, "reading,setup,value_um\n1,s,2\n,s,2\n", "in every line", 3),
+    "a number twice": (read_any, "reading,setup,value_um\n7,s,2\n8,s,2\n7,s,3\n", "7 stands in line 2 too", 4),
+    "position NaN": (read_any, "setup,X_mm,value_um\ns,nan,2\n", "X_mm 'nan' is not finite", 2),
+    "value absurd": (read_any, "setup,X_mm,value_um\ns,1,-1e15\n", "'-1e15' is too large for a machine", 2),
+    "value infinite": (read_any, "setup,X_mm,value_um\ns,1,-inf\n", "value_um '-inf' is not finite", 2),
+    "std zero": (read_any, "setup,X_mm,value_um,std_um\ns,1,2,0\n", "std_um is 0.*at least 0.1 nm", 2),
+    "std of another kind": (read_any, "setup,X_mm,value_um,std_urad\ns,1,2,1\n", "'std_urad' does not fit", 2),
+    "approach word": (read_any, "setup,approach,value_um\ns,up,2\n", "approach 'up' cannot be read", 2),
+    "approach twice": (read_any, "setup,approach,value_um\ns,X+ X-,2\n", "each axis once", 2),
+    "approach without axis": (read_any, "setup,approach,value_um\ns,+,2\n", "as in 'X\\+'", 2),
+    "iso column missing": (read_any, "target_mm,direction,deviation_um\n1,+,2\n", "there is no column 'run'", 1),
     "poses without axes": (read_poses, "approach\nX+\n", "no column names an axis", 1),
     "pose incomplete": (read_poses, "X_mm,Y_mm\n1,2\n3,\n", "empty coordinate", 3),
-    "side's name": (read_readings, "setup,X_mm,direction,value_um\nlaser,1,X+,2\n", "'direction' is not known", 1),
+    "side's name": (read_any, "setup,X_mm,direction,value_um\nlaser,1,X+,2\n", "'direction' is not known", 1),
     "pose value": (read_poses, "X_mm,value_um\n1,2\n", "'value_um' is not known", 1),
     "truth without values": (read_truth, "error,position_mm\nEXX,1\n", "no column 'value_um'", 1),
     "truth without error": (read_truth, "position_mm,value_um\n1,1\n", "no column 'error'", 1),
@@ -233,5 +239,5 @@ def test_written_read_and_written_again_it_is_the_same_to_the_byte(rows: list[li
 def test_a_set_up_comes_back_as_itself(name: str, tmp_path: Path) -> None:
     path = tmp_path / "readings.csv"
     path.write_text(csv_text([["setup", "X_mm", "value_um"], [name, "10", "-1.5"]]))
-    (reading,) = read_readings(path)
+    (reading,) = read_any(path)
     assert (reading.setup, reading.value) == (name, -1.5e-6)

@@ -255,9 +255,9 @@ def test_of_places_where_a_tracer_may_stand_those_are_taken_that_leave_least() -
     others = [tuple(sorted(rng.choice(every, len(chosen), replace=False).tolist())) for _ in range(9)]
     left, alike = left_by(task, chosen), [left_by(task, setups) for setups in others]
     assert left < 0.9 * left_by(task, tuple(every))
-    # They are chosen for sizes that are uncertain, J is told for the stated ones: of ten choices the middle one is as good.
+    # Set-ups are chosen for uncertain sizes and J is told at the stated ones, so half of the others may be as good.
     assert left < 1.05 * np.median(alike)
-    assert left < 1.06 * min(alike)
+    assert left < 1.07 * min(alike)
 
 
 def left_by(asked: Task, setups: tuple[int, ...]) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from axiscal.exceptions import ReadingError
-from axiscal.measurement.readers.csv_readings import read_readings
+from axiscal.measurement.readers.files import read_any
 from axiscal.present.rendering import certificate
 from axiscal.present.result_document import readings_csv, result_json
 from axiscal.present.sentences import values_text
@@ -140,7 +140,7 @@ def test_the_file_of_readings_is_read_as_it_is_written(tmp_path: Path) -> None:
     rows[7] = replace(rows[7], others=(0.25, -3.5), columns=["value_x_um", "value_y_um", "value_z_um"])
     path = tmp_path / "readings.csv"
     path.write_bytes(readings_csv(replace(summary, history=[first, *rows])))
-    found = read_readings(path)
+    found = read_any(path)
     assert [raw.number for raw in found] == [row.reading for row in rows if not row.rejected]
     assert [raw.setup for raw in found] == [row.setup for row in rows if not row.rejected]
     assert [1e6 * raw.value for raw in found] == pytest.approx([row.value_um for row in rows if not row.rejected], 1e-5)
@@ -149,4 +149,4 @@ def test_the_file_of_readings_is_read_as_it_is_written(tmp_path: Path) -> None:
     assert found[6].others == pytest.approx((0.25e-6, -3.5e-6))
     path.write_text(re.sub(",yes,", ",no,", path.read_text()))
     with pytest.raises(ReadingError, match="no reading of this file was used"):
-        read_readings(path)
+        read_any(path)

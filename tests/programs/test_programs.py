@@ -16,7 +16,7 @@ from axiscal.exceptions import InputError, ProgramError
 from axiscal.machine import Machine, load_machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.motion import USUAL, Driving, inward
-from axiscal.measurement.readers.csv_readings import read_readings
+from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs import Program, controllers, dialect, programs, write_programs
@@ -311,7 +311,7 @@ def test_the_form_with_values_filled_in_is_a_file_of_readings(tmp_path: Path) ->
     write_programs(MACHINE, [SETUP], places, "fanuc", tmp_path)
     blank = (tmp_path / "readings.csv").read_text()
     (tmp_path / "readings.csv").write_text(blank.replace(",\n", ",1.5\n"))
-    first, second = read_readings(tmp_path / "readings.csv")
+    first, second = read_any(tmp_path / "readings.csv")
     assert (first.setup, first.position, first.approach, first.value) == ("laser 1", {"X": 0.1}, {"X": 1}, 1.5e-6)
     assert second.approach == {"X": -1}
     assert (first.number, second.number) == (1, 2)
@@ -333,7 +333,7 @@ def test_the_form_has_a_column_for_each_value_of_an_instrument_that_reads_three(
     header, row = (tmp_path / "readings.csv").read_text().splitlines()
     assert header.endswith("approach,value_x_um,value_y_um,value_z_um")
     (tmp_path / "readings.csv").write_text(f"{header}\n{row.removesuffix(',,,')},1.5,2,3\n")
-    (reading,) = read_readings(tmp_path / "readings.csv")
+    (reading,) = read_any(tmp_path / "readings.csv")
     assert (reading.value, reading.others) == (1.5e-6, (2e-6, 3e-6))
 
 

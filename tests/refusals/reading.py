@@ -19,11 +19,12 @@ from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import machine_of
-from axiscal.evaluation.standards import read_iso230
+from axiscal.evaluation.standards import positioning_test
 from axiscal.exceptions import InputError
 from axiscal.machine import machine_from_text
 from axiscal.machine.description import parse_chain
 from axiscal.machine.entry import parse_error_name
+from axiscal.measurement.readers.files import recognised
 from axiscal.ports.postgres.database import store_address
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
@@ -164,7 +165,7 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "machine": lambda _, text: machine_from_text(text, "mill.toml"),
     "old_table": _old_table,
     "answers_in_a_table": _of_file("r.csv", lambda path: open_source(f"csv:{path}", SIMULATOR).read(REQUEST)),
-    "positioning": _of_file("test.csv", read_iso230),
+    "positioning": _of_file("test.csv", lambda path: positioning_test(recognised(path))),
     "quantity": lambda of, text: parse_quantity(text, cast("Dimension", of)),
     "source": lambda _, text: open_source(text, SIMULATOR),
     "store": lambda _, text: store_address(text, {}),

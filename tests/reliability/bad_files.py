@@ -15,11 +15,11 @@ from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import read_campaign
-from axiscal.evaluation.standards import evaluate, read_iso230
+from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import AxiscalError
 from axiscal.machine.description import load_machine
 from axiscal.measurement.readers.csv_table import read_poses
-from axiscal.measurement.readers.files import read_any
+from axiscal.measurement.readers.files import read_any, recognised
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import read_truth
 from axiscal.record.events import Created, Event, Recorded
@@ -79,7 +79,7 @@ KINDS = (
     _kind("readings.csv", READINGS, read_any),
     _kind("truth.csv", TRUTH, read_truth),
     _kind("poses.csv", POSES, read_poses),
-    _kind("iso.csv", ISO, lambda path: evaluate(read_iso230(path))),
+    _kind("iso.csv", ISO, lambda path: evaluate(positioning_test(recognised(path)))),
     _kind("test.rtl", RTL, read_any),
     _kind("heightmap.csv", MAP, read_any),
     _kind("printer.cfg", MESH, read_any),

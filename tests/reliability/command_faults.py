@@ -74,9 +74,11 @@ def _words(text: str) -> tuple[str, ...]:
     return tuple(word.replace("_", " ") for word in text.split())
 
 
-START, NEXT, TAKEN = _words(f"start campaign.toml {RECORD}"), _words(f"next {RECORD}"), _words(f"record {RECORD} 20_um")
+START, NEXT = _words(f"start campaign.toml {RECORD}"), _words(f"next {RECORD}")
+TAKEN = _words(f"record {RECORD} 20_um")
 BEGUN = (START, NEXT)
 MEASURED = (START, NEXT, _words(f"record {RECORD} -20_um"), NEXT, TAKEN)
+THREE = (*MEASURED, NEXT, TAKEN)
 FINISH = _words(f"finish {RECORD} --out out")
 EXPORT = _words(f"export {RECORD} --to linuxcnc --out out")
 RUN = _words("run campaign.toml --source sim:3 --out out")
@@ -111,9 +113,7 @@ COMMANDS: Mapping[str, Command] = {
     "finish": Command(FINISH, MEASURED, out="out", manifest=SET),
     "finish, over earlier results": Command(FINISH, (*MEASURED, FINISH, UNDONE, UNDONE), out="out", manifest=SET),
     "export": Command(EXPORT, MEASURED, out="out", manifest=TABLES),
-    "export, over earlier tables": Command(
-        EXPORT, (*MEASURED, NEXT, TAKEN, EXPORT, UNDONE), out="out", manifest=TABLES
-    ),
+    "export, over earlier tables": Command(EXPORT, (*THREE, EXPORT, UNDONE), out="out", manifest=TABLES),
     "run": Command(RUN, again=(*RUN, "--resume"), out="out", manifest=SET),
     "estimate": Command(ESTIMATE, out="out", manifest=SET),
     "report": Command(_words(f"report {RECORD} --out out/page.html"), MEASURED, out="out/page.html"),

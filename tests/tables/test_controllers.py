@@ -17,7 +17,7 @@ from axiscal.description.campaign_schema import ControlName
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import whole_travel
 from axiscal.estimation.belief import Belief
-from axiscal.estimation.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine, load_machine, machine_from_text
 from axiscal.machine.kinematics import frames
@@ -178,18 +178,18 @@ def test_what_is_expected_is_what_machines_of_the_belief_show() -> None:
     """
     estimate, _ = known("small")
     estimate = replace(estimate, belief=Belief(estimate.belief.mean, 1e8 * estimate.belief.covariance))
-    offered = export(estimate, "csv", ExportOptions())
-    drawn = (
-        estimate.mean + np.random.default_rng(5).standard_normal((400, estimate.factor.shape[1])) @ estimate.factor.T
-    )
+    apart = np.random.default_rng(5).standard_normal((400, estimate.factor.shape[1])) @ estimate.factor.T
     low, high = np.array(estimate.box).T
     poses, approaches = tour(np.random.default_rng(6).uniform(low, high, (3000, 3)), estimate.box)
-    rows, added = estimate.model.rows(poses, approaches), offered.control(poses, approaches)
+    rows = estimate.model.rows(poses, approaches)
+    off = [np.linalg.norm(one - one.mean(axis=0), axis=1) for one in (rows @ each for each in apart)]
+    unknown = LeftUnknown(float(np.sqrt(np.mean(np.square(off)))), float(np.quantile(off, 0.95)))
+    offered = export(replace(estimate, unknown=unknown), "csv", ExportOptions())
+    added = offered.control(poses, approaches)
     moved = frames(estimate.machine, poses + added).tcp - frames(estimate.machine, poses).tcp
-    left = [rms(rows @ machine + moved) ** 2 for machine in drawn]
-    assert np.sqrt(np.mean(left)) == pytest.approx(offered.expected, rel=0.05)
+    each = [rows @ (estimate.mean + one) + moved for one in apart]
+    assert np.sqrt(np.mean([rms(one) ** 2 for one in each])) == pytest.approx(offered.expected, rel=0.05)
     assert offered.unknown > 0
-    each = [rows @ machine + moved for machine in drawn]
     inside = [np.mean(np.linalg.norm(one - one.mean(axis=0), axis=1) <= offered.U) for one in each]
     assert np.mean(inside) == pytest.approx(0.95, abs=0.02)
 

@@ -1,17 +1,21 @@
-"""Files of people with a lead error, on which the program failed: the slope that they hold is in the table."""
+"""Files of people, on which the program failed: each command of theirs answers what is known to be right."""
 
 from __future__ import annotations
 
 import csv
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from axiscal.numerics import Array
+from tests.generators.field import FIELD
 from tests.zoo.answers import Answer
 from tests.zoo.running import given
 
-FOLDER = Path(__file__).resolve().parents[3] / "shared" / "field" / "01-lead-error-eaten"
+FOLDER = FIELD / "01-lead-error-eaten"
+BESIDE = pytest.mark.skipif(not FIELD.is_dir(), reason="needs the files of the field beside the checkout")
 FAILS_TODAY: set[str] = set()
 """Campaigns and readings whose slope the program eats; goes when there are none."""
 
@@ -26,7 +30,7 @@ def _files() -> list[object]:
     ]
 
 
-@pytest.mark.skipif(not FOLDER.is_dir(), reason="needs the files of the field beside the checkout")
+@BESIDE
 @pytest.mark.parametrize(("campaign", "readings", "slope"), _files())
 def test_a_straight_line_that_was_read_is_in_the_table(
     tmp_path: Path, campaign: str, readings: str, slope: float
@@ -49,3 +53,117 @@ def test_the_reader_of_tables_takes_the_columns_of_the_axis_itself(tmp_path: Pat
         )
     where, values = Answer(tmp_path, given("--version")).axis_table("X")
     assert (where.tolist(), values.tolist()) == ([0.0, 10.0], [[1.0, 2.0], [3.0, 6.0]])
+
+
+def estimated(campaign: Path, readings: str, out: Path) -> tuple[Answer, list[dict[str, str]]]:
+    """Return the answer to `data estimate` of a file, and the readings that its results hold."""
+    outcome = given("data", "estimate", campaign, readings, "--out", out)
+    assert outcome.status == 0, outcome
+    with (out / "data" / "readings.csv").open(encoding="utf-8", newline="") as file:
+        return Answer(out, outcome), list(csv.DictReader(file))
+
+
+def heights(rows: list[dict[str, str]]) -> Array:
+    """Return x, y, mm, and height of the bed, um, of readings along z, (3, n)."""
+    return np.array([[float(row["X_mm"]), float(row["Y_mm"]), -float(row["value_um"])] for row in rows]).T
+
+
+def bed(x: Array, y: Array) -> Array:
+    """Return what all maps of the field hold, um."""
+    found: Array = 120 * np.sin(x / 90) + 80 * np.cos(y / 70) + 0.3 * (x - 150)
+    return found
+
+
+MAP = 'map = { X = ["20 mm", "280 mm", 5], Y = ["20 mm", "280 mm", 5] }\n'
+MAPS = {
+    "ubl.txt": "a UBL map, 24 of 25 cells",
+    "m420.txt": "a Marlin map (M420 V), 25 of 25 cells",
+    "m503.txt": "a Marlin map (M421, M503), 25 of 25 cells",
+    "m421.gcode": "a Marlin map (M421, M503), 25 of 25 cells",
+    "g29v4.txt": "probed points of Marlin (G29 V4), 25 of 25 cells",
+    "bcnc.probe": "a bCNC probe file, 25 of 25 cells, in mm",
+    "candle.map": "a Candle height map, 25 of 25 cells, in mm",
+    "moonraker.json": "a Moonraker mesh, 25 of 25 cells",
+}
+QUICK = {"ubl.txt", "m420.txt"}
+"""One with coordinates and holes, and one without."""
+
+
+@BESIDE
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.long]) for name in MAPS]
+)
+def test_maps_of_the_field_hold_the_bed_that_they_were_made_of(tmp_path: Path, name: str) -> None:
+    campaign, file = FIELD / "12-marlin-maps" / "campaign.toml", FIELD / "12-marlin-maps" / name
+    if name.startswith("m"):
+        if name != "moonraker.json":
+            given("data", "estimate", campaign, file, "--out", tmp_path / "none").refused(
+                "State it in the set-up", MAP[:-1]
+            )
+        (tmp_path / "campaign.toml").write_text(campaign.read_text() + MAP)
+        campaign = tmp_path / "campaign.toml"
+    answer, rows = estimated(campaign, str(file), tmp_path / "out")
+    x, y, z = heights(rows)
+    assert f"{name}: {MAPS[name]}, for set-up probe" in answer.text
+    assert np.abs(z - bed(x, y)).max() < 0.51  # to the last decimal that most of them print
+    assert (20.0, 280.0) not in zip(x, y, strict=True) or name != "ubl.txt"
+    assert "Readings agree: " in answer.text
+
+
+@BESIDE
+@pytest.mark.long
+def test_of_two_profiles_one_is_named(tmp_path: Path) -> None:
+    folder = FIELD / "15-two-profiles"
+    both = given("data", "estimate", folder / "campaign.toml", folder / "two.cfg", "--out", tmp_path / "none")
+    both.refused("2 meshes are saved here: default, hot", "two.cfg#hot")
+    for name, cells, lift in (("default", 25, 0.0), ("hot", 49, 50.0)):
+        answer, rows = estimated(folder / "campaign.toml", f"{folder / 'two.cfg'}#{name}", tmp_path / name)
+        x, y, z = heights(rows)
+        assert f"two.cfg#{name}: a Klipper mesh, {cells} of {cells} cells, for set-up probe" in answer.text
+        assert np.abs(z - bed(x, y) - lift).max() < 0.51
+
+
+@BESIDE
+@pytest.mark.long
+def test_inches_are_the_same_numbers(tmp_path: Path) -> None:
+    folder, found = FIELD / "16-inch-readings", []
+    unnamed = (folder / "r_in.csv").read_text().replace("_in", "")
+    (tmp_path / "unnamed.csv").write_text(unnamed)
+    for name in (folder / "r_in.csv", folder / "r_mm.csv"):
+        answer, rows = estimated(folder / "campaign.toml", str(name), tmp_path / name.stem)
+        assert "a table of readings, 42 readings" in answer.text
+        found.append((answer.result["U_um"], [(float(row["X_mm"]), float(row["value_um"])) for row in rows]))
+    assert found[0][0] == pytest.approx(found[1][0], rel=1e-6)
+    assert np.array(found[0][1]) == pytest.approx(np.array(found[1][1]), abs=1e-4)
+    command = ("data", "estimate", folder / "campaign.toml", tmp_path / "unnamed.csv", "--out", tmp_path / "unit")
+    given(*command).refused("column 'X' has no unit")
+    assert given(*command, "--unit", "inch").status == 0
+    assert json.loads((tmp_path / "unit" / "result.json").read_text())["U_um"] == pytest.approx(found[0][0], rel=1e-9)
+
+
+@BESIDE
+def test_an_angular_test_is_one(tmp_path: Path) -> None:
+    folder = FIELD / "02-angular-rtl"
+    linear, angular = (given("data", "iso230", folder / name) for name in ("a.rtl", "b.rta"))
+    assert "a.rtl: a positioning test (.rtl), 36 readings" in linear.err
+    assert "b.rta: an angular test (.rta), 36 readings" in angular.err
+    document = given("data", "iso230", folder / "b.rta", "--json").document
+    assert (document["unit"], document["target_unit"]) == ("arcsec", "mm")
+    assert document["E"] == pytest.approx(206.26 * ((0.0461 + 0.0465) / 2 + (0.0094 + 0.0102) / 2), abs=0.001)
+    assert "um" not in angular.printed
+    assert "arcsec" not in linear.printed
+    other = given("data", "estimate", folder / "campaign.toml", folder / "b.rta", "--out", tmp_path / "none")
+    other.refused("an angular test needs a set-up that moves one linear axis and reads an angle")
+    text = (folder / "campaign.toml").read_text().replace("interferometer", "autocollimator").replace('"x"', '"y"')
+    (tmp_path / "pitch.toml").write_text(text)
+    answer, rows = estimated(tmp_path / "pitch.toml", str(folder / "b.rta"), tmp_path / "out")
+    assert "an angular test (.rta), 36 readings, for set-up laser along X" in answer.text
+    assert float(rows[1]["value_urad"]) == pytest.approx(5.1)
+
+
+@BESIDE
+@pytest.mark.parametrize("name", ["base.csv", "de.csv", "de_bom.csv", "apos.csv", "fwd.csv", "wide.csv"])
+def test_spreadsheets_of_the_field_are_one_test(name: str) -> None:
+    found = given("data", "iso230", FIELD / "17-spreadsheet-csv" / name, "--json")
+    assert found.document["A"] == pytest.approx(11.0 if name == "wide.csv" else 11.221, abs=5e-4)
+    assert ("in mm and um (it names no unit)" in found.err) is (name == "wide.csv")

@@ -42,7 +42,6 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows, offset_each
 from axiscal.estimation.functionals.functional import AxisLine, SignedSize, signed_numbers
 from axiscal.estimation.known_rows import KnownRow, known_row, known_rows, warmth, with_one_more
-from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
 from axiscal.machine.axis import Axis
@@ -52,7 +51,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.promise import asked
 from axiscal.record.copies import file_name
-from axiscal.tables.offer import places, unknown
+from axiscal.tables.offer import places
 from axiscal.tables.registry import exporter, offered_control
 from axiscal.tables.surface import Control, left_by
 from axiscal.units import to_unit
@@ -106,7 +105,7 @@ def _answered(asked: AskedRow, known: Estimation, controls: Mapping[str, Control
     shown: Callable[[Array], Array]
     if functional is None:
         where, dimensions = places(estimate), sum(estimate.counted)
-        variances, shown = np.array(unknown(estimate).rms ** 2), partial(_counted, estimate, where[0])
+        variances, shown = np.array(estimate.unknown.rms**2), partial(estimate.counting, where[0])
     else:
         where, dimensions, shown = (functional.poses, functional.sides), functional.dimensions, functional.row
         variances = functional.spectra(errors, belief.factor).sum(axis=1)
@@ -131,13 +130,6 @@ def _answered(asked: AskedRow, known: Estimation, controls: Mapping[str, Control
         left={name: float(np.sqrt(np.mean(squares(each)))) for name, each in left.items()},
         signed=() if functional is None else signed_numbers(functional, at, errors, belief),
     )
-
-
-def _counted(estimate: Estimate, poses: Array, deviations: Array) -> Array:
-    """Return what counts of deviations (m, 3), their constant part taken off, one after another, (m d,)."""
-    shaped = deviations if estimate.alignment is None else estimate.alignment.left(poses, deviations)
-    centred: Array = (shaped - shaped.mean(axis=0))[:, list(estimate.counted)]
-    return centred.ravel()
 
 
 class Aims(NamedTuple):

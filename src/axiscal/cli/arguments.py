@@ -43,6 +43,13 @@ def above_zero(text: str, dimension: Dimension) -> float:
     return wanted
 
 
+def length_unit(text: str | None) -> str:
+    """Return the unit of lengths that a person named, "" for none; raises UnitError for another."""
+    if text is not None:
+        parse_quantity(f"1 {text}", "length")
+    return text or ""
+
+
 RecordFile = Annotated[
     Path,
     typer.Argument(metavar="RECORD", help="The campaign record, a file *.axiscal.", autocompletion=records_here),
@@ -93,6 +100,10 @@ Anyway = Annotated[
 ]
 Details = Annotated[
     bool, typer.Option("--details", help="Say before the last screen what U holds for, and all warnings.")
+]
+Unit = Annotated[
+    str | None,
+    typer.Option("--unit", metavar="UNIT", help="Of lengths without one, such as inch; default: mm."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 ResultsFolder = Annotated[

@@ -10,19 +10,20 @@ from typing import Annotated
 import typer
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs, RecordFile
+from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs, RecordFile, Unit, length_unit
 from axiscal.cli.outputs import write_outputs
-from axiscal.cli.printing import say, say_document, say_either
+from axiscal.cli.printing import say, say_document, say_either, tell
 from axiscal.cli.progress import tell_mind, tell_unasked
 from axiscal.cli.record import placed_log
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.prediction import predict_poses
 from axiscal.estimation.wrong_unit import refuse_implausible
-from axiscal.evaluation.standards import Positioning, evaluate, figures_of, read_iso230
+from axiscal.evaluation.standards import Positioning, evaluate, figures_of, positioning_test
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import decimals, later, said
+from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.csv_table import read_poses
-from axiscal.measurement.readers.files import read_any
+from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.present.findings import copies, regular_places, untimed
@@ -49,9 +50,11 @@ def predict(
     wanted = read_poses(poses)
     with Campaign.open(record, write=False) as campaign:
         found = predict_poses(campaign.estimate(ended=True), wanted, poses)
-    rows = [{"mean_um": each.mean_um, "std_um": each.std_um} for each in found]
+    means, stds = (to_unit(each, "um").tolist() for each in found)
+    rows = [{"mean_um": mean, "std_um": std} for mean, std in zip(means, stds, strict=True)]
     heads = f"{'pose':>5} {'x':>18} {'y':>18} {'z':>18}   um, mean and standard deviation"
-    cells = (" ".join(f"{each.mean_um[axis]:9.3f} ± {each.std_um[axis]:6.3f}" for axis in range(3)) for each in found)
+    pairs = (zip(row["mean_um"], row["std_um"], strict=True) for row in rows)
+    cells = (" ".join(f"{mean:9.3f} ± {std:6.3f}" for mean, std in each) for each in pairs)
     lines = [heads, *(f"{number:5} {each}" for number, each in enumerate(cells, start=1))]
     say_either(json, "axiscal-predict/1", {"poses": rows}, lines)
 
@@ -60,8 +63,9 @@ def estimate(
     campaign: CampaignFile,
     out: Out,
     readings: Annotated[
-        Path | None, typer.Argument(metavar="READINGS.csv", help="Readings that exist: .csv, .rtl, a bed map.")
+        Path | None, typer.Argument(metavar="READINGS", help="Readings that exist, in any format that is known.")
     ] = None,
+    unit: Unit = None,
     log: Log = None,
     programs: Programs = Path("programs"),
     details: Details = False,
@@ -69,37 +73,47 @@ def estimate(
 ) -> None:
     """Evaluate readings that exist already; nothing is planned.
 
-    Columns: setup, X_mm, Y_mm, ... B_deg, approach, value_um (value_urad for angles); parked axes may be left out.
-    The columns of an ISO 230-2 test (target_mm, direction, run, deviation_um) or a Renishaw .rtl file do for a campaign
-    with one set-up and one moving axis. Bed maps of RepRapFirmware (heightmap.csv) and Klipper (printer.cfg) find their
-    set-up by the direction that it reads.
+    The first lines say what a file is:
 
-    --log takes the readings from the log that measuring programs have written (axiscal plan --gcode CONTROLLER --log),
-    beside those of READINGS.csv, if it is given.
+    \b
+      table      setup, X_mm, ... B_deg, approach, value_um (value_in, value_urad)
+      axis test  target_mm, direction, run, deviation_um; a column a run; .rtl .rta .rts
+      bed map    Klipper (printer.cfg#NAME, console, Moonraker), Marlin, RepRapFirmware
+      points     X Y Z of bCNC, Candle, OpenCNCPilot, UGS, LinuxCNC
+      level      stations, and what a level showed there and back
+
+    Tests and maps find their set-up by what it reads.
+
+    --log takes readings from the log of measuring programs (axiscal plan --gcode CONTROLLER --log), beside READINGS.
 
     \b
     Examples:
       axiscal data estimate campaign.toml readings.csv --out results
+      axiscal data estimate campaign.toml printer.cfg#hot --out results
       axiscal data estimate campaign.toml --log axiscal_3F2A9C01.txt --programs programs --out results
     """
 
     description = campaign_with_sisters(campaign, target_needed=False, asking=False)
     if readings is None and log is None:
         raise typer.BadParameter(said("give READINGS.csv or --log FILE"))
-    placed, extras = tuple[Reading, ...](), Extras()
+    placed, extras, told = tuple[Reading, ...](), Extras(), ""
     if readings is not None:
-        raw = read_any(readings, description.machine.axes, description.setups)
-        placed = placed_readings(raw, description, readings)
+        known = Around(description.machine.axes, description.setups)
+        read = recognised(readings, known, length_unit(unit))
+        placed = placed_readings(read.found.readings, description, readings)
         refuse_implausible(placed, description, readings)
-        if any("" in each.position for each in raw):  # a finished test after ISO 230-2
-            (axis,) = description.setups[0].moves
-            tested = iso230_block(description.machine.axes[axis].name, evaluate(read_iso230(readings)))
+        told = read.sentence([each.setup for each in placed])
+        if read.found.readings[0].test == "positioning":
+            (axis,) = description.setup(placed[0].setup).moves
+            tested = iso230_block(description.machine.axes[axis].name, evaluate(positioning_test(read)))
             extras = Extras(iso230=[tested])
     if log is not None:
         placed = (*placed, *placed_log(log, programs, description))
     mend(out)
     if (out / RECORD).exists():
         raise RecordError("This folder holds a campaign already", "Name another --out, or remove it", out / RECORD)
+    if told:
+        tell(told)
     regular = list(regular_places(placed, description.setups, description.machine.axes))
     seen = [*copies(placed, description.setups), *untimed(placed, description.setups), *regular]
     extras = replace(extras, warnings=seen)
@@ -115,7 +129,7 @@ def estimate(
 
 
 _WORDS = {
-    "A": later("accuracy of positioning, bidirectional"),
+    "A": later("accuracy, bidirectional"),
     "A_up": later("  in the positive direction"),
     "A_down": later("  in the negative direction"),
     "E": later("systematic deviation, bidirectional"),
@@ -141,16 +155,17 @@ _CIRCLE = {
 
 
 def iso230(
-    readings: Annotated[Path, typer.Argument(metavar="READINGS.csv", help="The test; its columns say which one.")],
+    readings: Annotated[Path, typer.Argument(metavar="READINGS", help="The test; its first lines say which one.")],
+    unit: Unit = None,
     json: Json = False,
 ) -> None:
     """Print the figures of ISO 230-2 or ISO 230-4.
 
-    The columns say what was tested: an axis or a circle.
+    The first lines say what was tested: an axis or a circle.
 
     Positioning, ISO 230-2: target_mm, direction (+ or -), run, deviation_um; target_deg and deviation_arcsec for a
-    rotary axis; a Renishaw .rtl file of a linear axis does as well. Behind ± stands how far each figure scatters when
-    the test is repeated (k = 2).
+    rotary axis; a column a run (Pos, 1+, 1-, ...); .rtl. Angle: target_mm and deviation_arcsec, or .rta. Straightness:
+    .rts, less its best-fit line. Behind ± stands how far each figure scatters when the test is repeated (k = 2).
     Circle, ISO 230-4: angle_deg, direction (+ counter-clockwise), deviation_um of the radius.
 
     \b
@@ -158,22 +173,23 @@ def iso230(
       axiscal data iso230 readings.csv
     """
 
-    found = figures_of(readings)
+    read = recognised(readings, unit=length_unit(unit))
+    found = figures_of(read)
+    tell(read.sentence())
     document = found.as_json()
     if json:
         say_document(document)
         return
     if isinstance(found, Positioning):
-        unit = "arcsec" if found.rotary else "um"
         for name, words in _WORDS.items():
             value, figure = document[name], f"{said('not measured'):>12}"
             if value is not None:
-                around = f" ± {to_unit(found.uncertainty[name], unit):.3f}" if name in found.uncertainty else ""
-                figure = decimals(f"{value:12.3f} {unit}{around}")
+                around = f" ± {to_unit(found.uncertainty[name], found.unit):.3f}" if name in found.uncertainty else ""
+                figure = decimals(f"{value:12.3f} {found.unit}{around}")
             say(f"{name:7}{figure}   {said(words)}")
         if found.vdi3441:
-            shown = ", ".join(f"{name} {to_unit(value, unit):.3f}" for name, value in found.vdi3441.items())
-            say(decimals(f"VDI/DGQ 3441: {shown} {unit}"))
+            shown = ", ".join(f"{name} {to_unit(value, found.unit):.3f}" for name, value in found.vdi3441.items())
+            say(decimals(f"VDI/DGQ 3441: {shown} {found.unit}"))
     else:
         for name, value in found.figures.items():
             figure = decimals(f"{to_unit(value, 'um'):10.3f}")

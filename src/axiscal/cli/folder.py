@@ -17,7 +17,8 @@ from axiscal.document.durable import write_whole
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import counted, ending, later, said
-from axiscal.measurement.readers.files import read_any
+from axiscal.measurement.readers.csv_readings import Around
+from axiscal.measurement.readers.files import recognised
 from axiscal.ports.fleet.due_dates import DueMachine, Shop, due_dates, titles
 from axiscal.ports.fleet.quick_check import CHANCE, READINGS, QuickCheck
 from axiscal.ports.fleet.shop_list import Brought, ShopList, ShopRecord, brought, shop_list
@@ -291,8 +292,10 @@ def check(
             told = [filled, *ending({said("Next"): [again]})]
         say_either(json, "axiscal-check/1", {"places": lines, "readings": len(places)}, told)
         return
-    placed = placed_readings(read_any(found, stated.machine.axes, stated.setups), stated, found)
+    read = recognised(found, Around(stated.machine.axes, stated.setups))
+    placed = placed_readings(read.found.readings, stated, found)
     refuse_implausible(placed, stated, found)
+    tell(read.sentence([each.setup for each in placed]))
     judged = asked.judged(placed, tables_active or tables is not None)
     document = {
         "in_order": judged.in_order,

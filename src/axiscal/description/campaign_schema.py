@@ -51,7 +51,7 @@ from axiscal.machine.motion import Driving, move_groups
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.instrument import INSTRUMENTS, Instrument
 from axiscal.measurement.instruments.kind import Reads
-from axiscal.measurement.setup import FINEST, Vector
+from axiscal.measurement.setup import FINEST, Nodes, Vector
 from axiscal.record.log import STORED
 from axiscal.units import dimension_of, format_quantity, within
 
@@ -148,6 +148,16 @@ def _step(name: str, text: str, known: Beside) -> float:
     return within(text, dimension, FINEST)
 
 
+def _nodes(name: str, given: Sequence[str | int], known: Beside) -> Nodes:
+    """Return where the nodes of a map lie along an axis; raises DescriptionError or UnitError."""
+    if len(given) == 3 and isinstance(given[2], int) and given[2] > 1:
+        low, high = (coordinate(str(end), known.context.axis(name)) for end in given[:2])
+        if low < high:
+            return low, high, given[2]
+    remedy = 'Write the first node, the last, and how many: ["20 mm", "280 mm", 5]'
+    raise DescriptionError("{text} is no side of a map", remedy, text=shown(list(given)))
+
+
 _COORDINATES: dict[str, Literal["length", "angle"]] = {
     "along": "length",
     "arc": "angle",
@@ -218,6 +228,9 @@ class SetupTable(Table):
     turn: Turn | None = Field(None, examples=['"90 deg"'])
     mounted: int = Field(1, ge=1, examples=["2"])
     reach: Spans = Field(default={}, examples=['{ X = ["150 mm", "450 mm"] }'])
+    map: Annotated[dict[str, Nodes], EachAs(dict[str, list[str | int]], _nodes)] = Field(
+        default={}, examples=['{ X = ["20 mm", "280 mm", 5], Y = ["20 mm", "280 mm", 5] }']
+    )
     along: Annotated[tuple[Vector, Vector], ReadAs(list[Spot], line_ends)] | None = Field(
         None, examples=['[["0 mm", "0 mm", "0 mm"], […]]']
     )

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from axiscal.document.file import number_or_none
 from axiscal.exceptions import DescriptionError
-from axiscal.measurement.readers.csv_table import read_text
+from axiscal.measurement.readers.text_file import read_text
 
 _SECTION = re.compile(r"\[\s*(\w+)\s*\].*")
 _KEY = re.compile(r"([^=\s]+)\s*=\s*(.*)")

@@ -13,7 +13,7 @@ from axiscal.description.ini_file import IniFile, IniValue
 from axiscal.document.file import number_or_none
 from axiscal.exceptions import AxiscalError, DescriptionError
 from axiscal.language.spoken import put
-from axiscal.measurement.readers.csv_table import read_text
+from axiscal.measurement.readers.text_file import read_text
 
 Point = tuple[float, float, float]
 _TRT = re.compile(r"xyz([ab])c-trt-kins")

@@ -16,15 +16,17 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
-from axiscal.language.spoken import joined, said
+from axiscal.language.spoken import joined, later, said
 from axiscal.machine import Axis, Machine
+from axiscal.machine.axis import letter_direction
 from axiscal.machine.entry import parse_error_name
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.charts.kinds import Held
 from axiscal.measurement.charts.room import Chart
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.readers.csv_readings import RawReading
-from axiscal.measurement.readers.csv_table import parse_table, read_approach, read_position, read_text, unshielded
+from axiscal.measurement.readers.csv_table import parse_table, read_approach, read_position
+from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.readers.touch_log import LISTS, LoggedTouch, TouchLog, plan_code, read_touch_log
 from axiscal.measurement.reading import Reading, refuse_other_values
 from axiscal.measurement.setup import Setup
@@ -103,7 +105,7 @@ def _rows(text: str, name: str) -> list[tuple[int, ListedPlace]]:
     number, setup = table.one_of("reading", "reading"), table.one_of("setup", "setup")
     rows = []
     for row in table.rows:
-        planned = ListedPlace(unshielded(row.text(setup)), read_position(table, row), read_approach(table, row))
+        planned = ListedPlace(row.text(setup), read_position(table, row), read_approach(table, row))
         rows.append((int(row.text(number)), planned))
     return rows
 
@@ -230,9 +232,8 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     refuse_other_values(setup, 1 + len(row.others) if named else 0, row.dimension)
     _refuse_other_base(row, setup)
     position, approach = row.position, row.approach
-    if "" in position:
+    if row.test is not None:
         moving = campaign.machine.axes[setup.moves[0]].name
-        _refuse_other_kind(row, campaign.machine.axes[setup.moves[0]])
         position, approach = {moving: position[""]}, {moving: approach[""]}
     pose = placed_pose(setup, campaign.machine, position)
     directions = placed_approach(setup, campaign.machine, approach)
@@ -245,6 +246,8 @@ def _setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, in
     """Return the set-up of a reading, and −1 where it reads against the error that the file names."""
     if row.setup:
         return campaign.setup(row.setup), 1
+    if row.test is not None:
+        return _tested(row, campaign), 1
     if not row.error:
         return _only_setup(campaign), 1
     if row.error == "slope":
@@ -300,17 +303,40 @@ def _refuse_other_base(row: RawReading, setup: Setup) -> None:
         raise ReadingError(what, remedy, base=base, setup=setup.name, own=own)
 
 
-def _refuse_other_kind(row: RawReading, axis: Axis) -> None:
-    if axis.rotary != (row.dimension == "angle"):
-        what = "the axis that moves is {axis}, whose position is a length, and the file gives the other kind"
-        if axis.rotary:
-            what = "the axis that moves is {axis}, whose position is an angle, and the file gives the other kind"
-        remedy = "Give target_deg and deviation_arcsec for a rotary axis, target_mm for a linear one"
-        raise ReadingError(what, remedy, axis=axis.name)
+_ASKS = {
+    "positioning": later(
+        "a test of positioning needs a set-up that moves one axis, linear for mm and rotary for deg, and reads along it"
+    ),
+    "angular": later("an angular test needs a set-up that moves one linear axis and reads an angle"),
+    "straightness": later("a test of straightness needs a set-up that moves one linear axis and reads across it"),
+    "circle": later("a circular test names no axes: its figures are those of `axiscal data iso230`"),
+}
+_ASIDE = 0.1
+"""Of a direction, along an axis: less is across it."""
+
+
+def _tested(row: RawReading, campaign: CampaignDescription) -> Setup:
+    """Return the only set-up that reads what a test reads; raises ReadingError for none, and for several."""
+    fitting = [setup for setup in campaign.setups if _reads_test(row, setup, campaign.machine)]
+    if len(fitting) == 1:
+        return fitting[0]
+    what, names = _ASKS[row.test or "circle"], joined([each.name for each in fitting])
+    what = "several set-ups read what this test reads: {names}" if fitting else what
+    remedy = "Give the columns setup and X_mm, or a campaign of the one set-up that was tested"
+    raise ReadingError(what, remedy, names=names)
+
+
+def _reads_test(row: RawReading, setup: Setup, machine: Machine) -> bool:
+    axis, reads = machine.axes[setup.moves[0]], INSTRUMENTS[setup.instrument].model.reads
+    if len(setup.moves) != 1 or reads != row.dimension or row.test == "circle":
+        return False
+    across = abs(setup.direction[letter_direction(axis.letter)]) < _ASIDE
+    fits = reads == "angle" or across == (row.test == "straightness")
+    return fits and axis.rotary == (row.target_dimension == "angle")
 
 
 def _only_setup(campaign: CampaignDescription) -> Setup:
-    """Return the set-up of an ISO 230-2 file, which names neither set-up nor axis."""
+    """Return the set-up of readings that name none."""
     setup = campaign.setups[0]
     if len(campaign.setups) > 1 or len(setup.moves) > 1:
         what = "the readings name neither set-up nor axis, and the campaign has more than one of them"

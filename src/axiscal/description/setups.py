@@ -27,7 +27,7 @@ from axiscal.measurement.instrument import INSTRUMENTS, PRINTER_PROBE, Instrumen
 from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.instruments.kind import TOOL, Rotation
-from axiscal.measurement.setup import Setup, Unknown, Vector
+from axiscal.measurement.setup import Nodes, Setup, Unknown, Vector
 from axiscal.units import format_quantity, to_unit
 
 _SHORTEST_REACH = 4.0
@@ -130,6 +130,7 @@ class _Reader(SiteReader):
             drift_said=said,
             resolution=table.resolution,
             reach=self._reach(site.moves),
+            nodes=self._nodes(site.moves),
         )
         setup = self._on_square(setup)
         setup = seen(table, around.machine, self._at, setup) if site.chart is None else self._sited(setup, site)
@@ -192,6 +193,18 @@ class _Reader(SiteReader):
                     raise DescriptionError("{text} is too short", "Give ends farther apart", text=name)
                 spans[index] = low, high
         return tuple(spans)
+
+    def _nodes(self, moves: tuple[int, ...]) -> tuple[Nodes, Nodes] | None:
+        """Return where the nodes lie of maps whose files carry no coordinates, None where it is not stated."""
+        stated = self._table.map
+        if not stated:
+            return None
+        with self._at("map"):
+            if stated.keys() != {"X", "Y"}:
+                raise DescriptionError("a map has two sides, X and Y", "State both of them, and no other")
+            for name in stated:
+                self._moving(name, moves, "{axis} has nodes of a map, but does not move in this set-up")
+        return stated["X"], stated["Y"]
 
     def _moving(self, name: str, moves: tuple[int, ...], what: str) -> int:
         """Return the index of an axis that moves; raises DescriptionError for another.  what : is wrong then"""

@@ -327,15 +327,10 @@ def _effect(function: Term, acting: Array, beyond: Array) -> float:
 def _missing(function: Term, acting: Array) -> Aspect:
     """Return the aspect of an error that is missed most: all of the curve, or only its slope or constant."""
     if isinstance(function, PlaneError) or function.stated_shape:
-        return _of_a_whole(function, acting)
+        prior = float(np.trace(function.covariance))
+        own = acting[function.columns]
+        return Aspect(function, "curve", float(np.sum(own**2)) / prior, float(np.sqrt(prior / len(own))))
     return max(_candidates(function, acting), key=lambda a: (a.kind == "curve" and a.share > _CURVE, a.std))
-
-
-def _of_a_whole(term: Term, unseen: Array) -> Aspect:
-    """Return the aspect of a term of two axes, waves or steps: all of it; constant and slopes are in the curves."""
-    prior = float(np.trace(term.covariance))
-    own = unseen[term.columns]
-    return Aspect(term, "curve", float(np.sum(own**2)) / prior, float(np.sqrt(prior / len(own))))
 
 
 def _aspects(function: ErrorFunction, idle: Array) -> Iterator[Aspect]:

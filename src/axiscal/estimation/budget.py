@@ -78,7 +78,7 @@ _OF_ALL: tuple[_Source, ...] = tuple((kind, "", None) for kind in (
 def _squares(known: Estimation, drawn: Drawn, figures: Array) -> Iterator[tuple[_Source, float]]:
     """Yield what each source leaves of figures of the answered unknowns, m².  figures : F (k, answered)"""
     problem, observation = drawn.problem, known.knowledge.observation
-    found, causes = drawn.sources(figures)
+    found = drawn.sources(figures)
     for index in np.unique(problem.setup).tolist():
         yield ("instrument", observation.setups[index].name, None), float(found.numbers[problem.setup == index].sum())
     kinds = [_PASSING[kind] for kind in problem.passing] + ["detail"] * len(problem.cells)
@@ -87,7 +87,7 @@ def _squares(known: Estimation, drawn: Drawn, figures: Array) -> Iterator[tuple[
     ]
     for kind, square in zip(kinds, found.columns.tolist(), strict=True):
         yield (kind, "", None), square
-    for cause, square in zip(problem.causes, causes.tolist(), strict=True):
+    for cause, square in zip(problem.causes, found.causes.tolist(), strict=True):
         yield ("type B", "", cause), square
 
 

@@ -22,7 +22,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,8 +75,8 @@ def _moved(reading: Reading, value: float, variance: float, before: float) -> Re
     return replace(reading, value=reading.value + value - before, std=float(np.sqrt(variance)))
 
 
-def sites(fitted: Fitted, steps: Array, scatter: Array) -> Sites:
-    """Return the sites of all numbers.
+def sites(fitted: Fitted, steps: Array, scatter: Array) -> tuple[Array, Array]:
+    """Return the sites of all numbers: their values and variances, (m,) each.
 
     fitted : the numbers, with their priors; steps : (m,) widths of intervals, 0 where there is none
     scatter : (m,) σ²
@@ -97,7 +96,7 @@ def sites(fitted: Fitted, steps: Array, scatter: Array) -> Sites:
         values = np.where(which, target / precisions, values)
         if float(np.max(np.abs(change) / precisions)) < _SETTLED:
             break
-    return Sites(values, 1.0 / precisions)
+    return values, 1.0 / precisions
 
 
 def _moments(shown: Array, steps: Array, scatter: Array, centre: Array, cavity: Array) -> tuple[Array, Array]:
@@ -153,10 +152,3 @@ def _short(features: Array) -> Array:
         return features
     triangle: Array = np.asarray(np.linalg.qr(features.T, mode="r"))
     return triangle.T
-
-
-class Sites(NamedTuple):
-    """Normal readings in the place of others.  values, variances : (m,)"""
-
-    values: Array
-    variances: Array

@@ -52,13 +52,9 @@ def absorbed(
     """
     apart = frozenset(left_out)
     blocks, knowledge = taken(case.knowledge, readings, apart, among)
-    return Absorbed(_widened(case, readings), apart, knowledge, blocks)
-
-
-def _widened(case: Case, readings: Sequence[Reading]) -> Case:
-    """Return the case with set-ups that were read from sides which nobody said they allow."""
     other = {reading.setup for reading in readings if not case.came_as_allowed(reading)}
-    return replace(case, both=case.both | other) if other else case
+    widened = replace(case, both=case.both | other) if other else case  # sides that nobody said they allow
+    return Absorbed(widened, apart, knowledge, blocks)
 
 
 def displayed(known: Absorbed, readings: Sequence[Reading]) -> Absorbed:

@@ -43,8 +43,8 @@ class Band(NamedTuple):
 class LeftUnknown(NamedTuple):
     """What is not known of the TCP over a volume, less what does not count, m: RMS, and U of 95 %."""
 
-    rms: float
-    expanded: float
+    rms: float = 0.0
+    expanded: float = 0.0
 
     def beside(self, left: float) -> float:
         """Return U where files leave some of the deviation as it is estimated: U² + (k left)².  left : RMS, m"""
@@ -64,7 +64,7 @@ class Estimate:
     counted : whether deviations along x, y and z of the workpiece frame count
     read : from where to where each axis was read while it moved, in chain order; none where nobody says
     told : (axis, over) where a row of the answer tells how one moves over the other; whole : whether others count, too
-    unknown : RMS and U of what is not known over the volume, m, as the answer has them; None where nobody said
+    unknown : RMS and U of what is not known over the volume, m, as the answer has them; noughts where nobody said
     open : (size, n) root of what readings alone leave open, without causes of type B; None for all that the belief does
     """
 
@@ -80,7 +80,7 @@ class Estimate:
     told: frozenset[tuple[str, str]] = frozenset()
     whole: bool = True
     open: Array | None = None
-    unknown: LeftUnknown | None = None
+    unknown: LeftUnknown = field(default_factory=LeftUnknown)
 
     @property
     def machine(self) -> Machine:
@@ -132,6 +132,12 @@ class Estimate:
                 at = self.model.terms[index].coordinates(poses)
                 expected = expected + self.rest_at(index, at)[:, None] * levers[index]
         return expected
+
+    def counting(self, poses: Array, deviations: Array) -> Array:
+        """Return what counts of deviations (m, 3): less what probing the part takes off and one shift, (m, d)."""
+        left = deviations if self.alignment is None else self.alignment.left(poses, deviations)
+        counted: Array = (left - left.mean(axis=0))[:, list(self.counted)]
+        return counted
 
     def rest_at(self, function: int, positions: Array) -> Array:
         """Return what the readings say of the rest of an error, (m,): nothing in cells not read.

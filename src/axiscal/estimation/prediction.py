@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -22,17 +21,9 @@ _SLACK = 1e-9
 """Rounding of a position at the end of a travel, m or rad."""
 
 
-@dataclass(frozen=True, slots=True)
-class PosePrediction:
-    """TCP deviation along x, y, z of the workpiece frame: mean and whole standard deviation, um."""
-
-    mean_um: list[float]
-    std_um: list[float]
-
-
 @one_thread()
-def predict_poses(estimation: Estimation, wanted: Sequence[RawPose], file: Path) -> list[PosePrediction]:
-    """Return the prediction at each pose; axes that a pose leaves out stand at the middle of their travel.
+def predict_poses(estimation: Estimation, wanted: Sequence[RawPose], file: Path) -> tuple[Array, Array]:
+    """Return what `tcp_prediction` does at each pose; axes that a pose leaves out stand at the middle of their travel.
 
     Raises ReadingError with file and line for an unknown axis or a position outside the travel.
     """
@@ -40,10 +31,7 @@ def predict_poses(estimation: Estimation, wanted: Sequence[RawPose], file: Path)
     placed = [_placed(raw, machine, file) for raw in wanted]
     poses = np.array([pose for pose, _ in placed]).reshape(len(placed), len(machine.axes))
     approaches = np.array([approach for _, approach in placed]).reshape(poses.shape)
-    mean, std = tcp_prediction(estimation, poses, approaches)
-    return [
-        PosePrediction(to_unit(m, "um").tolist(), to_unit(s, "um").tolist()) for m, s in zip(mean, std, strict=True)
-    ]
+    return tcp_prediction(estimation, poses, approaches)
 
 
 def tcp_prediction(estimation: Estimation, poses: Array, approaches: Array) -> tuple[Array, Array]:

@@ -20,7 +20,6 @@ import numpy as np
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, drawn
 from axiscal.measurement.reading_rows import Seen, seen, shown_by_each
 from axiscal.measurement.setup import About
@@ -41,7 +40,9 @@ class BentReadings:
 
     def linearised(self, point: Array) -> Seen:
         """Return the readings linearised about a point (k,) of errors and unknowns."""
-        return seen(self._about(point), self.readings)
+        located = self.case.located(point) or self.case
+        about = replace(self.case.observation, setups=located.description.setups, about=About(point))
+        return seen(about, self.readings)
 
     def rows(self, point: Array) -> Array:
         """Return the rows about a point, (m, k): they change with where a station or tracker is found alone."""
@@ -50,10 +51,6 @@ class BentReadings:
     @cached_property
     def _still(self) -> Array:
         return seen(self.case.observation, self.readings).rows
-
-    def _about(self, point: Array) -> Observation:
-        located = self.case.located(point) or self.case
-        return replace(self.case.observation, setups=located.description.setups, about=About(point))
 
     def left(self, point: Array) -> Array:
         """Return what the readings leave at a point, over their noise, (m,)."""

@@ -142,7 +142,7 @@ def _multiplied(posed: Problem, factor: float) -> float:
 
 def _scatter(posed: Problem) -> float:
     """Return the mean square of the readings over what is expected of them."""
-    return as_stated(space_of(posed)).square / len(posed.values)
+    return as_stated(space_of(posed)).misfit / len(posed.values)
 
 
 def _told(posed: Problem) -> Array:

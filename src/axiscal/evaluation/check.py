@@ -39,7 +39,8 @@ from axiscal.evaluation.verification import (
 from axiscal.exceptions import InputError, ReadingError, SourceError, TargetError
 from axiscal.language.spoken import said
 from axiscal.language.stages import stage, staged
-from axiscal.measurement.readers.csv_readings import blank_sheet, filled_sheet, read_readings
+from axiscal.measurement.readers.csv_readings import blank_sheet, filled_sheet
+from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.simulation import Simulator, VirtualMachine, by_number
@@ -92,6 +93,10 @@ def _digest(file: Path) -> str:
     return hashlib.sha256(file.read_bytes()).hexdigest()
 
 
+def _read(file: Path, description: CampaignDescription) -> tuple[Reading, ...]:
+    return placed_readings(read_any(file, description.machine.axes, description.setups), description, file)
+
+
 @dataclass(frozen=True, slots=True)
 class Sheet:
     """A file of readings at places, one after another.
@@ -107,7 +112,7 @@ class Sheet:
         """Return the readings that it holds; raises ReadingError where they are of other places."""
         if not self.file.exists():
             return ()
-        held = placed_readings(read_readings(self.file), self.description, self.file)
+        held = _read(self.file, self.description)
         for reading, place in zip(held, self.wanted, strict=False):
             apart = np.max(np.abs(np.subtract(reading.pose, place.pose)))
             if reading.setup != place.setup.name or apart > _SAME or reading.approach != place.approach:
@@ -301,7 +306,7 @@ class Check:
 
         What is left may be anything: tables that a control takes in another unit leave a thousand times as much.
         """
-        before, after = (placed_readings(read_readings(file), self.description, file) for file in (found, left))
+        before, after = (_read(file, self.description) for file in (found, left))
         refuse_implausible(before, self.description, found)
         return before, after
 

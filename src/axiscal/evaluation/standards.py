@@ -3,8 +3,6 @@
 `_up` is the approach in the positive direction, `_down` in the negative one; a figure that needs a direction that was
 not measured is None.  No figure holds a coverage factor of ours: the standard's own ±2s is part of A and R.
 
-Circular tests, and which test a file holds: of a circle or of positioning.
-
 Circular tests by ISO 230-4: readings of a ball bar or a grid plate along a circle, in one or both directions. From the
 deviations of the radius, actual minus nominal, with the centre of least squares taken off (LSC):
 
@@ -16,23 +14,19 @@ deviations of the radius, actual minus nominal, with the centre of least squares
 The standard defines G by the two concentric circles of least separation. The width about the centre of least squares is
 never smaller, and a few percent larger at most. The least-squares centre of readings around a turn is that of
 r(θ) = r₀ + a cos θ + b sin θ + e(θ).
-
-(Formulas after ISO 230-4:2005, quoted from memory.)
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.exceptions import EvaluationError
+from axiscal.exceptions import EvaluationError, ReadingError
 from axiscal.language.spoken import joined, said
-from axiscal.measurement.readers.csv_readings import RawReading, iso_readings, read_direction
-from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, CsvTable, TextFile, read_text, table_of
-from axiscal.measurement.readers.renishaw import is_rtl, rtl_readings
+from axiscal.measurement.readers.csv_readings import RawReading
+from axiscal.measurement.readers.files import Recognised
 from axiscal.numerics import Array
 from axiscal.units import said_quantity, to_unit
 
@@ -52,7 +46,10 @@ _AtTarget = Mapping[str, float | None]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PositioningTest:
-    """Deviations of one axis, m or rad: targets (n,), up and down (n, runs), None for a direction not measured."""
+    """Deviations of one axis, m or rad: targets (n,), up and down (n, runs), None for a direction not measured.
+
+    rotary : targets are angles; angular : deviations are, as they are of a rotary axis
+    """
 
     targets: Array
     up: Array | None
@@ -60,6 +57,12 @@ class PositioningTest:
     rotary: bool = False
     file: str | None = None
     left_out: str = ""
+    angular: bool = False
+
+    @property
+    def value_unit(self) -> str:
+        """In which deviations are said."""
+        return "arcsec" if self.rotary or self.angular else "um"
 
     @property
     def measured(self) -> dict[str, Array]:
@@ -72,20 +75,22 @@ class Positioning:
     """The figures of one axis, m or rad, with what falls short of the standard's test in plain words.
 
     figures : of `FIGURES`, those that were measured, with repeats where they need them
+    unit, target_unit : in which deviations and targets are shown
     uncertainty : expanded (k = 2), of each figure that was measured
     vdi3441 : the figures of VDI/DGQ 3441 of the same readings by name, empty where one direction was not measured
     """
 
     figures: Mapping[str, float]
     per_target: tuple[_AtTarget, ...]
-    rotary: bool
+    unit: str
+    target_unit: str
     warnings: tuple[str, ...]
     uncertainty: Mapping[str, float]
     vdi3441: Mapping[str, float]
 
     def as_json(self) -> dict[str, object]:
-        """Return the document `axiscal-iso230/1`: figures in um, or arcsec for a rotary axis; targets in mm or deg."""
-        unit, target_unit = ("arcsec", "deg") if self.rotary else ("um", "mm")
+        """Return the document `axiscal-iso230/1`: figures in um, or arcsec of angles; targets in mm or deg."""
+        unit, target_unit = self.unit, self.target_unit
         figures = {name: _shown(self.figures.get(name), unit) for name in FIGURES}
         per_target = [
             {name: _shown(value, target_unit if name == "target" else unit) for name, value in row.items()}
@@ -111,24 +116,29 @@ _Sides = Mapping[str, _Direction]
 """The directions that were measured, by name."""
 
 
-def read_iso230(path: str | Path) -> PositioningTest:
-    """Read a test of one axis, a table or a `.rtl` file; raises ReadingError."""
-    return positioning_test(read_text(path))
+def positioning_test(read: Recognised) -> PositioningTest:
+    """Return the test of one axis that a file holds; raises ReadingError where two targets are not whole, or for none.
 
-
-def positioning_test(file: TextFile) -> PositioningTest:
-    """Return the test of a file; raises ReadingError as `read_iso230`."""
-    readings = rtl_readings(file) if is_rtl(file) else iso_readings(table_of(file))
-    seen, rotary = dict[float, set[tuple[int, int]]](), readings[0].dimension == "angle"
+    The best-fit line of a straightness test is taken off: it is how the optics stand.
+    """
+    readings, seen = read.found.readings, dict[float, set[tuple[int, int]]]()
+    if readings[0].test is None:
+        what = "this is {title}, and no test of an axis or a circle"
+        raise ReadingError(what, "`axiscal data estimate` evaluates readings", read.file, title=said(read.title))
+    rotary, angular = readings[0].target_dimension == "angle", readings[0].dimension == "angle"
     for reading in readings:
         seen.setdefault(reading.position[""], set()).add((reading.approach[""], reading.run))
     missing = [target for target in sorted(seen) if seen[target] != set().union(*seen.values())]
     if len(seen) - len(missing) < min(2, len(seen)):
         what = "fewer than two targets have a reading in every run"
-        raise file.fail(what, "add the readings, or take out the run that was cut off")
+        raise ReadingError(what, "add the readings, or take out the run that was cut off", read.file)
     targets, places = sorted(seen.keys() - missing), [said_quantity(at, "deg" if rotary else "mm") for at in missing]
+    if readings[0].test == "straightness" and len(seen) > 1:
+        at, values = np.array([(each.position[""], each.value) for each in readings]).T
+        slope = float(np.polyfit(at, values, 1)[0])
+        readings = tuple(replace(each, value=each.value - slope * each.position[""]) for each in readings)
     up, down = (_passes(readings, targets, direction) for direction in (1, -1))
-    return PositioningTest(np.array(targets), up, down, rotary, file.name, joined(places) if places else "")
+    return PositioningTest(np.array(targets), up, down, rotary, read.file, joined(places), angular)
 
 
 def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
@@ -143,7 +153,8 @@ def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
     figures = {name: float(found[name][0]) for name in FIGURES if name in found and np.isfinite(found[name][0])}
     per_target = tuple(_at_target(test, sides, i) for i in range(len(test.targets)))
     warnings = tuple(_shortfalls(test, min(side.runs for side in sides.values())))
-    return Positioning(figures, per_target, test.rotary, warnings, _uncertainty(sides, noise), _vdi3441(sides))
+    units, uncertainty = (test.value_unit, "deg" if test.rotary else "mm"), _uncertainty(sides, noise)
+    return Positioning(figures, per_target, *units, warnings, uncertainty, _vdi3441(sides))
 
 
 def _figures(sides: Mapping[str, tuple[Array, Array]]) -> dict[str, Array]:
@@ -275,7 +286,7 @@ def _drift(test: PositioningTest) -> Iterable[str]:
     left = means - slope * time
     square = slope**2 * spread / max(float(left @ left) / degrees, np.finfo(float).tiny)
     if square > _STEADILY**2:
-        moved = said_quantity(slope * float(np.ptp(time)), "arcsec" if test.rotary else "um", 3)
+        moved = said_quantity(slope * float(np.ptp(time)), test.value_unit, 3)
         words = "The means of the runs move steadily, by {moved} from the first to the last: A and R count this drift."
         yield said(words, moved=moved)
 
@@ -322,7 +333,6 @@ def _shown(value: float | None, unit: str) -> float | None:
 
 _AROUND = 8
 """Angles that tell a centre from a lobed circle of two or three lobes."""
-_CIRCLE = frozenset({"angle", "direction", "deviation"})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -349,22 +359,12 @@ class CircleFigures:
         return {"schema": "axiscal-iso230-4/1", "unit": "um", **figures, "warnings": list(self.warnings)}
 
 
-def figures_of(path: str | Path) -> Positioning | CircleFigures:
+def figures_of(read: Recognised) -> Positioning | CircleFigures:
     """Return the figures of the test that a file holds; raises ReadingError, EvaluationError."""
-    file = read_text(path)
-    table = None if is_rtl(file) else table_of(file)
-    if table is not None and {column.stem for column in table.columns} >= _CIRCLE:
-        return circular(circle_of(table))
-    return evaluate(positioning_test(file))
-
-
-def circle_of(table: CsvTable) -> CircularTest:
-    """Interpret a table as a circular test; raises ReadingError."""
-    layout = {"angle": ANGLES, "direction": TEXT, "deviation": LENGTHS}
-    angle, direction, deviation = table.needed(layout, "angle_deg", "direction", "deviation_um")
-    rows = [(row.quantity(angle), row.quantity(deviation), read_direction(row, direction)) for row in table.rows]
-    angles, deviations, directions = np.array(rows, dtype=float).reshape(-1, 3).T
-    return CircularTest(angles, deviations, directions, table.file)
+    if (found := read.found.readings)[0].test == "circle":
+        rows = np.array([(each.position[""], each.value, each.approach[""]) for each in found])
+        return circular(CircularTest(rows[:, 0], rows[:, 1], rows[:, 2], read.file))
+    return evaluate(positioning_test(read))
 
 
 def circular(test: CircularTest) -> CircleFigures:

@@ -12,7 +12,6 @@ So t = J(ρ)⁻¹ (p* − p₀(ρ)): one small system per pose, exact to roundin
 
 from __future__ import annotations
 
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -32,19 +31,11 @@ def linear_axes(machine: Machine) -> tuple[int, ...]:
 
     Axes of a second set U, V, W move only if they are needed as well; the others stay where they are.
     """
-    return _carrying("".join(axis.letter for axis in machine.axes))
-
-
-@cache
-def _carrying(letters: str) -> tuple[int, ...]:
-    chosen: list[int] = []
-    ways: set[int] = set()
+    letters, chosen = [axis.letter for axis in machine.axes], dict[int, int]()
     for letter in LINEAR_LETTERS:
-        way = letter_direction(letter)
-        if letter in letters and way not in ways:
-            chosen.append(letters.index(letter))
-            ways.add(way)
-    return tuple(sorted(chosen))
+        if letter in letters:
+            chosen.setdefault(letter_direction(letter), letters.index(letter))
+    return tuple(sorted(chosen.values()))
 
 
 def tip_at(machine: Machine, poses: Array, points: Array) -> Array:

@@ -31,6 +31,8 @@ Contact = Literal["free", "held", "retracted"]
 SaidOfDrift = Literal["nothing", "usual", "stated", "denied"]
 """Of how fast a zero wanders: nothing, what is usual of its instrument, a rate, or that it does not."""
 Vector = tuple[float, float, float]
+Nodes = tuple[float, float, int]
+"""Of a map along an axis: the first node, the last, m, and how many there are."""
 
 _SOFT = 0.1
 """Share of a bound: nobody knows where it ends more sharply, and the estimate settles."""
@@ -83,6 +85,7 @@ class Setup:
     bound : w, a reading is off by anything up to ± this beside its noise, m or rad; 0 where by nothing more
     one_sided : by how much a chip or burr usually shifts a reading, m or rad, with the side it shifts it to; 0: by none
     reach : (n_axes,) from where to where it can be read along each axis, m or rad; None is all travel
+    nodes : along X and Y, of maps whose files carry no coordinates
     chart : where it can be read, where that is not any pose of the axes that move
     artefact, balls : what it reads, and which of its balls
     contact : how it goes from place to place; retract : how far off, m
@@ -120,6 +123,7 @@ class Setup:
     bound: float = 0.0
     one_sided: float = 0.0
     reach: tuple[tuple[float, float], ...] | None = None
+    nodes: tuple[Nodes, Nodes] | None = None
     chart: Chart | None = None
     artefact: Artefact | None = None
     balls: tuple[int, ...] = ()

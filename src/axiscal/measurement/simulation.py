@@ -27,7 +27,15 @@ from axiscal.measurement.cells import MEMORY
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.observation import Owned, directions_of
-from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, Column, CsvTable, Row, read_table
+from axiscal.measurement.readers.csv_table import (
+    ANGLES,
+    LENGTHS,
+    TEXT,
+    Column,
+    CsvTable,
+    Row,
+    read_table,
+)
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import belongs

@@ -18,8 +18,8 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.causes import Contribution
-from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.problem import Problem, problem
+from axiscal.estimation.promise.spaces import Given
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
@@ -71,7 +71,7 @@ class Blank(NamedTuple):
     case: Case
     readings: tuple[Reading, ...]
     posed: Problem
-    found: Considered
+    found: Given
 
     @property
     def knowledge(self) -> Knowledge:
@@ -87,7 +87,7 @@ def blank_problem(case: Case, readings: Sequence[Reading]) -> Blank:
     found = space_of(posed).given(np.zeros(len(posed.sizes)))
     if found is None:
         raise PlanError("the stated sizes differ by more than 15 digits", "Look at the std of errors and unknowns")
-    return Blank(case, together, posed, Considered(found))
+    return Blank(case, together, posed, found)
 
 
 def unseen_parts(blank: Blank) -> list[tuple[Contribution, Array]]:
@@ -95,7 +95,7 @@ def unseen_parts(blank: Blank) -> list[tuple[Contribution, Array]]:
 
     Those causes are left out whose effect follows from the values that are read.
     """
-    moved = blank.found.given.type_b.gains.T
+    moved = blank.found.type_b.gains.T
     return [(each, by) for each, by in zip(blank.posed.causes, moved, strict=True) if not each.row.of_values]
 
 

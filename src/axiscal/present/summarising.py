@@ -25,13 +25,14 @@ from axiscal.estimation.agreement_words import agreement_words, change_words, mi
 from axiscal.estimation.budget import BudgetShare, budget
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
+from axiscal.estimation.functionals.functional import seen_by
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate
 from axiscal.language.spoken import later, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.questions import questions, which_way
-from axiscal.measurement.instrument import INSTRUMENTS, values_of
+from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import (
     Reading,
     approach_text,
@@ -69,8 +70,6 @@ _FEWEST_TARGETS, _FEWEST_RUNS = 5, 2
 """ISO 230-2 asks for five targets at least; a standard deviation needs two runs."""
 _SAME = 1e-6
 """m or rad: targets nearer to each other are one."""
-_ALONG = 0.999
-"""Cosine of the angle between a set-up and the axis along which it is a test of positioning."""
 
 
 def iso230_blocks(
@@ -97,9 +96,11 @@ def _test(description: CampaignDescription, setup: Setup, readings: Sequence[Rea
 
     A reading of nan takes its run out, the n-th reading of every target from its side.
     """
-    if not _positions(description, setup):
+    if (seen := seen_by(setup)) is None:
         return None
-    axis = setup.moves[0]
+    axis, own = setup.moves[0], description.machine.axes[setup.moves[0]]
+    if seen != ("angle" if own.rotary else "length", letter_direction(own.letter)):
+        return None
     found: dict[tuple[int, int], list[float]] = {}
     for reading in readings:
         target = round(reading.pose[axis] / _SAME)
@@ -111,7 +112,7 @@ def _test(description: CampaignDescription, setup: Setup, readings: Sequence[Rea
     if any(side is None and any(way == sign for _, way in found) for side, sign in zip(sides, (1, -1), strict=True)):
         return None
     positions = np.array(targets) * _SAME
-    return PositioningTest(positions, sides[0], sides[1], description.machine.axes[axis].rotary)
+    return PositioningTest(positions, sides[0], sides[1], own.rotary)
 
 
 def _runs(found: dict[tuple[int, int], list[float]], targets: Sequence[int], side: int) -> Array | None:
@@ -123,19 +124,9 @@ def _runs(found: dict[tuple[int, int], list[float]], targets: Sequence[int], sid
     return whole if whole.shape[1] >= _FEWEST_RUNS else None
 
 
-def _positions(description: CampaignDescription, setup: Setup) -> bool:
-    """Whether a set-up reads the one axis that it moves along or about itself."""
-    if len(setup.moves) != 1 or setup.chart is not None:
-        return False
-    axis = description.machine.axes[setup.moves[0]]
-    own = letter_direction(axis.letter)
-    reads = "angle" if axis.rotary else "length"
-    return INSTRUMENTS[setup.instrument].model.reads == reads and abs(setup.direction[own]) > _ALONG
-
-
 def iso230_block(axis: str, found: Positioning) -> Iso230:
     """Return the block of one axis."""
-    unit = "arcsec" if found.rotary else "um"
+    unit = found.unit
     return Iso230(
         axis=axis,
         value_unit=unit,

@@ -7,15 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.estimation.accuracy.expanded import reach
-from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import uncounted
 from axiscal.numerics import Array, even_subset
-from axiscal.numerics.remembered import remembered
 from axiscal.tables.exporter import Draft
 from axiscal.tables.sampling import untold
 from axiscal.tables.surface import Control, Effect, effect_of_control, left_by, planes_left, rms, tour
@@ -94,7 +92,7 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     if estimate.sample is not None:
         tried = estimate.machine, estimate.deviation, draft.control, places(estimate)[0], estimate.box
         effect = effect_of_control(*tried, estimate.alignment, estimate.counted)
-    known = unknown(estimate)
+    known = estimate.unknown
     certain = known.beside(effect.after)
     parts = [part.removesuffix(".") for part in (draft.left_out, together, silent) if part]
     told = replace(draft, left_out="; ".join(parts))
@@ -127,29 +125,6 @@ def places(estimate: Estimate, count: int = POSES) -> tuple[Array, Array]:
     if estimate.sample is None:
         return spread_poses(estimate, count)
     return tour(estimate.sample[even_subset(estimate.sample, count)], estimate.box)
-
-
-@remembered
-def unknown(estimate: Estimate) -> LeftUnknown:
-    """Return what is not known over the part, or over the volume.
-
-    Its square is the mean of trace((H - E[H]) C (H - E[H])ᵀ) and of the share of the rests. For an aligned part the
-    alignment replaces E[H].
-    """
-    if estimate.unknown is not None:
-        return estimate.unknown
-    covariances = np.sum([root @ root.transpose(0, 2, 1) for root in _roots(estimate, *places(estimate))], axis=0)
-    spectra = np.maximum(np.linalg.eigvalsh(covariances), 0.0)
-    return LeftUnknown(float(np.sqrt(spectra.sum(axis=1).mean())), reach(spectra, estimate.belief.degrees))
-
-
-def _roots(estimate: Estimate, poses: Array, approaches: Array) -> tuple[Array, Array]:
-    """Return (H - E[H]) F (m, d, n) with F Fᵀ = C, and what one standard deviation of each rest does, (m, d, f), m."""
-    counts = list(estimate.counted)
-    rows = estimate.model.rows(poses, approaches)
-    off = rows.mean(axis=0) if estimate.alignment is None else estimate.alignment.taken_off(poses)
-    levers = estimate.model.levers(poses)[:, :, counts] * estimate.model.rests[:, None, None]
-    return (rows - off)[:, counts] @ estimate.factor, levers.transpose(1, 2, 0)
 
 
 def effect_sentence(files: str, effect: Effect, unknown: float, certain: float) -> str:

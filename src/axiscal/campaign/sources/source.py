@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Protocol
 from axiscal.exceptions import ReadingError, SourceError
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
-from axiscal.measurement.readers.csv_readings import RawReading, read_readings
+from axiscal.measurement.readers.csv_readings import Around, RawReading
+from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import approach_text, refuse_other_values, shown_approach, shown_pose
 from axiscal.measurement.setup import Setup
 from axiscal.units import format_quantity
@@ -127,7 +128,11 @@ class CsvSource:
     """
 
     def __init__(self, path: Path, taken: int) -> None:
-        rows = read_readings(path, bare=True)
+        read = recognised(path, Around(bare=True))
+        rows = read.found.readings
+        if any(row.error or row.test for row in rows):
+            what = "this is {title}, and no table of readings in the order asked"
+            raise SourceError(what, "Evaluate it with `axiscal data estimate`", str(path), title=said(read.title))
         if taken > len(rows):
             what = "it has fewer readings than the {count} that the record has taken from it"
             raise SourceError(what, "Give the file the record was begun with", str(path), count=taken)

@@ -28,7 +28,6 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Weighed
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.unknowns import space_of
@@ -198,7 +197,7 @@ def agreement(
     if left_out >= SEVERAL and left_out > MOST_BAD * (count + left_out):
         p = min(p, binomial_tail(left_out, count + left_out, BAD_SHARE))
     whole, weighed = every or (problem, found)
-    stated = chi_square_tail(len(whole.values), weighed.drawn.stated.square)
+    stated = chi_square_tail(len(whole.values), weighed.drawn.stated.misfit)
     tried = [*jumps]
     if stated < CONTRADICTS:  # sizes that are learnt hide another unit
         tried += _units(whole, weighed)
@@ -214,7 +213,7 @@ def agreement(
 
 def tail_of(problem: Problem, found: Weighed) -> float:
     """Return how probable readings are that agree no better, Σ w P(χ²_m ≥ Q_θ)."""
-    tails = [chi_square_tail(len(problem.values), given.square) for given in found.given]
+    tails = [chi_square_tail(len(problem.values), given.misfit) for given in found.given]
     return float(found.weights @ np.array(tails))
 
 
@@ -241,7 +240,7 @@ def _tried(problem: Problem, found: Weighed, gains: Array, squares: Array, mista
     """
     weights = found.weights * np.exp(gains - gains.max())
     odds = float(np.log(PRIOR * weights.sum()) + gains.max())
-    left = [given.square - float(square) for given, square in zip(found.given, squares, strict=True)]
+    left = [given.misfit - float(square) for given, square in zip(found.given, squares, strict=True)]
     tails = np.array([chi_square_tail(len(problem.values), square) for square in left])
     return Tried(mistake._replace(log_odds=odds), float(weights @ tails / weights.sum()))
 
@@ -254,14 +253,14 @@ def _units(problem: Problem, found: Weighed) -> Iterator[Tried]:
         readings = np.unique(problem.reading[mine])
         since = mine & (problem.reading >= readings[:, None])
         values = np.where(since, problem.values, 0.0)
-        weighted = given.precision(values.T).T
+        weighted = given.judged(values.T).T
         pulled, fisher = weighted @ problem.values, np.sum(values * weighted, axis=1)
         # All of them may be in another unit as well as those from any later reading on.
         places = np.where(readings == readings[0], 1, max(len(readings) - 1, 1))
         for factor in _FACTORS:
             over = 1 - 1 / factor
-            squares = given.square - 2 * over * pulled + over**2 * fisher
-            gains = (given.square - squares) / 2 - since.sum(axis=1) * np.log(factor) - np.log(places)
+            squares = given.misfit - 2 * over * pulled + over**2 * fisher
+            gains = (given.misfit - squares) / 2 - since.sum(axis=1) * np.log(factor) - np.log(places)
             best = int(np.argmax(gains))
             odds = float(np.log(PRIOR) + found.log_stated + gains[best])
             tail = chi_square_tail(len(problem.values), float(squares[best]))
@@ -275,7 +274,7 @@ def _turned(problem: Problem, found: Weighed) -> Iterator[Tried]:
     for mistake, setups, values, factor in _other_values(problem):
         squares = np.empty(len(found.given))
         for draw, given in enumerate(found.given):
-            squares[draw] = given.square - float(values @ given.precision(values[:, None])[:, 0])
+            squares[draw] = given.misfit - float(values @ given.judged(values[:, None])[:, 0])
         yield _tried(problem, found, 0.5 * squares, squares, Explained(mistake, 0.0, setups, factor=factor))
 
 
@@ -285,8 +284,7 @@ def _against(problem: Problem, found: Weighed, turned: Iterable[Turned]) -> Iter
         space, gains, squares = space_of(other), np.full(len(found.given), -np.inf), np.zeros(len(found.given))
         for draw, given in enumerate(found.given):
             if (there := space.given(found.thetas[draw])) is not None:
-                turned_so = Considered(there)
-                gains[draw], squares[draw] = turned_so.density - given.density, given.square - turned_so.square
+                gains[draw], squares[draw] = there.density - given.density, given.misfit - there.misfit
         yield _tried(problem, found, gains, squares, Explained("direction", 0.0, (), axes=axes))
 
 
@@ -299,7 +297,7 @@ def _other_values(problem: Problem) -> Iterator[tuple[Mistake, tuple[int, ...], 
         yield "sign", (setup,), np.where(mine, -values, values) / problem.noise, -1.0
         for step in (1, -1):
             moved = values.copy()
-            moved[mine] = np.roll(values[mine], step * _numbers(problem.reading[mine]))
+            moved[mine] = np.roll(values[mine], step * numbers_of_one(problem.reading[mine]))
             yield "shifted", (setup,), moved / problem.noise, float(step)
     for first in range(len(setups)):
         for second in range(first + 1, len(setups)):
@@ -310,6 +308,6 @@ def _other_values(problem: Problem) -> Iterator[tuple[Mistake, tuple[int, ...], 
                 yield "swapped", (setups[first], setups[second]), swapped / problem.noise, 1.0
 
 
-def _numbers(reading: NDArray[np.intp]) -> int:
-    """Return how many numbers a reading has."""
+def numbers_of_one(reading: NDArray[np.intp]) -> int:
+    """Return how many numbers a reading of a set-up has."""
     return int(np.sum(reading == reading[0]))

@@ -21,10 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.usual import Sizes
-from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.spaces import Slope
-from axiscal.estimation.promise.unknowns import Given, Space, space_of
+from axiscal.estimation.promise.spaces import Given, Slope
+from axiscal.estimation.promise.unknowns import Space, space_of
 from axiscal.numerics import Array, even_points
 from axiscal.numerics.from_scipy import normal_quantile, normal_share
 from axiscal.numerics.gaussian import settled
@@ -70,7 +69,7 @@ class Mode:
     taught: NDArray[np.intp]
     covariance: Array
     value: float
-    stated: Considered
+    stated: Given
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +82,7 @@ class Draws:
     sizes: Sizes
     x: Array
     log_proposal: Array
-    stated: Considered
+    stated: Given
 
     @property
     def thetas(self) -> Array:
@@ -102,7 +101,7 @@ class Weighed:
 
     thetas: Array
     weights: Array
-    given: tuple[Considered, ...]
+    given: tuple[Given, ...]
     log_evidence: float
     every: Array
     drawn: Draws
@@ -123,11 +122,11 @@ def _valued(found: Given | None, x: Array) -> float:
     return -np.inf if found is None else found.value - 0.5 * float(x @ x)
 
 
-def as_stated(space: Space) -> Considered:
+def as_stated(space: Space) -> Given:
     """Return everything at the sizes as stated."""
     found = space.given(np.zeros(len(space.problem.sizes)))
     assert found is not None, "a covariance with noise is positive definite"
-    return Considered(found)
+    return found
 
 
 def mode(space: Space) -> Mode:
@@ -135,8 +134,8 @@ def mode(space: Space) -> Mode:
     sizes = space.problem.sizes
     x, found, taught = sizes.stated, as_stated(space), np.zeros(0, dtype=np.intp)
     if not len(x):
-        return Mode(x, taught, np.zeros((0, 0)), _valued(found.given, x), found)
-    here = _pull(sizes, found.given, x)
+        return Mode(x, taught, np.zeros((0, 0)), _valued(found, x), found)
+    here = _pull(sizes, found, x)
     while len(more := np.union1d(taught, _taught(here, x))) > len(taught):
         taught = more
         x, here = _climbed(space, taught, x, here)
@@ -254,7 +253,7 @@ def weighed(space: Space, drawn: Draws) -> Weighed:
     weights = np.minimum(weights, weights.mean() * np.sqrt(len(weights)))
     weights /= weights.sum()
     kept = np.flatnonzero(weights > _NOTHING)
-    found = tuple(Considered(each) for each in (given[i] for i in kept) if each is not None)
+    found = tuple(each for each in (given[i] for i in kept) if each is not None)
     own = weights[kept] / weights[kept].sum()
     log_stated = drawn.stated.value - float(drawn.log_proposal[-1] + np.log(len(weights))) - evidence
     return Weighed(thetas[kept], own, found, evidence, weights, drawn, log_stated)

@@ -31,11 +31,12 @@ from axiscal.estimation.promise.agreement import (
     Explained,
     Mistake,
     Tried,
+    numbers_of_one,
     tail_of,
 )
-from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Weighed, as_stated, sized
 from axiscal.estimation.promise.problem import Problem
+from axiscal.estimation.promise.spaces import Given
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_tail
@@ -63,11 +64,6 @@ class Suspect(NamedTuple):
     columns: Array
     places: int
 
-    @property
-    def log_odds(self) -> float:
-        """Beside none, at the same sizes."""
-        return self.mistake.log_odds
-
 
 class Jumped(NamedTuple):
     """problem : with columns for the jumps; found, without : its draws, and those for the readings without any jump
@@ -93,7 +89,9 @@ def jumped(problem: Problem, found: Weighed | None = None) -> Jumped | None:
     found : draws for the readings without any
     """
     known, told = None, tuple[Explained, ...]()
-    while suspected := [one for one in suspects(known.problem if known else problem, told) if one.log_odds > _NAMED]:
+    while suspected := [
+        one for one in suspects(known.problem if known else problem, told) if one.mistake.log_odds > _NAMED
+    ]:
         found = found or sized(problem)
         following = _weighed(known or Jumped(problem, found, found), suspected)
         if following is None:
@@ -128,7 +126,7 @@ def _evidence(problem: Problem, found: Weighed, kept: NDArray[np.intp]) -> float
 
 def _weighed(known: Jumped, suspected: list[Suspect]) -> Jumped | None:
     """Return what is known with one more jump, None where readings tell no other."""
-    for suspect in sorted(suspected, key=lambda one: -one.log_odds)[:_WEIGHED]:
+    for suspect in sorted(suspected, key=lambda one: -one.mistake.log_odds)[:_WEIGHED]:
         wider = known.problem.wider(suspect.columns)
         prior = float(np.log(PRIOR / suspect.places))
         more = known._replace(problem=wider, found=sized(wider), log_prior=known.log_prior + prior)
@@ -144,11 +142,11 @@ def suspects(problem: Problem, told: Sequence[Explained] = ()) -> Iterator[Suspe
     """
     space = space_of(problem)
     stated = as_stated(space)
-    if chi_square_tail(len(problem.values), stated.square) >= CONTRADICTS:
+    if chi_square_tail(len(problem.values), stated.misfit) >= CONTRADICTS:
         return
     kept = np.array([size.kind in ("length", "noise") for size in problem.sizes.of], dtype=bool)
     larger = space.given(np.where(kept, 0.0, _LARGER))
-    each = [stated] if larger is None else [stated, Considered(larger)]
+    each = [stated] if larger is None else [stated, larger]
     for setup in np.unique(problem.setup).tolist():
         mine = problem.setup == setup
         of = np.unique(problem.reading[mine])
@@ -156,14 +154,14 @@ def suspects(problem: Problem, told: Sequence[Explained] = ()) -> Iterator[Suspe
         readings = of[_BEYOND : len(of) - _BEYOND + 1]
         near = np.abs(np.searchsorted(of, readings)[:, None] - before) < SEVERAL
         readings = readings[~near.any(axis=1)]
-        if not len(before) and len(of) > 1 and _numbers(problem.reading[mine]) > 1:
+        if not len(before) and len(of) > 1 and numbers_of_one(problem.reading[mine]) > 1:
             readings = np.append(of[0], readings)
         if len(readings):
             yield _suspect(problem, each, mine, readings, bool(readings[0] == of[0]))
 
 
 def _suspect(
-    problem: Problem, each: list[Considered], mine: NDArray[np.bool_], readings: NDArray[np.intp], stands: bool
+    problem: Problem, each: list[Given], mine: NDArray[np.bool_], readings: NDArray[np.intp], stands: bool
 ) -> Suspect:
     """Return the likeliest of the jumps before some readings.  stands : the first of them is that of the set-up"""
     ways = ways_of(problem, mine) / problem.noise * float(np.median(problem.noise[mine]))
@@ -179,9 +177,9 @@ def _suspect(
     return Suspect(Explained(name, odds, (setup,), int(readings[best])), _JUMPS[size] * columns[best], places)
 
 
-def _gains(given: Considered, columns: Array, values: Array) -> Array:
+def _gains(given: Given, columns: Array, values: Array) -> Array:
     """Return the gain of log L of each size of a jump, (s, r).  columns : (r, k, m)"""
-    weighted = given.precision(columns.reshape(-1, len(values)).T).T.reshape(columns.shape)
+    weighted = given.judged(columns.reshape(-1, len(values)).T).T.reshape(columns.shape)
     fisher, pulled = columns @ weighted.transpose(0, 2, 1), weighted @ values
     alone, gains = np.eye(columns.shape[1]), np.empty((len(_JUMPS), len(columns)))
     for k, size in enumerate(_JUMPS):
@@ -195,14 +193,9 @@ def ways_of(problem: Problem, mine: NDArray[np.bool_]) -> Array:
 
     A zero adds the same to all. What is read in three directions may move by all that its mounting alone leaves open.
     """
-    if _numbers(problem.reading[mine]) == 1 or not problem.unknowns:
+    if numbers_of_one(problem.reading[mine]) == 1 or not problem.unknowns:
         return mine[None].astype(float)
     seen = problem.rows[:, -problem.unknowns :].T * problem.noise
     largest = np.abs(seen).max(axis=1)
     own = (largest > 0) & (np.abs(seen[:, ~mine]).max(axis=1, initial=0.0) == 0)
     return np.asarray(seen[own] / largest[own, None]) if own.any() else mine[None].astype(float)
-
-
-def _numbers(reading: NDArray[np.intp]) -> int:
-    """Return how many numbers a reading of a set-up has."""
-    return int(np.sum(reading == reading[0]))

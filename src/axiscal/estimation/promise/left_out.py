@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 
 from axiscal.description.usual import BAD
 from axiscal.estimation.promise.agreement import BAD_SHARE, surprises
-from axiscal.estimation.promise.considered import Considered
 from axiscal.estimation.promise.draws import Weighed
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
-from axiscal.estimation.promise.spaces import parts_of
+from axiscal.estimation.promise.spaces import Given, parts_of
 from axiscal.numerics import Array
 
 _ODDS = BAD_SHARE / (1 - BAD_SHARE)
@@ -98,7 +97,7 @@ def _of_draws(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[
     return [LeftOut(*one) for one in zip(residual, spread, odds.tolist(), z, strict=True)]
 
 
-def _of_draw(problem: Problem, given: Considered, theta: Array, part: NDArray[np.intp]) -> tuple[Array, Array, Array]:
+def _of_draw(problem: Problem, given: Given, theta: Array, part: NDArray[np.intp]) -> tuple[Array, Array, Array]:
     """Return residuals (r, k), covariances (r, k, k) and log ratios of bad over good (r,) of readings at one draw."""
     weighted, blocks = given.left_out(part)
     covariances: Array = np.asarray(np.linalg.inv(blocks), dtype=float)

@@ -12,12 +12,10 @@ from numpy.typing import NDArray
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.spaces import (
     Answered,
-    Caused,
+    Given,
     Slope,
-    Sources,
     factors_of,
     raw_cells,
-    turned,
     variances_of,
 )
 from axiscal.numerics import Array
@@ -91,7 +89,7 @@ class Numbers:
         """Return everything at sizes θ (k,); None where the covariance is not positive definite to rounding."""
         roots = [curves.roots(theta) for curves in self.problem.curves]
         root = root_in_place(self.covariance(theta, roots))
-        return None if root is None else InNumbers(self, theta, root, roots)
+        return None if root is None else InNumbers(self.problem, theta, roots, root, self)
 
 
 def _flat(shown: Array) -> Array:
@@ -107,20 +105,14 @@ def _square(shown: Array) -> Array:
 
 
 @dataclass(eq=False)
-class InNumbers:
-    """Everything at one set of sizes, K = F Fᵀ.
-
-    theta : (k,); root : F; roots : of the curves' priors; value : log L; square : yᵀK⁻¹y; weighted : K⁻¹y
-    """
+class InNumbers(Given):
+    """K = F Fᵀ at one set of sizes."""
 
     space: Numbers
-    theta: Array
-    root: Array
-    roots: list[Array]
 
     def __post_init__(self) -> None:
-        self.weighted = solution_of_product(self.root, self.space.problem.values)
-        self.square = float(self.space.problem.values @ self.weighted)
+        self.weighted = solution_of_product(self.root, self.problem.values)
+        self.square = float(self.problem.values @ self.weighted)
         self.value = float(-0.5 * self.square - np.log(np.diagonal(self.root)).sum())
 
     @cached_property
@@ -129,7 +121,7 @@ class InNumbers:
 
     def slope(self) -> Slope:
         """Return log L, gradient and information."""
-        problem, theta, weighted, inverse = self.space.problem, self.theta, self.weighted, self._inverse
+        problem, theta, weighted, inverse = self.problem, self.theta, self.weighted, self._inverse
         by = self.space.derivatives(theta, self.roots)
         pulls = {name: inverse @ each for name, each in by.items()}
         pushes = {name: float(weighted @ each @ weighted) for name, each in by.items()}
@@ -144,51 +136,23 @@ class InNumbers:
         information[np.ix_(names, names)] = 0.5 * flat @ turned.T
         return Slope(self.value, gradient, information)
 
-    @property
-    def _shown(self) -> Array:
-        problem = self.space.problem
-        return turned(problem, problem.rows, self.theta, self.roots, problem.first)
-
-    def posterior(self) -> Answered:
+    def without_causes(self) -> Answered:
         """Return the posterior of the answered unknowns."""
-        problem, shown = self.space.problem, self._shown
+        problem, shown = self.problem, self.shown
         mean = problem.mean + problem.raw(shown.T @ self.weighted, self.theta, self.roots)
         known = problem.raw(solution(self.root, shown).T, self.theta, self.roots)
         covariance = self.space.prior_covariance(self.theta, self.roots)
         covariance -= known @ known.T
         return Answered(mean, covariance)
 
-    def gain(self, columns: Array) -> Array:
-        """Return G B, (answered, c) m and rad: by what the mean m = G y moves.  columns : B (m, c), over the noise"""
-        return self.space.problem.raw(self._shown.T @ self.precision(columns), self.theta, self.roots)
-
-    def sources(self, figures: Array) -> Sources:
-        """Return what each source of variance leaves of figures of the answered unknowns.  figures : F (k, answered)"""
-        problem = self.space.problem
-        own = problem.whitened(figures.T, self.theta, self.roots).T
-        shown = turned(problem, problem.rows, self.theta, self.roots)
-        passed = self.precision(shown[:, problem.first :] @ own.T).T
-        left = -passed @ shown
-        left[:, problem.first :] += own
-        noise = variances_of(problem, self.theta)
-        return Sources(np.sum(left**2, axis=0), np.sum(passed**2, axis=0) * noise)
-
-    @cached_property
-    def type_b(self) -> Caused:
-        """What causes of type B do."""
-        problem = self.space.problem
-        spread = self.precision(problem.type_b)
-        gains = problem.raw(self._shown.T @ spread, self.theta, self.roots)
-        return Caused(gains, problem.type_b.T @ spread, spread.T @ problem.values)
-
     def cell_means(self) -> Array:
         """Return the means of the rests of the cells that were visited, (c,) m or rad."""
-        problem = self.space.problem
+        problem = self.problem
         part = slice(problem.first_cell, problem.first_cell + len(problem.cells))
         factors = factors_of(problem, self.theta)[part]
         return raw_cells(problem, factors**2 * (problem.rows[:, part].T @ self.weighted))
 
-    def left_out(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
+    def blocks(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
         """Return K⁻¹y (r, k), over the noise, and the blocks of K⁻¹ (r, k, k).  part : (r, k) numbers of readings"""
         return self.weighted[part], self._inverse[part[:, :, None], part[:, None, :]]
 

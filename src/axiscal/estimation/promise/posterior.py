@@ -20,7 +20,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -99,18 +98,14 @@ class Drawn:
         each = (self.problem.raw(alone, *sizes) for sizes in zip(self.thetas, roots, strict=True))
         return np.asarray(sum(weight * root @ root.T for weight, root in zip(self.weights, each, strict=True)))
 
-    def sources(self, figures: Array) -> tuple[Sources, Array]:
-        """Return what each source leaves of figures in the mean over the draws, and each cause of type B, (c,).
+    def sources(self, figures: Array) -> Sources:
+        """Return what each source leaves of figures in the mean over the draws.
 
         figures : F (k, answered), of the answered unknowns
         """
-        space, found = space_of(self.problem), list[tuple[Array, Array, Array]]()
-        for theta in self.thetas:
-            if (given := space.given(theta)) is not None:
-                moved = figures @ given.type_b.gains
-                found.append((*given.sources(figures), np.sum(moved**2, axis=0)))
-        columns, numbers, causes = (self.weights @ np.array(each) for each in zip(*found, strict=True))
-        return Sources(columns, numbers), causes
+        space = space_of(self.problem)
+        found = [given.sources(figures) for theta in self.thetas if (given := space.given(theta)) is not None]
+        return Sources(*(self.weights @ np.array(each) for each in zip(*found, strict=True)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,16 +161,17 @@ class Sorted:
         """
         mine, found, left = self.mine.problem, self.mine.found, self.mine.left
         judged = [self.mine] if self.with_details is None else [self.mine, self.with_details]
-        moments = _moments(judged, np.zeros((0, 0)) if volume is None else volume)
+        over = np.zeros((0, 0)) if volume is None else volume
+        mean, covariance, shared, degrees, cells = _moments(judged, over)
         kept = np.isin(self.problem.reading, [*left])
         z = np.array([each.z for each in left.values()])
         out = self.count - len(left)
         every = (self.problem, sized(self.problem)) if out >= SEVERAL else None
         agreed = agreement(mine, found, z, out, ((axes, other.only(kept)) for axes, other in turned), every, self.jumps)
-        known = dict(zip(self.problem.cells, moments.cells.tolist(), strict=True))
+        known = dict(zip(self.problem.cells, cells.tolist(), strict=True))
         of_sizes = self.sizes, _surely(mine, found), found.effective
         drawn = tuple(Drawn(each.problem, each.found.thetas, each.found.weights / len(judged)) for each in judged)
-        return Posterior(*moments[:4], known, *of_sizes, self.bad, agreed, left, drawn)
+        return Posterior(mean, covariance, shared, degrees, known, *of_sizes, self.bad, agreed, left, drawn)
 
 
 @one_thread()
@@ -185,11 +181,13 @@ def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] 
     never : are not used, unless zeros jumped; sure : are not taken out
     """
     apart, accepted, count = [*never], frozenset(sure), len(np.unique(problem.reading))
-    out = _taken_out(_judged(problem, apart), accepted)
-    bad, mine = out.bad, out.mine
-    for among, found in dict.fromkeys([(problem, None if apart else out.first.found), (mine.problem, mine.found)]):
+    first = _judged(problem, apart)
+    bad, stages = _taken_out(first, accepted)
+    mine = stages[frozenset(bad)]
+    for among, found in dict.fromkeys([(problem, None if apart else first.found), (mine.problem, mine.found)]):
         if (moved := jumped(among, found)) is not None:
-            beside = _taken_out(_Judged(moved.problem, moved.found), accepted).mine
+            slips, beside_slips = _taken_out(_Judged(moved.problem, moved.found), accepted)
+            beside = beside_slips[frozenset(slips)]
             if jumps := likelier(moved, (beside.problem, beside.found), (mine.problem, mine.found)):
                 sizes, bad = _sizes(among, moved.without), {i: bad[i] for i in bad if i not in among.reading}
                 return Sorted(problem, _Judged(among, moved.without), None, sizes, bad, count, jumps)
@@ -199,30 +197,16 @@ def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] 
     if not details:
         return Sorted(problem, mine, None, sizes, bad, count)
     others = frozenset(bad) - frozenset(details)
-    with_details = out.stages.get(others) or _judged(problem, [*apart, *others])
+    with_details = stages.get(others) or _judged(problem, [*apart, *others])
     sizes = _half_and_half(sizes, _sizes(with_details.problem, with_details.found))
     return Sorted(problem, mine, with_details, sizes, bad, count)
 
 
-class _TakenOut(NamedTuple):
-    """Bad readings, and what was judged on the way: with so many of the bad ones out."""
+def _taken_out(first: _Judged, accepted: Collection[int]) -> tuple[dict[int, LeftOut], dict[frozenset[int], _Judged]]:
+    """Return bad readings, the worst first, and what was judged on the way: with so many of them out.
 
-    bad: dict[int, LeftOut]
-    stages: dict[frozenset[int], _Judged]
-
-    @property
-    def first(self) -> _Judged:
-        """With all of them."""
-        return self.stages[frozenset()]
-
-    @property
-    def mine(self) -> _Judged:
-        """The readings without the bad ones."""
-        return self.stages[frozenset(self.bad)]
-
-
-def _taken_out(first: _Judged, accepted: Collection[int]) -> _TakenOut:
-    """Take bad readings out, the worst first.  first : with all; accepted : are not taken out"""
+    first : with all; accepted : are not taken out
+    """
     bad, mine, count = dict[int, LeftOut](), first, len(np.unique(first.problem.reading))
     stages = {frozenset[int](): first}
     while True:
@@ -230,7 +214,7 @@ def _taken_out(first: _Judged, accepted: Collection[int]) -> _TakenOut:
         highest = max(doubtful.values(), default=0.0)
         worst = [i for i, odds in doubtful.items() if odds >= highest - _ALIKE]
         if highest <= 0 or len(bad) + len(worst) > MOST_BAD * count:
-            return _TakenOut(bad, stages)
+            return bad, stages
         bad |= {i: mine.left[i] for i in worst}
         mine = stages[frozenset(bad)] = _judged(first.problem, [*bad])
 
@@ -262,26 +246,17 @@ def _half_and_half(one: Mapping[_Owned, float], other: Mapping[_Owned, float]) -
     }
 
 
-class _Moments(NamedTuple):
-    """mean (k,), covariance (k, k), the shared part of it, degrees of freedom; cells : means of rests (c,)."""
-
-    mean: Array
-    covariance: Array
-    shared: Array
-    degrees: float
-    cells: Array
-
-
-def _moments(judged: Sequence[_Judged], volume: Array) -> _Moments:
+def _moments(judged: Sequence[_Judged], volume: Array) -> tuple[Array, Array, Array, float, Array]:
     """Return the moments over the draws.
 
+    mean (k,), covariance (k, k), the part of it that is shared, degrees of freedom, means of rests (c,)
     judged : readings whose answers count alike; volume : G of the first unknowns
     """
     weights = np.concatenate([each.found.weights for each in judged]) / len(judged)
     givens = [given for each in judged for given in each.found.given]
     size, counts = judged[0].problem.answered, len(volume)
     means, squares, total = np.empty((len(givens), size)), np.empty(len(givens)), np.zeros((size, size))
-    moved = np.hstack([np.sqrt(w) * each.given.type_b.gains for w, each in zip(weights, givens, strict=True)])
+    moved = np.hstack([np.sqrt(w) * each.type_b.gains for w, each in zip(weights, givens, strict=True)])
     over = np.zeros_like(total)
     over[:counts, :counts] = volume
     for i, given in enumerate(givens):
@@ -298,7 +273,7 @@ def _moments(judged: Sequence[_Judged], volume: Array) -> _Moments:
     mean = float(weights @ squares)
     varied = float(weights @ (squares - mean) ** 2)
     degrees = 4 + 2 * mean**2 / varied if varied > (_ALL_ALIKE * mean) ** 2 else np.inf
-    return _Moments(about + shift, total, moved @ moved.T, degrees, cells)
+    return about + shift, total, moved @ moved.T, degrees, cells
 
 
 def _surely(problem: Problem, found: Weighed) -> float:

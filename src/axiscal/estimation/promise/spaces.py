@@ -11,11 +11,25 @@ Q⁻¹
 
 With K = F Fᵀ, a = K⁻¹y and P_f = K⁻¹ ∂K_f the gradient is g = ½(aᵀ∂K_f a − tr P_f). The Fisher information I = ½ Σ P_f
 ∘ P_gᵀ is that of Gaussian regression (Rasmussen and Williams 2006, eq. 5.9).
+
+Causes of type B, which no reading shows, move no mean and teach no size, and count in every uncertainty. With the gain
+G of the model without them, and B (m, c) what one standard deviation of each does to the numbers,
+
+    m = G y,    Var[F u] = F (C + G B (G B)ᵀ) Fᵀ
+
+(Schmidt's consider form; GUM 4.3: knowledge from elsewhere, which these readings cannot improve). K + B Bᵀ judges the
+readings, since two instruments may differ by their scales. There B lacks the causes that follow from what was read: a
+column that is like the values explains them, whatever they are. With N = BᵀK⁻¹B (Woodbury)
+
+    (K + B Bᵀ)⁻¹ = K⁻¹ − K⁻¹B (1 + N)⁻¹ BᵀK⁻¹
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -52,10 +66,121 @@ class Caused(NamedTuple):
 
 
 class Sources(NamedTuple):
-    """Mean squares of figures F that the prior of each column leaves, (p,), and the noise of each number, (m,)."""
+    """Mean squares of figures that the prior of each column leaves (p,), noise (m,), and causes of type B (c,)."""
 
     columns: Array
     numbers: Array
+    causes: Array
+
+
+@dataclass(eq=False)
+class Given(ABC):
+    """Everything at one set of sizes.
+
+    theta : (k,) the sizes; roots : of the curves' priors there; root : F of the room
+    value : log L of the sizes; square : yᵀK⁻¹y
+    """
+
+    problem: Problem
+    theta: Array
+    roots: list[Array]
+    root: Array
+    value: float = field(init=False)
+    square: float = field(init=False)
+
+    @abstractmethod
+    def slope(self) -> Slope:
+        """Return log L, gradient and information."""
+
+    @abstractmethod
+    def without_causes(self) -> Answered:
+        """Return the posterior of the answered unknowns without causes of type B."""
+
+    @abstractmethod
+    def cell_means(self) -> Array:
+        """Return the means of the rests of the cells that were visited, (c,) m or rad."""
+
+    @abstractmethod
+    def precision(self, columns: Array) -> Array:
+        """Return K⁻¹X, (m, n).  columns : X (m, n), over the noise"""
+
+    @abstractmethod
+    def blocks(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return K⁻¹y (r, k), over the noise, and the blocks of K⁻¹ (r, k, k).  part : (r, k) numbers of readings"""
+
+    @property
+    def shown(self) -> Array:
+        """Columns of answered unknowns of variance one, (m, scales + answered)."""
+        return turned(self.problem, self.problem.rows, self.theta, self.roots, self.problem.first)
+
+    def gain(self, columns: Array) -> Array:
+        """Return G X, (answered, n) m and rad: by what the mean m = G y moves.  columns : X (m, n), over the noise"""
+        return self.problem.raw(self.shown.T @ self.precision(columns), self.theta, self.roots)
+
+    @cached_property
+    def type_b(self) -> Caused:
+        """What causes of type B do."""
+        problem, spread = self.problem, self.precision(self.problem.type_b)
+        gains = problem.raw(self.shown.T @ spread, self.theta, self.roots)
+        return Caused(gains, problem.type_b.T @ spread, spread.T @ problem.values)
+
+    def posterior(self) -> Answered:
+        """Return the posterior of the answered unknowns: the mean without, the covariance with causes of type B."""
+        found, moved = self.without_causes(), self.type_b.gains
+        return Answered(found.mean, found.covariance + moved @ moved.T) if moved.size else found
+
+    def sources(self, figures: Array) -> Sources:
+        """Return what each source of variance leaves of figures of the answered unknowns.  figures : F (k, answered)"""
+        problem = self.problem
+        own = problem.whitened(figures.T, self.theta, self.roots).T
+        every = turned(problem, problem.rows, self.theta, self.roots)
+        passed = self.precision(every[:, problem.first :] @ own.T).T
+        left = -passed @ every
+        left[:, problem.first :] += own
+        causes = np.sum((figures @ self.type_b.gains) ** 2, axis=0)
+        noise = variances_of(problem, self.theta)
+        return Sources(np.sum(left**2, axis=0), np.sum(passed**2, axis=0) * noise, causes)
+
+    @cached_property
+    def _within(self) -> Array:
+        """(1 + N)⁻¹, (c, c)."""
+        judging = self.problem.judging
+        fisher = self.type_b.fisher[np.ix_(judging, judging)]
+        return np.asarray(np.linalg.inv(fisher + np.eye(len(fisher))), dtype=float)
+
+    @cached_property
+    def _spread(self) -> Array:
+        """K⁻¹B, (m, c)."""
+        return self.precision(self.problem.type_b[:, self.problem.judging])
+
+    @property
+    def misfit(self) -> float:
+        """yᵀ(K + B Bᵀ)⁻¹y."""
+        pulled = self.type_b.pulled[self.problem.judging]
+        return float(self.square - pulled @ self._within @ pulled)
+
+    @property
+    def density(self) -> float:
+        """log N(y; 0, K + B Bᵀ), up to a constant of the readings."""
+        gained = self.square - self.misfit + np.linalg.slogdet(self._within)[1]
+        return float(self.value + 0.5 * gained)
+
+    def judged(self, columns: Array) -> Array:
+        """Return (K + B Bᵀ)⁻¹X, (m, n).  columns : X (m, n), over the noise"""
+        return self.precision(columns) - self._spread @ (self._within @ (self._spread.T @ columns))
+
+    def left_out(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return (K + B Bᵀ)⁻¹y (r, k), over the noise, and blocks of the inverse (r, k, k).
+
+        part : (r, k) numbers of readings
+        """
+        judging = self.problem.judging
+        weighted, blocks = self.blocks(part)
+        if not judging.any():
+            return weighted, blocks
+        mine = self._spread[part]
+        shared = mine @ self._within
+        return weighted - shared @ self.type_b.pulled[judging], blocks - shared @ mine.transpose(0, 2, 1)
 
 
 def parts_of(reading: NDArray[np.intp]) -> list[NDArray[np.intp]]:

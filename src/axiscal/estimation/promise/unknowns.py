@@ -9,13 +9,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.numbers import InNumbers, Numbers
+from axiscal.estimation.promise.numbers import Numbers
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
 from axiscal.estimation.promise.spaces import (
     Answered,
     Caused,
+    Given,
     Slope,
-    Sources,
     factors_of,
     raw_cells,
     times_roots,
@@ -74,24 +74,21 @@ class Unknowns:
         self.whitened(matrix, theta, roots)
         matrix[np.diag_indices_from(matrix)] += 1.0
         root = root_in_place(matrix)
-        return None if root is None else InUnknowns(self, theta, root, roots)
+        return None if root is None else InUnknowns(self.problem, theta, roots, root, self)
 
 
 @dataclass(eq=False)
-class InUnknowns:
-    """Q = F Fᵀ at one set of sizes; as of `InNumbers`."""
+class InUnknowns(Given):
+    """Q = F Fᵀ at one set of sizes."""
 
     space: Unknowns
-    theta: Array
-    root: Array
-    roots: list[Array]
 
     def __post_init__(self) -> None:
         space, weights = self.space, self.space.weights(self.theta)
         right = np.zeros((1, len(self.root)))
         for weight, each in zip(weights, space.products, strict=True):
             right += weight * each
-        self.half = half = solution(self.root, turned(space.problem, right, self.theta, self.roots)[0])
+        self.half = half = solution(self.root, turned(self.problem, right, self.theta, self.roots)[0])
         self.solved = back_solution(self.root, half)
         scales = np.append(self.theta, 0.0)[space.groups]
         self.square = float(weights @ np.array(space.totals) - half @ half)
@@ -100,23 +97,23 @@ class InUnknowns:
 
     def slope(self) -> Slope:
         """Return value, gradient and information."""
-        problem, u, k = self.space.problem, self.solved, len(self.theta)
+        problem, u, k = self.problem, self.solved, len(self.theta)
         inverse = inverse_of_product(self.root)
         w = -inverse
         w[np.diag_indices_from(w)] += 1.0
         pick, bent = _picked(problem.size_at, k), self._bent(w)
         gradient = pick.T @ (u**2 - np.diagonal(w))
-        gradient += 0.5 * bent.pick.T @ (u[bent.at] * bent.times(u[:, None])[:, 0] - bent.rows[bent.range, bent.at])
+        own = bent.rows[:, bent.at]
+        gradient += 0.5 * bent.pick.T @ (u[bent.at] * bent.times(u[:, None])[:, 0] - np.diagonal(own))
         information = 2 * pick.T @ ((w * w) @ pick)
         cross = bent.pick.T @ ((bent.rows * w[bent.at]) @ pick)
         information += cross + cross.T
-        own = bent.rows[:, bent.at]
         information += 0.5 * bent.pick.T @ ((own * own.T) @ bent.pick)
         self._noises(gradient, information, (w, inverse), (pick, bent))
         return Slope(self.value, gradient, information)
 
     def _bent(self, w: Array) -> _Bent:
-        curves = self.space.problem.curves
+        curves = self.problem.curves
         pairs = list(zip(curves, self.roots, strict=True))
         bends = [each.bends(self.theta, lower) for each, lower in pairs]
         at = np.concatenate([each.columns.ravel() for each in curves] or [np.zeros(0, dtype=np.intp)])
@@ -156,35 +153,24 @@ class InUnknowns:
 
     def _left(self, index: int) -> float:
         """Return the sum of the squares that the estimate leaves of a group's numbers, over their base noise."""
-        space, problem = self.space, self.space.problem
+        space, problem = self.space, self.problem
         raw = self.solved * factors_of(problem, self.theta)
         for curves, lower in zip(problem.curves, self.roots, strict=True):
             raw[curves.columns] = (lower @ raw[curves.columns][:, :, None])[:, :, 0]
         return float(space.totals[index] - 2 * raw @ space.products[index] + raw @ space.squares[index] @ raw)
 
-    def posterior(self) -> Answered:
+    def without_causes(self) -> Answered:
         """Return the posterior of the answered unknowns: they stand last, so the trailing triangle is enough."""
-        problem = self.space.problem
+        problem = self.problem
         first = problem.first
         half = problem.raw(inverse_of_product(self.root[first:, first:]), self.theta, self.roots)
         covariance = problem.raw(half.T, self.theta, self.roots)
         return Answered(problem.mean + problem.raw(self.solved[first:], self.theta, self.roots), covariance)
 
-    def sources(self, figures: Array) -> Sources:
-        """Return what each source of variance leaves of figures of the answered unknowns."""
-        problem = self.space.problem
-        own = np.zeros((problem.rows.shape[1], len(figures)))
-        own[problem.first :] = problem.whitened(figures.T, self.theta, self.roots)
-        left = back_solution(self.root, solution(self.root, own))
-        passed = np.zeros(len(problem.values))
-        for piece in np.array_split(np.arange(len(passed)), 1 + len(passed) // _AT_ONCE):
-            passed[piece] = np.sum((self._rows(piece)[0] @ left) ** 2, axis=1)
-        return Sources(np.sum(left**2, axis=1), passed)
-
     @cached_property
     def type_b(self) -> Caused:
         """What causes of type B do, from products that no number of readings makes dear."""
-        space, problem = self.space, self.space.problem
+        space, problem = self.space, self.problem
         weights = space.weights(self.theta)
         rows, fisher, pulled = (
             np.sum([weight * one for weight, one in zip(weights, each, strict=True)], axis=0)
@@ -196,29 +182,23 @@ class InUnknowns:
 
     def cell_means(self) -> Array:
         """Return the means of the rests of the cells that were visited."""
-        problem = self.space.problem
+        problem = self.problem
         part = slice(problem.first_cell, problem.first_cell + len(problem.cells))
         return raw_cells(problem, factors_of(problem, self.theta)[part] * self.solved[part])
 
-    def left_out(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Return K⁻¹y and the blocks of K⁻¹ of some readings, over the noise."""
-        pieces = [self._left_out(piece) for piece in np.array_split(part, 1 + part.size // _AT_ONCE)]
+    def blocks(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return K⁻¹y, over the noise, and the blocks of K⁻¹ of some readings."""
+        pieces = [self._blocks(piece) for piece in np.array_split(part, 1 + part.size // _AT_ONCE)]
         left, blocks = (np.concatenate(each) for each in zip(*pieces, strict=True))
         return left, blocks
 
-    def _left_out(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
+    def _blocks(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
         rows, roots = self._rows(part.ravel())
-        left = self.space.problem.values[part].ravel() * roots - rows @ self.solved
+        left = self.problem.values[part].ravel() * roots - rows @ self.solved
         half = np.ascontiguousarray(solution(self.root, rows.T).T).reshape(*part.shape, -1)
         own = roots.reshape(part.shape)
         blocks = np.eye(part.shape[1]) - half @ half.transpose(0, 2, 1)
         return left.reshape(part.shape) * own, blocks * own[:, :, None] * own[:, None, :]
-
-    def gain(self, columns: Array) -> Array:
-        """Return G B."""
-        problem = self.space.problem
-        shown = turned(problem, problem.rows, self.theta, self.roots, problem.first)
-        return problem.raw(shown.T @ self.precision(columns), self.theta, self.roots)
 
     def precision(self, columns: Array) -> Array:
         """Return K⁻¹B."""
@@ -229,7 +209,7 @@ class InUnknowns:
 
     def _rows(self, which: NDArray[np.intp]) -> tuple[Array, Array]:
         """Return rows of unknowns of variance one over the noise, (n, p), and one over the noise, (n,)."""
-        problem = self.space.problem
+        problem = self.problem
         roots = 1 / np.sqrt(variances_of(problem, self.theta)[which])
         return turned(problem, problem.rows[which], self.theta, self.roots) * roots[:, None], roots
 
@@ -243,11 +223,6 @@ class _Bent:
     columns: list[NDArray[np.intp]]
     bends: list[Array]
     rows: Array
-
-    @property
-    def range(self) -> NDArray[np.intp]:
-        """0 … q − 1."""
-        return np.arange(len(self.at))
 
     def times(self, matrix: Array) -> Array:
         """Return M applied to the rows of these columns, (q, n).  matrix : (p, n)"""
@@ -263,8 +238,6 @@ def _picked(number_at: NDArray[np.intp], count: int) -> Array:
 
 Space = Numbers | Unknowns
 """A room for a problem."""
-Given = InNumbers | InUnknowns
-"""Everything at one set of sizes."""
 
 
 def space_of(problem: Problem) -> Space:

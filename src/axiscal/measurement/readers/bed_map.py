@@ -1,4 +1,4 @@
-"""Bed maps of printers, as RepRapFirmware (`heightmap.csv`) and Klipper (`[bed_mesh NAME]`) keep them.
+"""Bed maps of printers: RepRapFirmware (`heightmap.csv`), Klipper (`[bed_mesh NAME]`, its console) and Moonraker.
 
 A height is where the bed lies, positive where it is high; a printer adds it to Z. Each node is one reading along z at X
 and Y, of minus the height. Cells that nobody probed are no readings: RepRapFirmware's 0 without decimals, whatever lies
@@ -7,47 +7,62 @@ outside its radius, and the copies with which Klipper fills the rows of a round 
 
 from __future__ import annotations
 
+import json
 import re
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from math import hypot
 from pathlib import Path
+from typing import Any
 
-from axiscal.measurement.readers.csv_readings import RawReading
-from axiscal.measurement.readers.csv_table import TextFile, read_text
+import numpy as np
+
+from axiscal.exceptions import ReadingError
+from axiscal.language.spoken import joined
+from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
+from axiscal.measurement.readers.text_file import TextFile, read_text
 from axiscal.units import from_unit
 
+Rows = list[tuple[int, list[str]]]
+"""Of a map, along y: line and cells."""
 _RRF = "RepRapFirmware height map file"
 _BLOCK = re.compile(r"(?:#\*#\s*)?\[bed_mesh\s+([^\]]+?)\s*\]")
 _RECTANGLE, _ROUND = re.compile(r"\[bed_mesh\]"), re.compile(r"\s*mesh_radius\s*[:=]")
+_OPTION = re.compile(r"([a-z_]+)\s*[=:]\s*(.*)")
+_OF_MESH = re.compile(r"version|points|[xy]_count|mesh_[xy]_pps|algo|tension|(min|max)_[xy]")
+_OF_STATUS = ("bed_mesh", "probed_matrix", "profiles")
+_CONSOLE = "Mesh Leveling Probed Z positions:"
+_TIME = r"(?:[\d-]{10} )?\d\d?:\d\d(?::\d\d)?(?:[.,]\d+)?\s*(?:[AP]M\s*)?(?:- )?"
+_LOG = re.compile(rf"^\s*(?:{_TIME})?(?:Recv:|<<<|>>>|[<>])?\s*(?:echo:|//)?\s*")
+_NUMBER = re.compile(r"[-+]?[\d.]+(?:e[-+]?\d+)?|nan")
 _NOT_PROBED = frozenset({"", ".", "nan"})
 _SLACK = 1e-4
 """m, of a radius: Klipper cuts its distances to 0.01 mm."""
+_MOST = 1000
+"""Nodes along a side."""
 _KEYS = "{0}min min{1} min_{0}", "{0}max max{1} max_{0}", "{0}num num{1} {0}_count", "{0}spacing spacing{1} spacing"
 """Of a side: as RepRapFirmware writes them today, in its newest version, and Klipper, or its first version."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Grid:
+class NodeGrid:
     """The cells of a map.  x : m; rows : y, m, the line and its cells"""
 
     file: TextFile
     x: list[float]
     rows: list[tuple[float, int, list[str]]]
 
-    def readings(self, skipped: set[tuple[int, int]]) -> tuple[RawReading, ...]:
+    def readings(self, skipped: set[tuple[int, int]] | None = None) -> Found:
         """Return the readings of the cells that were probed.  skipped : column and row of others"""
-        found = []
+        found = list[RawReading]()
         for j, (y, number, cells) in enumerate(self.rows):
             if len(cells) != len(self.x):
                 what = "the row has {count} heights, and {along} are announced"
                 raise self.file.fail(what, "copy the whole file", number, count=len(cells), along=len(self.x))
             for i, (x, cell) in enumerate(zip(self.x, cells, strict=True)):
-                if (i, j) not in skipped and cell.lower() not in _NOT_PROBED:
-                    low = -from_unit(self.file.number(cell, "height", number), "mm")
-                    found.append(RawReading("", {"X": x, "Y": y}, {}, low, None, "length", number, error="z"))
-        if not found:
-            raise self.file.fail("no node was probed", "probe the bed and save the map again", 3)
-        return tuple(found)
+                if (i, j) not in (skipped or ()):
+                    found += height(self.file, x, y, cell, number)
+        return probed_of(self.file, found, len(self.x) * len(self.rows), self.rows[0][1])
 
     def filled(self) -> set[tuple[int, int]]:
         """Return the cells that Klipper filled: off the circle, and all of them copies of their row's last inside.
@@ -68,20 +83,46 @@ class _Grid:
         return found
 
 
-def read_part(path: str | Path) -> TextFile:
+def height(file: TextFile, x: float, y: float, cell: str, line: int) -> Iterator[RawReading]:
+    """Yield the reading of a cell, nothing where nobody probed it; raises ReadingError.  x, y : m"""
+    if cell.strip("=").lower() not in _NOT_PROBED:
+        low = -file.length(cell, "height", line)
+        yield RawReading("", {"X": x, "Y": y}, {}, low, None, "length", line, error="z")
+
+
+def probed_of(file: TextFile, readings: Sequence[RawReading], cells: int, line: int) -> Found:
+    """Return the readings of a map; raises ReadingError where nobody probed one.  cells : all that it has"""
+    if not readings:
+        raise file.fail("no node was probed", "probe the bed and save the map again", line)
+    return Found(tuple(readings), cells)
+
+
+def read_part(path: str | Path, unit: str = "") -> TextFile:
     """Return a file, of FILE#NAME with the mesh profile NAME alone; raises ReadingError."""
     whole, _, name = str(path).rpartition("#")
     if not whole or Path(path).exists():
-        return read_text(path)
-    file, kept, section = read_text(whole), list[str](), ""
+        return read_text(path, unit)
+    file, kept, section = read_text(whole, unit), list[str](), ""
+    if is_moonraker(file):
+        return replace(file, name=str(path))
     for line in file.lines:
         if line.removeprefix("#*#").lstrip().startswith("["):
             section = begin[1] if (begin := _BLOCK.match(line)) else ""
         kept.append(line if section in ("", name) else "")
-    if name not in _profiles(file).values():
-        known = ", ".join(_profiles(file).values()) or "-"
-        raise file.fail("no mesh {name} is saved here", "saved are: {known}", name=name[:40], known=known)
-    return TextFile(str(path), tuple(kept))
+    if name not in (known := list(_profiles(file).values())):
+        raise _unsaved(file, name, known)
+    return TextFile(str(path), tuple(kept), unit)
+
+
+def _several(file: TextFile, names: Sequence[str], line: int) -> ReadingError:
+    what, name = "{count} meshes are saved here: {names}", f"{Path(file.name).name}#{names[-1]}"
+    remedy, known = "name one of them: {name}", ", ".join(names)
+    return file.fail(what, remedy, line, count=len(names), names=known, name=name)
+
+
+def _unsaved(file: TextFile, name: str, known: Sequence[str]) -> ReadingError:
+    what, names = "no mesh {name} is saved here", ", ".join(known) or "-"
+    return file.fail(what, "saved are: {known}", name=name[:40], known=names)
 
 
 def is_height_map(file: TextFile) -> bool:
@@ -94,23 +135,37 @@ def is_mesh(file: TextFile) -> bool:
     return bool(_profiles(file))
 
 
+def is_moonraker(file: TextFile) -> bool:
+    """Return whether this is an answer of Moonraker with a mesh in it."""
+    first = next((line for line in file.lines if line.strip()), "")
+    return first.lstrip().startswith("{") and any(f'"{key}"' in line for line in file.lines for key in _OF_STATUS)
+
+
+def is_console(file: TextFile) -> bool:
+    """Return whether a line is that by which BED_MESH_OUTPUT begins."""
+    return any(_CONSOLE in line for line in file.lines)
+
+
 def _profiles(file: TextFile) -> dict[int, str]:
     """Return the names of the meshes by their lines."""
     return {number: begin[1] for number, line in enumerate(file.lines, 1) if (begin := _BLOCK.match(line))}
 
 
-def height_map(file: TextFile) -> tuple[RawReading, ...]:
+def height_map(file: TextFile, around: Around) -> Found:
     """Return the readings of the probed nodes of a RepRapFirmware map, any version of it; raises ReadingError."""
     if len(file.lines) < 4:
         raise file.fail("the height map is cut off", "copy the whole heightmap.csv", len(file.lines))
     head = dict(zip(_cells(file.lines[1]), _cells(file.lines[2]), strict=False))
-    grid = _grid(file, head, [(n, _cells(line)) for n, line in enumerate(file.lines[3:], 4) if line.strip()], 3, True)
-    radius = from_unit(file.number(head.get("radius", "-1"), "radius", 3), "mm")
-    places = ((i, j, x, cells[i : i + 1], y) for j, (y, _, cells) in enumerate(grid.rows) for i, x in enumerate(grid.x))
-    return grid.readings({(i, j) for i, j, x, cell, y in places if cell == ["0"] or 0 <= radius < hypot(x, y)})
+    rows = [(n, _cells(line)) for n, line in enumerate(file.lines[3:], 4) if line.strip()]
+    found = grid(file, head, rows, 3, spaced=True)
+    radius = file.length(head.get("radius", "-1"), "radius", 3)
+    places = (
+        (i, j, x, cells[i : i + 1], y) for j, (y, _, cells) in enumerate(found.rows) for i, x in enumerate(found.x)
+    )
+    return found.readings({(i, j) for i, j, x, cell, y in places if cell == ["0"] or 0 <= radius < hypot(x, y)})
 
 
-def mesh(file: TextFile, filled: bool = False) -> tuple[RawReading, ...]:
+def mesh(file: TextFile, around: Around, filled: bool = False) -> Found:
     """Return the readings of the only mesh that is saved in a Klipper configuration; raises ReadingError.
 
     filled : with the cells that Klipper filled, as it corrects by them
@@ -118,38 +173,141 @@ def mesh(file: TextFile, filled: bool = False) -> tuple[RawReading, ...]:
     names = _profiles(file)
     begin, *others = names
     if others:
-        what, known = "{count} meshes are saved here: {names}", ", ".join(names.values())
-        name = f"{Path(file.name).name}#{names[others[-1]]}"
-        raise file.fail(what, "name one of them: {name}", others[0], count=len(names), names=known, name=name)
-    keys, points, inside = dict[str, str](), list[tuple[int, list[str]]](), False
+        raise _several(file, list(names.values()), others[0])
+    keys, points, inside = dict[str, str](), Rows(), False
     for number, line in enumerate(file.lines[begin:], begin + 1):
-        text = line.removeprefix("#*#").strip()
+        text = line.removeprefix("#*#").partition("#")[0].strip()
         if text.startswith("["):
             break
-        key, equals, value = text.partition("=")
-        if equals:
-            inside = key.strip() == "points"
-            keys[key.strip()] = value.strip()
-        elif inside and text:
+        if option := _OPTION.fullmatch(text):
+            if not _OF_MESH.fullmatch(option[1]):
+                raise file.fail("{key} is not known of a mesh", "take it out", number, key=option[1][:40])
+            inside, keys[option[1]] = option[1] == "points", option[2]
+            text = option[2] if inside else ""
+        if inside and text:
             points.append((number, _cells(text.rstrip(", "))))
-    grid = _grid(file, keys, points, begin, False)
-    return grid.readings(set() if filled else grid.filled())
+    found = grid(file, keys, points, begin)
+    return found.readings(set() if filled else found.filled())
+
+
+def moonraker(file: TextFile, around: Around) -> Found:
+    """Return the readings of the mesh in force in an answer of Moonraker, or of FILE#NAME; raises ReadingError."""
+    try:
+        document = json.loads("\n".join(file.lines), parse_float=str, parse_int=str, parse_constant=str)
+    except (ValueError, RecursionError):
+        raise file.fail("this is no JSON", "save the whole answer of Moonraker", len(file.lines)) from None
+    held = _status(document)
+    whole, _, named = file.name.rpartition("#")
+    active = str(held.get("profile_name") or "")
+    name = named if whole and not Path(file.name).exists() else active
+    saved = {str(key): _table(value) for key, value in _table(held.get("profiles")).items()}
+    if _sequence(held.get("probed_matrix")) not in ([], [[]]) and name == active:
+        saved[name] = _in_force(held)
+    if not name and len(saved) > 1:
+        raise _several(file, list(saved), 1)
+    if not saved or (name not in saved and named):
+        raise _unsaved(file, name, list(saved))
+    chosen = saved.get(name) or next(iter(saved.values()))
+    points = [(1, [str(cell) for cell in _sequence(row)]) for row in _sequence(chosen.get("points"))]
+    found = grid(file, {str(key): str(value) for key, value in _table(chosen.get("mesh_params")).items()}, points, 1)
+    return found.readings(found.filled())
+
+
+def _status(document: object) -> Mapping[str, Any]:
+    """Return the table of a document that holds a matrix or profiles, an empty one where there is none."""
+    while isinstance(document, dict) and not {"probed_matrix", "profiles"} & document.keys():
+        document = next((document[key] for key in ("result", "status", "bed_mesh") if key in document), None)
+    return _table(document)
+
+
+def _in_force(held: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the mesh in force as a profile is saved."""
+    rows = _sequence(held["probed_matrix"])
+    keys = {"x_count": len(_sequence(rows[0])), "y_count": len(rows)}
+    for end in ("min", "max"):
+        place = _sequence(held.get(f"mesh_{end}"))
+        keys |= {f"{end}_x": place[0], f"{end}_y": place[1]} if len(place) == 2 else {}
+    return {"points": rows, "mesh_params": keys}
+
+
+def _table(value: object) -> Mapping[str, Any]:
+    return value if isinstance(value, dict) else {}
+
+
+def _sequence(value: object) -> list[Any]:
+    return value if isinstance(value, list) else []
+
+
+def console(file: TextFile, around: Around) -> Found:
+    """Return the readings of what BED_MESH_OUTPUT printed, rows along y; raises ReadingError."""
+    begins = [number for number, line in enumerate(file.lines, 1) if _CONSOLE in line]
+    refuse_others(file, begins)
+    rows = Rows()
+    for number, text in (each for each in told_lines(file) if each[0] > begins[0]):
+        if not text or not all(map(_NUMBER.fullmatch, text.split())):
+            break
+        rows.append((number, text.split()))
+    found = without_places(file, rows, begins[0], around)
+    return found.readings(found.filled())
+
+
+def told_lines(file: TextFile) -> Iterator[tuple[int, str]]:
+    """Yield the lines with their numbers, without what a terminal and the firmware write in front."""
+    for number, line in enumerate(file.lines, 1):
+        yield number, _LOG.sub("", line).rstrip()
+
+
+def refuse_others(file: TextFile, begins: Sequence[int]) -> None:
+    """Raise ReadingError where a file has more than one map.  begins : their lines"""
+    if len(begins) > 1:
+        what = "there are {count} maps in this file"
+        raise file.fail(what, "keep the one that is to count", begins[1], count=len(begins))
+
+
+def without_places(file: TextFile, rows: Rows, line: int, around: Around) -> NodeGrid:
+    """Return the cells of a map that carries no coordinates; raises ReadingError.  rows : along y
+
+    The set-up states by `map` where they lie; another number of nodes than it says is refused.
+    """
+    if not rows:
+        raise file.fail("the height map is cut off", "copy the whole map", line)
+    wide, high = len(rows[0][1]), len(rows)
+    ends, stated = around.ends, {setup.nodes: setup.name for setup in around.setups if setup.nodes is not None}
+    if len(stated) > 1:
+        what = "the map does not say where it lies, and {names} state it differently"
+        remedy, names = "keep the `map` of the set-up that the file is of", joined([*stated.values()])
+        raise file.fail(what, remedy, line, names=names)
+    for (x, y), name in stated.items():
+        if (wide, high) != (x[2], y[2]):
+            what = 'the map has {wide} x {high} nodes, and `map` of set-up "{setup}" says {x} x {y}'
+            at = {"wide": wide, "high": high, "setup": name, "x": x[2], "y": y[2]}
+            raise file.fail(what, "copy the whole map, or correct the set-up", line, **at)
+        ends = x[:2], y[:2]
+    if ends is None:
+        what = "the map does not say where its {wide} x {high} nodes lie"
+        remedy = (
+            "state it in the set-up, from the first node to the last and how many: "
+            'map = {{ X = ["20 mm", "280 mm", {wide}], Y = ["20 mm", "280 mm", {high}] }}'
+        )
+        raise file.fail(what, remedy, line, wide=wide, high=high)
+    at_x, at_y = (np.linspace(*side, count).tolist() for side, count in zip(ends, (wide, high), strict=True))
+    return NodeGrid(file, at_x, [(at, number, cells) for at, (number, cells) in zip(at_y, rows, strict=True)])
 
 
 def _cells(line: str) -> list[str]:
     return [cell.strip() for cell in line.split(",")]
 
 
-def _grid(file: TextFile, keys: dict[str, str], points: list[tuple[int, list[str]]], line: int, spaced: bool) -> _Grid:
+def grid(file: TextFile, keys: Mapping[str, str], points: Rows, line: int, spaced: bool = False) -> NodeGrid:
     """Return the cells at their places; raises ReadingError.  spaced : by a distance that is stated"""
     x, y = (_side(file, keys, [each.format("xy"[k], k).split() for each in _KEYS], line, spaced) for k in (0, 1))
     if len(points) != len(y):
         what = "{count} rows are announced, and there are {rows}"
         raise file.fail(what, "copy the whole map", line, count=len(y), rows=len(points))
-    return _Grid(file, x, [(at, number, cells) for at, (number, cells) in zip(y, points, strict=True)])
+    return NodeGrid(file, x, [(at, number, cells) for at, (number, cells) in zip(y, points, strict=True)])
 
 
-def _side(file: TextFile, keys: dict[str, str], names: list[list[str]], line: int, spaced: bool) -> list[float]:
+def _side(file: TextFile, keys: Mapping[str, str], names: list[list[str]], line: int, spaced: bool) -> list[float]:
     """Return the coordinates of one side, m."""
     found = [next((name for name in each if name in keys), "") for each in names[: 3 + spaced]]
     if "" in found:
@@ -157,7 +315,8 @@ def _side(file: TextFile, keys: dict[str, str], names: list[list[str]], line: in
         raise file.fail("the map has no {key}", "copy the whole map", line - spaced, key=key)
     low, high, count, *stated = (file.number(keys[name], name, line) for name in found)
     spacing = stated[0] if stated else (high - low) / max(count - 1, 1)
-    if not 2 - spaced <= count <= 1000 or spacing <= 0 or low + (count - 1) * spacing > high + spacing:
+    whole = count.is_integer() and 2 - spaced <= count <= _MOST
+    if not whole or spacing <= 0 or low + (count - 1) * spacing > high + spacing:
         what = "{count:g} nodes from {low:g} to {high:g} mm, {spacing:g} mm apart, are no map"
         raise file.fail(what, "copy the whole map", line, count=count, low=low, high=high, spacing=spacing)
-    return [from_unit(low + i * spacing, "mm") for i in range(int(count))]
+    return [from_unit(low + i * spacing, file.unit or "mm") for i in range(int(count))]

@@ -1,11 +1,9 @@
-"""READINGS.csv: `[reading,]setup,X_mm,…,B_deg,approach,value_um[,std_um][,time]`, or the columns of an ISO 230-2 test.
+"""READINGS.csv: `[reading,]setup,X_mm,…,B_deg,approach,value_um[,std_um][,time]`, and what a reading is as written.
 
 `value_x_um,value_y_um,value_z_um` for an instrument that reads three directions, `value_1_um` and so on for tracers
 that read at once.
 Positions may be left out (a parked axis); `value_urad` or `value_arcsec` for angles.  No machine is known here: who
 does know it checks the names of set-ups and axes, and whether a position lies within the travel.
-
-Rows of an ISO 230-2 test: `target_mm,direction,run,deviation_um`, or `target_deg` and `deviation_arcsec`.
 """
 
 from __future__ import annotations
@@ -14,7 +12,6 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
-from pathlib import Path
 from typing import Literal
 
 from axiscal.document import shown
@@ -23,6 +20,7 @@ from axiscal.machine.axis import Axis
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.readers.csv_table import (
     ANGLES,
+    EXAMPLE,
     LENGTHS,
     TEXT,
     Column,
@@ -32,9 +30,9 @@ from axiscal.measurement.readers.csv_table import (
     csv_text,
     read_approach,
     read_position,
-    read_table,
-    unshielded,
+    table_of,
 )
+from axiscal.measurement.readers.text_file import TextFile
 from axiscal.measurement.reading import Places, Reading, approach_text, columns_of
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.units import parse_quantity, to_unit
@@ -62,24 +60,25 @@ _LAYOUT = {
 }
 
 
-_OF_TEST = {"target": LENGTHS + ANGLES, "direction": TEXT, "run": TEXT, "deviation": LENGTHS + ANGLES}
+Test = Literal["positioning", "angular", "straightness", "circle"]
 
 
 @dataclass(frozen=True, slots=True)
 class RawReading:
     """One reading as written, in SI units.
 
-    setup : name of the set-up; "" in an ISO 230-2 file
-    position : coordinate (m or rad) by axis; an axis left out is parked; {"": target} in an ISO 230-2 file, whose only
-        moving axis is not named
-    approach : +1 or -1 by axis, absent where the direction of approach is not known; {"": ±1} in an ISO 230-2 file
+    setup : name of the set-up; "" of a test
+    position : coordinate (m or rad) by axis; an axis left out is parked; {"": target} of a test, whose only moving axis
+        is not named
+    approach : +1 or -1 by axis, absent where the direction of approach is not known; {"": ±1} of a test
     value : deviation, actual minus commanded, m or rad as `dimension` says
     std : standard deviation of the value, None if not said
     line : line of the file
     others : the values along y and z of an instrument that reads three directions, whose first is `value`, or those of
         the second station and on
     by_station : the values are one from each station
-    run : of an ISO 230-2 test
+    test : of one axis, or of a circle, that the reading belongs to; None for none
+    run : of a test
     check : its place was drawn at random
     number : under which a program has it, None if not said
     error : where a file names no set-up but the error that was read, such as "EXX"; "z" a height, "slope" a level's
@@ -100,22 +99,57 @@ class RawReading:
     base: float | None = None
     number: int | None = None
     by_station: bool = False
+    test: Test | None = None
     run: int = 0
     check: bool = False
 
+    @property
+    def target_dimension(self) -> Literal["length", "angle"]:
+        """What the target of a test is: that of a circle is an angle, and a length where an angle is read over it."""
+        if self.test in ("angular", "straightness"):
+            return "length"
+        return "angle" if self.test == "circle" else self.dimension
 
-def read_readings(path: str | Path, bare: bool = False) -> tuple[RawReading, ...]:
-    """Read the readings of a table of either kind, in its order; arguments and failures as of `readings_of`."""
-    return readings_of(read_table(path), bare)
 
+@dataclass(frozen=True, slots=True)
+class Around:
+    """What a door knows beside a file.
 
-def readings_of(table: CsvTable, bare: bool = False) -> tuple[RawReading, ...]:
-    """Return the readings of a table of either kind, in its order; raises ReadingError.
-
-    bare : lines need no set-up
+    axes : of the machine; setups : of the campaign
+    bare : lines of a table need no set-up
+    ends : of X and Y, m, where a map lies if neither file nor set-up says it
     """
-    if (stems := {column.stem for column in table.columns}) & _OF_TEST.keys() and "setup" not in stems:
-        return iso_readings(table)
+
+    axes: Sequence[Axis] = ()
+    setups: Sequence[Setup] = ()
+    bare: bool = False
+    ends: tuple[tuple[float, float], tuple[float, float]] | None = None
+
+
+ALONE = Around()
+"""No machine and no set-up is known."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """Readings of a file in its order.
+
+    cells : of a map, with those that nobody probed; 0 of what is no map
+    note : what the reader took for granted, "" for nothing
+    """
+
+    readings: tuple[RawReading, ...]
+    cells: int = 0
+    note: str = ""
+
+
+def table_readings(file: TextFile, around: Around) -> Found:
+    """Return the readings of a table with columns setup, X_mm, value_um and so on; raises ReadingError.
+
+    The error names the header that this machine would have.
+    """
+    header = ",".join(heading(around.axes, columns_of(around.setups))) if around.axes else EXAMPLE
+    table, bare = table_of(file, header), around.bare
     table.allow(_LAYOUT | axis_layout(table))
     setup = next(iter(table.all_of("setup")), None) if bare else table.one_of("setup", "setup")
     if not any(table.all_of(first) for first in ("value", _THREE[0], _STATIONS[0])):
@@ -133,7 +167,7 @@ def readings_of(table: CsvTable, bare: bool = False) -> tuple[RawReading, ...]:
     drawn = next(iter(table.all_of("check")), None)
     checks = [drawn is not None and row.text(drawn) == "yes" for row in table.rows]
     beside = zip(readings, times, _numbers(table), checks, strict=True)
-    return tuple(replace(reading, time=t, number=n, check=c) for reading, t, n, c in beside)
+    return Found(tuple(replace(reading, time=t, number=n, check=c) for reading, t, n, c in beside))
 
 
 def _numbers(table: CsvTable) -> list[int | None]:
@@ -155,52 +189,6 @@ def _numbers(table: CsvTable) -> list[int | None]:
     return list(lines)
 
 
-def iso_readings(table: CsvTable) -> tuple[RawReading, ...]:
-    """Return the readings of an ISO 230-2 test, whose axis is not named; raises ReadingError, also for one twice."""
-    target, direction, run, deviation = table.needed(_OF_TEST, "target_mm", "direction", "run", "deviation_um")
-    if target.dimension != deviation.dimension:
-        what = "'{target}' and '{deviation}' mix a length and an angle"
-        remedy = "use target_mm with deviation_um, or target_deg with deviation_arcsec"
-        raise table.fail(what, remedy, target=target.name, deviation=deviation.name)
-    seen: dict[tuple[float, int, int], int] = {}
-    rows = []
-    for row in table.rows:
-        key = (row.quantity(target), read_direction(row, direction), read_run(row, run))
-        if key in seen:
-            remedy = "give each reading its own run number"
-            what = "target {target}, direction {direction}, run {run} was read in line {earlier} already"
-            at = {"target": row.text(target), "direction": row.text(direction), "run": key[2]}
-            raise row.fail(what, remedy, **at, earlier=seen[key])
-        seen[key] = row.line
-        rows.append(of_test(*key, row.quantity(deviation), target.dimension, row.line))
-    return tuple(rows)
-
-
-def of_test(
-    target: float, direction: int, run: int, deviation: float, dimension: Literal["length", "angle"], line: int
-) -> RawReading:
-    """Return a reading of an ISO 230-2 test.  target, deviation : m or rad"""
-    return RawReading("", {"": target}, {"": direction}, deviation, None, dimension, line, run=run)
-
-
-def read_direction(row: Row, column: Column) -> int:
-    """Return +1 or -1; raises ReadingError."""
-    signs = {"+": 1, "-": -1}
-    text = row.text(column)
-    if text not in signs:
-        remedy = "write + for the approach in the positive direction, - for the negative one"
-        raise row.fail("direction {text!r} is not known", remedy, text=text)
-    return signs[text]
-
-
-def read_run(row: Row, column: Column) -> int:
-    """Return the number of a run; raises ReadingError."""
-    text = row.text(column)
-    if not re.fullmatch(r"[0-9]{1,9}", text):
-        raise row.fail("run {text!r} is not a whole number", "number the runs 1, 2, 3, ...", text=text)
-    return int(text)
-
-
 def _reading(table: CsvTable, row: Row, setup: str, bare: bool) -> RawReading:
     three = [row.only_filled(table.all_of(stem)) for stem in _THREE]
     stations = [row.only_filled(table.all_of(stem)) for stem in _STATIONS]
@@ -218,7 +206,7 @@ def _reading(table: CsvTable, row: Row, setup: str, bare: bool) -> RawReading:
     elif by_station:
         what = "a station between others has no value"
         others = _beside(row, stations, 1, what, "fill value_1, value_2 and so on, one for each station")
-    raw = RawReading(unshielded(setup), position, approach, value, std, column.dimension, row.line, others)
+    raw = RawReading(setup, position, approach, value, std, column.dimension, row.line, others)
     return replace(raw, by_station=by_station)
 
 

@@ -1,8 +1,9 @@
-"""Files of text, whatever they are encoded in, and CSV tables whose header names the units, read strictly.
+"""CSV tables whose header names the units, read strictly.
 
-One header line, commas between cells, a decimal point in numbers, `#` before a comment line.  A column is
-`stem` (text) or `stem_unit` (a number).  Nothing is guessed: every fault is a `ReadingError` with file, line, value
-and remedy.
+One header line, `#` before a comment line.  A column is `stem` (text), or `stem_unit` or `stem [unit]` (a number).
+The header says what separates the cells: commas, semicolons or tabs. Numbers have a decimal point; between semicolons
+or tabs all of them may have a decimal comma instead.  Nothing is guessed: every fault is a `ReadingError` with file,
+line, value and remedy.
 
 Text that would be a formula in a spreadsheet is shielded, and read back. A text whose first character, quotes left
 aside, is one of `= + - @`, tab or return gets an apostrophe in front. A spreadsheet takes that for "this is text";
@@ -22,97 +23,33 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from axiscal.document.file import bounded_content, number_or_none
 from axiscal.document.quoting import meant
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, listed, put, said
 from axiscal.machine.entry import AXIS_NAME
+from axiscal.measurement.readers.text_file import TextFile, lines_of, read_text
 from axiscal.measurement.reading import LARGEST
 from axiscal.units import from_unit
 
-MOST = 20_000_000
-"""Bytes; a day of readings has a thousandth of it."""
-MOST_LINES = 200_000
-"""Lines; estimating takes 10,000 readings in a minute, and a file that is wrong is to be refused in a second."""
-
-_LARGEST = 1e9
-"""In whatever unit the file has: a kilometre in micrometres, which no machine has."""
-
-
-@dataclass(frozen=True, slots=True)
-class TextFile:
-    """A file as lines, without the ends of lines."""
-
-    name: str
-    lines: tuple[str, ...]
-
-    def fail(self, what: str, remedy: str, line: int | None = None, **values: object) -> ReadingError:
-        """Return the error that places a fault in a line, counted from 1."""
-        return ReadingError(what, remedy, self.name, line, **values)
-
-    def number(self, text: str, what: str, line: int) -> float:
-        """Return a number of a machine; raises ReadingError."""
-        value = number_or_none(text)
-        if value is not None and abs(value) < _LARGEST:
-            return value
-        shown = text if len(text) <= 40 else text[:37] + "..."
-        if value is not None:
-            remedy = "write the number that was read"
-            raise self.fail("{name} {shown!r} is too large for a machine", remedy, line, name=what, shown=shown)
-        remedy = "write digits with a decimal point"
-        raise self.fail("{name} {shown!r} is not a finite number", remedy, line, name=what, shown=shown)
-
-
-def content(path: str | Path) -> bytes:
-    """Return what stands in a file of readings; raises ReadingError."""
-    try:
-        return bounded_content(path, MOST)
-    except FileNotFoundError:
-        raise ReadingError("there is no such file", "check the name", str(path)) from None
-    except OSError as error:
-        reason = (error.strerror or "cannot be read").lower()
-        remedy = "check the name and the permissions"
-        raise ReadingError("the file cannot be read: {reason}", remedy, str(path), reason=reason) from None
-    except ValueError:
-        raise ReadingError("{path!r} is not a file name", "give the name of a file", path=str(path)) from None
-
-
-def read_text(path: str | Path) -> TextFile:
-    """Read a file in UTF-8, UTF-16 with its mark, or else Latin-1; raises ReadingError."""
-    text = _decoded(content(path))
-    if "\0" in text:
-        raise ReadingError("the file is binary, or UTF-16 text", "save it as plain text in UTF-8", str(path))
-    return TextFile(str(path), lines_of(text, path))
-
-
-def lines_of(text: str, path: str | Path) -> tuple[str, ...]:
-    """Return the lines of a text, with whatever ends; raises ReadingError for so many that no campaign has."""
-    lines = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    if len(lines) > MOST_LINES:
-        what = "the file has {lines:,} lines, and at most {most:,} are read"
-        raise ReadingError(what, "give the readings of one campaign", str(path), lines=len(lines), most=MOST_LINES)
-    return tuple(lines)
-
-
-def _decoded(data: bytes) -> str:
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return data.decode("utf-16", errors="replace")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return data.decode("latin-1")  # only names and remarks go beyond ASCII
-
-
 _FORMULA = re.compile(r"'*[=+\-@\t\r]")
 
-LENGTHS = ("mm", "um", "nm", "m")
+LENGTHS = ("mm", "um", "nm", "m", "in", "inch")
 ANGLES = ("deg", "arcsec", "urad", "mrad", "rad")
 SLOPES = ("um/m", "mm/m", "arcsec", "arcmin", "urad", "mrad", "deg", "div")
 """Of a level: div are divisions, whose value is stated beside."""
 TEXT: tuple[str, ...] = ()
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_COMMA = re.compile(r"'?[+\-\N{MINUS SIGN}]?(\d+,\d*|,\d+)([eE][+-]?\d+)?", re.ASCII)
+_SWAPPED = str.maketrans(",.", ".,")
+_LONGEST = 60
+"""Characters of what is quoted."""
+_SEPARATORS, _QUOTED = ",;\t", re.compile('"[^"]*"')
+_UNITS = {*LENGTHS, *ANGLES, *SLOPES}
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
-_NOTHING = re.compile(r"\s*(#|$)")
+_NOTHING = re.compile(r"\s*#|[\s;,]*$")
+_HINT = re.compile(r"\s*sep=(.)\s*")
+"""First line by which a spreadsheet says what separates the cells."""
+_IN_BRACKETS = re.compile(r"(.*?)\s*[\[(]([^\[(]*)[\])]")
 _SPECIAL = re.compile(r'["\r\n\0]')
 _SHORT = 100_000
 """Characters; the csv module refuses longer cells by itself."""
@@ -120,25 +57,37 @@ _SHORT = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """One column: its header as written, what it holds, and in which unit (None for text)."""
+    """One column: its header as written, what it holds, and in which unit (None for text).
+
+    stated : unit that the file's reader was given for numbers whose header names none, "" where it was given none
+    """
 
     name: str
     stem: str
     unit: str | None
+    stated: str = ""
 
     @property
     def dimension(self) -> Literal["length", "angle"]:
         """What the unit measures."""
-        return "length" if self.unit in LENGTHS else "angle"
+        return "length" if (self.unit or self.stated) in LENGTHS else "angle"
+
+    def fits(self, units: Sequence[str]) -> bool:
+        """Return whether it is in one of these units; in none where there are none, for text."""
+        return (self.unit or (self.stated if units else "")) in (units or ("",))
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One line of data: cells by header, stripped of white space."""
+    """One line of data: cells by header, stripped of white space, shields taken away.
+
+    comma : its numbers have a decimal comma
+    """
 
     file: str
     line: int
     cells: Mapping[str, str]
+    comma: bool = False
 
     def fail(self, what: str, remedy: str, **values: object) -> ReadingError:
         """Return the error that places a fault in this line."""
@@ -150,15 +99,32 @@ class Row:
 
     def quantity(self, column: Column) -> float:
         """Return a cell as a number of a machine in SI units; raises ReadingError."""
-        if column.unit is None:
+        unit = column.unit or column.stated
+        if not unit:
             remedy = "write it as '{stem}_mm' or '{stem}_deg'"
             raise self.fail("column '{column}' has no unit", remedy, column=column.name, stem=column.stem)
+        value = from_unit(self.number(column), unit)
+        if abs(value) >= LARGEST:
+            raise self._no_number(column)
+        return value
+
+    def number(self, column: Column) -> float:
+        """Return a cell as the number that it says; raises ReadingError."""
+        plain = self._plain(column)
+        value = float(plain) if _NUMBER.fullmatch(plain) else math.nan
+        if not math.isfinite(value):
+            raise self._no_number(column)
+        return value
+
+    def _plain(self, column: Column) -> str:
+        """Return a cell as a number with a decimal point is written."""
+        plain = self.text(column).replace("\N{MINUS SIGN}", "-")
+        return plain.translate(_SWAPPED) if self.comma else plain
+
+    def _no_number(self, column: Column) -> ReadingError:
+        what, remedy = _why_not(self._plain(column), self.comma)
         text = self.text(column)
-        value = from_unit(float(text), column.unit) if _NUMBER.fullmatch(text) else math.nan
-        if abs(value) < LARGEST:
-            return value
-        what, remedy = _why_not(text)
-        raise self.fail(what, remedy, column=column.name, text=_quote(text), better=text.replace(",", "."))
+        return self.fail(what, remedy, column=column.name, text=_quote(text), better=text.replace(",", "."))
 
     def only_filled(self, columns: Sequence[Column]) -> Column | None:
         """Return the one column of several that is filled here, None if all are empty; raises ReadingError for two."""
@@ -199,7 +165,7 @@ class CsvTable:
         layout : stems that may be there, with their units.  Raises ReadingError for another, or where one is missing.
         """
         self.allow(layout)
-        return tuple(self.one_of(_column(name).stem, name) for name in names)
+        return tuple(self.one_of(column_of(name).stem, name) for name in names)
 
     def fail(self, what: str, remedy: str, **values: object) -> ReadingError:
         """Return the error that places a fault in the header."""
@@ -211,25 +177,27 @@ class CsvTable:
         return ",".join(column.name for column in self.columns)
 
     def allow(self, layout: Mapping[str, tuple[str, ...]]) -> CsvTable:
-        """Return the table if each column is in `layout` (stem -> units, TEXT for text); raises ReadingError if not."""
+        """Return the table if each column is in `layout` (stem -> units, TEXT for text); raises ReadingError if not.
+
+        Raises it also where a unit was given for what names none, and all columns name theirs.
+        """
         for column in self.columns:
-            if column.stem not in layout or (column.unit or "") not in (layout[column.stem] or ("",)):
+            if column.stem not in layout or not column.fits(layout[column.stem]):
                 raise self._unknown(column, layout)
+        if self.columns[0].stated and all(column.unit or not layout[column.stem] for column in self.columns):
+            raise self.fail("every column names its unit, and --unit names another", "leave --unit out")
         return self
 
     def _unknown(self, column: Column, layout: Mapping[str, tuple[str, ...]]) -> ReadingError:
+        name = column.name[:_LONGEST]
         spelt = {stem: [f"{stem}_{unit}" for unit in units] or [stem] for stem, units in layout.items()}
         if layout.get(column.stem):
             what = "column '{column}' has a unit of the wrong kind" if column.unit else "column '{column}' has no unit"
-            return self.fail(what, "it can be {known}", column=column.name, known=", ".join(spelt[column.stem]))
-        stem, _, unit = column.name.rpartition("_")
-        if layout.get(stem) and unit.lower() in {"in", "inch", "inches"}:
-            remedy = "inches are not read here; write {example}"
-            return self.fail("column '{column}' is in inches", remedy, column=column.name, example=spelt[stem][0])
+            return self.fail(what, "it can be {known}", column=name, known=", ".join(spelt[column.stem]))
         known = [name for stem, names in spelt.items() if not self.all_of(stem) for name in names]
         first = ", ".join(names[0] for names in spelt.values())
         every = said("known are {known}; take out what is not needed", known=first)
-        return self.fail("column '{column}' is not known", meant(column.name, known, every), column=column.name)
+        return self.fail("column '{column}' is not known", meant(name, known, every), column=name)
 
 
 def read_table(path: str | Path) -> CsvTable:
@@ -242,66 +210,91 @@ def parse_table(text: str, file: str) -> CsvTable:
     return table_of(TextFile(file, lines_of(text, file)))
 
 
-def table_of(file: TextFile, header: str = "setup,X_mm,approach,value_um") -> CsvTable:
+EXAMPLE = "setup,X_mm,approach,value_um"
+"""A header."""
+
+
+def table_of(file: TextFile, header: str = EXAMPLE) -> CsvTable:
     """Return the table that a file holds; raises ReadingError, with a header as example where there is none."""
-    data = [(number, line) for number, line in enumerate(file.lines, 1) if not _NOTHING.match(line)]
-    if not data:
-        raise file.fail("there is no header and no data", "let the first line name the columns")
-    columns = _columns(file.name, *data[0], header)
-    rows = tuple(_row(file.name, number, line, columns) for number, line in data[1:])
+    number, separator, columns, data = _begun(file, header)
+    read = [(n, line, _cells(file.name, n, line, separator)) for n, line in data]
+    comma = separator != "," and any(_COMMA.fullmatch(cell) for _, _, cells in read for cell in cells)
+    rows = tuple(_row(file.name, n, line, cells, columns, comma) for n, line, cells in read)
     if not rows:
-        raise file.fail("there is a header but no data", "add one line for each reading", data[0][0])
-    return CsvTable(file.name, data[0][0], columns, rows)
+        raise file.fail("there is a header but no data", "add one line for each reading", number)
+    return CsvTable(file.name, number, columns, rows)
 
 
-def _cells(file: str, number: int, line: str) -> list[str]:
+def header_of(file: TextFile) -> tuple[Column, ...]:
+    """Return the columns that the first line of a file names, none where it is no header."""
+    try:
+        return _begun(file, "")[2]
+    except ReadingError:
+        return ()
+
+
+def _begun(file: TextFile, header: str) -> tuple[int, str, tuple[Column, ...], list[tuple[int, str]]]:
+    """Return the line of the header, what separates cells, the columns, and the lines of data; raises ReadingError."""
+    data = [(number, line) for number, line in enumerate(file.lines, 1) if not _NOTHING.match(line)]
+    hint = _HINT.fullmatch(data[0][1]) if data else None
+    if not data[bool(hint) :]:
+        raise file.fail("there is no header and no data", "let the first line name the columns")
+    (number, first), *data = data[bool(hint) :]
+    separator = hint[1] if hint else max(_SEPARATORS, key=_QUOTED.sub("", first).count)
+    return number, separator, _columns(file, number, _cells(file.name, number, first, separator), header), data
+
+
+def _cells(file: str, number: int, line: str, separator: str) -> list[str]:
     try:
         if len(line) < _SHORT and not _SPECIAL.search(line):  # the same, many times faster
-            return [cell.strip() for cell in line.split(",")]
-        return [cell.strip() for cell in next(csv.reader([line], strict=True))]
+            return [cell.strip() for cell in line.split(separator)]
+        return [cell.strip() for cell in next(csv.reader([line], strict=True, delimiter=separator))]
     except csv.Error as error:
         remedy = "close every quote and cell"
         raise ReadingError("the line is not CSV: {error}", remedy, file, number, error=error) from None
 
 
-def _columns(file: str, number: int, line: str, header: str) -> tuple[Column, ...]:
-    names = _cells(file, number, line)
-    if len(names) == 1 and re.search(r"[;\t]", line):
-        remedy = "separate the cells by commas and write numbers with a decimal point"
-        raise ReadingError("the cells are separated by semicolons or tabs", remedy, file, number)
+def _columns(file: TextFile, number: int, names: list[str], header: str) -> tuple[Column, ...]:
     if any(_NUMBER.fullmatch(name) for name in names):
         remedy = "let the first line be the header, such as {header}"
-        raise ReadingError("the first line holds numbers and names no columns", remedy, file, number, header=header)
+        raise file.fail("the first line holds numbers and names no columns", remedy, number, header=header)
     for index, name in enumerate(names):
         if not name or name in names[:index]:
             what = "column '{name}' is named twice" if name else "column {column} has no name"
-            raise ReadingError(what, "give each column one name of its own", file, number, name=name, column=index + 1)
-    return tuple(_column(name) for name in names)
+            raise file.fail(
+                what, "give each column one name of its own", number, name=name[:_LONGEST], column=index + 1
+            )
+    return tuple(column_of(name, file.unit) for name in names)
 
 
-def _column(name: str) -> Column:
-    stem, _, unit = name.replace("µ", "u").replace("μ", "u").rpartition("_")
-    return Column(name, stem, unit) if stem and unit in LENGTHS + ANGLES + SLOPES else Column(name, name, None)
+def column_of(name: str, stated: str = "") -> Column:
+    """Return the column of a header: `stem_unit`, `stem [unit]` or `stem (unit)`, else text or a number as stated."""
+    plain = name.replace("µ", "u").replace("μ", "u")
+    stem, unit = found.groups() if (found := _IN_BRACKETS.fullmatch(plain)) else plain.rpartition("_")[::2]
+    return Column(name, stem, unit, stated) if stem and unit in _UNITS else Column(name, name, None, stated)
 
 
-def _row(file: str, number: int, line: str, columns: tuple[Column, ...]) -> Row:
-    cells = _cells(file, number, line)
+def _row(file: str, number: int, line: str, cells: list[str], columns: tuple[Column, ...], comma: bool) -> Row:
     if len(cells) != len(columns):
         remedy = "write one cell for each column, and a decimal point in numbers: 1.5, not 1,5"
         had = counted("the line has {count} cell", "the line has {count} cells", len(cells))
         wanted = counted("the header {count} column", "the header {count} columns", len(columns))
         what = put("{had}, {wanted}: {text}", had=had, wanted=wanted, text=_quote(line))
         raise ReadingError(what, remedy, file, number)
-    return Row(file, number, {column.name: cell for column, cell in zip(columns, cells, strict=True)})
+    named = zip(columns, cells, strict=True)
+    return Row(file, number, {column.name: unshielded(cell) for column, cell in named}, comma)
 
 
 def _quote(text: str) -> str:
     """Quote what somebody wrote, shortened, control characters made visible."""
-    return repr(text if len(text) <= 60 else text[:57] + "...")
+    return repr(text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "...")
 
 
-def _why_not(text: str) -> tuple[str, str]:
-    """Return what is wrong with a cell that is no number of a machine, and what would be right."""
+def _why_not(text: str, comma: bool) -> tuple[str, str]:
+    """Return what is wrong with a cell that is no number of a machine, and what would be right.
+
+    comma : the file has decimal commas, and points and commas of the text are swapped
+    """
     if not text:
         return later("{column} is empty"), later("write the number that was read, or take out the line")
     if _NUMBER.fullmatch(text) and math.isfinite(float(text)):
@@ -309,6 +302,8 @@ def _why_not(text: str) -> tuple[str, str]:
         return later("{column} {text} is too large for a machine"), remedy
     if _NOT_FINITE.fullmatch(text) or _NUMBER.fullmatch(text):
         return later("{column} {text} is not finite"), later("write the number that was read, or take out the line")
+    if comma and _NUMBER.fullmatch(text.replace(",", ".")):
+        return later("{column} {text} has a decimal point, others have a comma"), later("write all numbers alike")
     if _NUMBER.fullmatch(text.replace(",", ".")):
         return later("{column} {text} has a decimal comma"), later("write a decimal point: {better}")
     remedy = later("write digits with a decimal point; the unit stands in the header")

@@ -1,54 +1,19 @@
-"""Any file of readings, recognised by its first lines: READINGS.csv, ISO 230-2 tests, `.rtl`, bed maps, level surveys,
-and what installed packages read.
-
-A level survey as it is written down at the machine: stations, and what the level showed there and back.
-
-    # level survey
-    # base = 100 mm
-    # division = 0.02 mm/m
-    X_mm,forward_div,back_div
-    50,12.0,12.5
-    150,11.0,11.0
-    50,12.5,
-
-The first column names the axis along which the level is stepped; a station is where the middle of its base stands.
-Readings are slopes (`um/m`, `mm/m`), angles (`arcsec`, `urad`, …) or divisions (`div`), whose value is then stated. A
-station that comes again, as the first one does at the end, is one more reading. Without base the level rides on what
-moves. `# setup = name` says which set-up it was where several could have been.
-"""
+"""Any file of readings, recognised by its first lines: one row for each format, then what installed packages read."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from axiscal.document.ports import all_of
-from axiscal.exceptions import UnitError
+from axiscal.language.spoken import joined, later, put, said
 from axiscal.machine.axis import Axis
-from axiscal.measurement.readers import bed_map, renishaw
-from axiscal.measurement.readers.csv_readings import RawReading, heading, read_times, readings_of
-from axiscal.measurement.readers.csv_table import (
-    LENGTHS,
-    SLOPES,
-    TEXT,
-    Column,
-    CsvTable,
-    Row,
-    TextFile,
-    axis_names,
-    table_of,
-)
-from axiscal.measurement.reading import columns_of
+from axiscal.measurement.readers import axis_tests, bed_map, level_survey, marlin_map, point_lists, renishaw
+from axiscal.measurement.readers.csv_readings import ALONE, Around, Found, RawReading, table_readings
+from axiscal.measurement.readers.text_file import TextFile
 from axiscal.measurement.setup import Setup
-from axiscal.units import from_unit, parse_quantity
 
-SURVEY_MARK = "# level survey"
-_KEYS = ("setup", "base", "division")
-_KEY = re.compile(r"#\s*([A-Za-z]+)\s*=\s*(.*?)\s*")
-_PASSES = ("forward", "back")
 PORTS = "axiscal.readers"
 """Group of the entry points by which packages bring readers."""
 
@@ -63,19 +28,80 @@ class FileReader(Protocol):
         """Return the readings of such a file, in its order; raises ReadingError."""
 
 
+class Format(NamedTuple):
+    """One format.
+
+    title : what such a file is called; knows : whether a file is one; read : its readings, raises ReadingError
+    unitless : it states no units, and --unit may
+    """
+
+    title: str
+    knows: Callable[[TextFile], bool]
+    read: Callable[[TextFile, Around], Found]
+    unitless: bool = False
+
+
+FORMATS = (
+    Format(later("a positioning test (.rtl)"), lambda file: renishaw.file_type(file) == "rtl", renishaw.laser_test),
+    Format(later("an angular test (.rta)"), lambda file: renishaw.file_type(file) == "rta", renishaw.laser_test),
+    Format(later("a straightness test (.rts)"), lambda file: renishaw.file_type(file) == "rts", renishaw.laser_test),
+    Format(later("a file of laser software"), lambda file: renishaw.file_type(file) is not None, renishaw.laser_test),
+    Format(later("a level survey"), level_survey.is_survey, level_survey.survey_readings),
+    Format(later("a RepRapFirmware map"), bed_map.is_height_map, bed_map.height_map),
+    Format(later("a Klipper mesh"), bed_map.is_mesh, bed_map.mesh),
+    Format(later("a Moonraker mesh"), bed_map.is_moonraker, bed_map.moonraker),
+    Format(later("a mesh of the Klipper console"), bed_map.is_console, bed_map.console),
+    Format(later("a UBL map"), marlin_map.is_topography, marlin_map.topography),
+    Format(later("probed points of Marlin (G29 V4)"), marlin_map.is_probed, marlin_map.probed),
+    Format(later("a Marlin map (M420 V)"), marlin_map.is_printed, marlin_map.printed),
+    Format(later("a Marlin map (M421, M503)"), marlin_map.is_nodes, marlin_map.nodes),
+    Format(later("an OpenCNCPilot height map"), point_lists.is_xml, point_lists.xml, True),
+    Format(later("a Candle height map"), point_lists.is_candle, point_lists.candle, True),
+    Format(later("a bCNC probe file"), point_lists.is_bcnc, point_lists.bcnc, True),
+    Format(later("a list of points X Y Z"), point_lists.is_list, point_lists.listed, True),
+    Format(later("a circular test (ISO 230-4)"), axis_tests.is_circle, axis_tests.circle, True),
+    Format(later("a test of one axis, a column a run"), axis_tests.is_wide, axis_tests.wide_table, True),
+    Format(later("a test of one axis (ISO 230-2)"), axis_tests.is_long, axis_tests.long_table, True),
+)
+"""In this order: the first that knows a file reads it."""
+_TABLE = Format(later("a table of readings"), lambda file: True, table_readings, True)
+
+
+class Recognised(NamedTuple):
+    """What a file is, and what it holds."""
+
+    file: str
+    title: str
+    found: Found
+
+    def sentence(self, setups: Sequence[str] = ()) -> str:
+        """Return what was recognised, a sentence.  setups : names of those that the readings are for"""
+        cells, count = self.found.cells, len(self.found.readings)
+        what = "{count} of {cells} cells" if cells else "{count} readings"
+        parts = [said(self.title), said(what, count=count, cells=cells), self.found.note]
+        if setups:
+            parts.append(said("for set-up {names}", names=joined(list(dict.fromkeys(setups)))))
+        return put("{file}: {parts}.", file=Path(self.file).name, parts=", ".join(filter(None, parts)))
+
+
+def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Recognised:
+    """Return what a file is, and its readings; raises ReadingError.  unit : of lengths, where the file names none"""
+    file = bed_map.read_part(path, unit)
+    own = next((each for each in FORMATS if each.knows(file)), None)
+    brought: list[FileReader] = [] if own else all_of(PORTS)
+    reader = next((each for each in brought if _knows(each, file)), None)
+    if reader is not None:
+        return Recognised(file.name, type(reader).__qualname__, Found(tuple(reader.read(file))))
+    kind = own or _TABLE
+    if unit and not kind.unitless:
+        what, remedy = "this is {title}, whose units are known, and --unit names another", "leave --unit out"
+        raise file.fail(what, remedy, title=said(kind.title))
+    return Recognised(file.name, kind.title, kind.read(file, around))
+
+
 def read_any(path: str | Path, axes: Sequence[Axis] = (), setups: Sequence[Setup] = ()) -> tuple[RawReading, ...]:
     """Return the readings of a file of any kind, in its order; raises ReadingError, with the header for these axes."""
-    file = bed_map.read_part(path)
-    if renishaw.is_rtl(file):
-        return renishaw.rtl_readings(file)
-    if file.lines[0].strip().lower() == SURVEY_MARK:
-        return survey_readings(file)
-    if bed_map.is_height_map(file) or bed_map.is_mesh(file):
-        return bed_map.height_map(file) if bed_map.is_height_map(file) else bed_map.mesh(file)
-    brought: list[FileReader] = all_of(PORTS)
-    reader = next((each for each in brought if _knows(each, file)), None)
-    header = ",".join(heading(axes, columns_of(setups)))
-    return readings_of(table_of(file, header)) if reader is None else tuple(reader.read(file))
+    return recognised(path, Around(axes, setups)).found.readings
 
 
 def _knows(reader: FileReader, file: TextFile) -> bool:
@@ -85,100 +111,3 @@ def _knows(reader: FileReader, file: TextFile) -> bool:
         what, name = "the reader {name} of another package fails at this file ({why})", type(reader).__qualname__
         remedy, why = "Repair that package, or uninstall it", f"{type(fault).__name__}: {fault}"
         raise file.fail(what, remedy, name=name, why=why) from fault
-
-
-@dataclass(frozen=True, slots=True)
-class _Head:
-    """What the lines before the table say.  base : m; division : rad"""
-
-    setup: str = ""
-    base: float | None = None
-    division: float | None = None
-
-
-def survey_readings(file: TextFile) -> tuple[RawReading, ...]:
-    """Return the readings, first those of the way there, then those of the way back; raises ReadingError."""
-    head, table = _head(file), table_of(file)
-    station, ways, clock = _columns(table, head)
-    _refuse_unread(table, ways, clock)
-    places = [row.quantity(station) for row in table.rows]
-    upward = places[-1 if len(places) < 3 else len(places) // 2] >= places[0]  # the last may close the circle
-    lines = list(zip(table.rows, places, read_times(table.rows, clock), strict=True))
-    found, error = list[RawReading](), "" if head.setup else "slope"
-    for way in ways:
-        onward = way.stem == _PASSES[0]
-        for row, place, time in lines if onward else reversed(lines):
-            if row.text(way):
-                at, towards = {station.stem: place}, {station.stem: 1 if upward == onward else -1}
-                value = _angle(file, row, way, head)
-                read = RawReading(head.setup, at, towards, value, None, "angle", row.line, error=error)
-                found.append(replace(read, time=time, base=head.base))
-    return tuple(found)
-
-
-def _head(file: TextFile) -> _Head:
-    said: dict[str, str] = {}
-    lines: dict[str, int] = {}
-    for number, text in _remarks(file):
-        found = _KEY.fullmatch(text)
-        if found is None:
-            continue
-        key = found[1].lower()
-        if key not in _KEYS or key in said:
-            what = "{key!r} is said twice" if key in said else "{key!r} is not known"
-            raise file.fail(what, "known are {known}; a remark goes without =", number, key=key, known=", ".join(_KEYS))
-        said[key], lines[key] = found[2], number
-    try:
-        key = "base"
-        base = parse_quantity(said[key], "length") if key in said else None
-        key = "division"
-        division = parse_quantity(said[key], "angle") if key in said else None
-    except UnitError as fault:
-        raise file.fail(fault.what, fault.remedy, lines[key]) from None
-    for key, value, example in (("base", base, "100 mm"), ("division", division, "0.02 mm/m")):
-        if value is not None and value <= 0:
-            what, remedy = "{key} = {text} is not above zero", "write it as # {key} = {example}"
-            raise file.fail(what, remedy, lines[key], key=key, text=said[key], example=example)
-    return _Head(said.get("setup", ""), base, division)
-
-
-def _remarks(file: TextFile) -> Iterator[tuple[int, str]]:
-    """Yield the lines before the table that begin with #, after the first."""
-    for number, line in enumerate(file.lines[1:], 2):
-        text = line.strip()
-        if text and not text.startswith("#"):
-            return
-        if text:
-            yield number, text
-
-
-def _columns(table: CsvTable, head: _Head) -> tuple[Column, list[Column], Column | None]:
-    """Return the column of stations, those of readings, the way there first, and that of times."""
-    station = next((column for column in table.columns if column.stem in axis_names(table)), None)
-    places = {} if station is None else {station.stem: LENGTHS}  # a second one is not known
-    table.allow({**places, **dict.fromkeys(_PASSES, SLOPES), "time": TEXT})
-    ways = [column for stem in _PASSES for column in table.all_of(stem)]
-    if station is None or not ways:
-        what = "there is no column of readings, such as forward_um/m"
-        what = "there is no column of stations, such as X_mm" if station is None else what
-        raise table.fail(what, "name it in the header; found: {known}", known=table.header)
-    if len({way.stem for way in ways}) < len(ways):
-        raise table.fail("a way is named twice", "give one column forward, and one back")
-    if head.division is None and any(way.unit == "div" for way in ways):
-        raise table.fail("readings are in divisions, and the value of one is not said", "write # division = 0.02 mm/m")
-    return station, ways, next(iter(table.all_of("time")), None)
-
-
-def _angle(file: TextFile, row: Row, way: Column, head: _Head) -> float:
-    shown = file.number(row.text(way), way.name, row.line)
-    return shown * (head.division or 0.0) if way.unit == "div" else from_unit(shown, way.unit or "")
-
-
-def _refuse_unread(table: CsvTable, ways: list[Column], clock: Column | None) -> None:
-    for row in table.rows:
-        filled = sum(bool(row.text(way)) for way in ways)
-        if not filled:
-            raise row.fail("the station has no reading", "write what the level showed, or take out the line")
-        if filled > 1 and clock is not None:
-            what = "the line has two readings, and one time"
-            raise row.fail(what, "write the way back in lines of its own where times are given")

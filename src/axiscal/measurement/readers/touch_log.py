@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from axiscal.exceptions import ReadingError
-from axiscal.measurement.readers.csv_table import TextFile, read_text
+from axiscal.measurement.readers.text_file import TextFile, read_text
 from axiscal.units import from_unit
 
 LISTS = "AXISCAL_PLAN_{}.txt"

@@ -192,14 +192,6 @@ def worn(
     return rms
 
 
-def _counted(known: Estimation, poses: Array, field: Array) -> Array:
-    """Return deviations (m, 3) less what probing the part takes off and one shift, in the directions that count."""
-    alignment = known.case.yardstick.alignment
-    left = field if alignment is None else alignment.left(poses, field)
-    counted: Array = (left - left.mean(axis=0)) * np.array(known.case.yardstick.counted, dtype=float)
-    return counted
-
-
 def products_left(known: Estimation, control: Control, renewed: NDArray[np.bool_], stays: Array) -> Array:
     """Return the means over the volume of the products of ℓ, k and f, (3, 3), m².
 
@@ -210,7 +202,7 @@ def products_left(known: Estimation, control: Control, renewed: NDArray[np.bool_
     rows, moving = estimate.model.rows(poses, approaches), estimate.mean - stays
     whole = left_by(estimate.machine, estimate.deviation, control, poses, approaches)
     fields = [whole, rows @ (moving * ~renewed), rows @ (moving * renewed)]
-    centred = np.array([_counted(known, poses, each) for each in fields])
+    centred = np.array([estimate.counting(poses, each) for each in fields])
     products: Array = np.einsum("apc,bpc->ab", centred, centred) / len(poses)
     return products
 

@@ -22,7 +22,7 @@ from axiscal.description.ini_machine import IniAxis, IniMachine, machine_of
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ControlError, TableError
 from axiscal.machine.description import Machine
-from axiscal.measurement.readers.csv_table import read_text
+from axiscal.measurement.readers.text_file import read_text
 from axiscal.ports.linuxcnc import patching
 from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available, can_load
 from axiscal.ports.linuxcnc.patching import Configuration

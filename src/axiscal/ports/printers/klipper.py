@@ -18,7 +18,8 @@ from axiscal.language.spoken import later
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import is_mesh
 from axiscal.measurement.readers.bed_map import mesh as saved_mesh
-from axiscal.measurement.readers.csv_table import TextFile
+from axiscal.measurement.readers.csv_readings import ALONE
+from axiscal.measurement.readers.text_file import TextFile
 from axiscal.numerics import Array
 from axiscal.ports.printers.contents import TRIED, content_of, in_words, zero_note
 from axiscal.tables import vcomp_file
@@ -147,7 +148,7 @@ class Klipper(MapFormat):
         meshes, skew, untaken = list[Mesh](), dict[str, float](), list[InputError]()
         for file in files:
             text = TextFile(file.name, tuple(file.text.splitlines()))
-            meshes += [mesh_of_nodes(saved_mesh(text, filled=True))] if is_mesh(text) else []
+            meshes += [mesh_of_nodes(saved_mesh(text, ALONE, filled=True).readings)] if is_mesh(text) else []
             found = {plane.upper(): float(value) for plane, value in _SAVED_SKEW.findall(file.text)}
             skew = found or read_skew(file.text) or skew
             lines = [each for each in enumerate(text.lines, 1) if _SET.search(each[1])]

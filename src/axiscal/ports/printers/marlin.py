@@ -10,16 +10,18 @@ import numpy as np
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
+from axiscal.measurement.readers.csv_readings import Around
+from axiscal.measurement.readers.marlin_map import is_nodes, nodes
+from axiscal.measurement.readers.text_file import TextFile
 from axiscal.numerics import Array
 from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, other_words, play_of, zero_note
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
-from axiscal.tables.surface import Mesh, Skew, plane_axes
+from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
 from axiscal.units import from_unit, to_unit
 
 _FILE = "axiscal.gcode"
-_COMMAND = re.compile(r"(M421|M425|M852) ([^;\n]*)")
-_BUILT = re.compile(r"; mesh from X (\S+) to (\S+) and Y (\S+) to (\S+)")
+_COMMAND = re.compile(r"(M425|M852) ([^;\n]*)")
 _WORD = re.compile(r"(?<!\S)([A-Z])(-?[\d.]+)(?!\S)")
 _SKEW = {"XY": "I", "XZ": "J", "YZ": "K"}
 _STEP = float(from_unit(1e-4, "mm"))
@@ -49,7 +51,7 @@ class Marlin(MapFormat):
         meshes, play = tuple[Mesh, ...](), dict[str, float]()
         skew: Skew = {}
         for file in files:
-            found = read(file.text, machine)
+            found = read(file.text, machine, file.name)
             if not found.meshes and not found.skew and not found.tables:
                 what = "there is no M421, M425 or M852 in this file"
                 raise TableError(what, "send M503, and save what Marlin answers", file.name)
@@ -101,40 +103,26 @@ def text_of(content: Loaded) -> str:
     return "\n".join([*lines, "M500"]) + "\n"
 
 
-def read(text: str, machine: Machine) -> Loaded:
-    """Return what Marlin makes of the commands in a text; raises TableError."""
-    skew, play, heights = dict[str, float](), dict[str, float](), dict[tuple[int, int], float]()
+def read(text: str, machine: Machine, name: str = "") -> Loaded:
+    """Return what Marlin makes of the commands in a text; raises ReadingError for a map that is not whole.
+
+    Where the nodes of a map are is built into the firmware: an export says it, and else they span the travels.
+    """
+    skew, play, file = dict[str, float](), dict[str, float](), TextFile(name, tuple(text.splitlines()))
     for command in _COMMAND.finditer(text):
         values = {letter: float(number) for letter, number in _WORD.findall(command[2])}
         if command[1] == "M852":
             skew = {plane: values[letter] for plane, letter in _SKEW.items() if letter in values}
-        elif command[1] == "M425":
+        else:
             share = values.pop("F", 1.0)
             play = {axis: share * float(from_unit(v, "mm")) for axis, v in values.items() if axis in "XYZ"}
-        elif values.keys() >= set("IJZ"):
-            heights[int(values["I"]), int(values["J"])] = values["Z"]
-        else:
-            remedy = "write it as in M421 I0 J0 Z0.05"
-            raise TableError("{text!r} says no height of a point", remedy, text=command[0][:40])
-    return Loaded(lost_motion(machine, play), (_mesh(heights, text, machine),) if heights else (), skew)
+    return Loaded(lost_motion(machine, play), (_mesh(file, machine),) if is_nodes(file) else (), skew)
 
 
-def _mesh(heights: Mapping[tuple[int, int], float], text: str, machine: Machine) -> Mesh:
-    """Return heights at their places; raises TableError where some are missing.
-
-    Where these are is built into the firmware: an export says it, and else they span the travels of X and Y.
-    """
-    wide, high = (max(node[side] for node in heights) + 1 for side in (0, 1))
-    if len(heights) < wide * high or min(wide, high) < 2:
-        what = "the mesh of {wide} x {high} points has {count} values"
-        remedy = "give the whole answer to M503, or send M420 S1 first"
-        raise TableError(what, remedy, wide=wide, high=high, count=len(heights))
-    if said := _BUILT.search(text):
-        ends = from_unit(np.array(said.groups(), dtype=float), "mm").reshape(2, 2)
-    else:
-        ends = np.array([machine.axes[axis].travel for axis in plane_axes(machine)[:2]])
-    x, y = (np.linspace(low, top, count) for (low, top), count in zip(ends, (wide, high), strict=True))
-    return Mesh(x, y, from_unit(np.array([[heights[i, j] for i in range(wide)] for j in range(high)]), "mm"))
+def _mesh(file: TextFile, machine: Machine) -> Mesh:
+    travel = {axis.name: axis.travel for axis in machine.axes}
+    ends = (travel["X"], travel["Y"]) if {"X", "Y"} <= travel.keys() else None
+    return mesh_of_nodes(nodes(file, Around(ends=ends)).readings)
 
 
 def _mm(places: Array) -> str:

@@ -11,7 +11,8 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import height_map, is_height_map
-from axiscal.measurement.readers.csv_table import TextFile
+from axiscal.measurement.readers.csv_readings import ALONE
+from axiscal.measurement.readers.text_file import TextFile
 from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, other_words, play_of, zero_note
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
@@ -66,7 +67,7 @@ class RepRapFirmware(MapFormat):
             text = TextFile(file.name, tuple(file.text.splitlines()))
             commands = {code: dict(_WORD.findall(words)) for code, words in _COMMAND.findall(file.text)}
             if is_height_map(text) or not commands:
-                meshes.append(mesh_of_nodes(height_map(text)))
+                meshes.append(mesh_of_nodes(height_map(text, ALONE).readings))
             if "M556" in commands:
                 skew = _skew({letter: float(word) for letter, word in commands["M556"].items()})
             own = {axis: word for axis, word in commands.get("M425", {}).items() if axis in "XYZ"}

@@ -1,0 +1,87 @@
+"""Files of text, whatever they are encoded in: lines, and numbers with the place of each fault."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from axiscal.document.file import bounded_content, number_or_none
+from axiscal.exceptions import ReadingError
+from axiscal.units import from_unit
+
+MOST = 20_000_000
+"""Bytes; a day of readings has a thousandth of it."""
+MOST_LINES = 200_000
+"""Lines; estimating takes 10,000 readings in a minute, and a file that is wrong is to be refused in a second."""
+
+_LARGEST = 1e9
+"""In whatever unit the file has: a kilometre in micrometres, which no machine has."""
+
+
+@dataclass(frozen=True, slots=True)
+class TextFile:
+    """A file as lines, without the ends of lines.  unit : of lengths whose unit it does not state, "" where unsaid"""
+
+    name: str
+    lines: tuple[str, ...]
+    unit: str = ""
+
+    def fail(self, what: str, remedy: str, line: int | None = None, **values: object) -> ReadingError:
+        """Return the error that places a fault in a line, counted from 1."""
+        return ReadingError(what, remedy, self.name, line, **values)
+
+    def length(self, text: str, what: str, line: int) -> float:
+        """Return a length, m, in mm unless another unit was given; raises ReadingError."""
+        return from_unit(self.number(text, what, line), self.unit or "mm")
+
+    def number(self, text: str, what: str, line: int) -> float:
+        """Return a number of a machine; raises ReadingError."""
+        value = number_or_none(text)
+        if value is not None and abs(value) < _LARGEST:
+            return value
+        shown = text if len(text) <= 40 else text[:37] + "..."
+        if value is not None:
+            remedy = "write the number that was read"
+            raise self.fail("{name} {shown!r} is too large for a machine", remedy, line, name=what, shown=shown)
+        remedy = "write digits with a decimal point"
+        raise self.fail("{name} {shown!r} is not a finite number", remedy, line, name=what, shown=shown)
+
+
+def content(path: str | Path) -> bytes:
+    """Return what stands in a file of readings; raises ReadingError."""
+    try:
+        return bounded_content(path, MOST)
+    except FileNotFoundError:
+        raise ReadingError("there is no such file", "check the name", str(path)) from None
+    except OSError as error:
+        reason = (error.strerror or "cannot be read").lower()
+        remedy = "check the name and the permissions"
+        raise ReadingError("the file cannot be read: {reason}", remedy, str(path), reason=reason) from None
+    except ValueError:
+        raise ReadingError("{path!r} is not a file name", "give the name of a file", path=str(path)) from None
+
+
+def read_text(path: str | Path, unit: str = "") -> TextFile:
+    """Read a file in UTF-8, UTF-16 with its mark, or else Latin-1; raises ReadingError."""
+    text = _decoded(content(path))
+    if "\0" in text:
+        raise ReadingError("the file is binary, or UTF-16 text", "save it as plain text in UTF-8", str(path))
+    return TextFile(str(path), lines_of(text, path), unit)
+
+
+def lines_of(text: str, path: str | Path) -> tuple[str, ...]:
+    """Return the lines of a text, with whatever ends; raises ReadingError for so many that no campaign has."""
+    lines = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    if len(lines) > MOST_LINES:
+        what = "the file has {lines:,} lines, and at most {most:,} are read"
+        raise ReadingError(what, "give the readings of one campaign", str(path), lines=len(lines), most=MOST_LINES)
+    return tuple(lines)
+
+
+def _decoded(data: bytes) -> str:
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return data.decode("utf-16", errors="replace")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")  # only names and remarks go beyond ASCII

@@ -1,0 +1,35 @@
+"""The method: where to read a machine, and what the readings make known of it.
+
+    >>> import numpy as np, axiscal_core as ac
+    >>> axes = [ac.Axis.linear(name, name.lower(), (0, "500 mm")) for name in "XYZ"]
+    >>> errors = [ac.Error(f"E{c}{name}", "8 um", length="150 mm") for name in "XYZ" for c in "XYZ"]
+    >>> lasers = [ac.Laser(f"laser {name}", name, along=name.lower()) for name in "XYZ"]
+    >>> case = ac.Case(ac.Machine(axes, errors), lasers)
+    >>> plan = case.plan(readings=12)
+    >>> known = case.estimate(ac.Readings.simulated(case, plan.places, seed=1))
+    >>> known.deviation([["100 mm", "200 mm", "300 mm"]]).mean.shape
+    (1, 3)
+
+A machine is a chain of axes whose errors are splines of few control values (B&H section III). An instrument sees a
+linear combination of them. So what is known is a normal, readings sharpen it, and where to read next can be computed
+before anything is read (section IV). Numbers are in m, rad and s; a text carries its unit.
+"""
+
+from axiscal_core.axes import Axis
+from axiscal_core.case import Case
+from axiscal_core.curve import Curve
+from axiscal_core.errors import Basis, Error, Offset, Plane
+from axiscal_core.instrument import At, Instrument, Unknowns, angle, cross, length
+from axiscal_core.instruments import BallBar, Laser, Level, RTest, Tracker
+from axiscal_core.known import Known
+from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
+from axiscal_core.places import Places, Readings
+from axiscal_core.plan import Evaluation, Plan
+from axiscal_core.refusals import Array, InputError
+
+__all__ = [
+    "Array", "At", "Axis", "BallBar", "Basis", "Case", "Curve", "Error", "Evaluation", "InputError", "Instrument",
+    "Known", "Laser", "Level", "Machine", "Normal", "Offset", "Places", "Plan", "Plane", "RTest", "Readings",
+    "Tracker", "Unknowns", "angle", "cross", "length",
+]  # fmt: skip

@@ -1,0 +1,133 @@
+"""The nominal chain of axes, read from the workpiece to the tool.
+
+    >>> axes = [Axis.linear("X", "x", ("0 mm", "600 mm")), Axis.turning("C", "z", (0, 6.28))]
+    >>> chain(axes, np.array([[0.1, 0.0]]), tool=np.array([0, 0, -0.2])).tcp
+    array([[ 0.1,  0. , -0.2]])
+
+On the tool side the frame of an axis stands behind the travel of a carriage and before the turn of a rotor. On the
+workpiece side, read in this direction, it is the other way round.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal_core.refusals import Array, InputError, finite, one_of, within
+from axiscal_core.units import Quantity, quantities, si
+
+DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+Direction = str | Sequence[float]
+""" "x", "-y", or three numbers."""
+
+
+def unit_vector(direction: Direction, function: str, argument: str) -> Array:
+    """Return a direction as a vector of length one, (3,)."""
+    if isinstance(direction, str):
+        bare = direction.removeprefix("-")
+        one_of(function, argument, bare, [*DIRECTIONS])
+        return np.array(DIRECTIONS[bare]) * (-1 if direction.startswith("-") else 1)
+    vector = finite(function, argument, direction, (3,))
+    length = float(np.linalg.norm(vector))
+    if length == 0:
+        raise InputError(function, argument, "has no length", 'Give "x", or three numbers that are not all zero')
+    return vector / length
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """One axis.  Make it with `linear` or `turning`.
+
+    direction : (3,) of travel or turn; origin : (3,) a point on a rotary axis, m; travel : from, to, m or rad
+    on_workpiece : it carries the workpiece; overrun : how far beyond a place it goes before it turns, m or rad
+    """
+
+    name: str
+    rotary: bool
+    direction: Array
+    travel: tuple[float, float]
+    on_workpiece: bool
+    origin: Array
+    overrun: float
+
+    @classmethod
+    def linear(
+        cls, name: str, along: Direction, travel: Sequence[Quantity], on_workpiece: bool = False,
+        overrun: Quantity | None = None,
+    ) -> Axis:  # fmt: skip
+        """Return a carriage."""
+        return cls._made("Axis.linear", name, False, along, travel, on_workpiece, (0.0, 0.0, 0.0), overrun)
+
+    @classmethod
+    def turning(
+        cls, name: str, about: Direction, travel: Sequence[Quantity], origin: Sequence[Quantity] = (0.0, 0.0, 0.0),
+        on_workpiece: bool = False, overrun: Quantity | None = None,
+    ) -> Axis:  # fmt: skip
+        """Return a rotor.  origin : a point on its axis where all axes stand at zero"""
+        return cls._made("Axis.turning", name, True, about, travel, on_workpiece, origin, overrun)
+
+    @classmethod
+    def _made(
+        cls, function: str, name: str, rotary: bool, direction: Direction, travel: Sequence[Quantity],
+        on_workpiece: bool, origin: Sequence[Quantity], overrun: Quantity | None,
+    ) -> Axis:  # fmt: skip
+        low, high = quantities(travel, function, "travel", (2,)).tolist()
+        if low >= high:
+            raise InputError(function, "travel", f"goes from {low:g} to {high:g}", "Give the lower end first")
+        # 1 mm or 1 deg is usual, but no more than a hundredth of the travel
+        usual = min(np.pi / 180 if rotary else 1e-3, (high - low) / 100)
+        over = usual if overrun is None else within(function, "overrun", si(overrun, function, "overrun"), 0.0)
+        way = unit_vector(direction, function, "about" if rotary else "along")
+        return cls(name, rotary, way, (low, high), on_workpiece, quantities(origin, function, "origin", (3,)), over)
+
+    @property
+    def length(self) -> float:
+        """The travel, m or rad."""
+        return self.travel[1] - self.travel[0]
+
+    @property
+    def cyclic(self) -> bool:
+        """True for one whole turn: both ends are one place."""
+        return self.rotary and abs(self.length - 2 * np.pi) < 1e-9
+
+
+class Frames(NamedTuple):
+    """Where axes and tool are in the frame of the workpiece.
+
+    turn : (q, m, 3, 3) of each axis; origin : (q, m, 3) m; tcp : (m, 3) m; tool : (m, 3, 3)
+    """
+
+    turn: Array
+    origin: Array
+    tcp: Array
+    tool: Array
+
+
+def chain(axes: Sequence[Axis], poses: Array, tool: Array, held: Array | None = None) -> Frames:
+    """Return the nominal frames.
+
+    poses : (m, q); tool : (3,) the tool point where all axes stand at zero, m; held : (3, 3) the tool's turn there
+    """
+    turn, at = np.broadcast_to(np.eye(3), (len(poses), 3, 3)), np.zeros((len(poses), 3))
+    turns, origins = [], []
+    for axis, t in zip(axes, poses.T, strict=True):
+        at = at + turn @ axis.origin
+        moved = at if axis.rotary else at + (turn @ axis.direction) * t[:, None]
+        turned = turn @ rotation(axis.direction, t) if axis.rotary else turn
+        behind = axis.on_workpiece == axis.rotary
+        turns.append(turned if behind else turn)
+        origins.append(moved if behind else at)
+        at, turn = moved - turned @ axis.origin, turned
+    return Frames(np.array(turns), np.array(origins), at + turn @ tool, turn if held is None else turn @ held)
+
+
+def rotation(direction: Array, angle: Array) -> Array:
+    """Return Rodrigues' matrices, (m, 3, 3).  direction : (3,); angle : (m,)"""
+    x, y, z = direction
+    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    s, c = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
+    result: Array = np.eye(3) + s * k + (1 - c) * (k @ k)
+    return result

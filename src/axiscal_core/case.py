@@ -1,0 +1,73 @@
+"""A case: what is to be measured and with what, and the four questions that one asks of it.
+
+>>> from axiscal_core import Axis, Case, Error, Laser, Machine
+>>> machine = Machine([Axis.linear("X", "x", (0, "600 mm"))], [Error("EXX", "10 um", length="200 mm")])
+>>> case = Case(machine, [Laser("laser", "X")])
+>>> case.next().poses, f"{case.plan(readings=5).rms * 1e6:.2f} um"
+(array([[0.6]]), '0.95 um')
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from axiscal_core.criterion import Criterion
+from axiscal_core.estimate import estimated
+from axiscal_core.known import Known
+from axiscal_core.model import CANDIDATES, Model
+from axiscal_core.places import Places, Readings
+from axiscal_core.plan import Evaluation, Plan, evaluated, planned
+from axiscal_core.refusals import InputError
+from axiscal_core.step import best_step
+from axiscal_core.units import Quantity
+
+
+class Case(Model):
+    """A machine and the instruments on it.
+
+    usual : "on" adds what usually goes wrong and nobody stated, to errors and to readings: see `causes`
+    sure : how well stated sizes are known; aligned : a rigid motion of the whole volume counts as no error
+    """
+
+    def plan(
+        self, readings: int | None = None, *, minutes: float | None = None, rms: Quantity | None = None,
+        criterion: Criterion = "volume", candidates: Places | int = CANDIDATES, after: Readings | Places | None = None,
+        keep: Places | None = None,
+    ) -> Plan:  # fmt: skip
+        """Return the readings that serve best together; at least one of the first three says when it ends.
+
+        readings : so many; minutes : as fit; rms : the fewest with an RMS over the volume of no more, m
+        criterion : what is made small; candidates : where readings may be taken, or how many even places are tried
+        after : readings that are there already; keep : places that are among those of the plan
+        """
+        return planned(self, readings, minutes, rms, criterion, candidates, after, keep)
+
+    def evaluate(
+        self, places: Places | Readings, after: Readings | Places | None = None, criterion: Criterion = "volume"
+    ) -> Evaluation:
+        """Return what readings at places would make known, and what no others can beat."""
+        return evaluated(self, places, after, criterion)
+
+    def next(self, after: Readings | Places | None = None, criterion: Criterion = "volume") -> Places:
+        """Return the one reading that serves most (eq. 37): exactly, where one axis moves along a line."""
+        return best_step(self, after, criterion)
+
+    def estimate(self, readings: Readings | Mapping[str, Sequence[object]]) -> Known:
+        """Return what readings make known, sizes averaged over, without readings that the others contradict.
+
+        readings : or a table of them, see `Case.readings`
+        """
+        found = readings if isinstance(readings, Readings) else self._table(readings)
+        return estimated(self, found)
+
+    def _table(self, table: Mapping[str, Sequence[object]]) -> Readings:
+        if isinstance(table, str | list | tuple | np.ndarray | Places) or not hasattr(table, "__getitem__"):
+            raise InputError(
+                "Case.estimate", "readings", f"= {table!r} are none", "Give Readings(places, values), or a table"
+            )
+        return self.readings(table)
+
+    def __repr__(self) -> str:
+        return f"<Case of {self.machine!r} with {', '.join(self.setups)}>"

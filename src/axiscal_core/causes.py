@@ -1,0 +1,122 @@
+"""What readings suffer beside the machine's curves: a kernel between numbers for each cause, at its usual size.
+
+rest      detail finer than a spline: half of its variance in cells of 2 % of the travel, half in cells of 6 %
+drift     of a zero: a line and Brownian motion over the time of its set-up, 2 of its noise each
+cycle     of a zero: Matérn-1/2 in time with six minutes, half of its noise
+growth    of a linear axis: coordinate over travel times Matérn-3/2 in time, 2 noises
+way       a reversal of which exp(-d/l) is missing, d the way since the axis turned, l of 30, 100 and 350 mm
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from axiscal_core.errors import Curved
+from axiscal_core.model import CELLS, Model, Numbers
+from axiscal_core.places import Places
+from axiscal_core.refusals import Array
+from axiscal_core.sizes import Kind
+
+DRIFT, CYCLE, GROWTH, WAY = 2.0, 0.5, 2.0, 0.06
+"""Usual sizes: in noises, the last one of a reversal. Nine ISO 230-2 tests say the first, nobody the others."""
+_WIDE = 0.06  # of the travel, within which half of the variance of a rest is common
+_FUNCTIONS = 20  # of Karhunen and Loève: they leave 1 % of the variance of Brownian motion
+_MINUTES, _LONGEST, _MANY = 360.0, 4 * 3600.0, 300  # s, s, numbers: over more a cycle is not told from noise
+_NODES, _MEMORY = 10, 0.4  # of growth: linear between so many, it forgets itself over this share of the time
+_WAYS = (0.03, 0.1, 0.35)  # m, over which a reversal comes, one as likely as the other
+_HOUR = 3600.0  # s, over which the rate of a drift that is stated forgets itself
+_NUGGET = 1e-9  # on correlations of readings at one time
+Kernels = Iterator[tuple[Kind, str, Array]]
+"""Kind and owner of a size, and the kernel (n, n) that exp 2θ multiplies."""
+
+
+def kernels(case: Model, places: Places, n: Numbers, clock: Array) -> Kernels:
+    """Yield the kernels.  clock : (m,) s, of each place"""
+    yield from _rests(case, n)
+    if case.usual:
+        for i in np.unique(n.setup).tolist():
+            yield from _OfSetup(case, places, n, clock, i).kernels()
+
+
+def _rests(case: Model, n: Numbers) -> Kernels:
+    for i, (_, term) in enumerate(case.machine.curves):
+        if term.rest:
+            cell, wide = n.cell[:, i], max(1, round(_WIDE * CELLS * (len(term.spline.knots) - 1)))
+            alike = cell[:, None] == cell
+            if case.usual:
+                alike = 0.5 * alike + 0.5 * (cell[:, None] // wide == cell // wide)
+            yield "rest", term.name, term.rest**2 * np.outer(n.reach[:, i], n.reach[:, i]) * alike
+
+
+class _OfSetup:
+    """The readings of one instrument: mine, the numbers (r,) that are its own, with the time of each."""
+
+    def __init__(self, case: Model, places: Places, n: Numbers, clock: Array, index: int) -> None:
+        self.case, self.places, self.n, self.index = case, places, n, index
+        self.instrument, self.name = case.instruments[index], case.setups[index]
+        self.mine = np.flatnonzero(n.setup == index)
+        self.clock = clock[n.place[self.mine]]
+        self.time = float(np.ptp(self.clock)) or 1.0
+        self.share = (self.clock - self.clock.min()) / self.time
+        self.sigma = self.instrument.sigma[n.part[self.mine]]
+
+    def kernels(self) -> Kernels:
+        """Yield what passes while it is read."""
+        zero = self.n.part[self.mine][:, None] == self.n.part[self.mine]  # each number has a zero of its own
+        yield "drift", self.name, self._wide(zero * self._drift())
+        if self.time <= _LONGEST and len(self.n.rows) <= _MANY:
+            apart = np.abs(self.clock[:, None] - self.clock)
+            alike = np.exp(-apart / _MINUTES) + _NUGGET * np.eye(len(apart))
+            yield "cycle", self.name, self._wide(CYCLE**2 * zero * np.outer(self.sigma, self.sigma) * alike)
+        yield "growth", self.name, self._wide(self._growth())
+        for i, (_, term) in enumerate(self.case.machine.curves):
+            turns = term.error.kind == "reversal" and term.linear and len(self.instrument.sides) > 1
+            if turns and self.case.machine.names[term.at] in self.instrument.moves:
+                yield "way", term.name, self._wide(self._way(i, term))
+
+    def _wide(self, kernel: Array) -> Array:
+        """Return a kernel between all numbers, (n, n).  kernel : (r, r)"""
+        result = np.zeros((len(self.n.rows),) * 2)
+        result[np.ix_(self.mine, self.mine)] = kernel
+        return result
+
+    def _drift(self) -> Array:
+        turns = (np.arange(_FUNCTIONS) + 0.5) * np.pi
+        brown = np.sqrt(2.0) * np.sin(np.outer(self.share, turns)) / turns
+        x = self.time / _HOUR
+        stated = self.instrument.wander * _HOUR * np.sqrt(x - 1 + np.exp(-x))
+        size = np.hypot(DRIFT * self.sigma, stated)
+        return np.asarray((np.outer(self.share, self.share) + brown @ brown.T) * np.outer(size, size))
+
+    def _growth(self) -> Array:
+        nodes, total = np.linspace(0.0, 1.0, _NODES), np.zeros((len(self.mine),) * 2)
+        s = np.sqrt(3.0) * np.abs(nodes[:, None] - nodes) / _MEMORY
+        hats = np.column_stack([np.interp(self.share, nodes, each) for each in np.eye(_NODES)])
+        together = hats @ ((1 + s) * np.exp(-s) + _NUGGET * np.eye(_NODES)) @ hats.T
+        for i, (_, term) in enumerate(self.case.machine.curves):
+            axis = self.case.machine.axes[term.at]
+            if term.error.positioning and term.linear and axis.name in self.instrument.moves:
+                at = self.places.poses[self.n.place[self.mine], term.at]
+                along = self.sigma * self.n.reach[self.mine, i] * (at - np.mean(axis.travel)) / axis.length
+                total += GROWTH**2 * np.outer(along, along)
+        return np.asarray(total * together)
+
+    def _way(self, i: int, term: Curved) -> Array:
+        """Return the kernel of a reversal that comes over a way.  i : among the curves"""
+        places = np.unique(self.n.place[self.mine])
+        at_places = {place: self.clock[self.n.place[self.mine] == place][0] for place in places.tolist()}
+        order = places[np.argsort([at_places[place] for place in places.tolist()], kind="stable")]
+        at, sides = self.places.poses[order, term.at], self.places.sides[order, term.at]
+        since, total = np.full(len(order), self.case.machine.axes[term.at].overrun), np.zeros((len(self.mine),) * 2)
+        for j in range(1, len(order)):
+            step = (at[j] - at[j - 1]) * sides[j]
+            if sides[j] == sides[j - 1] and step >= 0:
+                since[j] = since[j - 1] + step
+        missing = np.zeros(len(self.places))
+        for way in _WAYS:
+            missing[order] = np.exp(-since / way)
+            column = WAY * term.std * missing[self.n.place[self.mine]] * self.n.reach[self.mine, i]
+            total += np.outer(column, column)
+        return total

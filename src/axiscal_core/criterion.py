@@ -1,0 +1,103 @@
+"""What a plan makes small: J = tr(V C Vᵀ), or any function of the covariance C of all unknowns.
+
+"volume"    the mean square of the deviation of the tool point over the travels, half from each side
+"joint"     the sum of the interval variances of all splines (eq. 24-26, 34-36), angles times half the longest way
+V           (w, size) of the unknowns in the order of `case.names`
+function    of C (size, size); the smaller, the better
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from axiscal_core.axes import Axis
+from axiscal_core.errors import Curved
+from axiscal_core.machine import Machine
+from axiscal_core.refusals import Array, finite, one_of
+from axiscal_core.splines import even_points, gauss
+
+Criterion = Literal["volume", "joint"] | Array | Callable[[Array], float]
+"""What a plan makes small."""
+_POSES = 3000  # of several axes: with four times as many the RMS of eight drawn cases changes by 0.1 %
+_NODES = 8  # between knots of one axis: exact
+
+
+class Goal(NamedTuple):
+    """root : V (w, size), empty where a function says it; function : of C, None where V says it"""
+
+    root: Array
+    function: Callable[[Array], float] | None = None
+
+    def value(self, covariance: Array) -> float:
+        """Return J.  covariance : (size, size)"""
+        if self.function is not None:
+            return float(self.function(covariance))
+        return float(np.einsum("wi,ij,wj->", self.root, covariance, self.root, optimize=True))
+
+
+def goal(criterion: Criterion, machine: Machine, over_volume: Goal, function: str) -> Goal:
+    """Return what a criterion says.  over_volume : the one of "volume", computed once."""
+    size = over_volume.root.shape[1]
+    if callable(criterion):
+        return Goal(np.zeros((0, size)), criterion)
+    if isinstance(criterion, str):
+        one_of(function, "criterion", criterion, ("volume", "joint"))
+        return over_volume if criterion == "volume" else _joint(machine, size)
+    return Goal(finite(function, "criterion", criterion, (None, size)))
+
+
+def volume(machine: Machine, size: int, aligned: bool) -> Goal:
+    """Return V with VᵀV the mean square over the travels; of an aligned case, of what no rigid motion explains."""
+    n = machine.size
+    poses, weights = _over(machine.axes, machine.terms)
+    total = np.zeros((n, n))
+    reversals = any(term.error.kind == "reversal" for _, term in machine.curves)
+    for side in (1.0, -1.0) if reversals else (1.0,):
+        rows = machine.rows(poses, np.full(poses.shape, side)).displacement
+        rows = rows * np.sqrt(weights)[:, None, None] / (np.sqrt(2.0) if reversals else 1.0)
+        flat = rows.reshape(-1, n)
+        if aligned:
+            flat = flat - _rigid(machine.frames(poses).tcp, weights, flat)
+        total += flat.T @ flat
+    return _rooted(total, size)
+
+
+def _rigid(points: Array, weights: Array, deviations: Array) -> Array:
+    """Return the part of deviations (3 m, n) that a rigid motion explains.  points : (m, 3); weights : (m,)"""
+    away = points - weights @ points / weights.sum()
+    spins = [np.cross(each, away) for each in np.eye(3)]
+    shifts = [np.broadcast_to(each, points.shape) for each in np.eye(3)]
+    motions = np.stack([*shifts, *spins], axis=2) * np.sqrt(weights)[:, None, None]
+    flat = motions.reshape(-1, 6)
+    return np.asarray(flat @ np.linalg.lstsq(flat, deviations, rcond=1e-10)[0])
+
+
+def _joint(machine: Machine, size: int) -> Goal:
+    """Return V of the paper's own criterion: one Gram matrix for each spline."""
+    reach = float(np.linalg.norm([axis.length for axis in machine.axes if not axis.rotary])) / 2
+    total = np.zeros((machine.size, machine.size))
+    for term, columns in zip(machine.terms, machine.columns, strict=True):
+        if isinstance(term, Curved):
+            total[columns, columns] = term.spline.gram() * (reach**2 if term.error.component >= 3 else 1.0)
+    return _rooted(total, size)
+
+
+def _rooted(weight: Array, size: int) -> Goal:
+    """Return V with VᵀV = W over the machine's coefficients."""
+    values, vectors = np.linalg.eigh(weight)
+    kept = values > 1e-15 * values[-1]
+    root = (vectors[:, kept] * np.sqrt(values[kept])).T
+    return Goal(np.hstack([root, np.zeros((len(root), size - len(weight)))]))
+
+
+def _over(axes: Sequence[Axis], terms: Sequence[object]) -> tuple[Array, Array]:
+    """Return poses all over the travels, (m, q), and their weights, (m,), whose sum is 1."""
+    if len(axes) == 1:
+        knots = [term.spline.knots for term in terms if isinstance(term, Curved) and term.error.period is None]
+        nodes, weights = gauss(np.unique(np.concatenate([*knots, axes[0].travel])), _NODES)
+        return nodes[:, None], weights / weights.sum()
+    low, high = np.array([axis.travel for axis in axes]).T
+    return low + even_points(_POSES, len(axes)) * (high - low), np.full(_POSES, 1 / _POSES)

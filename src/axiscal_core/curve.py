@@ -1,0 +1,106 @@
+"""One error as a curve: the whole method of the paper in three methods, for an error alone.
+
+Figure 4 of the paper, where seven readings settle seven control points, each taken where it serves most (eq. 27):
+
+    >>> curve = Curve((0, 10), std=1.0, knots=7)
+    >>> for _ in range(7):
+    ...     t = curve.next(noise=0.1)
+    ...     curve = curve.read(t, np.sin(t), noise=0.1)
+    >>> f"J falls from 8.44 to {curve.J:.4f}"
+    'J falls from 8.44 to 0.1963'
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from axiscal_core.normal import Normal
+from axiscal_core.refusals import Array, InputError, finite, whole, within
+from axiscal_core.roots import largest
+from axiscal_core.splines import Spline, distances, matern, natural
+from axiscal_core.units import Quantity, quantities, si
+
+_CUBIC = 3
+"""N and D of a reading's gain are squares of cubics (eq. 23)."""
+
+
+class Curve:
+    """A cubic spline of which mean and covariance are known.  Nothing changes it: reading returns another.
+
+    travel : its two ends; std : of its values before any reading; knots : how many, evenly spaced
+    length : over which they are alike, None for control values that are independent (eq. 16)
+    """
+
+    spline: Spline
+    known: Normal
+
+    def __init__(
+        self, travel: Sequence[Quantity], std: Quantity, knots: int = 7, length: Quantity | None = None
+    ) -> None:
+        start, stop = quantities(travel, "Curve", "travel", (2,))
+        if start >= stop:
+            raise InputError("Curve", "travel", f"goes from {start:g} to {stop:g}", "Give the lower end first")
+        self.spline = natural(float(start), float(stop), whole("Curve", "knots", knots, 2))
+        size = within("Curve", "std", si(std, "Curve", "std"), 0.0, open_end=True)
+        alike = np.eye(knots)
+        if length is not None:
+            over = within("Curve", "length", si(length, "Curve", "length"), 0.0, open_end=True)
+            alike = matern(distances(self.spline) / over)
+        self.known = Normal(np.zeros(knots), size**2 * alike)
+
+    @classmethod
+    def of(cls, spline: Spline, known: Normal) -> Curve:
+        """Return the curve of a spline whose control values are known."""
+        curve = cls.__new__(cls)
+        curve.spline, curve.known = spline, known
+        return curve
+
+    def __call__(self, t: ArrayLike) -> Normal:
+        """Return what is known at positions t (eq. 18, 20): a normal over them, (m,)."""
+        at = finite("Curve", "t", np.atleast_1d(np.asarray(t)), (None,))
+        self._refuse_outside("Curve", at)
+        return self.known.through(self.spline(at))
+
+    @property
+    def J(self) -> float:  # noqa: N802 (the paper's letter)
+        """The integral of the variance over the travel (eq. 24-26)."""
+        return float(np.sum(self.spline.gram() * self.known.covariance))
+
+    @property
+    def rms(self) -> float:
+        """The root of the mean variance over the travel."""
+        return float(np.sqrt(self.J / np.ptp(self.spline.knots)))
+
+    def next(self, noise: Quantity) -> float:
+        """Return where a reading lets J fall most, exactly (eq. 27)."""
+        variance = within("Curve.next", "noise", si(noise, "Curve.next", "noise"), 0.0, open_end=True) ** 2
+        covariance, weight = self.known.covariance, self.spline.gram()
+
+        def forms(t: Array) -> tuple[Array, Array]:
+            rows = self.spline(t)
+            reach = rows @ covariance
+            return np.einsum("mi,ij,mj->m", reach, weight, reach), variance + np.sum(reach * rows, axis=1)
+
+        found = largest(forms, self.spline.knots, 2 * _CUBIC)
+        assert found is not None, "a spline is a cubic between its knots"
+        return found[0]
+
+    def read(self, t: Quantity, value: Quantity, noise: Quantity) -> Curve:
+        """Return the curve after a reading at t (eq. 21-23)."""
+        at, y = si(t, "Curve.read", "t"), si(value, "Curve.read", "value")
+        variance = within("Curve.read", "noise", si(noise, "Curve.read", "noise"), 0.0, open_end=True) ** 2
+        self._refuse_outside("Curve.read", np.array([at]))
+        return Curve.of(self.spline, self.known.read(self.spline(at), [y], [variance]))
+
+    def _refuse_outside(self, function: str, t: Array) -> None:
+        start, stop = self.spline.knots[[0, -1]]
+        for place in np.flatnonzero((t < start) | (t > stop)).tolist():
+            what = f"{t[place]:g} is outside the travel"
+            raise InputError(function, "t =", what, f"It goes from {start:g} to {stop:g}", place)
+
+    def __repr__(self) -> str:
+        start, stop = self.spline.knots[[0, -1]]
+        return f"<Curve from {start:g} to {stop:g}, {self.spline.size} control values, known to {self.rms:.3g} RMS>"

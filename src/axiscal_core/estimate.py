@@ -1,0 +1,82 @@
+"""From readings to what is known: linear where the machine is, sizes averaged over, slips taken out."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal_core.draws import Draws, drawn
+from axiscal_core.known import Known
+from axiscal_core.model import Model
+from axiscal_core.places import Readings
+from axiscal_core.problem import Given, Problem
+from axiscal_core.refusals import Array, InputError
+from axiscal_core.slips import MOST, doubted
+from axiscal_core.threads import one_thread
+
+_ROUNDS = 20  # of Gauss and Newton: who needs more has described another set-up
+_LINEAR = 0.01  # noises
+
+
+@one_thread
+def estimated(case: Model, readings: Readings) -> Known:
+    """Return what readings make known."""
+    case.values(readings, "Case.estimate")
+    if not len(readings):
+        raise InputError("Case.estimate", "readings", "are none", "Give one or more")
+    bad = list[int]()
+    while True:
+        kept = np.setdiff1d(np.arange(len(readings)), bad)
+        mine = only(case, readings, kept)
+        problem = Problem(case, mine, located(case, mine))
+        draws = drawn(problem)
+        odds, z = doubted(problem, draws)
+        worst = int(np.argmax(odds))
+        if odds[worst] <= 0 or len(bad) + 1 > MOST * len(readings):
+            break
+        bad.append(int(kept[worst]))
+    mean, covariance, moved = averaged(problem, draws)
+    squares = np.sqrt(draws.weights @ np.exp(2 * draws.thetas))
+    sizes = {
+        f"{size.kind} {owner}": float(s)
+        for size, s in zip(problem.sizes.of, squares, strict=True)
+        for owner in size.owners
+    }
+    apart = dict(zip(kept.tolist(), z.tolist(), strict=True))
+    return Known(case, mean, covariance, moved, np.sqrt(draws.weights), sizes, tuple(bad), apart)
+
+
+def averaged(problem: Problem, draws: Draws) -> tuple[Array, Array, Array]:
+    """Return mean (size,), covariance (size, size) without type B, and (size, c, d) what type B moves in each draw."""
+    each = [given.posterior() for given in draws.given]
+    mean = draws.weights @ np.array([one.mean for one in each])
+    covariance = np.zeros((len(mean),) * 2)
+    for weight, one in zip(draws.weights, each, strict=True):
+        covariance += weight * (one.covariance + np.outer(one.mean - mean, one.mean - mean))
+    moved = [np.sqrt(w) * given.gain(problem.n.type_b) for w, given in zip(draws.weights, draws.given, strict=True)]
+    return mean, covariance, np.stack(moved, axis=2)
+
+
+def located(case: Model, readings: Readings) -> Array | None:
+    """Return the unknowns at which readings are to be linear, (size,), by Gauss-Newton; None where nominal rows do.
+
+    An instrument 300 mm from where it is said to stand has other rows.
+    """
+    about: Array | None = None
+    for _ in range(_ROUNDS):
+        problem = Problem(case, readings, about)
+        mean = Given(problem, np.zeros(len(problem.sizes))).posterior().mean
+        promised = problem.n.shown + problem.n.rows @ (mean if about is None else mean - about)
+        there = case.numbers(readings, mean)
+        if np.abs(there.shown - promised).max(initial=0.0) < _LINEAR * there.noise.min():
+            return about
+        about = mean
+    raise InputError(
+        "Case.estimate", "readings", "fit no machine near the one described", "Say better where instruments stand"
+    )
+
+
+def only(case: Model, readings: Readings, kept: Array) -> Readings:
+    """Return some readings.  kept : (k,) which"""
+    place = case.numbers(readings).place
+    std, time = (None if each is None else each[kept] for each in (readings.std, readings.time))
+    return Readings(readings.places.at(kept), readings.values[np.isin(place, kept)], std, time)

@@ -1,0 +1,160 @@
+"""What is known of a machine: a normal of its unknowns, and figures of it.
+
+>>> import numpy as np, axiscal_core as ac
+>>> machine = ac.Machine([ac.Axis.linear("X", "x", (0, 0.5))], [ac.Error("EXX", "5 um", length="200 mm")])
+>>> case = ac.Case(machine, [ac.Laser("laser", "X", type_b={}, approach="+")], usual="off", sure="exactly")
+>>> places = ac.Places("laser", [[0.0], [0.25], [0.5]])
+>>> known = case.estimate(ac.Readings(places, ["0 um", "4 um", "1 um"]))
+>>> known["EXX"]([0.25]).mean.round(7)
+array([2.8e-06])
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from axiscal_core.curve import Curve
+from axiscal_core.errors import Curved
+from axiscal_core.model import Model
+from axiscal_core.normal import Normal
+from axiscal_core.places import Readings
+from axiscal_core.plan import expanded
+from axiscal_core.refusals import Array, InputError, finite, one_of, whole
+from axiscal_core.units import Quantity
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What is known.
+
+    mean : (size,) of the unknowns, as `names`; alone : (size, size) covariance without causes of type B
+    moved : (size, c, d) by what one standard deviation of each of those moves the mean, in each draw of the sizes,
+        times the root of the draw's probability; shares : (d,) these roots
+    sizes : factors on what was stated; bad : readings that were taken out, by index
+    z : of each other reading, how far it is from what the others expect
+    """
+
+    case: Model
+    mean: Array
+    alone: Array
+    moved: Array
+    shares: Array
+    sizes: Mapping[str, float] = field(default_factory=dict)
+    bad: tuple[int, ...] = ()
+    z: Mapping[int, float] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, case: Model, mean: ArrayLike, covariance: ArrayLike) -> Known:
+        """Return what is known already.  mean : (size,); covariance : (size, size)"""
+        found = finite("Known.of", "mean", mean, (case.size,))
+        spread = finite("Known.of", "covariance", covariance, (case.size, case.size))
+        size = float(np.abs(spread).max(initial=0.0))
+        if not np.allclose(spread, spread.T, atol=1e-12 * size) or np.linalg.eigvalsh(spread).min() < -1e-9 * size:
+            what, remedy = "is none", "Give a matrix that is symmetric and has no variance below zero"
+            raise InputError("Known.of", "covariance", what, remedy)
+        return cls(case, found, spread, np.zeros((case.size, 0, 1)), np.ones(1))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the unknowns."""
+        return self.case.names
+
+    @property
+    def covariance(self) -> Array:
+        """C + Σ G b (G b)ᵀ of the unknowns, (size, size): causes of type B count."""
+        flat = self.moved.reshape(self.case.size, -1)
+        return np.asarray(self.alone + flat @ flat.T)
+
+    @property
+    def normal(self) -> Normal:
+        """Mean and covariance."""
+        return Normal(self.mean, self.covariance)
+
+    @property
+    def rms(self) -> float:
+        """The RMS standard deviation of the tool point over the volume, m."""
+        return float(np.sqrt(self.case.volume.value(self.covariance)))
+
+    @property
+    def U(self) -> float:  # noqa: N802 (the field's letter)
+        """Expanded uncertainty, m: the RMS deviation after correction exceeds it in 5 % of machines."""
+        root = self.case.volume.root
+        return expanded(root @ self.covariance @ root.T)
+
+    def sample(self, count: int, seed: int = 0) -> Array:
+        """Return machines that fit the readings, (count, size)."""
+        return self.normal.sample(whole("Known.sample", "count", count, 1), whole("Known.sample", "seed", seed, 0))
+
+    def read(self, readings: Readings) -> Known:
+        """Return what is known after more readings at once, sizes as they are (eq. 31-33).
+
+        A cell that was read before counts as a fresh one; `Case.estimate` of all readings knows better.
+        """
+        values = self.case.values(readings, "Known.read")
+        n = self.case.numbers(readings, self.mean)
+        noise = self.case.shared(n, n) + np.diag(n.noise**2) + n.type_b @ n.type_b.T
+        found = Normal(self.mean, self.covariance).read(n.rows, values - n.shown + n.rows @ self.mean, noise)
+        return replace(
+            self, mean=found.mean, alone=found.covariance, moved=np.zeros((self.case.size, 0, 1)), shares=np.ones(1)
+        )
+
+    def deviation(
+        self, poses: Sequence[Sequence[Quantity]] | Array, joint: bool = False,
+        sides: Sequence[Sequence[float]] | Array | None = None,
+    ) -> Normal:  # fmt: skip
+        """Return the deviation of the tool point, a normal (m, 3) with covariances (m, 3, 3), m.
+
+        joint : of all poses at once instead, mean (3 m,) and covariance (3 m, 3 m)
+        sides : (m, q), from where axes came
+        Rests count as before any reading: what was learnt of a cell is not used elsewhere.
+        """
+        at = self.case.machine.poses(poses, "Known.deviation")
+        came = None if sides is None else finite("Known.deviation", "sides", sides, at.shape)
+        machine = self.case.machine
+        own = machine.rows(at, came).displacement
+        rows = np.concatenate([own, np.zeros((*own.shape[:2], self.case.size - machine.size))], axis=2)
+        rests = np.array([term.rest for _, term in machine.curves])
+        levers = machine.levers(at, came)[0].transpose(1, 2, 0) * rests
+        if not joint:
+            covariances = rows @ self.covariance @ rows.swapaxes(1, 2) + levers @ levers.swapaxes(1, 2)
+            return Normal(rows @ self.mean, covariances)
+        found, cells = self.normal.through(rows.reshape(-1, self.case.size)), self.case.cells(at)
+        for lever, cell in zip(levers.reshape(-1, len(rests)).T, cells.T, strict=True):
+            same = np.repeat(np.repeat(cell[:, None] == cell, 3, axis=0), 3, axis=1)  # poses in one cell share its rest
+            found = Normal(found.mean, found.covariance + same * np.outer(lever, lever))
+        return found
+
+    def __getitem__(self, name: str) -> Curve:
+        """Return one error as a curve: `known["EXX"](positions)` is a normal over positions."""
+        terms = {term.name: i for i, term in self.case.machine.curves}
+        i = terms[one_of("Known", "name", name, [*terms])]
+        term, columns, spread = self.case.machine.terms[i], self.case.machine.columns[i], self.covariance
+        assert isinstance(term, Curved), "a curve is one"
+        return Curve.of(term.spline, Normal(self.mean[columns], spread[columns, columns]))
+
+    def budget(self, figures: ArrayLike, caused: ArrayLike | None = None) -> dict[str, float]:
+        """Return what each source adds to the standard uncertainty of a figure F u: a sum of squares.
+
+        figures : F (size,)
+        caused : f (c,) what one standard deviation of each cause of type B does to the figure itself
+        """
+        rows = finite("Known.budget", "figures", figures, (self.case.size,))
+        causes = self.case.causes
+        own = np.zeros(len(causes)) if caused is None else finite("Known.budget", "caused", caused, (len(causes),))
+        lines = {"readings and model": float(np.sqrt(rows @ self.alone @ rows))}
+        moved = np.einsum("i,icd->cd", rows, self.moved)
+        for name, each, f in zip(causes, moved, own, strict=False):
+            lines[name] = float(np.linalg.norm(each - f * self.shares))
+        return lines
+
+    def table(self) -> dict[str, list[object]]:
+        """Return the unknowns as columns: `pandas.DataFrame(known.table())`."""
+        return {"name": [*self.names], "mean": self.mean.tolist(), "std": self.normal.std.tolist()}
+
+    def __repr__(self) -> str:
+        out = f", {len(self.bad)} readings taken out" if self.bad else ""
+        return f"<Known: {self.rms:.3g} m RMS over the volume{out}>"

@@ -1,0 +1,185 @@
+"""A machine: a chain of axes, and what may be wrong with it.
+
+δp(t) = Σ_k s_k R_k(t) [ δ_k + ε_k × r_k(t) ] = H(t) A        (method of B&H eq. 1 and 28, with lever arms)
+
+>>> axes = [Axis.linear("X", "x", (0, "600 mm")), Axis.linear("Y", "y", (0, "400 mm"))]
+>>> machine = Machine(axes, [Error("EXX", "10 um"), Error("EYY", "8 um"), Error("C0Y", "30 urad")])
+>>> machine.rows(np.array([[0.3, 0.1]])).displacement.shape
+(1, 3, 15)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import accumulate, pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal_core.axes import Axis, Frames, chain
+from axiscal_core.dh import links
+from axiscal_core.errors import Basis, Curved, Error, Plane, as_usual, curved
+from axiscal_core.refusals import Array, InputError, finite
+from axiscal_core.units import Quantity, quantities, si
+
+_CHECKED = 3  # poses at which the rows of a basis of one's own are looked at
+
+
+class Rows(NamedTuple):
+    """What coefficients of errors do to the tool: displacement, rotation : (m, 3, n), m and rad."""
+
+    displacement: Array
+    rotation: Array
+
+
+class Machine:
+    """A machine.
+
+    axes : from the workpiece to the tool; errors : of `Error`, or bases of one's own
+    tool : its length, m, or the tool point where all axes stand at zero, (3,); held : (3, 3) the tool's turn there
+    """
+
+    def __init__(
+        self, axes: Sequence[Axis], errors: Sequence[Error | Basis], tool: Quantity | Sequence[Quantity] = 0.0,
+        held: Array | None = None,
+    ) -> None:  # fmt: skip
+        for what, given in (("axes", axes), ("errors", errors)):
+            if isinstance(given, str) or not isinstance(given, Sequence) or not given:
+                raise InputError("Machine", what, f"= {given!r} is no list", "Give a list of one or more")
+        self.axes, self.errors, self.held = tuple(axes), tuple(errors), held
+        scalar = isinstance(tool, str | int | float)
+        self.tool = (
+            np.array([0, 0, -si(tool, "Machine", "tool")]) if scalar else quantities(tool, "Machine", "tool", (3,))
+        )
+        self.names = [axis.name for axis in self.axes]
+        self._refuse_twice("axes", self.names)
+        self.terms: list[Curved | Basis] = [
+            curved(e, self.axes) if isinstance(e, Error) else self._own(e) for e in self.errors
+        ]
+        self._refuse_twice("errors", [error.name for error in self.errors])
+        self.curves = [(i, term) for i, term in enumerate(self.terms) if isinstance(term, Curved)]
+        sizes = [term.covariance().shape[0] for term in self.terms]
+        self.columns = [slice(*pair) for pair in pairwise(accumulate(sizes, initial=0))]
+        self.size = sum(sizes)
+
+    @classmethod
+    def from_dh(
+        cls, parameters: Sequence[Sequence[Quantity]], std: Mapping[str, Quantity],
+        travel: Sequence[Quantity] = ("-150 deg", "150 deg"), tool: Sequence[Quantity] = (0.0, 0.0, 0.0),
+    ) -> Machine:  # fmt: skip
+        """Return a robot of rotary joints J1, J2, … by Denavit-Hartenberg parameters.
+
+        parameters : a, alpha, d, theta of each link; std : of the errors of "a", "alpha", "d", "theta"
+        tool : the tool point in the last frame, m
+        """
+        axes, errors, point, held = links(parameters, std, travel, tool)
+        return cls(axes, errors, point.tolist(), held)
+
+    def as_usual(self) -> Machine:
+        """Return the machine with what curves usually have and nobody stated: lengths, rests, scales."""
+        found = [as_usual(t.error, self.axes[t.at]) if isinstance(t, Curved) else t for t in self.terms]
+        return Machine(self.axes, found, self.tool.tolist(), self.held)
+
+    def poses(self, values: object, function: str = "Machine.poses") -> Array:
+        """Return poses as an array, (m, q); refuses those outside the travel."""
+        poses = quantities(values, function, "poses", (None, len(self.axes)))
+        for k, axis in enumerate(self.axes):
+            low, high = axis.travel
+            slack = 1e-9 * axis.length  # rounding of a place at the end
+            for i in np.flatnonzero((poses[:, k] < low - slack) | (poses[:, k] > high + slack)).tolist():
+                what = f"has {axis.name} = {poses[i, k]:g}, outside the travel"
+                raise InputError(function, "poses", what, f"{axis.name} goes from {low:g} to {high:g}", i)
+        return poses
+
+    def frames(self, poses: Array) -> Frames:
+        """Return the nominal chain.  poses : (m, q)"""
+        return chain(self.axes, poses, self.tool, self.held)
+
+    def rows(self, poses: Array, sides: Array | None = None) -> Rows:
+        """Return H.  poses : (m, q); sides : (m, q), from where each axis came: +1, -1, 0 where nobody knows"""
+        frames, shape = self.frames(poses), (len(poses), 3, self.size)
+        result = Rows(np.zeros(shape), np.zeros(shape))
+        alike = dict[tuple[int, float, int], Array]()  # most errors of an axis have the same knots
+        for term, columns in zip(self.terms, self.columns, strict=True):
+            if isinstance(term, Curved):
+                key = term.at, float(term.spline.knots[-1]), term.spline.size
+                if key not in alike:
+                    alike[key] = term.spline(poses[:, term.at])
+                values = alike[key] * self._sided(term, sides, len(poses))[:, None]
+                for out, lever in zip(result, self._lever(term, frames, poses), strict=True):
+                    out[:, :, columns] = lever[:, :, None] * values[:, None, :]
+            else:
+                for out, part in zip(result, self._moved(term, frames, poses), strict=True):
+                    out[:, :, columns] = part
+        return result
+
+    def levers(self, poses: Array, sides: Array | None = None) -> tuple[Array, Array]:
+        """Return what a unit of each curve's value does to displacement and rotation of the tool, (curves, m, 3)."""
+        frames = self.frames(poses)
+        moved, turned = np.zeros((2, len(self.curves), len(poses), 3))
+        for i, (_, term) in enumerate(self.curves):
+            sided = self._sided(term, sides, len(poses))[:, None]
+            moved[i], turned[i] = (each * sided for each in self._lever(term, frames, poses))
+        return moved, turned
+
+    def covariance(self) -> Array:
+        """Return C of all coefficients before any reading, (n, n)."""
+        result = np.zeros((self.size, self.size))
+        for term, columns in zip(self.terms, self.columns, strict=True):
+            result[columns, columns] = term.covariance()
+        return result
+
+    def _lever(self, term: Curved, frames: Frames, poses: Array) -> tuple[Array, Array]:
+        """Return what a unit of the value does, (m, 3) each."""
+        k, axis = term.at, self.axes[term.at]
+        along = frames.turn[k][:, :, term.error.component % 3]
+        still, sign = np.zeros_like(along), -1.0 if axis.on_workpiece else 1.0
+        if term.error.kind == "location" and not axis.rotary:
+            # the direction of travel is tilted: the carriage goes where it goes, and turns nothing
+            return np.cross(along, frames.turn[k] @ axis.direction) * poses[:, k, None], still
+        if term.error.component < 3:
+            return sign * along, still
+        return sign * np.cross(along, frames.tcp - frames.origin[k]), sign * along
+
+    def _moved(self, term: Basis, frames: Frames, poses: Array) -> tuple[Array, Array]:
+        """Return what a basis of one's own does, (m, 3, n) each."""
+        rows = term.rows(poses)
+        if term.frame == "tool":
+            return frames.tool @ rows[:, :3], frames.tool @ rows[:, 3:]
+        k = self.names.index(term.frame)
+        sign = -1.0 if self.axes[k].on_workpiece else 1.0
+        shift, turn = sign * frames.turn[k] @ rows[:, :3], sign * frames.turn[k] @ rows[:, 3:]
+        return shift + np.cross(turn, (frames.tcp - frames.origin[k])[:, :, None], axis=1), turn
+
+    def _sided(self, term: Curved, sides: Array | None, count: int) -> Array:
+        """Return by what the side counts, (m,): a reversal is the difference of both, so half of it from each."""
+        if term.error.kind != "reversal":
+            return np.ones(count)
+        return np.zeros(count) if sides is None else sides[:, term.at] / 2
+
+    def _own(self, error: Basis) -> Basis:
+        missing = [each for each in ("name", "frame", "rows", "covariance") if not hasattr(error, each)]
+        if missing:
+            raise InputError("Machine", "errors", f"hold {error!r} without {', '.join(missing)}", "See Basis")
+        if isinstance(error, Plane):
+            error.on(self.axes)
+        if error.frame not in [*self.names, "tool"]:
+            what, known = f"hold {error.name} of an unknown frame {error.frame!r}", ", ".join([*self.names, "tool"])
+            raise InputError("Machine", "errors", what, f"Frames are {known}")
+        prior = finite(error.name, "covariance()", error.covariance(), (None, None))
+        middles = np.tile([sum(axis.travel) / 2 for axis in self.axes], (_CHECKED, 1))
+        finite(error.name, "rows(poses)", error.rows(middles), (_CHECKED, 6, len(prior)))
+        scale = float(np.abs(prior).max())
+        if not np.allclose(prior, prior.T) or np.linalg.eigvalsh(prior).min() < -1e-9 * scale:
+            raise InputError(
+                error.name, "covariance()", "is none", "Give a matrix that is symmetric and has no variance below zero"
+            )
+        return error
+
+    def _refuse_twice(self, what: str, names: Sequence[str]) -> None:
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError("Machine", what, f"hold {name} twice", "Give each its own name")
+
+    def __repr__(self) -> str:
+        return f"<Machine {''.join(self.names)}: {len(self.errors)} errors, {self.size} coefficients>"

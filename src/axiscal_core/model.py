@@ -1,0 +1,275 @@
+"""A machine and the instruments on it, as one linear map of all unknowns: y = h + H x + v.
+
+The unknowns x are the coefficients of the machine's errors, then what each instrument leaves open of itself. Detail
+finer than a spline, its rest, is one value in each short cell of the travel. Readings in that cell share it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from itertools import accumulate, pairwise
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from axiscal_core.criterion import Goal, volume
+from axiscal_core.errors import Sure
+from axiscal_core.instrument import Instrument, refuse_what_is_not_analytic, sight
+from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
+from axiscal_core.places import Places, Readings
+from axiscal_core.refusals import Array, InputError, one_of, whole
+from axiscal_core.splines import even_points
+from axiscal_core.units import quantities, si
+
+CELLS, ASIDE = 8, 2e-4
+"""Cells of a knot interval, within which a rest is one value; they begin so far before a knot, m or rad.
+
+Places are round numbers, and stand at knots."""
+
+
+CANDIDATES = 800
+"""Even places: with twice as many J of eight drawn plans falls by up to a tenth, of six of them by less than 1 %."""
+
+
+class Numbers(NamedTuple):
+    """All numbers of readings, in the order of the places.
+
+    rows : (n, size); shown : (n,) at the machine where they are linear; reach : (n, curves) of each curve's rest
+    cell : (n, curves) in which of its cells; noise : (n,); place, setup : (n,) which; part : (n,) which of the reading
+    type_b : (n, c) what one standard deviation of each cause does
+    """
+
+    rows: Array
+    shown: Array
+    reach: Array
+    cell: np.ndarray
+    noise: Array
+    place: np.ndarray
+    setup: np.ndarray
+    part: np.ndarray
+    type_b: Array
+
+    def at(self, which: np.ndarray) -> Numbers:
+        """Return some of them."""
+        return Numbers(*(each[which] for each in self))
+
+
+class Model:
+    """What does not change while a machine is measured.
+
+    usual : "on" adds what usually goes wrong and nobody stated, to errors and to readings: see `causes`
+    sure : how well stated sizes are known; aligned : a rigid motion of the whole volume counts as no error
+    """
+
+    def __init__(
+        self, machine: Machine, instruments: Sequence[Instrument], *, usual: Literal["on", "off"] = "on",
+        sure: Sure = "well", aligned: bool = True,
+    ) -> None:  # fmt: skip
+        if not isinstance(machine, Machine):
+            raise InputError("Case", "machine", f"= {machine!r} is none", "Give Machine(axes, errors)")
+        if isinstance(instruments, str | Instrument) or not isinstance(instruments, Sequence) or not instruments:
+            raise InputError("Case", "instruments", f"= {instruments!r} is no list", "Give a list of one or more")
+        self.usual = one_of("Case", "usual", usual, ("on", "off")) == "on"
+        self.sure: Sure = sure
+        one_of("Case", "sure", sure, ("roughly", "well", "exactly"))
+        self.aligned, self.stated = aligned, machine
+        self.machine = machine.as_usual() if self.usual else machine
+        self.instruments = tuple(instruments)
+        self.setups = [self._mounted(each) for each in self.instruments]
+        if len(set(self.setups)) < len(self.setups):
+            raise InputError("Case", "instruments", "hold one name twice", "Give each its own name")
+
+    def _mounted(self, instrument: Instrument) -> str:
+        """Return the name of an instrument that can be mounted here."""
+        if not isinstance(instrument, Instrument):
+            raise InputError(
+                "Case", "instruments", f"hold {instrument!r}", "Give Laser('laser', 'X'), or a class of your own"
+            )
+        known = ", ".join(self.machine.names)
+        for name in (*instrument.moves, *instrument.park):
+            if name not in self.machine.names:
+                where, argument = type(instrument).__name__, "park" if name in instrument.park else "moves"
+                raise InputError(where, argument, f"names an axis {name!r} that is not there", f"Axes are {known}")
+        if not instrument.moves:
+            raise InputError(type(instrument).__name__, "moves", "names no axis", f"Axes are {known}")
+        some = self.lattice_of(instrument, 6)
+        refuse_what_is_not_analytic(instrument, self.machine, some.poses, some.sides)
+        return instrument.name
+
+    @cached_property
+    def own(self) -> list[slice]:
+        """The columns of each instrument's unknowns, behind the coefficients of the machine."""
+        ends = accumulate((len(each.own) for each in self.instruments), initial=self.machine.size)
+        return [slice(*pair) for pair in pairwise(ends)]
+
+    @cached_property
+    def size(self) -> int:
+        """The number of unknowns."""
+        return int(self.own[-1].stop)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The name of every unknown: "EXX[3]", "laser.zero"."""
+        pairs = zip(self.machine.terms, self.machine.columns, strict=True)
+        errors = [f"{term.name}[{i}]" for term, columns in pairs for i in range(columns.stop - columns.start)]
+        return (*errors, *(f"{each.name}.{unknown}" for each in self.instruments for unknown in each.own))
+
+    @cached_property
+    def causes(self) -> tuple[str, ...]:
+        """The name of every cause of type B: "laser.warmer"."""
+        return tuple(f"{each.name}.{cause}" for each in self.instruments for cause in each.considered)
+
+    @cached_property
+    def prior(self) -> Normal:
+        """What is known before any reading."""
+        covariance = np.zeros((self.size, self.size))
+        covariance[: self.machine.size, : self.machine.size] = self.machine.covariance()
+        tail = np.arange(self.machine.size, self.size)
+        covariance[tail, tail] = [std**2 for each in self.instruments for std in each.own.values()]
+        return Normal(np.zeros(self.size), covariance)
+
+    @cached_property
+    def volume(self) -> Goal:
+        """The criterion "volume"."""
+        return volume(self.machine, self.size, self.aligned)
+
+    def checked(self, places: Places | Readings, function: str) -> Places:
+        """Return the places, on instruments and within the travel of this case."""
+        found = places.places if isinstance(places, Readings) else places
+        if not isinstance(found, Places):
+            raise InputError(function, "places", f"= {places!r} are none", "Give Places(instrument, poses)")
+        for name in found.instruments:
+            one_of(function, "places", name, self.setups)
+        self.machine.poses(found.poses, function)
+        return found
+
+    def numbers(self, places: Places | Readings, about: Array | None = None) -> Numbers:
+        """Return all numbers of readings, linear at some unknowns.  about : (size,), zero where not given"""
+        found = places.places if isinstance(places, Readings) else places
+        setup = np.array([self.setups.index(name) for name in found.instruments], dtype=np.intp)
+        first = np.cumsum([0, *(len(each.considered) for each in self.instruments)])
+        parts = []
+        for i, instrument in enumerate(self.instruments):
+            mine = np.flatnonzero(setup == i)
+            if not len(mine):
+                continue
+            at = (None, None) if about is None else (about[: self.machine.size], about[self.own[i]])
+            shown = sight(instrument, self.machine, found.poses[mine], found.sides[mine], *at)
+            m, k, _ = shown.errors.shape
+            rows, causes = np.zeros((m, k, self.size)), np.zeros((m, k, len(self.causes)))
+            rows[:, :, : self.machine.size], rows[:, :, self.own[i]] = shown.errors, shown.own
+            causes[:, :, first[i] : first[i + 1]] = shown.type_b
+            cells = np.broadcast_to(self.cells(found.poses[mine])[:, None], shown.reach.shape)
+            noise = np.tile(instrument.sigma, (m, 1))
+            if isinstance(places, Readings) and places.std is not None:
+                noise = np.tile(places.std[mine, None], (1, k))
+            noise = np.sqrt(noise**2 + shown.blind)
+            each = [rows, shown.shown, shown.reach, cells, noise, np.tile(mine[:, None], (1, k)), np.full((m, k), i)]
+            each += [np.tile(np.arange(k), (m, 1)), causes]
+            parts.append([part.reshape(m * k, *part.shape[2:]) for part in each])
+        joined = [np.concatenate(each) for each in zip(*parts, strict=True)]
+        order = np.argsort(joined[5], kind="stable")
+        return Numbers(*(each[order] for each in joined))
+
+    def taken(self, after: Readings | Places | None, function: str) -> Numbers | None:
+        """Return the numbers of readings that are there, None where there are none."""
+        return None if after is None or not len(self.checked(after, function)) else self.numbers(after)
+
+    def shows(self, places: Places, x: Array) -> Normal:
+        """Return what readings show of unknowns x (size,), nothing linearised, with noise and rests."""
+        n = self.numbers(self.checked(places, "Case.shows"), x)
+        return Normal(n.shown, self.shared(n, n) + np.diag(n.noise**2))
+
+    def values(self, readings: Readings, function: str) -> Array:
+        """Return the values of readings, one for each number, (n,)."""
+        self.checked(readings, function)
+        each = [len(self.instruments[self.setups.index(name)].names) for name in readings.places.instruments]
+        if sum(each) != len(readings.values):
+            what = f"hold {len(readings.values)} values of {sum(each)} numbers"
+            raise InputError(
+                function, "readings", what, "Give every number of every reading, in the order of the places"
+            )
+        return readings.values
+
+    def cells(self, poses: Array) -> Array:
+        """Return in which cell each curve's rest is, (m, curves)."""
+        result = np.zeros((len(poses), len(self.machine.curves)))
+        for i, (_, term) in enumerate(self.machine.curves):
+            low, high, count = term.spline.knots[0], term.spline.knots[-1], CELLS * (len(term.spline.knots) - 1)
+            along = np.floor((poses[:, term.at] - low + ASIDE) / ((high - low) / count))
+            result[:, i] = np.clip(along, 0, count - 1)
+        return result
+
+    def shared(self, first: Numbers, second: Numbers) -> Array:
+        """Return the covariance of rests between numbers, (n, m): readings in one cell share its value."""
+        total = np.zeros((len(first.rows), len(second.rows)))
+        for i, (_, term) in enumerate(self.machine.curves):
+            if term.rest:
+                alike = first.cell[:, i, None] == second.cell[:, i]
+                total += term.rest**2 * alike * np.outer(first.reach[:, i], second.reach[:, i])
+        return total
+
+    def readings(self, table: Mapping[str, Sequence[object]]) -> Readings:
+        """Return readings of a table, such as a DataFrame.
+
+        table : columns "instrument", each axis, those of the instrument's numbers; with sides "X_side", "std", "time"
+        """
+        missing = [name for name in ("instrument", *self.machine.names) if name not in table]
+        if missing:
+            known = ", ".join(("instrument", *self.machine.names))
+            raise InputError("Case.readings", "table", f"has no column {missing[0]!r}", f"It needs {known}")
+        names = [str(name) for name in table["instrument"]]
+
+        def column(name: str) -> Array:
+            given = [*table[name]] if name in table else [0.0] * len(names)
+            return quantities(given, "Case.readings", name, (len(names),))
+
+        poses, sides = (np.stack([column(name + each) for name in self.machine.names], 1) for each in ("", "_side"))
+        places = self.checked(Places(names, poses, sides), "Case.readings")
+        values = list[object]()
+        for i, name in enumerate(names):
+            for number in self.instruments[self.setups.index(name)].names:
+                if number not in table:
+                    raise InputError("Case.readings", "table", f"has no column {number!r}", f"{name} shows it", i)
+                values.append([*table[number]][i])
+        std, time = (column(what) if what in table else None for what in ("std", "time"))
+        return Readings(places, quantities(values, "Case.readings", "values", (None,)), std, time)
+
+    def table(self, places: Places | Readings) -> dict[str, list[object]]:
+        """Return places or readings as columns: `pandas.DataFrame(case.table(plan.places))`."""
+        found = self.checked(places, "Case.table")
+        columns: dict[str, list[object]] = {"instrument": [*found.instruments]}
+        columns |= {name: found.poses[:, k].tolist() for k, name in enumerate(self.machine.names)}
+        columns |= {f"{name}_side": found.sides[:, k].tolist() for k, name in enumerate(self.machine.names)}
+        if isinstance(places, Readings):
+            values = iter(self.values(places, "Case.table").tolist())
+            for i, setup in enumerate(found.instruments):
+                for number in self.instruments[self.setups.index(setup)].names:
+                    columns.setdefault(number, [float("nan")] * len(found))[i] = next(values)
+            for what, given in (("std", places.std), ("time", places.time)):
+                columns |= {} if given is None else {what: given.tolist()}
+        return columns
+
+    def lattice(self, count: int = CANDIDATES) -> Places:
+        """Return even places in the travel of what each instrument moves, from the sides it may be read from."""
+        each = max(whole("Case.lattice", "count", count, 1) // len(self.instruments), 2)
+        parts = [self.lattice_of(instrument, each) for instrument in self.instruments]
+        return sum(parts[1:], parts[0])
+
+    def lattice_of(self, instrument: Instrument, count: int) -> Places:
+        """Return even places of one instrument."""
+        axes, machine = [self.machine.names.index(name) for name in instrument.moves], self.machine
+        where = type(instrument).__name__
+        parked = [si(instrument.park.get(a.name, sum(a.travel) / 2), where, "park") for a in machine.axes]
+        poses, sides = np.tile(machine.poses([parked], where), (count, 1)), np.zeros((count, len(machine.axes)))
+        ways = len(instrument.sides)
+        even = even_points(count, len(axes))
+        if len(axes) == 1:  # both ends are places as good as any, and each place is read from every side
+            even = (np.arange(count)[:, None] // ways) / max((count - 1) // ways, 1)
+        for j, k in enumerate(axes):
+            low, high = machine.axes[k].travel
+            poses[:, k] = low + even[:, j] * (high - low)
+            sides[:, k] = np.resize(instrument.sides, count)
+        return Places(instrument.name, poses, sides)

@@ -1,0 +1,53 @@
+"""A normal, sharpened by readings (B&H eq. 16-20 and 31-33).
+
+>>> known = Normal(np.zeros(2), np.eye(2)).read([[1.0, 0.0]], [1.0], [1.0])
+>>> known.mean, known.std
+(array([0.5, 0. ]), array([0.70710678, 1.        ]))
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from axiscal_core.refusals import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Normal:
+    """mean : (..., n); covariance : (..., n, n).  Several normals side by side have further axes in front."""
+
+    mean: Array
+    covariance: Array
+
+    @property
+    def std(self) -> Array:
+        """Standard deviations, as the mean."""
+        result: Array = np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=-2, axis2=-1), 0.0))
+        return result
+
+    def read(self, rows: ArrayLike, values: ArrayLike, covariance: ArrayLike) -> Normal:
+        """Return the normal after y = rows x + v (eq. 31-33).
+
+        rows : (m, n); values : (m,); covariance : of v, (m, m), or the variances (m,)
+        """
+        h, y, noise = (np.asarray(each, dtype=np.float64) for each in (rows, values, covariance))
+        reach = self.covariance @ h.T
+        root = np.linalg.cholesky(h @ reach + (noise if noise.ndim == 2 else np.diag(noise)))
+        half = np.linalg.solve(root, np.column_stack([reach.T, y - h @ self.mean]))
+        gain, innovation = half[:, :-1], half[:, -1]
+        return Normal(self.mean + gain.T @ innovation, self.covariance - gain.T @ gain)
+
+    def through(self, rows: ArrayLike) -> Normal:
+        """Return the normal of rows x: of what a spline is at places, for example (eq. 18, 20).  rows : (m, n)"""
+        h = np.asarray(rows, dtype=np.float64)
+        return Normal(h @ self.mean, h @ self.covariance @ h.T)
+
+    def sample(self, count: int, seed: int = 0) -> Array:
+        """Return draws, (count, n)."""
+        values, vectors = np.linalg.eigh(self.covariance)
+        root = vectors * np.sqrt(np.maximum(values, 0.0))
+        result: Array = self.mean + np.random.default_rng(seed).standard_normal((count, len(values))) @ root.T
+        return result

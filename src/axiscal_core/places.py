@@ -1,0 +1,134 @@
+"""Places of readings, and their values.
+
+>>> places = Places("laser", [["0 mm"], ["300 mm"]])
+>>> len(places), places.poses.ravel()
+(2, array([0. , 0.3]))
+>>> Readings(places, [1.2e-6, "3.4 um"]).values
+array([1.2e-06, 3.4e-06])
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from axiscal_core.instrument import Instrument
+from axiscal_core.normal import Normal
+from axiscal_core.refusals import Array, InputError, finite, whole
+from axiscal_core.units import Quantity, quantities
+
+
+class Showing(Protocol):
+    """What says what a machine would show: a case."""
+
+    @property
+    def size(self) -> int:
+        """The number of unknowns."""
+
+    @property
+    def prior(self) -> Normal:
+        """What is known of them before any reading."""
+
+    def shows(self, places: Places, x: Array) -> Normal:
+        """Return what readings show of unknowns x, with noise and rests."""
+
+
+class Places:
+    """Places of readings, in their order.
+
+    instrument : its name, or itself; of each place where they differ
+    poses : (m, q), in the order of the machine's axes
+    sides : (m, q) from where each axis comes: +1, -1, 0 where it does not matter or nobody knows
+    """
+
+    def __init__(
+        self, instrument: str | Instrument | Sequence[str | Instrument],
+        poses: Sequence[Sequence[Quantity]] | Array, sides: Sequence[Sequence[float]] | Array | None = None,
+    ) -> None:  # fmt: skip
+        self.poses = quantities(poses, "Places", "poses", (None, None))
+        each = [instrument] * len(self.poses) if isinstance(instrument, str | Instrument) else list(instrument)
+        if len(each) != len(self.poses):
+            raise InputError(
+                "Places", "instrument", f"has {len(each)} for {len(self.poses)} poses", "Give one, or one each"
+            )
+        self.instruments = tuple(one.name if isinstance(one, Instrument) else one for one in each)
+        self.sides = np.zeros_like(self.poses) if sides is None else finite("Places", "sides", sides, self.poses.shape)
+        for i in np.flatnonzero(~np.isin(self.sides, (-1, 0, 1)).all(axis=1)).tolist():
+            raise InputError("Places", "sides", f"are {self.sides[i]}", "Give +1, -1 or 0 for each axis", i)
+
+    def __len__(self) -> int:
+        return len(self.poses)
+
+    def at(self, which: Sequence[int] | np.ndarray) -> Places:
+        """Return some of them."""
+        chosen = np.arange(len(self))[which]
+        return Places([self.instruments[i] for i in chosen], self.poses[chosen], self.sides[chosen])
+
+    def __add__(self, other: Places) -> Places:
+        """Return these places, then others."""
+        both = (*self.instruments, *other.instruments)
+        return Places(both, *(np.concatenate(pair) for pair in ((self.poses, other.poses), (self.sides, other.sides))))
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{self.instruments.count(name)} of {name}" for name in dict.fromkeys(self.instruments))
+        return f"<Places: {counts}>"
+
+
+class Readings:
+    """What was read.
+
+    places : where; values : (n,) all numbers in their order, or (m, k); in m or rad, or texts
+    std : (m,) noise of each reading where its own is known; time : (m,) s, when; one after another where not given
+    """
+
+    def __init__(
+        self, places: Places, values: Sequence[Quantity] | Sequence[Sequence[Quantity]] | Array,
+        std: Sequence[Quantity] | Array | None = None, time: Sequence[Quantity] | Array | None = None,
+    ) -> None:  # fmt: skip
+        if not isinstance(places, Places):
+            raise InputError("Readings", "places", f"= {places!r} are none", "Give Places(instrument, poses)")
+        shape = (None,) * np.ndim(np.array(values, dtype=object))
+        found = quantities(values, "Readings", "values", shape or (None,))
+        if found.ndim not in (1, 2) or (found.ndim == 2 and len(found) != len(places)):
+            raise InputError(
+                "Readings", "values", f"has the shape {found.shape} for {len(places)} places", "Give (m, k)"
+            )
+        self.places, self.values = places, found.ravel()
+        self.std = None if std is None else quantities(std, "Readings", "std", (len(places),))
+        if self.std is not None and (self.std <= 0).any():
+            raise InputError("Readings", "std", "is not above zero", "Give m or rad", int(np.argmin(self.std)))
+        self.time = None if time is None else quantities(time, "Readings", "time", (len(places),))
+
+    @classmethod
+    def simulated(cls, case: Showing, places: Places, seed: int, truth: Array | None = None) -> Readings:
+        """Return what a machine would show that is drawn as the case believes machines to be.
+
+        truth : (n,) the unknowns, where they are to be these
+        """
+        generator = np.random.default_rng(whole("Readings.simulated", "seed", seed, 0))
+        x = (
+            case.prior.sample(1, seed)[0]
+            if truth is None
+            else finite("Readings.simulated", "truth", truth, (case.size,))
+        )
+        shown = case.shows(places, x)
+        root = np.linalg.cholesky(shown.covariance)
+        return cls(places, shown.mean + root @ generator.standard_normal(len(root)))
+
+    def __len__(self) -> int:
+        return len(self.places)
+
+    def __add__(self, other: Readings) -> Readings:
+        """Return these readings, then others; both state std and time, or neither does."""
+        parts = []
+        for what in ("std", "time"):
+            first, second = getattr(self, what), getattr(other, what)
+            if (first is None) != (second is None):
+                raise InputError("Readings", what, "is stated of some and not of others", "State it of all, or of none")
+            parts.append(None if first is None else np.concatenate([first, second]))
+        return Readings(self.places + other.places, np.concatenate([self.values, other.values]), *parts)
+
+    def __repr__(self) -> str:
+        return f"<Readings: {len(self.values)} numbers at {self.places!r}>"

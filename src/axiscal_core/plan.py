@@ -1,0 +1,299 @@
+"""Readings chosen together: greedy among candidates, exchanged one for one, then moved off the candidates.
+
+A greedy choice takes what serves most now and is never sorry. An exchange takes each reading out in turn and puts in
+what then serves most, until nothing changes (Fedorov 1972). Several starts find several ends; the best one climbs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal_core.bound import lower_bound
+from axiscal_core.criterion import Criterion, Goal, goal
+from axiscal_core.model import Model, Numbers
+from axiscal_core.places import Places, Readings
+from axiscal_core.refusals import Array, InputError, whole, within
+from axiscal_core.state import State, joined
+from axiscal_core.step import climbed
+from axiscal_core.threads import one_thread
+from axiscal_core.units import Quantity, si
+
+_STARTS = 12  # beside the greedy one: with 3 J of eight drawn plans is up to 1.3 times as large, with 24 up to 8 % less
+_CLIMBED = 3  # of what they end in: the best on the candidates is not always the best off them
+_EXCHANGES, _CLIMBS = 8, 4  # rounds, at most: most searches end before
+_MOST = 400  # readings until an RMS: who needs more has another problem
+_SHARE = 0.95  # of U
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """What readings make known.
+
+    J : by the criterion; rms : of the tool point over the volume, m; U : which that RMS exceeds in 5 % of machines, m
+    minutes : set-ups and readings, without ways; bound : J that no choice of as many of the candidates can beat
+    """
+
+    J: float
+    rms: float
+    U: float
+    minutes: float
+    bound: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Readings that serve best together.
+
+    places : where, set-up after set-up; J, rms, U, minutes : as of an `Evaluation`; course : (n,) J after each reading
+    """
+
+    places: Places
+    J: float
+    rms: float
+    U: float
+    minutes: float
+    course: Array
+
+    def __len__(self) -> int:
+        return len(self.places)
+
+    def __repr__(self) -> str:
+        return f"<Plan of {len(self)} readings, {self.minutes:.1f} min: {self.rms:.3g} m RMS over the volume>"
+
+
+@one_thread
+def planned(
+    case: Model, readings: int | None, minutes: float | None, rms: Quantity | None, criterion: Criterion,
+    candidates: Places | int, after: Readings | Places | None, keep: Places | None,
+) -> Plan:  # fmt: skip
+    """Return a plan; arguments are those of `Case.plan`."""
+    where = "Case.plan"
+    if readings is None and minutes is None and rms is None:
+        raise InputError(where, "readings", "is not said, nor minutes, nor rms", "Say when the plan ends")
+    count = None if readings is None else whole(where, "readings", readings, 1)
+    limit = None if minutes is None else within(where, "minutes", si(minutes, where, "minutes"), 0.0, open_end=True)
+    target = None if rms is None else within(where, "rms", si(rms, where, "rms"), 0.0, open_end=True)
+    if isinstance(candidates, Places):
+        lattice = case.checked(candidates, where)
+    else:
+        lattice = case.lattice(whole(where, "candidates", candidates, 1))
+    if not len(lattice):
+        raise InputError(where, "candidates", "are none", "Give one place or more")
+    kept = Places(case.setups[0], np.zeros((0, len(case.machine.axes)))) if keep is None else case.checked(keep, where)
+    if count is not None and len(kept) > count:
+        raise InputError(
+            where, "keep", f"holds {len(kept)} places of {count} readings", "Keep no more than are planned"
+        )
+    wanted = goal(criterion, case.machine, case.volume, where)
+    search = _Search(case, wanted, lattice, case.taken(after, where), kept)
+    free = isinstance(candidates, int)
+    found = _ended(search, count, limit, target, free)
+    return _told(case, search, found, after)
+
+
+def _ended(search: _Search, count: int | None, limit: float | None, target: float | None, free: bool) -> Places:
+    """Return the places of a plan that ends where it is to.  free : places may move off the candidates"""
+    if limit is None:
+        fewest = count or _MOST if target is None else search.fewest(target, count or _MOST)
+        return search.best(fewest, free)
+    chosen = search.starts(count or _MOST, limit, target)[0]
+    if not chosen and not len(search.kept):
+        raise InputError("Case.plan", "minutes", f"= {limit:g} are too few for one reading", "Give more")
+    return search.moved(chosen, free)
+
+
+def _told(case: Model, search: _Search, places: Places, after: Readings | Places | None) -> Plan:
+    order = sorted(range(len(places)), key=lambda i: (case.setups.index(places.instruments[i]), *places.poses[i]))
+    sorted_places = places.at(order)
+    n, before = case.numbers(sorted_places), [] if search.taken is None else [search.taken]
+    course = [State(case, search.goal, joined([*before, n.at(n.place < i)])).value for i in range(1, len(places) + 1)]
+    found = evaluated(case, sorted_places, after, search.goal, bounded=False)
+    return Plan(sorted_places, found.J, found.rms, found.U, found.minutes, np.array(course))
+
+
+@one_thread
+def evaluated(
+    case: Model, places: Places | Readings, after: Readings | Places | None, criterion: Criterion | Goal,
+    bounded: bool = True,
+) -> Evaluation:  # fmt: skip
+    """Return what readings at places would make known; arguments are those of `Case.evaluate`."""
+    where = "Case.evaluate"
+    wanted = criterion if isinstance(criterion, Goal) else goal(criterion, case.machine, case.volume, where)
+    found = case.checked(places, where)
+    before = case.taken(after, where)
+    every = [each for each in (before, case.taken(places, where)) if each is not None]
+    state = State(case, wanted, joined(every) if every else None)
+    spread = case.volume.root @ state.covariance @ case.volume.root.T
+    bound = None
+    if bounded and wanted.function is None:
+        tried = case.numbers(case.lattice() + found)
+        bound = lower_bound(State(case, wanted, before).covariance, wanted.root, tried, len(found))
+    rms = float(np.sqrt(np.trace(spread)))
+    return Evaluation(state.value, rms, expanded(spread), minutes_of(case, found), bound)
+
+
+def expanded(spread: Array) -> float:
+    """Return what the RMS of a normal of this covariance exceeds in 5 % (a χ² as broad: Welch and Satterthwaite)."""
+    from scipy.special import gammaincinv
+
+    total, square = float(np.trace(spread)), float(np.sum(spread**2))
+    if total <= 0:
+        return 0.0
+    half = total**2 / square / 2
+    return float(np.sqrt(total * gammaincinv(half, _SHARE) / half))
+
+
+def minutes_of(case: Model, places: Places) -> float:
+    """Return how long readings take, min: set-ups and readings, without ways."""
+    each = dict(zip(case.setups, case.instruments, strict=True))
+    begins = sum(each[name].begins for name in dict.fromkeys(places.instruments))
+    return (begins + sum(each[name].costs for name in places.instruments)) / 60
+
+
+class _Search:
+    """The search for a plan.  taken : numbers of readings that are there; kept : places that are in every plan"""
+
+    def __init__(self, case: Model, goal: Goal, lattice: Places, taken: Numbers | None, kept: Places) -> None:
+        self.case, self.goal, self.kept, self.taken = case, goal, kept, taken
+        self.places = kept + lattice
+        self.state = State(case, goal, taken)
+        self.n = case.numbers(self.places)
+        self.k, self.reach = self.state.of_numbers(self.n)
+        self.own = [np.flatnonzero(self.n.place == p) for p in range(len(self.places))]
+        widths = np.array([len(each) for each in self.own])
+        self.groups = [np.flatnonzero(widths == width) for width in np.unique(widths)]
+        self.fixed = list(range(len(kept)))
+        self.first = {name: i for i, name in reversed([*enumerate(self.places.instruments)])}
+
+    def gains(self, beside: Sequence[int]) -> Array:
+        """Return what each candidate gains beside others, (candidates,)."""
+        at = np.concatenate([np.zeros(0, dtype=np.intp), *(self.own[i] for i in (*self.fixed, *beside))])
+        root = np.linalg.cholesky(self.k[np.ix_(at, at)] + np.diag(self.n.noise[at] ** 2))
+        half, known = np.linalg.solve(root, self.k[at]), np.linalg.solve(root, self.reach[at])
+        state, result = self.state, np.full(len(self.own), -np.inf)
+        if self.goal.function is not None:
+            state = State(self.case, self.goal, self._numbers((*self.fixed, *beside)))
+        for members in self.groups:
+            mine = np.array([self.own[i] for i in members])
+            felt = half.T[mine]
+            k = self.k[mine[:, :, None], mine[:, None, :]] - felt @ felt.swapaxes(1, 2)
+            k = k + self.n.noise[mine][:, :, None] ** 2 * np.eye(mine.shape[1])
+            result[members] = state.gained(k, self.reach[mine] - felt @ known)
+        result[self.fixed] = -np.inf
+        return result
+
+    def grown(
+        self, chosen: Sequence[int], count: int, limit: float | None = None, target: float | None = None
+    ) -> list[int]:
+        """Return candidates with others added that gain most, until one of the ends is reached."""
+        found = list(chosen)
+        while len(found) + len(self.fixed) < count and (target is None or self.rms(found) > target):
+            gains = self.gains(found)
+            if limit is not None:
+                gains = np.where(self._fits(found, limit), gains, -np.inf)
+            if not np.isfinite(gains.max()):
+                break
+            found.append(int(np.argmax(gains)))
+        return found
+
+    def exchanged(self, chosen: Sequence[int], limit: float | None = None) -> list[int]:
+        """Return candidates of which none can be exchanged for a better one.  limit : minutes"""
+        found = list(chosen)
+        for _ in range(_EXCHANGES):
+            before = list(found)
+            for j in range(len(found)):
+                others = found[:j] + found[j + 1 :]
+                gains = self.gains(others)
+                allowed = gains if limit is None else np.where(self._fits(others, limit), gains, -np.inf)
+                best = int(np.argmax(allowed))
+                found[j] = best if gains[best] > gains[found[j]] else found[j]
+            if found == before:
+                break
+        return found
+
+    def starts(self, count: int, limit: float | None = None, target: float | None = None) -> list[list[int]]:
+        """Return what several starts end in, the best first: plans of so many candidates, or of so many minutes.
+
+        A greedy choice alone may never begin with an instrument whose zero is unknown: one reading of it tells nothing.
+        """
+        generator, more = np.random.default_rng(0), count - len(self.fixed)
+        if limit is not None:
+            more = min(more, int(60 * limit / min(each.costs or 1.0 for each in self.case.instruments)))
+        free = np.arange(len(self.fixed), len(self.own))
+        sizes = [min(more // (1 + i % 2), len(free)) for i in range(_STARTS)]  # all of them drawn, or half
+        drawn = [generator.choice(free, size, replace=False).tolist() for size in sizes]
+        if limit is not None:
+            drawn = [self._within(each, limit) for each in drawn]
+        found = [self.exchanged(self.grown(each, count, limit, target), limit) for each in ([], *drawn)]
+        return sorted(found, key=lambda each: self.value(self._numbers((*self.fixed, *each))))
+
+    def best(self, count: int, free: bool) -> Places:
+        """Return the best plan of so many readings that several starts find.  free : it may leave the candidates"""
+        moved = [self.moved(each, free) for each in self.starts(count)[:_CLIMBED]]
+        return min(moved, key=lambda each: self.value(self._with(each)))
+
+    def value(self, numbers: Numbers | None) -> float:
+        """Return J after readings, with those that are there already among them."""
+        return State(self.case, self.goal, numbers).value
+
+    def moved(self, chosen: Sequence[int], free: bool) -> Places:
+        """Return the places of candidates, moved off them where that serves; kept places stay."""
+        places = [self.places.at([i]) for i in (*self.fixed, *chosen)]
+        numbers = [self.case.numbers(each) for each in places]
+        before = [] if self.taken is None else [self.taken]
+        for _ in range(_CLIMBS if free else 0):
+            gained = 0.0
+            for j in range(len(self.fixed), len(places)):
+                others = [*before, *numbers[:j], *numbers[j + 1 :]]
+                state = State(self.case, self.goal, joined(others) if others else None)
+                start = float(state.gains(places[j])[0])
+                there, gains = climbed(state, places[j], rounds=7, shrink=0.35)
+                gained += (float(gains[0]) - start) / max(state.value, 1e-300)
+                places[j], numbers[j] = there, self.case.numbers(there)
+            if gained < 1e-4:
+                break
+        return sum(places[1:], places[0])
+
+    def fewest(self, target: float, most: int) -> int:
+        """Return how many readings reach an RMS over the volume, m; raises InputError where none do."""
+        left = self.rms([i for i in range(len(self.own)) if i not in self.fixed])
+        if left > target:
+            what = f"= {target:g} is out of reach: one reading at every candidate leaves {left:.3g}"
+            raise InputError("Case.plan", "rms", what, "Ask for a larger one, or give other instruments")
+        low, high = len(self.fixed), max(2 * len(self.fixed), 1)
+        while high < most and self.rms(self.starts(high)[0]) > target:
+            low, high = high, min(2 * high, most)
+        while high - low > 1:
+            middle = (low + high) // 2
+            reached = self.rms(self.starts(middle)[0]) <= target
+            low, high = (low, middle) if reached else (middle, high)
+        return high
+
+    def rms(self, chosen: Sequence[int]) -> float:
+        """Return the RMS over the volume after candidates, m."""
+        return float(np.sqrt(State(self.case, self.case.volume, self._numbers((*self.fixed, *chosen))).value))
+
+    def _with(self, places: Places) -> Numbers:
+        return joined([*([] if self.taken is None else [self.taken]), self.case.numbers(places)])
+
+    def _within(self, chosen: Sequence[int], limit: float) -> list[int]:
+        """Return the first of candidates that fit into so many minutes."""
+        counts = [i for i in range(len(chosen) + 1) if self._minutes(chosen[:i]) <= limit + 1e-9]
+        return [*chosen[: counts[-1] if counts else 0]]
+
+    def _fits(self, chosen: Sequence[int], limit: float) -> NDArray[np.bool_]:
+        """Return which candidates fit into so many minutes beside others, (candidates,)."""
+        fits = [name for name in self.first if self._minutes([*chosen, self.first[name]]) <= limit + 1e-9]
+        return np.isin(self.places.instruments, fits)
+
+    def _minutes(self, chosen: Sequence[int]) -> float:
+        return minutes_of(self.case, self.places.at(np.array([*self.fixed, *chosen], dtype=np.intp)))
+
+    def _numbers(self, chosen: Sequence[int]) -> Numbers | None:
+        parts = [] if self.taken is None else [self.taken]
+        parts += [self.n.at(self.own[i]) for i in chosen]
+        return joined(parts) if parts else None

@@ -1,0 +1,169 @@
+"""Golden campaigns as cases of the core, with instruments that a stranger wrote.
+
+What two axes usually do together has a size of its own in the product and is left out of both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+import axiscal_core as ac
+from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.description.placed_readings import placed_readings
+from axiscal.description.usual import Sizes
+from axiscal.estimation.case import Case
+from axiscal.estimation.learnt import posed
+from axiscal.estimation.promise.numbers import Numbers
+from axiscal.estimation.timed import timed
+from axiscal.machine.description import Machine
+from axiscal.machine.entry import ErrorEntry
+from axiscal.measurement.readers.files import read_any
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal_core.errors import ROUGH
+from axiscal_core.sizes import sizes_of
+from tests.core.strangers import Arm, Autocollimator, Bar, Interferometer, Probe, Straightedge
+
+CAMPAIGNS = Path(__file__).parents[1] / "golden" / "campaigns"
+READ = {
+    "ball_bar": "readings.csv", "drift": "readings.csv", "learnt": "equally-spaced.csv", "nonlinear": "readings.csv",
+    "outlier": "readings.csv", "rotary": "readings.csv", "tracker": "readings.csv", "vcomp": "readings.csv",
+    "xyzac": "readings.csv",
+}  # fmt: skip
+"""Campaigns of which readings are kept, in which file."""
+CLASSES: dict[str, type[ac.Instrument]] = {
+    "interferometer": Interferometer, "indicator": Probe, "probe": Probe, "straightedge": Straightedge,
+    "autocollimator": Autocollimator, "level": Autocollimator, "ballbar": Bar, "tracer": Bar, "tracker": Arm,
+}  # fmt: skip
+
+
+def described(name: str) -> CampaignDescription:
+    """Return a golden campaign without what two axes usually do together."""
+    found = read_campaign(CAMPAIGNS / name / "campaign.toml")
+    stated = tuple(plane for plane in found.machine.planes if not plane.usual)
+    return replace(found, machine=replace(found.machine, planes=stated))
+
+
+@dataclass(frozen=True)
+class Beside:
+    """One case in the product and in the core."""
+
+    description: CampaignDescription
+
+    @cached_property
+    def product(self) -> Case:
+        """Of the product."""
+        return Case(self.description)
+
+    @cached_property
+    def core(self) -> ac.Case:
+        """Of the core."""
+        found = self.description
+        instruments = [instrument_of(setup, found.machine) for setup in found.setups]
+        return ac.Case(machine_of(found.machine), instruments, sure=found.sure)
+
+    def readings(self, file: str) -> list[Reading]:
+        """Return readings that are kept, with the time of each."""
+        machine, setups = self.description.machine, self.description.setups
+        raw = read_any(CAMPAIGNS / file, machine.axes, setups)
+        return [*timed(self.product, placed_readings(raw, self.description, CAMPAIGNS / file)).readings]
+
+    def places(self, readings: Sequence[Reading]) -> ac.Places:
+        """Return where readings were taken, for the core."""
+        names, poses, sides = zip(*((r.setup, r.pose, r.approach) for r in readings), strict=True)
+        return ac.Places(names, np.array(poses), np.array(sides, dtype=float))
+
+    def own(self, readings: Sequence[Reading]) -> ac.Readings:
+        """Return readings for the core."""
+        values = np.concatenate([reading.values for reading in readings])
+        return ac.Readings(self.places(readings), values, time=[float(r.time or 0.0) for r in readings])
+
+    def drawn(self, count: int, setup: Setup, seed: int = 0) -> list[Reading]:
+        """Return readings of zero at random places of a set-up."""
+        generator, found = np.random.default_rng(seed), []
+        axes = self.description.machine.axes
+        for i in range(count):
+            pose = [float(generator.uniform(*axis.travel)) for axis in axes]
+            side = [int(each) for each in generator.choice([-1, 1], len(axes))]
+            others = (0.0,) * (len(CLASSES[setup.instrument].names) - 1)
+            found.append(Reading(setup.name, tuple(pose), tuple(side), 0.0, others=others, time=12.0 * i))
+        return found
+
+    def space(self, readings: Sequence[Reading]) -> Numbers:
+        """Return readings in the product's room of numbers."""
+        return Numbers(posed(self.product, readings))
+
+    def theta(self, mine: Array) -> Array:
+        """Return the core's θ in the order of the product's sizes.  mine : (k,)"""
+        theirs: Sizes = self.product.sizes
+        at: dict[tuple[str, tuple[str, ...]], int] = {
+            (size.kind, size.owners): i for i, size in enumerate(sizes_of(self.core).of)
+        }
+        assert set(at) == {(size.kind, size.owners) for size in theirs.of}
+        return np.array([mine[at[size.kind, size.owners]] for size in theirs.of])
+
+
+def machine_of(machine: Machine, usual: bool = True) -> ac.Machine:
+    """Return a machine for the core.
+
+    usual : it is as machines usually are; the rough part of a rest is taken off then, which the core adds itself
+    """
+    axes = [axis_of(machine, k) for k in range(len(machine.axes))]
+    by_name = dict(zip([axis.name for axis in machine.axes], axes, strict=True))
+    planes = [
+        ac.Plane(
+            each.name, each.std, [by_name[name] for name in each.axes], [side.length or 0.0 for side in each.sides],
+            [side.knots or 0 for side in each.sides],
+        )
+        for each in machine.planes
+    ]  # fmt: skip
+    errors = [error_of(entry, machine, usual) for entry in machine.errors]
+    return ac.Machine(axes, [*errors, *planes], machine.tool)
+
+
+def axis_of(machine: Machine, k: int) -> ac.Axis:
+    """Return an axis for the core."""
+    axis = machine.axes[k]
+    if axis.rotary:
+        where = axis.origin, axis.workpiece_side, axis.overrun
+        return ac.Axis.turning(axis.name, axis.direction, axis.travel, *where)
+    return ac.Axis.linear(axis.name, axis.direction, axis.travel, axis.workpiece_side, axis.overrun)
+
+
+def error_of(entry: ErrorEntry, machine: Machine, usual: bool = True) -> ac.Error:
+    """Return an error for the core; usual : as of `machine_of`"""
+    rough = ROUGH * entry.std if usual else 0.0
+    white = None if entry.rest is None else float(np.sqrt(max(entry.rest**2 - rough**2, 0.0)))
+    knots = 1 if entry.constant else entry.knot_count(machine.axis(entry.axis))
+    curve = entry.kind == "motion" and not entry.harmonics
+    return ac.Error(
+        entry.name, entry.std, knots, entry.length, white if curve or not usual else None, entry.scale,
+        entry.period if entry.harmonics else None, max(entry.harmonics, 1), entry.sure,
+    )  # fmt: skip
+
+
+def instrument_of(setup: Setup, machine: Machine) -> ac.Instrument:
+    """Return a set-up as a stranger's instrument."""
+    axes = machine.axes
+    park = {axis.name: place for axis, place in zip(axes, setup.park, strict=True)}
+    made = CLASSES[setup.instrument](
+        setup.name, [axes[k].name for k in setup.moves], noise=setup.noise, park=park, approach=setup.approach,
+        unknowns={unknown.name: unknown.std for unknown in setup.unknowns}, drift=setup.drift,
+    )  # fmt: skip
+    match made:
+        case Interferometer() | Probe():
+            made.along = setup.direction
+        case Straightedge():
+            made.along, made.axis = setup.direction, setup.moves[0]
+            made.middle = sum(axes[setup.moves[0]].travel) / 2
+        case Autocollimator():
+            made.about = setup.direction
+        case Bar() | Arm():
+            made.station = setup.station
+    return made

@@ -1,0 +1,183 @@
+"""The judge: the plain core beside the product's fast forms, on cases made from golden campaigns.
+
+The core's instruments are those that a stranger wrote. Both were written from the same equations and share no line.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+import axiscal_core as ac
+from axiscal.estimation.estimate import estimated
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.promise.numbers import Numbers
+from axiscal.estimation.promise.unknowns import Unknowns
+from axiscal.measurement.candidates import spread
+from axiscal.measurement.reading import Places, Reading
+from axiscal.numerics import Array
+from axiscal.planning.gains.covariance import Covariance
+from axiscal.planning.next_readings import root_of
+from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.step.best_step import best_step
+from axiscal_core.criterion import Goal
+from axiscal_core.problem import Given, Problem
+from axiscal_core.state import State
+from tests.core.beside import READ, Beside, described
+
+ROWS, POSTERIOR, PLAN = 1e-12, 1e-8, 1.002
+DESCRIBED = ["mill", "one_spline", *READ]
+WITH_PLANES = ["plane_map", "printer"]
+PLANNED = {"learnt": 8, "one_spline": 7, "outlier": 6, "tracker": 5, "rotary": 5, "vcomp": 6, "xyzac": 5}
+"""Campaigns, and of how many readings the plan is."""
+QUICK = {"one_spline", "outlier"}
+BETTER = {"rotary": 1.01, "vcomp": 1.025, "xyzac": 1.05}
+"""J of the product's plan may be so many times the core's, which finds better ones where three or five axes move."""
+
+
+@cache
+def _beside(name: str) -> Beside:
+    return Beside(described(name))
+
+
+def _readings(name: str) -> list[Reading]:
+    """Return the readings of a campaign; readings of zero at random places where none are kept."""
+    beside = _beside(name)
+    if name in READ:
+        return beside.readings(f"{name}/{READ[name]}")
+    return [reading for i, setup in enumerate(beside.description.setups) for reading in beside.drawn(12, setup, i)]
+
+
+def _thetas(name: str) -> list[Array]:
+    """Return the sizes as stated and others, each (k,), of the core."""
+    count = len(_beside(name).product.sizes)
+    return [np.zeros(count), np.random.default_rng(1).normal(size=count) * 0.4]
+
+
+@pytest.mark.parametrize("name", [*DESCRIBED, *WITH_PLANES])
+def test_rows_are_those_of_the_product(name: str) -> None:
+    """Of every instrument that a stranger wrote: interferometer, dial, autocollimator, ball bar, tracer, tracker."""
+    beside = _beside(name)
+    size = beside.core.machine.columns[len(beside.description.machine.errors) - 1].stop  # planes stand behind
+    for index, setup in enumerate(beside.description.setups):
+        places = beside.places(beside.drawn(20, setup))
+        found = beside.product.observation.rows_each(index, places.poses, places.sides)
+        theirs = np.stack([rows for rows, _ in found], axis=1)
+        mine = beside.core.numbers(places).rows.reshape(*theirs.shape[:2], -1)
+        assert np.abs(theirs[:, :, :size] - mine[:, :, :size]).max() < ROWS
+        own = beside.product.observation.unknowns_of(index)
+        assert np.abs(theirs[:, :, own] - mine[:, :, beside.core.own[index]]).max(initial=0.0) < ROWS
+
+
+@pytest.mark.parametrize("name", WITH_PLANES)
+def test_what_two_axes_do_together_is_the_same(name: str) -> None:
+    """Its coefficients are others, in which the product leaves out what both curves say; its kernel is one."""
+    beside = _beside(name)
+    places = beside.places(beside.drawn(20, beside.description.setups[0]))
+    theirs = beside.product.observation.rows_each(0, places.poses, places.sides)[0][0]
+    mine = beside.core.numbers(places).rows
+    before = beside.product.observation.prior_covariance()
+    kernels = theirs @ before @ theirs.T, mine @ beside.core.prior.covariance @ mine.T
+    assert np.abs(kernels[0] - kernels[1]).max() < ROWS * np.abs(kernels[0]).max()
+
+
+@pytest.mark.parametrize("name", DESCRIBED)
+def test_covariances_of_readings_are_those_of_the_product(name: str) -> None:
+    """At sizes as stated and at others. A zero of 1 mm hides all else: the rest is compared alone as well."""
+    beside, readings = _beside(name), _readings(name)
+    posed, problem = beside.space(readings).problem, Problem(beside.core, beside.own(readings))
+    without = posed.rows.copy()
+    without[:, without.shape[1] - posed.unknowns :] = 0.0
+    for theta in _thetas(name):
+        mine = problem.covariance(theta)
+        pairs = (replace(posed, rows=without), mine), (posed, mine + problem.open @ problem.open.T)
+        for theirs, own in pairs:
+            at = beside.theta(theta)
+            found = Numbers(theirs).covariance(at, [curves.roots(at) for curves in theirs.curves])
+            scale = np.sqrt(np.diag(own))
+            assert np.abs((found * np.outer(posed.noise, posed.noise) - own) / np.outer(scale, scale)).max() < ROWS
+
+
+@pytest.mark.parametrize("name", DESCRIBED)
+def test_posteriors_are_those_of_the_product(name: str) -> None:
+    """Mean and covariance at given sizes, in standard deviations, without and with causes of type B."""
+    beside, readings = _beside(name), _readings(name)
+    space, own = Unknowns(beside.space(readings).problem), beside.own(readings)
+    if name == "nonlinear":  # of a station that is millimetres off, rounding alone is a millionth of a deviation
+        own = ac.Readings(own.places, own.values / 1000, time=own.time)
+        space.products = [each / 1000 for each in space.products]
+    problem = Problem(beside.core, own)
+    causes = space.problem.type_b * space.problem.noise[:, None]
+    for theta in _thetas(name):
+        found = space.given(beside.theta(theta))
+        assert found is not None
+        given, theirs = Given(problem, theta), found.without_causes()
+        mine, scale = given.posterior(), np.sqrt(np.diag(theirs.covariance))
+        assert np.abs((mine.mean - theirs.mean) / scale).max() < POSTERIOR
+        assert np.abs((mine.covariance - theirs.covariance) / np.outer(scale, scale)).max() < POSTERIOR
+        moved = given.gain(causes)
+        both, wide = found.posterior().covariance, mine.covariance + moved @ moved.T
+        scale = np.sqrt(np.diag(both))
+        assert np.abs((wide - both) / np.outer(scale, scale)).max() < POSTERIOR
+
+
+def _root(name: str) -> Array:
+    """Return V of the campaign's own criterion, over all unknowns of the core."""
+    beside = _beside(name)
+    found = root_of(beside.product, Knowledge.before(beside.product.observation).belief).matrix
+    return np.pad(found, ((0, 0), (0, beside.core.size - found.shape[1])))
+
+
+@pytest.mark.parametrize("name", PLANNED)
+def test_the_best_step_gains_what_it_gains_in_the_product(name: str) -> None:
+    beside, root = _beside(name), _root(name)
+    observation = beside.product.observation
+    know = Knowledge.before(observation)
+    lattice = spread(observation.machine, observation.setups, 2000)
+    theirs = best_step(know, root_of(beside.product, know.belief), lattice).gain
+    mine = State(beside.core, Goal(root)).gains(beside.core.next(criterion=root))[0]
+    assert mine == pytest.approx(theirs, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[] if name in QUICK else pytest.mark.long) for name in PLANNED]
+)
+def test_plans_are_as_good_as_those_of_the_product(name: str) -> None:
+    """And J of each is the same by both."""
+    beside, root, count = _beside(name), _root(name), PLANNED[name]
+    observation = beside.product.observation
+    know = Knowledge.before(observation)
+    own = root_of(beside.product, know.belief)
+    lattice = spread(observation.machine, observation.setups, 2000)
+    task = Task(observation, know.belief, own, beside.product.yardstick, lattice)
+    theirs = make_plan(task, Limits(count), bounded=False).places
+    mine = beside.core.plan(count, criterion=root)
+    state = Covariance.from_factor(observation, know.belief.factor, own)
+    setups = np.array([beside.core.setups.index(each) for each in mine.places.instruments])
+    j = state.after_readings(theirs).value
+    own_places = Places(setups, mine.places.poses, mine.places.sides)
+    assert state.after_readings(own_places).value == pytest.approx(mine.J, 1e-9)
+    places = ac.Places([beside.core.setups[i] for i in theirs.setups], theirs.poses, theirs.approaches)
+    assert pytest.approx(j, 1e-9) == beside.core.evaluate(places, criterion=root).J
+    assert PLAN * j > mine.J
+    assert j < BETTER.get(name, PLAN) * mine.J
+
+
+@pytest.mark.parametrize("name", ["learnt", "outlier", "vcomp"])
+def test_estimates_are_those_of_the_product_within_what_draws_leave(name: str) -> None:
+    """The core draws sizes from one normal, the product from one with two halves and more of them."""
+    beside, readings = _beside(name), _readings(name)
+    known, found = beside.core.estimate(beside.own(readings)), estimated(beside.product, readings).posterior
+    assert found is not None
+    size = beside.core.machine.size
+    gram = beside.core.volume.root[:, :size].T @ beside.core.volume.root[:, :size]
+    both = found.covariance - found.shared, known.covariance
+    theirs, mine = (np.sqrt(np.sum(gram * covariance[:size, :size])) for covariance in both)
+    apart = (known.mean - found.mean)[:size]
+    assert mine == pytest.approx(theirs, rel=0.15)
+    assert np.sqrt(apart @ gram @ apart) < 0.3 * theirs
+    assert set(known.bad) == set(found.bad)

@@ -1,0 +1,42 @@
+"""The examples run, each says one number, and they stand on the page."""
+
+from __future__ import annotations
+
+import ast
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SAYS = {
+    "core_grid_encoder": [1.06],
+    "core_six_degrees": [3.2],
+    "core_camera": [33.0],
+    "core_robot": [44.0, 69.0],
+}
+"""The numbers that each prints."""
+MOST = 15
+
+
+@pytest.mark.parametrize("name", SAYS)
+def test_an_example_says_its_number(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    runpy.run_path(str(ROOT / "examples" / f"{name}.py"))
+    found = [float(number) for number in re.findall(r"(?<![\w.])-?\d+\.?\d*", capsys.readouterr().out)]
+    assert found == pytest.approx(SAYS[name], rel=0.02)
+
+
+@pytest.mark.parametrize("name", SAYS)
+def test_an_example_is_short_and_stands_on_the_page(name: str) -> None:
+    text = (ROOT / "examples" / f"{name}.py").read_text(encoding="utf-8")
+    code = text.split('"""', 2)[2].strip()
+    lines = [line for line in code.splitlines() if line.strip() and not line.startswith("import")]
+    assert len(lines) <= MOST
+    assert ast.parse(text)
+    page = (ROOT / "docs" / "core.md").read_text(encoding="utf-8")
+    assert code in page or f"(../examples/{name}.py)" in page
+
+
+def test_every_example_of_the_core_is_run() -> None:
+    assert {path.stem for path in (ROOT / "examples").glob("core_*.py")} == set(SAYS)

@@ -1,0 +1,316 @@
+"""The method of the core against the paper, brute force and its own definitions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import axiscal_core as ac
+from axiscal_core.axes import rotation
+from axiscal_core.criterion import Goal
+from axiscal_core.instrument import sight
+from axiscal_core.problem import Given, Problem
+from axiscal_core.state import State
+
+TOGETHER = 0.0831806
+"""J of the paper's seven readings chosen together; the product's own plan of them has it as well."""
+
+
+def _paper() -> ac.Case:
+    """Figure 4: ten units, seven control points of variance one, readings of variance 0.01, no zero."""
+    machine = ac.Machine([ac.Axis.linear("X", "x", (0, 10))], [ac.Error("EXX", 1.0)])
+    dial = ac.Laser("dial", "X", noise=0.1, unknowns={"zero": 0.0}, approach="+")
+    return ac.Case(machine, [dial], usual="off", sure="exactly")
+
+
+def _mill(**options: str) -> ac.Case:
+    axes = [ac.Axis.linear(name, name.lower(), (0, "400 mm")) for name in "XY"]
+    errors = [ac.Error(f"E{c}{name}", "8 um", length="150 mm") for name in "XY" for c in "XYC"]
+    errors += [ac.Error("C0Y", "30 urad"), ac.Error("EXX_reversal", "4 um")]
+    lasers = [ac.Laser("x", "X", along="x"), ac.Laser("y", "Y", along="y"), ac.Level("c", "X", about="z")]
+    return ac.Case(ac.Machine(axes, errors), lasers, **options)  # type: ignore[arg-type]
+
+
+def test_figure_4_one_after_another_and_equation_37() -> None:
+    case, taken = _paper(), ac.Places("dial", np.zeros((0, 1)))
+    falls = []
+    for _ in range(7):
+        taken = taken + case.next(taken if len(taken) else None, criterion="joint")
+        falls.append(case.evaluate(taken, criterion="joint").J)
+    assert falls == pytest.approx([6.862436, 5.292276, 3.733758, 2.213547, 1.077412, 0.619999, 0.196335], abs=5e-5)
+
+
+def test_readings_chosen_together_beat_those_one_after_another() -> None:
+    plan = _paper().plan(readings=7, criterion="joint")
+    assert pytest.approx(TOGETHER, rel=1e-5) == plan.J
+    assert plan.course[-1] == pytest.approx(plan.J)
+    assert np.all(np.diff(plan.course) < 0)
+
+
+def test_the_exact_step_is_no_worse_than_any_of_many() -> None:
+    """Of lines and angles, with cells: ten thousand places along the axis gain no more."""
+    case = _mill()
+    best = case.next()
+    state = State(case, case.volume)
+    gain = state.gains(best)[0]
+    for name, k in (("x", 0), ("y", 1), ("c", 0)):
+        poses = np.full((10_000, 2), 0.2)
+        poses[:, k] = np.linspace(0, 0.4, 10_000)
+        for side in (-1.0, 1.0):
+            assert state.gains(ac.Places(name, poses, np.full((10_000, 2), side))).max() <= gain * (1 + 1e-9)
+
+
+def test_no_places_beat_the_bound() -> None:
+    case = _paper()
+    plan = case.plan(readings=7, criterion="joint")
+    found = case.evaluate(plan.places, criterion="joint")
+    assert found.bound is not None
+    assert 0.9 * found.J < found.bound < found.J
+
+
+def test_a_callable_criterion_plans_what_its_matrix_plans() -> None:
+    case = _paper()
+    root = np.eye(case.size)[[2, 3]]
+    by_matrix = case.plan(3, criterion=root, candidates=60)
+    by_function = case.plan(3, criterion=lambda c: float(np.sum(np.diag(c)[[2, 3]])), candidates=60)
+    assert pytest.approx(by_matrix.J, rel=1e-9) == by_function.J
+
+
+def test_kept_places_stay_and_own_candidates_are_not_left() -> None:
+    case = _mill()
+    kept = ac.Places("x", [[0.123, 0.2]], [[1, 0]])
+    own = ac.Places(["x", "y", "c"] * 4, np.linspace([0.0, 0.0], [0.4, 0.4], 12), np.ones((12, 2)))
+    plan = case.plan(4, candidates=own, keep=kept)
+    allowed = {(name, *pose) for name, pose in zip(own.instruments, own.poses.tolist(), strict=True)}
+    found = {(name, *pose) for name, pose in zip(plan.places.instruments, plan.places.poses.tolist(), strict=True)}
+    assert ("x", 0.123, 0.2) in found
+    assert found - {("x", 0.123, 0.2)} <= allowed
+
+
+def test_readings_that_are_there_count() -> None:
+    case = _mill()
+    first = case.plan(readings=4).places
+    more = case.plan(readings=3, after=first)
+    assert pytest.approx(case.evaluate(first + more.places).J, rel=1e-9) == more.J
+    assert pytest.approx(more.J, rel=1e-9) == case.evaluate(more.places, after=first).J
+
+
+@pytest.mark.parametrize("limit", [0.5, 1.2])
+def test_minutes_are_kept(limit: float) -> None:
+    assert 0.5 * limit < _mill().plan(minutes=limit).minutes <= limit
+
+
+def test_an_rms_is_reached_with_as_few_readings_as_do() -> None:
+    case = _mill()
+    few = case.plan(readings=5, candidates=90)
+    found = case.plan(rms=1.02 * few.rms, candidates=90)
+    assert found.rms <= 1.02 * few.rms
+    assert len(found) <= 5
+
+
+def test_rows_of_a_bar_are_its_differences() -> None:
+    """By a step of a micron in what `sees` shows, nothing else shared."""
+    machine = _mill().machine
+    bar = ac.BallBar("bar", "XY", station=(0.1, 0.05, 0.02))
+    poses, sides, step = np.array([[0.3, 0.2], [0.05, 0.4]]), np.ones((2, 2)), 1e-6
+    found = sight(bar, machine, poses, sides)
+    for column, ways in (("errors", machine.size), ("own", len(bar.own))):
+        for i in range(0, ways, 5):
+            x = np.zeros(ways)
+            x[i] = step
+            at = {"errors": {"errors": x}, "own": {"unknowns": x}}[column]
+            back = {key: -value for key, value in at.items()}
+            up, down = (sight(bar, machine, poses, sides, **each).shown for each in (at, back))
+            assert np.abs((up - down) / (2 * step) - getattr(found, column)[:, :, i]).max() < 1e-6
+
+
+def _told(case: ac.Case, places: ac.Places, seed: int = 3) -> tuple[ac.Readings, ac.Array]:
+    truth = case.prior.sample(1, seed)[0]
+    return ac.Readings.simulated(case, places, seed, truth), truth
+
+
+def test_where_sizes_are_exact_an_estimate_is_one_normal_update() -> None:
+    """eq. 31-33, all at once, and one reading after another: the order does not matter (end of section IV)."""
+    case = _paper()
+    readings, _ = _told(case, ac.Places("dial", [[1.0], [3.5], [8.0]], [[1]] * 3))
+    known, prior = case.estimate(readings), ac.Known.of(case, case.prior.mean, case.prior.covariance)
+    steps = prior
+    for i in (2, 0, 1):
+        steps = steps.read(ac.Readings(readings.places.at([i]), readings.values[[i]]))
+    for each in (prior.read(readings), steps):
+        assert np.abs(known.mean - each.mean).max() < 1e-9
+        assert np.abs(known.covariance - each.covariance).max() < 1e-9
+
+
+def test_a_station_250_mm_off_is_found() -> None:
+    """Rows are taken where the station is: at the place that is stated they would mislead."""
+    axes = [ac.Axis.linear(name, name.lower(), (0, "400 mm")) for name in "XYZ"]
+    machine = ac.Machine(axes, [ac.Error(f"E{name}{name}", "5 um", length="200 mm") for name in "XYZ"])
+    own: dict[str, float | str] = {
+        "zero": "1 mm",
+        **{f"station_{a}": "0.3 m" for a in "xyz"},
+        **{f"tool_{a}": 0.0 for a in "xyz"},
+    }
+    tracer = ac.BallBar("tracer", "XYZ", station=(1.2, 0.3, 0.1), noise="0.3 um", unknowns=own)
+    case = ac.Case(machine, [tracer], usual="off", sure="exactly")
+    truth = case.prior.sample(1, 4)[0]
+    station = [case.names.index(f"tracer.station_{a}") for a in "xyz"]
+    truth[station] = 0.2, -0.25, 0.18
+    known = case.estimate(ac.Readings.simulated(case, case.lattice(60), 1, truth))
+    assert np.abs(known.mean - truth)[station].max() < 5 * known.normal.std[station].max() < 2e-4
+
+
+def test_a_slip_is_taken_out() -> None:
+    case = _mill()
+    places = ac.Places("x", np.column_stack([np.linspace(0, 0.4, 21), np.full(21, 0.2)]), [[1, 0]] * 21)
+    readings, _ = _told(case, places)
+    values = readings.values.copy()
+    values[7] += 60e-6
+    known = case.estimate(ac.Readings(places, values))
+    assert known.bad == (7,)
+    assert max(known.z.values()) < 4
+
+
+class Warm(ac.Laser):
+    """A laser whose scale is warmer than anybody knows, by a kelvin or so."""
+
+    type_b = {"warmer": 1.0}
+
+    def sees(self, at: ac.At, u: ac.Unknowns) -> Sequence[ac.Array]:
+        return [super().sees(at, u)[0] - 11.7e-6 * u["warmer"] * (at.poses[:, 0] - 0.2)]
+
+
+def test_causes_of_type_b_move_no_mean_and_widen_every_figure() -> None:
+    """Schmidt's consider form: Var[F u] = F C Fᵀ + Σ (F G b − f)², which a person redoes by hand."""
+    places = ac.Places("laser", [[t, 0.2] for t in (0.0, 0.1, 0.2, 0.3, 0.4)], [[1, 0]] * 5)
+    machine = _mill().stated
+    cases = [ac.Case(machine, [kind("laser", "X")], usual="off", sure="exactly") for kind in (ac.Laser, Warm)]
+    readings, _ = _told(cases[0], places)
+    plain, warm = (case.estimate(readings) for case in cases)
+    assert np.abs(plain.mean - warm.mean).max() < 1e-15
+    problem = Problem(cases[1], readings)
+    moved = Given(problem, np.zeros(len(problem.sizes))).gain(problem.n.type_b)
+    assert np.abs(warm.covariance - (plain.covariance + moved @ moved.T)).max() < 1e-18
+    figure = np.zeros(cases[1].size)
+    figure[[0, 4]] = -1.0, 1.0
+    budget = warm.budget(figure)
+    assert sum(line**2 for line in budget.values()) == pytest.approx(figure @ warm.covariance @ figure)
+    assert budget["laser.warmer"] == pytest.approx(abs(figure @ moved[:, 0]))
+    # where the answer is as read the cause moves the figure as it moves the mean
+    assert warm.budget(figure, figure @ moved)["laser.warmer"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_robot_moves_as_its_parameters_say() -> None:
+    """Its errors are the derivatives of the product of the matrices by each parameter."""
+    links = np.array([[0.1, 1.5, 0.4, 0.1], [0.7, 0.1, 0.05, 1.5], [0.1, 1.5, 0.0, 0.2]])
+    tool, poses = np.array([0.05, 0.02, 0.15]), np.array([[0.3, -0.4, 0.5], [-1.0, 0.7, 2.0]])
+    robot = ac.Machine.from_dh(links.tolist(), dict.fromkeys(("a", "alpha", "d", "theta"), 1e-3), tool=tool.tolist())
+
+    def tcp(table: ac.Array, pose: ac.Array) -> ac.Array:
+        turn, at = np.eye(3), np.zeros(3)
+        for (a, alpha, d, theta), q in zip(table, pose, strict=True):
+            at = at + turn @ [0, 0, d]
+            turn = turn @ rotation(np.array([0.0, 0, 1]), np.array([theta + q]))[0]
+            at = at + turn @ [a, 0, 0]
+            turn = turn @ rotation(np.array([1.0, 0, 0]), np.array([alpha]))[0]
+        return np.asarray(at + turn @ tool)
+
+    assert np.abs(robot.frames(poses).tcp - [tcp(links, pose) for pose in poses]).max() < 1e-14
+    rows = robot.rows(poses).displacement
+    for i, error in enumerate(robot.errors):
+        link, which = int(error.name[-1]) - 1, ("a", "alpha", "d", "theta").index(error.name[:-1])
+        step = np.zeros_like(links)
+        step[link, which] = 1e-6
+        slopes = [(tcp(links + step, pose) - tcp(links - step, pose)) / 2e-6 for pose in poses]
+        assert np.abs(rows[:, :, i] - slopes).max() < 1e-8
+
+
+class Bend:
+    """A bed that sags by the square of where the carriage stands: somebody's own error."""
+
+    name, frame = "sag", "X"
+
+    def rows(self, poses: ac.Array) -> ac.Array:
+        result = np.zeros((len(poses), 6, 1))
+        result[:, 2, 0] = poses[:, 0] ** 2
+        return result
+
+    def covariance(self) -> ac.Array:
+        return np.array([[1e-8]])
+
+
+def test_an_error_of_ones_own_is_planned_and_estimated() -> None:
+    machine = ac.Machine([ac.Axis.linear("X", "x", (0, 1.0))], [Bend(), ac.Error("EXX", "5 um")])
+    case = ac.Case(machine, [ac.Laser("dial", "X", along="z", noise="1 um")])
+    readings, truth = _told(case, case.plan(readings=5, candidates=50).places)
+    known = case.estimate(readings)
+    assert abs(known.mean[0] - truth[0]) < 4 * known.normal.std[0] < 2e-5
+    assert known.deviation([[1.0]]).mean[0, 2] == pytest.approx(known.mean[0])
+
+
+def test_samples_and_deviations_are_those_of_the_covariance() -> None:
+    case = _mill()
+    readings, _ = _told(case, case.plan(readings=8).places)
+    known = case.estimate(readings)
+    drawn = known.sample(4000, seed=1)
+    assert np.abs(drawn.std(axis=0) / known.normal.std - 1).max() < 0.06
+    poses = [[0.1, 0.1], [0.11, 0.1], [0.3, 0.2]]
+    each, joint = known.deviation(poses), known.deviation(poses, joint=True)
+    assert np.abs(joint.mean.reshape(3, 3) - each.mean).max() < 1e-18
+    blocks = joint.covariance.reshape(3, 3, 3, 3)[range(3), :, range(3)]
+    assert np.abs(blocks - each.covariance).max() < 1e-18
+    curve = known["EXX"]([0.1, 0.3])
+    assert np.abs(curve.mean - known.deviation([[0.1, 0.0], [0.3, 0.0]]).mean[:, 0]).max() < 3e-5
+    assert case.evaluate(readings).rms > 0 < known.rms < known.U
+
+
+def test_tables_go_to_pandas_and_back() -> None:
+    case = _mill()
+    readings, _ = _told(case, case.plan(readings=6).places)
+    frame = pd.DataFrame(case.table(readings))
+    again = case.readings(frame)
+    assert np.array_equal(again.values, readings.values)
+    assert np.array_equal(again.places.sides, readings.places.sides)
+    assert np.array_equal(case.estimate(frame).mean, case.estimate(readings).mean)
+    assert [*pd.DataFrame(case.estimate(readings).table())["name"]] == [*case.names]
+
+
+def test_a_rigid_motion_of_the_volume_is_no_error_where_it_is_aligned() -> None:
+    """A squareness alone of two axes is a rotation only in part; both straightness constants are nothing."""
+    axes = [ac.Axis.linear(name, name.lower(), (0, 1.0)) for name in "XY"]
+    machine = ac.Machine(axes, [ac.Error("EXX", 1.0, knots=1), ac.Error("C0Y", 1.0)])
+    laser = ac.Laser("x", "X")
+    shift, square = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+    for aligned, wanted in ((False, (1.0, 1 / 3)), (True, (0.0, 1 / 24))):
+        case = ac.Case(machine, [laser], usual="off", aligned=aligned)
+        found = [float(np.sum((case.volume.root @ each) ** 2)) for each in (shift, square)]
+        assert found == pytest.approx(wanted, abs=2e-3)
+
+
+def test_plane_and_curves_share_nothing() -> None:
+    axes = [ac.Axis.linear(name, name.lower(), (0, 1.0)) for name in "XY"]
+    plane = ac.Plane("EZXY", "10 um", axes, ["0.5 m", "0.5 m"])
+    machine = ac.Machine(axes, [plane])
+    assert np.abs(plane.covariance() @ np.kron(np.ones(5), np.eye(5)[0])).max() < 1e-18
+    assert machine.rows(np.array([[0.25, 0.5]])).displacement[0, 2].max() == pytest.approx(1.0)
+
+
+def test_a_normal_goal_is_its_matrix() -> None:
+    case = _paper()
+    assert Goal(np.eye(case.size)).value(case.prior.covariance) == pytest.approx(7.0)
+
+
+def test_what_is_promised_of_the_tool_point_holds() -> None:
+    """Of forty machines drawn as the case believes them: mean squares of deviations in standard deviations are one."""
+    case = _mill(usual="off", sure="exactly")
+    places, poses = case.plan(readings=8, candidates=90).places, [[0.0, 0.4], [0.15, 0.1], [0.4, 0.3]]
+    rows, z = case.machine.rows(np.array(poses)).displacement, []
+    for seed in range(40):
+        readings, truth = _told(case, places, seed)
+        found = case.estimate(readings).deviation(poses)
+        apart = (rows @ truth[: case.machine.size] - found.mean)[:, :2]
+        z += [apart[i] @ np.linalg.solve(found.covariance[i, :2, :2], apart[i]) / 2 for i in range(len(poses))]
+    assert np.mean(z) == pytest.approx(1.0, abs=0.25)

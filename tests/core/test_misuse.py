@@ -1,0 +1,199 @@
+"""Every misuse is an `InputError` that names function and argument and, where there is one, the pose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import axiscal_core as ac
+
+anything: Any = ac
+"""The package as a language without types sees it."""
+
+
+def _machine() -> ac.Machine:
+    return ac.Machine([ac.Axis.linear("X", "x", (0, "600 mm"))], [ac.Error("EXX", "10 um", length="200 mm")])
+
+
+def _case() -> ac.Case:
+    return ac.Case(_machine(), [ac.Laser("laser", "X")])
+
+
+def _places(*at: float) -> ac.Places:
+    return ac.Places("laser", [[t] for t in at])
+
+
+class Norm(ac.Instrument):
+    def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
+        return [np.abs(at.moved[:, 0])]
+
+
+class Arctan(ac.Instrument):
+    unknowns = {"turn": "1 mrad"}
+
+    def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
+        return [np.arctan2(np.real(u["turn"]), 1.0) + at.moved[:, 0]]
+
+
+class TwoOfOne(ac.Instrument):
+    def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
+        return [at.moved[:, 0], at.moved[:, 1]]
+
+
+class Square(ac.Instrument):
+    def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
+        return [at.moved]
+
+
+class NoNumber(ac.Instrument):
+    def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
+        return [at.moved[:, 0] + np.where(at.poses[:, 0] > 0.3, np.nan, 0.0)]
+
+
+class Undeclared(ac.Instrument):
+    def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
+        return [at.moved[:, 0] + u["zero"]]
+
+
+class NoCovariance:
+    name, frame = "bend", "X"
+
+    def rows(self, poses: ac.Array) -> ac.Array:
+        return np.zeros((len(poses), 6, 2))
+
+    def covariance(self) -> ac.Array:
+        return np.array([[1.0, 2.0], [2.0, 1.0]])
+
+
+class RowsOfTwo(NoCovariance):
+    def rows(self, poses: ac.Array) -> ac.Array:
+        return np.zeros((len(poses), 3, 2))
+
+    def covariance(self) -> ac.Array:
+        return np.eye(2)
+
+
+def _with(error: Any) -> ac.Machine:
+    return ac.Machine([ac.Axis.linear("X", "x", (0, 1))], [error])
+
+
+def _mounted(instrument: Any) -> ac.Case:
+    return ac.Case(_machine(), [instrument])
+
+
+def _known() -> ac.Known:
+    case = _case()
+    return ac.Known.of(case, np.zeros(case.size), np.eye(case.size))
+
+
+def _one_value() -> ac.Readings:
+    return ac.Readings(_places(0.1, 0.2), [0.0])
+
+
+_WITHOUT: dict[str, list[object]] = {"instrument": ["laser"], "X": [0.1]}
+MISUSES: dict[str, tuple[Callable[[], object], str, str]] = {
+    "noise below zero": (lambda: ac.Laser("laser", "X", noise=-1e-6), "Laser", "noise"),
+    "noise of zero": (lambda: ac.Laser("laser", "X", noise=0.0), "Laser", "noise"),
+    "noise of two numbers": (lambda: ac.Laser("laser", "X", noise=[1e-6, 1e-6]), "Laser", "noise"),
+    "std below zero": (lambda: ac.Error("EXX", -1e-6), "Error", "std"),
+    "std without unit": (lambda: ac.Error("EXX", "10"), "Error", "std"),
+    "std of an unknown below zero": (lambda: ac.Laser("laser", "X", unknowns={"zero": -1.0}), "Laser", "zero"),
+    "unknown unit": (lambda: ac.Error("EXX", "10 parsec"), "Error", "std"),
+    "unit twice": (lambda: ac.Error("EXX", "1.2.3 um"), "Error", "std"),
+    "length of zero": (lambda: ac.Error("EXX", 1e-6, length=0.0), "Error", "length"),
+    "half a knot": (lambda: anything.Error("EXX", 1e-6, knots=2.5), "Error", "knots"),
+    "no error's name": (lambda: ac.Error("straightness", 1e-6), "Error", "name"),
+    "error of another axis": (lambda: _with(ac.Error("EXY", 1e-6)), "Machine", "errors"),
+    "an error twice": (lambda: ac.Machine(_machine().axes, [ac.Error("EXX", 1e-6)] * 2), "Machine", "errors"),
+    "no errors": (lambda: ac.Machine(_machine().axes, []), "Machine", "errors"),
+    "an axis alone": (lambda: anything.Machine(_machine().axes[0], [ac.Error("EXX", 1)]), "Machine", "axes"),
+    "travel turned round": (lambda: ac.Axis.linear("X", "x", (1, 0)), "Axis.linear", "travel"),
+    "a direction without length": (lambda: ac.Axis.linear("X", (0, 0, 0), (0, 1)), "Axis.linear", "along"),
+    "an unknown direction": (lambda: ac.Laser("laser", "X", along="up"), "Laser", "along"),
+    "a basis without covariance": (lambda: _with(object()), "Machine", "errors"),
+    "a covariance that is none": (lambda: _with(NoCovariance()), "bend", "covariance()"),
+    "rows of three": (lambda: _with(RowsOfTwo()), "bend", "rows(poses)"),
+    "an unknown frame": (lambda: _with(ac.Offset("bend", "Z", [0] * 6, 1e-6)), "Machine", "errors"),
+    "robot of unknown parameters": (lambda: ac.Machine.from_dh([[0] * 4], {"b": 1e-3}), "Machine.from_dh", "std"),
+    "robot of three parameters": (lambda: ac.Machine.from_dh([[0] * 3], {"a": 1e-3}), "Machine.from_dh", "parameters"),
+    "a case of a name": (lambda: anything.Case("dmu60", [ac.Laser("laser", "X")]), "Case", "machine"),
+    "instruments that are none": (lambda: anything.Case(_machine(), ["laser"]), "Case", "instruments"),
+    "an instrument alone": (lambda: anything.Case(_machine(), ac.Laser("laser", "X")), "Case", "instruments"),
+    "two of one name": (lambda: ac.Case(_machine(), [ac.Laser("laser", "X")] * 2), "Case", "instruments"),
+    "an axis that is not there": (lambda: _mounted(ac.Laser("laser", "Y")), "Laser", "moves"),
+    "no axis moves": (lambda: _mounted(ac.Laser("laser", "")), "Laser", "moves"),
+    "parked outside": (lambda: _mounted(ac.Laser("laser", "X", park={"X": 2.0})), "Laser", "poses"),
+    "an unknown mounting": (lambda: anything.Laser("laser", "X", nosie=1e-6), "Laser", "mounting"),
+    "an unknown approach": (lambda: anything.Laser("laser", "X", approach="left"), "Laser", "approach"),
+    "abs": (lambda: _mounted(Norm("norm", "X")), "Norm.sees", "result"),
+    "arctan2": (lambda: _mounted(Arctan("arctan", "X")), "Arctan.sees", "result"),
+    "two numbers of one": (lambda: _mounted(TwoOfOne("two", "X")), "TwoOfOne.sees", "result"),
+    "a number of another shape": (lambda: _mounted(Square("square", "X")), "Square.sees", "result"),
+    "no number": (lambda: _mounted(NoNumber("none", "X")), "NoNumber.sees", "result"),
+    "an unknown that is not declared": (lambda: _mounted(Undeclared("none", "X")), "Undeclared.sees", "u['zero']"),
+    "an instrument without sees": (lambda: _mounted(ac.Instrument("none", "X")), "Instrument", "sees"),
+    "a table of words": (lambda: _case().estimate({**_WITHOUT, "X": ["left"], "length": [0.0]}), "Case.readings", "X"),
+    "a value that is no number either": (lambda: ac.Curve((0, 1), 1.0).read(0.5, np.nan, 0.1), "Curve.read", "value"),
+    "an unknown word": (lambda: anything.Case(_machine(), [ac.Laser("l", "X")], sure="very"), "Case", "sure"),
+    "a reading outside the travel": (lambda: _case().evaluate(_places(0.89)), "Case.evaluate", "poses"),
+    "places of another instrument": (lambda: _case().evaluate(ac.Places("dial", [[0.1]])), "Case.evaluate", "places"),
+    "places that are a list": (lambda: anything.Case.evaluate(_case(), [[0.1]]), "Case.evaluate", "places"),
+    "poses in a row": (lambda: anything.Places("laser", [0.1, 0.2]), "Places", "poses"),
+    "poses of words": (lambda: anything.Places("laser", [["left"]]), "Places", "poses"),
+    "a pose that is no number": (lambda: _places(0.1, float("nan")), "Places", "poses"),
+    "a side of two": (lambda: ac.Places("laser", [[0.1]], [[2.0]]), "Places", "sides"),
+    "−1 readings": (lambda: _case().plan(readings=-1), "Case.plan", "readings"),
+    "no readings": (lambda: _case().plan(readings=0), "Case.plan", "readings"),
+    "half a reading": (lambda: anything.Case.plan(_case(), readings=2.5), "Case.plan", "readings"),
+    "a reading that is true": (lambda: _case().plan(readings=True), "Case.plan", "readings"),
+    "no end": (lambda: _case().plan(), "Case.plan", "readings"),
+    "0 candidates": (lambda: _case().plan(readings=3, candidates=0), "Case.plan", "candidates"),
+    "more kept than planned": (lambda: _case().plan(readings=1, keep=_places(0.1, 0.2)), "Case.plan", "keep"),
+    "an RMS out of reach": (lambda: _case().plan(rms="1 nm"), "Case.plan", "rms"),
+    "no minutes": (lambda: _case().plan(minutes=0), "Case.plan", "minutes"),
+    "minutes that are too few": (lambda: _case().plan(minutes=0.01), "Case.plan", "minutes"),
+    "an unknown criterion": (lambda: anything.Case.plan(_case(), 3, criterion="best"), "Case.plan", "criterion"),
+    "a criterion of other size": (lambda: _case().plan(3, criterion=np.eye(2)), "Case.plan", "criterion"),
+    "estimate of a list": (lambda: anything.Case.estimate(_case(), [1, 2]), "Case.estimate", "readings"),
+    "estimate of places": (lambda: anything.Case.estimate(_case(), _places(0.1)), "Case.estimate", "readings"),
+    "a table without instruments": (lambda: _case().estimate({"X": [0.1]}), "Case.readings", "table"),
+    "a table without values": (lambda: _case().estimate(_WITHOUT), "Case.readings", "table"),
+    "fewer values than readings": (lambda: ac.Readings(_places(0.1, 0.2), [[1e-6]]), "Readings", "values"),
+    "a value that is no number": (lambda: ac.Readings(_places(0.1), [np.nan]), "Readings", "values"),
+    "a noise of a reading of zero": (lambda: ac.Readings(_places(0.1), [0.0], std=[0.0]), "Readings", "std"),
+    "fewer values than numbers": (lambda: _case().estimate(_one_value()), "Case.estimate", "readings"),
+    "places of readings that are none": (lambda: anything.Readings([[0.1]], [0.0]), "Readings", "places"),
+    "known of another size": (lambda: ac.Known.of(_case(), [0.0], [[1.0]]), "Known.of", "mean"),
+    "a variance below zero": (lambda: ac.Known.of(_case(), np.zeros(8), -np.eye(8)), "Known.of", "covariance"),
+    "an unknown error": (lambda: _known()["EYX"], "Known", "name"),
+    "a deviation outside the travel": (lambda: _known().deviation([[0.1], [2.0]]), "Known.deviation", "poses"),
+    "no sample": (lambda: _known().sample(0), "Known.sample", "count"),
+    "a curve read outside": (lambda: ac.Curve((0, 1), 1.0).read(2.0, 0.0, 0.1), "Curve.read", "t ="),
+    "a curve read without noise": (lambda: ac.Curve((0, 1), 1.0).read(0.5, 0.0, 0.0), "Curve.read", "noise"),
+    "a curve of one knot": (lambda: ac.Curve((0, 1), 1.0, knots=1), "Curve", "knots"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("misuse", MISUSES)
+def test_a_misuse_is_refused(misuse: str) -> None:
+    given, function, argument = MISUSES[misuse]
+    with pytest.raises(ac.InputError) as refused:
+        given()
+    assert (refused.value.function, refused.value.argument) == (function, argument)
+    assert str(refused.value).startswith(f"{function}: {argument}")
+    assert str(refused.value).endswith(".")
+
+
+def test_the_pose_is_named() -> None:
+    with pytest.raises(ac.InputError, match=r"pose 1 has X = 2, outside the travel. X goes from 0 to 0.6") as refused:
+        _case().machine.poses([[0.1], [2.0]])
+    assert refused.value.pose == 1
+
+
+def test_lists_are_as_good_as_arrays() -> None:
+    listed, array = ac.Places("laser", [["100 mm"], [0.2]]), ac.Places("laser", np.array([[0.1], [0.2]]))
+    assert np.array_equal(listed.poses, array.poses)
+    assert _case().evaluate(listed).J == _case().evaluate(array).J

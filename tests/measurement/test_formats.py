@@ -1,0 +1,338 @@
+"""Every format of readings: drawn files of it come in as drawn, and what is broken or of no use is one clear error."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.evaluation.standards import evaluate, positioning_test
+from axiscal.exceptions import InputError, ReadingError
+from axiscal.measurement.readers.csv_readings import Around
+from axiscal.measurement.readers.files import FORMATS, Recognised, recognised
+from tests.generators.texts import Said, campaign_text, machine_text, setup_text
+from tests.generators.written_maps import EVERYWHERE, FORMS, DrawnMap, drawn
+from tests.measurement.test_instrument_files import RTL
+from tests.measurement.test_level_survey import SURVEY
+
+BED = machine_text("w-b-X-Y-Z-t", {"X": (-400, 400), "Y": (-400, 400), "Z": (-10, 10)}, {"EZX": "50 um"})
+MAPS = [
+    drawn((20, 280, 5), (20, 280, 5), 1),
+    drawn((-120, 180, 7), (-305, -5, 4), 2, holes=3),
+    drawn((0, 10, 3), (-40, 300, 11), 3, holes=5),
+    drawn((-30, 36, 12), (10, 30, 3), 4, holes=1),
+]
+ISO = "target_mm,direction,run,deviation_um\n0,+,1,0.5\n10,+,1,1.5\n10,-,1,0\n0,-,1,-1\n"
+CIRCLE = "angle_deg;direction;deviation_um\n" + "".join(
+    f"{at};CCW;{at / 100:g}\n".replace(".", ",") for at in range(0, 360, 30)
+)
+TEXTS = {form: MAPS[0].text(form) for form in FORMS} | {
+    "a positioning test (.rtl)": RTL,
+    "an angular test (.rta)": RTL.replace(": rtl", ": rta"),
+    "a straightness test (.rts)": RTL.replace(": rtl", ": rts"),
+    "a level survey": SURVEY,
+    "a circular test (ISO 230-4)": CIRCLE,
+    "a test of one axis, a column a run": "Pos;1+;1-\n0;0,5;-1,0\n10;1,5;0,0\n",
+    "a test of one axis (ISO 230-2)": ISO,
+    "a table of readings": "setup,X_mm,value_um\nprobe,1,2\nprobe,5,3\n",
+}
+"""By title, a good file of each."""
+
+
+def described(*, nodes: DrawnMap | None) -> CampaignDescription:
+    """Return a campaign whose probe reads along z, and states where the nodes of maps lie."""
+    said: dict[str, Said] = {}
+    if nodes is not None:
+        said = {"map": {a: [f"{at[0]} mm", f"{at[-1]} mm", len(at)] for a, at in (("X", nodes.x), ("Y", nodes.y))}}
+    probe = setup_text("probe", "probe", direction="z", moves=["X", "Y"], **said)
+    return campaign_from_texts(campaign_text("bed", probe), "c.toml", BED, "bed")
+
+
+def read(folder: Path, text: str | bytes, nodes: DrawnMap | None = None, unit: str = "") -> Recognised:
+    path = folder / "file.txt"
+    path.write_bytes(text.encode() if isinstance(text, str) else text)
+    campaign = described(nodes=nodes)
+    return recognised(path, Around(campaign.machine.axes, campaign.setups), unit)
+
+
+def tried(folder: Path, text: str) -> tuple[Recognised | None, InputError | None]:
+    """Return what a text is, or why it is refused."""
+    try:
+        return read(folder, text, MAPS[0]), None
+    except InputError as refused:
+        return None, refused
+
+
+def heights(found: Recognised) -> dict[tuple[float, float], float]:
+    return {
+        (round(1e3 * each.position["X"], 6), round(1e3 * each.position["Y"], 6)): -1e3 * each.value
+        for each in found.found.readings
+    }
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("number", range(len(MAPS)))
+def test_a_map_comes_in_as_it_was_drawn(tmp_path: Path, form: str, number: int) -> None:
+    drawing = MAPS[number]
+    if form in EVERYWHERE:
+        drawing = DrawnMap(drawing.x, drawing.y, np.nan_to_num(drawing.z, nan=0.125))
+    found = read(tmp_path, drawing.text(form), drawing)
+    assert heights(found) == pytest.approx(drawing.probed(), abs=1e-9)
+    assert found.title == form.partition(", ")[0] or found.title in form
+    if found.found.cells > len(found.found.readings):
+        assert found.found.cells == drawing.z.size
+
+
+def test_every_format_has_a_good_file(tmp_path: Path) -> None:
+    named = {title: read(tmp_path, text, MAPS[0]).title for title, text in TEXTS.items()}
+    assert all(title.startswith(found) for title, found in named.items())
+    others = {"a file of laser software"}
+    assert {kind.title for kind in FORMATS} - others <= set(named.values())
+
+
+ANY_ORDER = [each for each in FORMS if any(word in each for word in ("UBL map", "M421", "points", "OpenCNCPilot"))]
+
+
+@pytest.mark.parametrize("form", [each for each in ANY_ORDER if "CSV" not in each])
+def test_a_map_that_is_turned_upside_down_stays_as_it_is(tmp_path: Path, form: str) -> None:
+    """Rows and points that say where they are may stand in any order."""
+    lines = MAPS[1].text(form).splitlines()
+    movable = [n for n, line in enumerate(lines) if any(map(line.__contains__, ("|", "I", "Bed X", "<point", ".")))]
+    movable = [n for n in movable if not any(map(lines[n].__contains__, ("(", "heightmap", "?xml", "Topography")))]
+    for low, high in zip(movable[: len(movable) // 2], movable[::-1], strict=False):
+        lines[low], lines[high] = lines[high], lines[low]
+    assert heights(read(tmp_path, "\n".join(lines), MAPS[1])) == pytest.approx(MAPS[1].probed(), abs=1e-9)
+
+
+BARE = [form for form in FORMS if form.startswith("a Marlin map") or "CSV" in form or "console" in form]
+
+
+@pytest.mark.parametrize("form", BARE)
+def test_a_map_without_coordinates_asks_for_them(tmp_path: Path, form: str) -> None:
+    with pytest.raises(ReadingError, match=r"State it in the set-up.*map = \{ X = \[\"20 mm\", \"280 mm\", 5\], Y"):
+        read(tmp_path, MAPS[0].text(form))
+    with pytest.raises(ReadingError, match=r"5 x 5 nodes, and `map` of set-up \"probe\" says 3 x 11|says 7 x 4"):
+        read(tmp_path, MAPS[0].text(form), MAPS[1])
+
+
+def test_nodes_without_a_count_are_all_there(tmp_path: Path) -> None:
+    lines = MAPS[0].text("a Marlin map (M421, M503)").splitlines()
+    with pytest.raises(ReadingError, match="line 22: the mesh of 5 x 5 points has 21 values"):
+        read(tmp_path, "\n".join(lines[:22]))
+    found = read(tmp_path, "\n".join(lines[:22]), MAPS[0])
+    assert found.sentence() == "file.txt: a Marlin map (M421, M503), 21 of 25 cells."
+
+
+@pytest.mark.parametrize("title", ["Mesh Leveling Probed Z positions:", "Measured points:", "Bilinear Leveling Grid:"])
+def test_a_title_without_rows_is_cut_off(tmp_path: Path, title: str) -> None:
+    with pytest.raises(ReadingError, match="line 2: the height map is cut off"):
+        read(tmp_path, f"ok\n{title}\nok\n", MAPS[0])
+
+
+def test_a_mesh_of_marlin_is_printed_with_more_decimals(tmp_path: Path) -> None:
+    rows = "0 -0.20000 -0.18000  0.10000\nRecv:  1  0.00100 +0.00000 -0.05000"
+    text = f"Recv: 3x2 mesh. Z offset: 0.00000\nRecv: Measured points:\nRecv:   0   1   2\nRecv:  {rows}\nRecv: ok\n"
+    found = heights(read(tmp_path, text, drawn((0, 20, 3), (5, 6, 2), 9)))
+    assert [*found.values()] == pytest.approx([-0.2, -0.18, 0.1, 0.001, 0.0, -0.05])
+    assert [*found][:4] == [(0.0, 5.0), (10.0, 5.0), (20.0, 5.0), (0.0, 6.0)]
+
+
+def test_an_export_for_marlin_says_where_its_nodes_lie(tmp_path: Path) -> None:
+    text = "; mesh from X 20.0 to 280.0 and Y 20.0 to 280.0\n" + MAPS[0].text("a Marlin map (M421, M503)")
+    assert heights(read(tmp_path, text)) == pytest.approx(MAPS[0].probed(), abs=1e-9)
+
+
+def test_marlin_in_inches_says_so(tmp_path: Path) -> None:
+    text = "echo:  G20    ; Units in inches\n" + MAPS[0].text("a Marlin map (M421, M503)")
+    inches = {place: 25.4 * z for place, z in MAPS[0].probed().items()}
+    assert heights(read(tmp_path, text, MAPS[0])) == pytest.approx(inches, abs=1e-9)
+
+
+@pytest.mark.parametrize("title", TEXTS)
+@pytest.mark.parametrize("share", [0.0, 0.15, 0.4, 0.75, 0.97])
+def test_a_file_that_is_cut_off_is_refused_or_holds_what_stood_there(tmp_path: Path, title: str, share: float) -> None:
+    lines = TEXTS[title].splitlines(keepends=True)
+    text = "".join(lines[: int(share * len(lines))])
+    found, refused = tried(tmp_path, text)
+    if found is None:
+        assert "\n" not in str(refused)
+        assert getattr(refused, "remedy", "")
+        return
+    whole = read(tmp_path, TEXTS[title], MAPS[0]).found.readings
+    values = [(each.position, each.approach, each.value) for each in whole]
+    assert all((each.position, each.approach, each.value) in values for each in found.found.readings)
+
+
+@pytest.mark.parametrize("title", TEXTS)
+def test_what_is_no_number_of_a_machine_is_one_clear_error(tmp_path: Path, title: str) -> None:
+    text = TEXTS[title]
+    for broken in (b"\x00\xff" + text.encode(), bytes(range(256)) * 9):
+        with pytest.raises(InputError):
+            read(tmp_path, broken, MAPS[0])
+    numbers = _numbers(text)
+    for at, word in numbers[:: max(1, len(numbers) // 12)]:
+        longer = text[:at] + 5000 * "9" + text[at + len(word) :]
+        found, refused = tried(tmp_path, longer)
+        assert len(str(refused)) < 600
+        assert found is None or max(abs(each.value) for each in found.found.readings) < 1.0
+
+
+def _numbers(text: str) -> list[tuple[int, str]]:
+    return [(found.start(), found[0]) for found in re.finditer(r"\d+", text)]
+
+
+NO_USE = {
+    "a positioning test (.rtl)": ("Flags:", "Units: inch\nFlags:", "'Units: inch' is not known"),
+    "an angular test (.rta)": ("Run-count: 4", "Run-count: 6", "6 runs are announced, and there are 4"),
+    "a straightness test (.rts)": ("Filetype  : ISO", "Filetype  : ROTARY", "ROTARY' is not known"),
+    "a level survey": ("# base", "# tilt = 3\n# base", "'tilt' is not known"),
+    "a RepRapFirmware map": ("5,5\n", "5,5\n0.1,0.1,0.1,0.1,0.1\n", "5 rows are announced, and there are 6"),
+    "a Klipper mesh": ("version: 1", "version: 1\noffset: 0.2", "offset is not known of a mesh"),
+    "a Moonraker mesh": ('"mesh_min": [', '"mesh_min": [3, ', "no min_x"),
+    "a mesh of the Klipper console": ("// Mesh X,Y", "// Mesh Leveling Probed Z positions:\n// Mesh X,Y", "2 maps"),
+    "a UBL map": (" 3 |", " 4 |", "row 4 stands here twice"),
+    "probed points of Marlin (G29 V4)": ("Z: ", "Z: 0 E: 0.2 ", "is not X, Y and Z"),
+    "a Marlin map (M420 V)": ("Send: M420 V", "Bilinear Leveling Grid:\nSend: M420 V", "there are 2 maps"),
+    "a Marlin map (M421, M503)": ("I1 J1", "I1 J1 Q2", "says no height of a point"),
+    "an OpenCNCPilot height map": ("SizeX", 'ZOffset="0.3" SizeX', "ZOffset is not known"),
+    "a Candle height map": ("0;20;20\r\n", "0;20;20\r\n0;0;0;0;0\r\n", "5 rows are announced, and there are 6"),
+    "a bCNC probe file": ("-1 5 100\n\n", "-1 5 100\n\n9 9 9\n", "25 points are announced, and there are 26"),
+    "a list of points X Y Z, of nine axes": ("0.0 0.0 0.0 0.0", "0.0 0.0 0.0 0.5", "the point has U"),
+    "a circular test (ISO 230-4)": ("angle_deg", "note;angle_deg", "5 cells|'note' is not known|3 cells"),
+    "a test of one axis, a column a run": ("1-", "1-;1-", "named twice"),
+    "a test of one axis (ISO 230-2)": ("run", "humidity,run", "4 cells, the header 5 columns"),
+    "a table of readings": ("X_mm", "X_kg", "'X_kg' is not known|has no unit"),
+}
+
+
+def test_every_format_has_something_of_no_use() -> None:
+    titles = {title.partition(", of")[0] for title in NO_USE}
+    assert {kind.title for kind in FORMATS} - {"a file of laser software"} <= titles
+
+
+@pytest.mark.parametrize("title", NO_USE)
+def test_what_a_file_names_is_used_or_refused(tmp_path: Path, title: str) -> None:
+    old, new, says = NO_USE[title]
+    assert old in TEXTS[title]
+    with pytest.raises(ReadingError, match=says) as refused:
+        read(tmp_path, TEXTS[title].replace(old, new, 1), MAPS[0])
+    assert refused.value.file == str(tmp_path / "file.txt")
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (
+            MAPS[0].text("a bCNC probe file").replace("20 280 5", "30 280 5", 1),
+            "lies outside of the side of X, 30 to 280",
+        ),
+        (MAPS[0].text("a Candle height map").replace("260.00", "-260.00", 1), "5 nodes from 20 to -240 mm"),
+        (MAPS[0].text("an OpenCNCPilot height map").replace('SizeX="5"', 'SizeX="4"'), "outside of the map of 4 x 5"),
+        (MAPS[0].text("a Klipper mesh").replace("max_x: 280.0", "max_x: -5"), "5 nodes from 20 to -5 mm"),
+        (MAPS[0].text("a UBL map").replace("(280, 20)", "(270, 20)"), "the corners are those of no rectangle"),
+        (MAPS[0].text("a UBL map").replace(" 0 |", " 9 |"), "has 0 rows that follow each other"),
+        (MAPS[0].text("a Moonraker mesh").replace("280.0", '"a"', 1), "'a' is not a finite number"),
+        ('{"bed_mesh": {"profiles": {}}}', "no mesh  is saved here|no mesh is saved here"),
+        ('{"probed_matrix": "x", "profiles": 3}', "no mesh"),
+        ('{"probed_matrix": [3, [4]], "mesh_min": [0, 0], "mesh_max": [9, 9]}', "are no map|heights"),
+        ('{"bed_mesh": ' + 100_000 * "[", "this is no JSON"),
+    ],
+)
+def test_an_extent_that_does_not_fit_is_refused(tmp_path: Path, text: str, says: str) -> None:
+    with pytest.raises(ReadingError, match=says):
+        read(tmp_path, text, MAPS[0])
+
+
+def test_a_unit_is_taken_where_the_file_names_none(tmp_path: Path) -> None:
+    inches = {(round(25.4 * x, 6), round(25.4 * y, 6)): 25.4 * z for (x, y), z in MAPS[0].probed().items()}
+    for form in ("a bCNC probe file", "a Candle height map", "an OpenCNCPilot height map", "a list of points X Y Z"):
+        found = read(tmp_path, MAPS[0].text(form), unit="inch")
+        assert heights(found) == pytest.approx(inches, abs=1e-6)
+        assert found.sentence(["probe"]).endswith("25 of 25 cells, in inch, for set-up probe.")
+    table = read(tmp_path, "setup;X;value\nprobe;1;0,001\n", unit="inch").found.readings[0]
+    assert (table.position["X"], table.value) == pytest.approx((0.0254, 25.4e-6))
+    for head in ("X [in];Y [in];Z [in]", "x_inch y_inch z_inch", "X (IN)\tY (IN)\tZ (IN)"):
+        assert heights(read(tmp_path, f"{head}\n1;2;0,1\n")) == {(25.4, 50.8): pytest.approx(2.54)}
+    for text in (
+        "X_mm,Y_mm,Z_mm\n1,2,3\n",
+        "Pos_mm;1+_um\n1;2\n",
+        ISO,
+        RTL,
+        MAPS[0].text("a UBL map"),
+        MAPS[0].text("a Klipper mesh"),
+        SURVEY,
+    ):
+        with pytest.raises(ReadingError, match="Leave --unit out"):
+            read(tmp_path, text, unit="inch")
+
+
+HEADERS = [
+    ("target_mm,direction,run,deviation_um", ",", "+-"),
+    ("Position [mm];Richtung;Lauf;Abweichung [µm]", ";", ("vor", "zurück")),
+    ("Sollposition_mm\tRichtung\tMesslauf\tAbweichung_um", "\t", ("vorwärts", "rückwärts")),
+    ("cible (mm);sens;passage;écart (µm)", ";", ("aller", "retour")),
+    ("posición_mm,dirección,ciclo,desviación_um", ",", ("adelante", "atrás")),
+    ("posizione_mm;direzione;ciclo;scostamento_um", ";", ("avanti", "indietro")),
+    ("pos_mm,dir,cycle,error_um", ",", ("CCW", "CW")),
+    ("pos_mm,dir,cycle,error_um", ",", ("'+", "\N{MINUS SIGN}")),
+]
+
+
+@pytest.mark.parametrize(("header", "between", "ways"), HEADERS)
+@pytest.mark.parametrize("mark", ["", "\ufeff", "sep"])
+def test_spreadsheets_of_europe_are_read(tmp_path: Path, header: str, between: str, ways: str, mark: str) -> None:
+    rows = [(at, way, run, 0.01 * at + run - 3 * way) for run in (1, 2) for way in (0, 1) for at in (-40.5, 0, 310)]
+    point = "." if between == "," else ","
+    lines = [
+        between.join([f"{at}", ways[way], f"{run}", f"{value:.3f}"]).replace(".", point) for at, way, run, value in rows
+    ]
+    first = f"sep={between}\n" if mark == "sep" else mark
+    found = read(tmp_path, first + "\n".join([header, *lines, between * 3, ""])).found.readings
+    values = [(1e3 * each.position[""], 1 - 2 * (each.approach[""] < 0), each.run, 1e6 * each.value) for each in found]
+    assert values == [pytest.approx((at, 1 - 2 * way, run, value)) for at, way, run, value in rows]
+
+
+@pytest.mark.parametrize(
+    ("header", "unit"),
+    [
+        ("Pos;1+;1-;2+;2-", 1e-6),
+        ("Position [mm];Lauf 1 vor [µm];Lauf 1 rück [µm];Lauf 2 vor [µm];Lauf 2 rück [µm]", 1e-6),
+        ("target_mm;run1_up_um;run1_down_um;run2_up_um;run2_down_um", 1e-6),
+        ("Pos_mm;1 forward_mm;1 reverse_mm;2 forward_mm;2 reverse_mm", 1e-3),
+    ],
+)
+def test_a_column_a_run_is_a_test(tmp_path: Path, header: str, unit: float) -> None:
+    found = read(tmp_path, f"{header}\n10,5;1;2;3;4\n-7;5;6;;8\n").found.readings
+    values = {(1e3 * each.position[""], each.approach[""], each.run): each.value / unit for each in found}
+    left = {(10.5, 1, 1): 1, (10.5, -1, 1): 2, (10.5, 1, 2): 3, (10.5, -1, 2): 4, (-7, 1, 1): 5, (-7, -1, 1): 6}
+    assert values == pytest.approx(left | {(-7, -1, 2): 8})
+
+
+def test_a_column_a_run_may_be_of_angles(tmp_path: Path) -> None:
+    turned, pitch = (read(tmp_path, f"{at};1+_arcsec\n90;2\n").found.readings[0] for at in ("Pos_deg", "Pos_mm"))
+    assert (turned.test, pitch.test) == ("positioning", "angular")
+    assert turned.position[""] == pytest.approx(np.pi / 2)
+    assert turned.value == pitch.value == pytest.approx(np.radians(2 / 3600))
+    for header in ("Pos_deg;1+_um", "Pos_mm;1+_um;1-_arcsec"):
+        with pytest.raises(ReadingError, match=r"mix a length and an angle|some runs are lengths, and some are angles"):
+            read(tmp_path, f"{header}\n90;{';'.join(header.count(';') * '2')}\n")
+
+
+def test_a_straightness_test_is_without_its_line(tmp_path: Path) -> None:
+    at = np.arange(9) * 50.0
+    bent = 5.0 * np.sin(at / 60.0)
+    rows = "".join(f"1 {number} {y:.6f}\n" for number, y in enumerate(bent + 0.1 * at + 3.0, 1))
+    targets = " ".join(f"{each:.3f}" for each in at)
+    text = f"HEADER::\nFile type : rts\nTARGET DATA::\nTarget-count: 9\nTargets: {targets}\nDEVIATIONS::\n{rows}EOF::\n"
+    figures = evaluate(positioning_test(read(tmp_path, text))).figures
+    assert 1e6 * figures["E_up"] == pytest.approx(np.ptp(bent - np.polyval(np.polyfit(at, bent, 1), at)), abs=1e-5)
+
+
+def test_a_table_of_readings_may_have_semicolons_and_inches(tmp_path: Path) -> None:
+    text = "setup;X_in;approach;value_in\n\"'+probe; long\";1,5;'-;0,0001\n".replace("'-", "X-")
+    (reading,) = read(tmp_path, text).found.readings
+    assert (reading.setup, reading.approach) == ("+probe; long", {"X": -1})
+    assert (reading.position["X"], reading.value) == pytest.approx((0.0381, 2.54e-6))
