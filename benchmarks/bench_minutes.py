@@ -1,7 +1,8 @@
 """What plans make of minutes: readings and RMS of a machine whose ways cost time, at several speeds.
 
 Two axes of 2 and 1.5 m carry a probe that reads z; heights along both and the roll of the first are unknown. J is
-compared with that of a search that chose readings first and put them in order afterwards.
+compared with that of a search that chose readings first and put them in order afterwards; so are the minutes to a
+target.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from axiscal.numerics.threads import one_thread
 from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.proposal import proposed
 
 CANDIDATES = 400
 """Places that a plan chooses from: a few hundred, as nodes of a bed."""
@@ -47,7 +49,7 @@ CAMPAIGN = """
 machine = "m"
 usual = "off"
 [target]
-budget = "10 min"
+{target}
 [[setups]]
 name = "probe"
 instrument = "probe"
@@ -75,14 +77,42 @@ ROWS = (
 """m/min, seconds of a reading, minutes, and J of a plan by the search before, from the same candidates."""
 
 
-def asked(speed: float, seconds: float) -> Task:
+TARGETS = (
+    (0.3, 1, 'rms = "2.43 um"', 23.44),
+    (1, 1, 'U = "4 um"', 7.14),
+    (1, 1, 'wants = ["straightness X in Z 3 um"]', 2.24),
+    (3, 2, 'rms = "1.5 um"', 3.61),
+    (20, 6, 'rms = "1.55 um"', 3.66),
+)
+"""m/min, seconds of a reading, what is asked for, and the minutes of a plan by the search before."""
+_CHOICE = 600
+
+
+def described(speed: float, seconds: float, target: str = 'budget = "10 min"') -> Case:
     """Return the machine with axes of so many m/min, and a reading of so many seconds."""
-    texts = CAMPAIGN.format(seconds=seconds), "c.toml", MACHINE.format(speed=1000 * speed), "m"
-    case = Case(campaign_from_texts(*texts))
+    campaign = CAMPAIGN.format(seconds=seconds, target=target)
+    return Case(campaign_from_texts(campaign, "c.toml", MACHINE.format(speed=1000 * speed), "m"))
+
+
+def asked(speed: float, seconds: float) -> Task:
+    """Return what is to be planned with axes of so many m/min, and a reading of so many seconds."""
+    case = described(speed, seconds)
     return posed(case, case.knowledge, candidates=CANDIDATES)
 
 
-def main() -> None:
+def for_targets() -> None:
+    """Print readings and minutes to each target, these of the search before, and seconds of the processor."""
+    print("\n| m/min | s a reading | target | readings | minutes | before | s |")
+    print("|---|---|---|---|---|---|---|")
+    for speed, seconds, target, before in TARGETS:
+        case, start = described(speed, seconds, target), time.process_time()
+        plan = proposed(case, Limits.of(case.description.target), _CHOICE).plan
+        spent = time.process_time() - start
+        made = f"{len(plan.readings)} | {plan.seconds / 60:.2f} | {before}"
+        print(f"| {speed} | {seconds} | {target} | {made} | {spent:.1f} |", flush=True)
+
+
+def for_budgets() -> None:
     """Print readings, RMS and J of each plan, J over that of the search before, and seconds of the processor."""
     print("| m/min | s a reading | minutes | readings | RMS um | minutes taken | J | J / before | s |")
     print("|---|---|---|---|---|---|---|---|---|")
@@ -96,4 +126,5 @@ def main() -> None:
 
 if __name__ == "__main__":
     with one_thread():
-        main()
+        for_budgets()
+        for_targets()

@@ -43,7 +43,7 @@ def twelve() -> str:
 
 def left(case: Case, task: Task, readings: int, setups: tuple[int, ...]) -> float:
     """Return the RMS after readings of some set-ups, um."""
-    places = picked(task, Limits(readings=readings), setups)
+    places = picked(task, readings, setups)
     return to_unit(case.yardstick.rms_of(task.state.after_readings(places).value), "um")
 
 

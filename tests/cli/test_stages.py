@@ -12,10 +12,10 @@ import pytest
 from axiscal.campaign.ending import Milestone
 from axiscal.cli import stages
 from axiscal.cli.progress import progress_line
-from axiscal.cli.stages import StageLine, stage_text
+from axiscal.cli.stages import StageLine
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Accuracy
-from axiscal.language.stages import Listener, Stage, listening, stage, staged
+from axiscal.language.stages import Listener, Stage, listening, stage, stage_text, staged
 from axiscal.measurement.reading import Reading
 
 

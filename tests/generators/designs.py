@@ -18,7 +18,8 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import rows_at, visited
 from axiscal.measurement.setup import Approach, Setup, Unknown
 from axiscal.numerics import Array
-from axiscal.planning.plan.task import Task
+from axiscal.planning.gains.covariance import RunningAccuracy
+from axiscal.planning.plan.task import Goal, Task
 
 
 def splines(axes: int, knots: int, noise: float, candidates: int = 2000) -> Task:
@@ -87,6 +88,16 @@ def read_at(observation: Observation, belief: Belief, places: Places) -> tuple[O
     wider = visited(observation, places)
     rows, variances, _ = rows_at(wider, places)
     return wider, belief.extended(observation.rest_variances(wider)).update(rows, np.zeros(len(rows)), variances)
+
+
+def rms_of(asked: Task, rms: float, unsure: float = 1.0) -> Goal:
+    """Return whether readings bring an RMS, m.  unsure : factor by which it may yet become larger"""
+
+    def left(places: Places) -> float:
+        factor = asked.state.after_readings(places).factor
+        return RunningAccuracy.from_factor(asked.yardstick, factor).accuracy.rms
+
+    return Goal(lambda places: left(places) <= rms, lambda places: unsure * left(places) <= rms)
 
 
 def _errors(names: str, knots: int) -> tuple[ErrorEntry, ...]:

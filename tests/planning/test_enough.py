@@ -11,7 +11,6 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.known_rows import known_rows
@@ -19,8 +18,9 @@ from axiscal.machine import load_machine
 from axiscal.measurement.reading import Place
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.simulation import Simulator
+from axiscal.planning.enough import reached_by
 from axiscal.planning.helping import helping_setups, helping_words
-from axiscal.planning.next_readings import placed, posed, until_reached
+from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import alike, blank_problem, foreseen
 from axiscal.planning.proposal import proposed
@@ -160,15 +160,9 @@ def test_places_out_and_back_take_a_zero_that_comes_and_goes_for_a_curve(again: 
     assert found is None or (found.setup, found.readings) == ("along X", 4)
 
 
-def test_a_plan_just_short_of_its_target_goes_on() -> None:
-    text = (
-        'machine = "one-axis"\n[target]\nreadings = 20\n[[setups]]\nname = "laser"\ninstrument = "interferometer"\n'
-        'direction = "x"\n'
-    )
-    case = case_of(campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis"))
-    short, long = (placed(case, proposed(case, Limits(count), FEW).plan) for count in (6, 14))
-    left = expanded(case.yardstick, foreseen(case, (), short).belief).space
-    task = posed(case, case.knowledge)
-    for share, wanted in ((1.01, short), (0.98, long), (0.7, short)):
-        limits = Limits(20, expanded=share * left)
-        assert until_reached(case, task, limits, Limits(6), short, lambda heeded, places: long) == wanted
+def test_a_plan_ends_where_the_result_just_reaches_u() -> None:
+    case = case_of(described('U = "20 um"', "XYZ"))
+    limits = Limits.of(case.description.target)
+    places = placed(case, proposed(case, limits, FEW).plan)
+    assert reached_by(case, limits, places)
+    assert not reached_by(case, limits.times(0.95), places)

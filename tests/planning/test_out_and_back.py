@@ -169,14 +169,6 @@ def test_a_set_up_that_moves_several_axes_goes_a_short_way() -> None:
     assert order.same_as(places)
 
 
-def test_of_several_axes_a_place_that_is_read_again_is_read_last() -> None:
-    task = levered(300)
-    places = task.lattice.within(np.arange(0, 100, 15))
-    order = in_order(task, Places.joined([places, places.single(2)]))
-    assert np.array_equal(order.poses[-1], places.poses[2])
-    assert order.same_as(Places.joined([places, places.single(2)]))
-
-
 def test_many_readings_along_an_axis_lie_one_in_each_part_two_at_its_ends_and_few_where_the_plan_has_them() -> None:
     _, task = one_axis("+")
     low, high = task.observation.machine.axes[0].travel

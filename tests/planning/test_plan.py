@@ -14,16 +14,17 @@ from axiscal.machine import load_machine
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import RunningAccuracy
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.beginnings import best_of_random, evenly_spaced, plain_designs, space_filling
 from axiscal.planning.plan.exchange import exchange
-from axiscal.planning.plan.greedy import Trial, chosen_setups, filled, picked
+from axiscal.planning.plan.greedy import chosen_setups, picked
+from axiscal.planning.plan.order import seconds_along
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task, clock
+from axiscal.planning.plan.tour import grown
 from axiscal.present.demo import description
-from tests.generators.designs import levered, problem, read, read_at, splines
+from tests.generators.designs import levered, problem, read, read_at, rms_of, splines
 from tests.generators.texts import Said, setup_text
 
 OPEN = {"zero": "100 mm", "station_x": "300 mm", "station_y": "300 mm", "station_z": "300 mm"}
@@ -67,22 +68,16 @@ def test_never_worse_than_designs_that_need_no_thought(seed: int) -> None:
 
 
 def test_an_accuracy_out_of_reach_is_given_up_and_one_within_reach_is_not() -> None:
-    asked, setups = levered(200), (0, 1)
-    base = Scores(Pool(asked.observation, asked.lattice), asked.state)
-    meter = RunningAccuracy.from_factor(asked.yardstick, asked.state.factor)
-
-    def made(rms: float, longest: float) -> Trial:
-        return filled(base.fork(), meter, Limits(rms=rms), clock(asked), setups, most=100, longest=longest)
-
-    near = made(1.001 * meter.accuracy.floor, np.inf)
-    beyond = made(1.001 * meter.accuracy.floor, 1e9)
-    assert not near.met
-    assert not beyond.met
-    assert len(beyond.scores.places) < len(near.scores.places) // 2
-    rms = RunningAccuracy.from_factor(asked.yardstick, near.scores.state.factor).accuracy.rms
-    for limit in (1.001 * rms, 1.1 * rms, 1.5 * rms):
-        assert made(limit, 1e9).met
-        assert made(limit, 1e9).seconds == made(limit, np.inf).seconds
+    asked = levered(200)
+    before = asked.yardstick.measure(asked.belief)
+    none = Places.none(3)
+    assert grown(asked, Limits(), (0, 1), none, rms_of(asked, 1.0001 * before.floor), np.inf) is None
+    for share in (0.3, 0.6, 0.9):
+        goal = rms_of(asked, before.floor + share * (before.rms - before.floor))
+        found = grown(asked, Limits(), (0, 1), none, goal, np.inf)
+        assert found is not None
+        assert goal.reached(found)
+        assert grown(asked, Limits(), (0, 1), none, goal, 0.5 * seconds_along(asked, found)) is None
 
 
 class Falling(Scores):
@@ -127,14 +122,16 @@ def test_a_budget_is_kept_and_used() -> None:
     assert longer.value < plan.value
 
 
-def test_a_target_is_reached_in_no_more_readings_than_greedily() -> None:
+@pytest.mark.parametrize("share", [0.4, 0.6])
+def test_a_target_is_just_reached(share: float) -> None:
     asked = levered(200)
     before = asked.yardstick.measure(asked.belief)
-    target = before.floor + 0.6 * (before.rms - before.floor)
-    plan = make_plan(asked, Limits(rms=target), bounded=False, patience=0.0)
-    assert plan.met
+    target = before.floor + share * (before.rms - before.floor)
+    plan = make_plan(asked, Limits(rms=target), goal=rms_of(asked, target), bounded=False, patience=0.0)
     assert plan.accuracy.rms <= target
     assert plan.readings[-2].accuracy.rms > target or len(plan.readings) == 1
+    less = make_plan(asked, Limits(budget=0.95 * plan.seconds), bounded=False, patience=0.0)
+    assert less.accuracy.rms > target
 
 
 def test_the_mounted_setup_goes_on_from_where_the_machine_stands() -> None:
@@ -148,8 +145,8 @@ def test_the_mounted_setup_goes_on_from_where_the_machine_stands() -> None:
 
 def test_the_bound_is_below_the_plan_in_every_kind_of_limit() -> None:
     asked = levered(200)
-    for limits in (Limits(readings=6), Limits(budget=1500.0), Limits(rms=8e-6)):
-        plan = make_plan(asked, limits, patience=0.0)
+    for limits, goal in ((Limits(6), None), (Limits(budget=1500.0), None), (Limits(rms=8e-6), rms_of(asked, 8e-6))):
+        plan = make_plan(asked, limits, goal=goal, patience=0.0)
         assert plan.bound is not None
         assert plan.bound.value <= plan.value
         assert plan.ratio >= 1
@@ -262,4 +259,4 @@ def test_of_places_where_a_tracer_may_stand_those_are_taken_that_leave_least() -
 
 def left_by(asked: Task, setups: tuple[int, ...]) -> float:
     """Return J after sixty picks from some set-ups."""
-    return asked.state.after_readings(picked(asked, Limits(readings=60), setups)).value
+    return asked.state.after_readings(picked(asked, 60, setups)).value

@@ -18,7 +18,7 @@ from axiscal.planning.plan.plan import make_plan, renewed
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.promise import promised
 from axiscal.record.events import Asked, Gap
-from tests.generators.designs import levered, read_at
+from tests.generators.designs import levered, read_at, rms_of
 from tests.generators.texts import campaign_text, setup_text
 
 
@@ -99,13 +99,13 @@ def test_a_rejected_reading_is_made_up_for_where_an_accuracy_is_asked_for() -> N
     before = ASKED.yardstick.measure(ASKED.belief)
     target = before.floor + 0.55 * (before.rms - before.floor)
     limits = Limits(readings=60, rms=target)
-    plan = make_plan(ASKED, limits, patience=0.0, bounded=False)
-    assert plan.met
+    plan = make_plan(ASKED, limits, goal=rms_of(ASKED, target), patience=0.0, bounded=False)
+    assert plan.accuracy.rms <= target
     half = len(plan.places) // 2
     first, bad = taken(ASKED, part(plan.places, 0, half)), plan.places.single(half)
     without = taken(first, bad, believed=False)
-    rest = renewed(without, limits, part(plan.places, half + 1))
-    assert limits.met(ASKED.yardstick.measure(taken(without, rest).belief))
+    rest = renewed(without, limits, part(plan.places, half + 1), goal=rms_of(without, target))
+    assert rms_of(without, target).reached(rest)
     assert len(rest) >= len(part(plan.places, half + 1))
 
 
@@ -114,16 +114,18 @@ def test_what_came_to_be_too_much_is_left_out() -> None:
     assert len(renewed(after, Limits(readings=6), part(PLAN, 4))) == 6
     assert len(renewed(after, Limits(readings=12), part(PLAN, 4))) == 12
     known = after.yardstick.measure(taken(after, part(PLAN, 4)).belief)
-    limits = Limits(readings=10, rms=1.2 * known.rms)
-    assert len(renewed(replace(after, here=None), limits, part(PLAN, 4))) < 10
-    assert way(after, renewed(after, limits, part(PLAN, 4))) < way(after, part(PLAN, 4))
+    limits, goal = Limits(readings=10, rms=1.2 * known.rms), rms_of(after, 1.2 * known.rms)
+    alone = replace(after, here=None)
+    assert len(renewed(alone, limits, part(PLAN, 4), goal=rms_of(alone, 1.2 * known.rms))) < 10
+    assert way(after, renewed(after, limits, part(PLAN, 4), goal=goal)) < way(after, part(PLAN, 4))
 
 
 def test_what_may_yet_be_needed_stays_while_sizes_are_unsure() -> None:
     after = replace(taken(ASKED, part(PLAN, 0, 4)), here=None)
     known = after.yardstick.measure(taken(after, part(PLAN, 4)).belief)
     limits = Limits(readings=10, rms=1.2 * known.rms)
-    sure, unsure, less = (len(renewed(after, limits, part(PLAN, 4), 0.0, by)) for by in (1.0, 1.3, 1.1))
+    goals = (rms_of(after, 1.2 * known.rms, unsure) for unsure in (1.0, 1.3, 1.1))
+    sure, unsure, less = (len(renewed(after, limits, part(PLAN, 4), goal=goal)) for goal in goals)
     assert unsure == 10
     assert sure < less <= 10
 
@@ -134,9 +136,13 @@ def test_a_target_beyond_many_readings_more_is_left_to_other_set_ups() -> None:
     alone, both = ASKED.lattice.within(ASKED.lattice.setups == 0), ASKED.lattice
     of_one, of_all, known = (two.yardstick.measure(taken(two, each).belief) for each in (alone, both, left))
     assert of_all.rms < 0.8 * of_one.rms
-    assert len(renewed(two, Limits(rms=0.9 * of_one.rms), left)) == 0
-    assert len(renewed(two, Limits(readings=9, rms=known.floor), left)) > 0  # which these do not bring within nine
-    assert len(renewed(two, Limits(readings=9, rms=known.rms), left)) > 0
+
+    def rest(rms: float, readings: int | None = None) -> Places:
+        return renewed(two, Limits(readings, rms=rms), left, goal=rms_of(two, rms))
+
+    assert len(rest(0.9 * of_one.rms)) == 0
+    assert len(rest(known.floor, 9)) > 0  # which these do not bring within nine
+    assert len(rest(known.rms, 9)) > 0
 
 
 def test_a_set_up_that_has_come_to_be_needless_is_not_mounted() -> None:
@@ -144,12 +150,13 @@ def test_a_set_up_that_has_come_to_be_needless_is_not_mounted() -> None:
     mine = ASKED.lattice.within(ASKED.lattice.setups == 0)
     left = Places.joined([mine.within(slice(0, 4)), PLAN.within(PLAN.setups != 0)])
     begun, alone = (here.yardstick.measure(taken(here, each).belief).rms for each in (left.within(slice(0, 4)), mine))
-    limits = Limits(rms=0.5 * (begun + alone))
-    rest = renewed(here, limits, left)
+    target = 0.5 * (begun + alone)
+    rest = renewed(here, Limits(rms=target), left, goal=rms_of(here, target))
     assert set(rest.setups) == {0}
     assert way(here, rest) < way(here, left)
-    assert limits.met(here.yardstick.measure(taken(here, rest).belief))
-    assert set(renewed(here, Limits(rms=0.95 * alone), left).setups) != {0}
+    assert rms_of(here, target).reached(rest)
+    harder = 0.95 * alone
+    assert set(renewed(here, Limits(rms=harder), left, goal=rms_of(here, harder)).setups) != {0}
 
 
 @pytest.mark.parametrize("share", [0.6, 0.95, 1.3])

@@ -17,7 +17,7 @@ from axiscal.measurement.reading_rows import rows_at
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.travel import way_seconds
 from axiscal.numerics import Array
-from axiscal.planning.plan.order import seconds_along
+from axiscal.planning.plan.order import in_order, seconds_along
 from axiscal.planning.plan.plan import make_plan, renewed
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import Limits, Task
@@ -145,6 +145,15 @@ def test_so_many_readings_are_the_most_within_a_budget() -> None:
     asked = gantry(60, 0.02)
     assert len(make_plan(asked, Limits(5, budget=1e5), bounded=False, patience=0.0).places) == 5
     assert len(make_plan(asked, Limits(5, budget=120.0), bounded=False, patience=0.0).places) <= 5
+
+
+def test_readings_at_one_place_cost_no_further_way() -> None:
+    asked = gantry(60, 0.02)
+    once = asked.lattice.within(slice(0, 12))
+    thrice = in_order(asked, Places.joined([once, once, once]))
+    ways = seconds_along(asked, in_order(asked, once)) - 12
+    assert seconds_along(asked, thrice) == pytest.approx(ways + 36)
+    assert thrice.same_as(Places.joined([once, once, once]))
 
 
 @pytest.mark.parametrize("budget", [0.5, 59.0])

@@ -71,7 +71,7 @@ def plan(verdict: PlanVerdict, rows: list[PlannedRow], setups: int) -> PlanAnswe
         minutes=1234.5,
         budget_minutes=1240.0,
         **dict.fromkeys(("rms_um", "worst_um", "before_rms_um", "unseen_rms_um", "reachable_rms_um", "J"), 1.0),
-        **dict.fromkeys(("bound_J", "bound_rms_um", "ratio", "percent_from_best", "bound_holds_for")),
+        **dict.fromkeys(("bound_J", "bound_rms_um", "ratio", "bound_holds_for")),
         target_met=False,
         proof_gap_percent=None,
     )

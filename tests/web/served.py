@@ -39,7 +39,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Served:
-    """A server that runs: its address with the token, its record, its process."""
+    """A server that runs: its address with the token, its record or else its folder, its process."""
 
     address: str
     record: Path
@@ -91,11 +91,21 @@ def started(folder: Path, campaign: str = FOUR_READINGS) -> Path:
 
 @contextmanager
 def served(record: Path, *options: str) -> Iterator[Served]:
-    """Serve a record until the end of the block, in English unless said; it then ends by Ctrl-C with status 0."""
-    command = [sys.executable, "-m", "axiscal.cli", "serve", str(record), *options]
+    """Serve a record, or the start of a folder, until the end of the block, in English unless said.
+
+    It then ends by Ctrl-C with status 0.
+    """
+    starts = record.is_dir()
+    command = [sys.executable, "-m", "axiscal.cli", "serve", *([] if starts else [str(record)]), *options]
     english = {**os.environ, "AXISCAL_LANGUAGE": "en"}
     process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, env=english
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        env=english,
+        cwd=record if starts else record.parent,
     )
     assert process.stdout is not None
     try:
@@ -104,7 +114,7 @@ def served(record: Path, *options: str) -> Iterator[Served]:
         yield Served(addresses[0], record, process.pid)
         process.send_signal(signal.SIGINT)
         _, complaint = process.communicate(timeout=PATIENCE)
-        assert (process.returncode, complaint.count("\n")) == (0, 1), complaint
+        assert (process.returncode, complaint.count("\n")) == (0, 0 if starts else 1), complaint
     finally:
         process.kill()
         process.communicate()

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import http.client
+import io
 import re
 import subprocess
 import sys
 import threading
 import time
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -18,7 +20,7 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.record.events import Asked
 from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
-from tests.web.served import PATIENCE, Served, served, started
+from tests.web.served import PATIENCE, Answer, Served, served, started
 
 
 @pytest.fixture
@@ -67,7 +69,26 @@ def test_a_whole_campaign_over_the_api(page: Served) -> None:
     assert [step["code"] for step in known["document"]["steps"]] == ["verify"]  # four readings tell no table
     report = page.ask("GET", "/report.html", Authorization=f"Bearer {page.token}")
     assert (report.status, b"<html" in report.body) == (200, True)
+    paper = page.ask("GET", "/report.pdf", Authorization=f"Bearer {page.token}")
+    assert (paper.status, paper.body[:5], paper.headers["content-disposition"]) == (200, b"%PDF-", "attachment")
     assert page.call("undo", after=page.state()["last"]).document["sentence"].startswith("Took back the end")
+
+
+def test_the_tables_of_a_control_are_one_file(page: Served) -> None:
+    def tables(control: str) -> Answer:
+        return page.ask("GET", f"/tables.zip?control={control}", Authorization=f"Bearer {page.token}")
+
+    assert tables("linuxcnc").status == 404
+    assert page.call("finish", after=page.state()["last"]).status == 200
+    made = page.record.parent / "mill-results" / "tables" / "linuxcnc"
+    made.mkdir(parents=True)
+    (made / "X.comp").write_text("0 0 0\n")
+    page.call("notes", text="the tables are there")
+    assert page.state()["tables"] == ["linuxcnc"]
+    with zipfile.ZipFile(io.BytesIO(tables("linuxcnc").body)) as archive:
+        assert archive.read("linuxcnc/X.comp") == b"0 0 0\n"
+    for other in ("..", "linuxcnc/..", "%2e%2e", ""):
+        assert tables(other).status == 404
 
 
 def test_an_answer_to_a_question_that_has_been_answered_is_refused_and_nothing_is_lost(page: Served) -> None:
@@ -191,6 +212,11 @@ def test_the_description_names_every_document_and_every_answer(page: Served) -> 
     assert set(described["paths"]) == {
         f"/api/1/{name}"
         for name in (
+            "start",
+            "stage",
+            "plan",
+            "draft",
+            "open",
             "state",
             "typed",
             "cost",

@@ -57,7 +57,10 @@ def test_a_page_that_renamed_itself_is_refused(page: Served) -> None:
         assert "set-cookie" not in answer.headers
 
 
-@pytest.mark.parametrize("path", ["/", "/?token=", "/?token=wrong", "/page.js", "/api/1/state", "/report.html"])
+@pytest.mark.parametrize(
+    "path",
+    ["/", "/?token=", "/?token=wrong", "/page.js", "/api/1/state", "/api/1/start", "/machine.svg", "/report.html"],
+)
 def test_nothing_is_shown_without_the_token(page: Served, path: str) -> None:
     answer = page.ask("GET", path)
     assert (answer.status, answer.document["problem"]) == (403, "forbidden")
@@ -94,7 +97,8 @@ def test_every_answer_forbids_scripts_that_are_not_ours(page: Served) -> None:
         policy = page.ask("GET", path, Cookie=known).headers["content-security-policy"]
         assert "default-src 'none'" in policy
         assert "unsafe" not in policy
-    html = page.ask("GET", "/", Cookie=known).body.decode()
+    start = resources.files("axiscal.web").joinpath("static", "start.html").read_text()
+    html = page.ask("GET", "/", Cookie=known).body.decode() + start
     assert "<script>" not in html
     assert re.search(r"\son\w+=", html) is None
     assert "style=" not in html
@@ -106,7 +110,7 @@ def test_the_script_writes_text_and_nothing_else() -> None:
         for path in resources.files("axiscal.web").joinpath("static").iterdir()
         if path.name.endswith(".js")
     ]
-    assert len(sources) == 4
+    assert len(sources) == 5
     makes_markup = r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|\beval\b|Function\(|DOMParser|srcdoc"
     assert [found for text in sources for found in re.findall(makes_markup, text)] == []
 

@@ -167,6 +167,8 @@ app = typer.Typer(
 def axiscal(version: Annotated[bool, typer.Option("--version", help="Print the version and end.")] = False) -> None:
     """Plan, run and evaluate the calibration of machine tools with the fewest minutes of machine time.
 
+    Alone, on a terminal with a screen, it opens the page.
+
     \b
     Example: the loop with a person
       axiscal step start campaign.toml mill.axiscal
@@ -183,7 +185,12 @@ def axiscal(version: Annotated[bool, typer.Option("--version", help="Print the v
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Run one command in the language of the person, documents in English, and return the exit status."""
+    """Run one command in the language of the person, documents in English, and return the exit status.
+
+    Without a command, whoever sits at a screen gets the page, and everybody else the help.
+    """
+    if not arguments and _at_a_screen():
+        arguments = ["serve", "--start", "--browser"]
     try:
         with speaking("en" if "--json" in arguments else chosen(None)):
             try:
@@ -217,6 +224,12 @@ def run(arguments: Sequence[str]) -> int:
             "Please report it with the output that AXISCAL_TRACEBACK=1 gives."
         )
     return 1
+
+
+def _at_a_screen() -> bool:
+    """Return whether a person is there, and a display that a browser can use."""
+    screen = sys.platform in ("win32", "darwin") or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    return bool(screen) and sys.stdin.isatty() and sys.stdout.isatty()
 
 
 _USAGE = (

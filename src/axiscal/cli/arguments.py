@@ -15,15 +15,21 @@ _COMPLETING = "_AXISCAL_COMPLETE"
 """Set by a shell that asks for completions."""
 
 
-def own_record() -> Path:
-    """Return the record that is meant where none is named: of AXISCAL_RECORD, or the only one here."""
+def only_record() -> Path | None:
+    """Return the record of AXISCAL_RECORD, or the only one here; None where there is none, or several."""
     if named := os.environ.get("AXISCAL_RECORD"):
         return Path(named)
-    here = sorted(Path.cwd().glob("*.axiscal"))
+    here = list(Path.cwd().glob("*.axiscal"))
+    return here[0].relative_to(Path.cwd()) if len(here) == 1 else None
+
+
+def own_record() -> Path:
+    """Return the record that is meant where none is named; raises RecordError where that is not clear."""
+    if (only := only_record()) is not None:
+        return only
     if _COMPLETING in os.environ:  # a shell asks what could be typed: there is nothing to refuse
         return Path()
-    if len(here) == 1:
-        return here[0].relative_to(Path.cwd())
+    here = sorted(Path.cwd().glob("*.axiscal"))
     names = ", ".join(path.name for path in here)
     what = "There are {count} records here: {names}" if here else "There is no campaign record here"
     remedy = "Name the one that is meant, or put its path into AXISCAL_RECORD"

@@ -24,12 +24,14 @@ from axiscal.description.first_files import (
     linear_travels,
     of_builtin,
     of_ini,
+    of_printer,
     offered_words,
     with_travels,
     write_files,
 )
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
+from axiscal.description.printer_file import is_printer_file
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.language.spoken import counted, ending, joined, said
 from axiscal.machine import builtin_names
@@ -44,7 +46,9 @@ def init(
     machine: Annotated[str | None, typer.Option(metavar="NAME", help="A built-in machine to begin with.")] = None,
     ini: Annotated[
         Path | None,
-        typer.Option("--from", metavar="FILE.ini", help="The INI file of a LinuxCNC, instead of --machine."),
+        typer.Option(
+            "--from", metavar="FILE", help="The INI file of a LinuxCNC or the printer.cfg of a Klipper, not --machine."
+        ),
     ] = None,
     chain: Annotated[
         str | None, typer.Option(metavar="CHAIN", help='With --from: how it is built, such as "w-Y\'-b-X-Z-t".')
@@ -66,14 +70,15 @@ def init(
 
     Every line has a word of explanation; the command asks for what is not given. From a built-in machine, or from the
     INI file of a LinuxCNC: axes, limits, units, speeds, kinematics with their pivots, joints, and whether tables or
-    backlash are active. What the INI cannot say is marked CHECK. The JSON schemas beside the files let editors complete
-    and check while you write. Nothing is written over.
+    backlash are active. A printer.cfg says kinematics, travels and speeds. What the file cannot say is marked CHECK.
+    The JSON schemas beside the files let editors complete and check while you write. Nothing is written over.
 
     \b
     Examples:
       axiscal init mill
       axiscal init mill --machine three-axis-mill --instrument laser --instrument "ball bar" --target "20 um"
       axiscal init mill --from ~/linuxcnc/configs/mill/mill.ini --instrument ballbar --target "30 um"
+      axiscal init bed --from printer.cfg --instrument probe --target "30 um"
     """
     if ini is not None and machine is not None:
         raise typer.BadParameter(said("give either --machine or --from, not both"))
@@ -153,7 +158,11 @@ def _lengths(axes: Collection[str], text: str) -> dict[str, float]:
 
 
 def _from_ini(file: Path, chain: str | None, limits: Sequence[str], folder: Path) -> Beginning:
-    """Return the machine of an INI file; at a terminal, ask for what it leaves open."""
+    """Return the machine of a file of a control; at a terminal, ask for what an INI file leaves open."""
+    if is_printer_file(file):
+        if limits:
+            raise typer.BadParameter(said("a printer.cfg says the limits of every axis"), param_hint="--limits")
+        return of_printer(file, chain)
     ini, given = read_ini(file), dict(_limits(*each.partition(" ")[::2]) for each in limits)
     asking = sys.stdin.isatty()
     if asking:

@@ -5,6 +5,7 @@ The prompt shows the line on top, the set-up to mount, the reading to take, and 
 
 from __future__ import annotations
 
+import webbrowser
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,7 @@ from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, result
 from axiscal.answers.answer_words import answer_text, columns, minutes_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
-from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder
+from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder, only_record, records_here
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import ask, say, tell
 from axiscal.cli.progress import tell_out_of_reach
@@ -333,28 +334,48 @@ def measure(
 
 
 def serve(
-    record: OwnRecord,
+    record: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="RECORD",
+            default_factory=only_record,
+            show_default=False,
+            autocompletion=records_here,
+            help="The campaign record; AXISCAL_RECORD, or the only one here, where it is left out; else the start.",
+        ),
+    ],
     port: Annotated[
         int, typer.Option(metavar="PORT", min=0, max=65535, show_default=False, help="Port; default: any that is free.")
     ] = 0,
+    start: Annotated[
+        bool, typer.Option("--start", help="Show the start, also where there is one record here.")
+    ] = False,
+    browser: Annotated[bool, typer.Option("--browser", help="Open the page in the browser.")] = False,
     language: Language = None,
 ) -> None:
-    """Take the readings of a campaign on a page in the browser.
+    """Plan and measure on a page in the browser.
+
+    Without a record it begins at the start: go on with a campaign of this folder, or begin one.
 
     The page is for this computer only; its address holds a token that is new at every start. Several windows, and
     `axiscal measure` beside them, may be open at once: each reading is on the disk before the next one is asked for.
 
     \b
-    Example:
+    Examples:
+      axiscal serve
       axiscal serve mill.axiscal
     """
-    from axiscal.web.serving import serve_record  # a server, which no prompt needs
+    from axiscal.web.serving import serve_page  # a server, which no prompt needs
 
-    tell(said("Looking at what is known and planned; a plan that is not made yet takes up to a minute"))
+    opened = None if start else record
+    if opened is not None:
+        tell(said("Looking at what is known and planned; a plan that is not made yet takes up to a minute"))
+
+    def ready(address: str) -> None:
+        say(said("Open {address}\nEnd it with Ctrl-C; every reading is kept.", address=address))
+        if browser:
+            webbrowser.open(address)
+
     with speaking(chosen(language)):
-        left = serve_record(
-            record,
-            port,
-            lambda address: say(said("Open {address}\nEnd it with Ctrl-C; every reading is kept.", address=address)),
-        )
+        left = serve_page(opened, port, ready)
     say(f"{said('Ended; every reading is kept.')} {left}".rstrip())

@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from axiscal.campaign.beginning import begun_campaign
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json, above_zero
 from axiscal.cli.printing import say, say_document, say_either
@@ -26,6 +27,8 @@ from axiscal.planning.enough import few_more
 from axiscal.planning.next_readings import CANDIDATES, placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import (
+    beyond_budget,
+    bought,
     proposed,
     proven,
     reached_unread,
@@ -120,6 +123,8 @@ def plan(
     if (unread := reached_unread(case, limits)) is not None:
         tell_mind(unread)
         limits = few_more(limits)
+    if (late := beyond_budget(case, limits)) is not None:
+        tell_mind(late)
     proposal = proposed(case, limits, candidates, bounded=(details or json) and not prove)
     if prove:
         of_figure = 2 if case.description.target.criterion == "volume" else 1  # the RMS is the root of a J
@@ -133,7 +138,8 @@ def plan(
         machine, setups = case.description.machine, case.description.setups
         count = len(write_programs(machine, setups, placed(case, proposal.plan), gcode, out, log))
         written.append(f"{out} ({count} files, README.txt there)")
-    answer = plan_answer(case, proposal, limits, ends=ends)
+    buys = bought(case, proposal, candidates) if details or json else ()
+    answer = plan_answer(case, proposal, limits, buys, ends=ends)
     if details and limits.accurate:
         with suppress(PlanError):
             exact = proposed(case_of(as_exact(case.description)), limits, candidates).plan
@@ -189,14 +195,13 @@ def start(
 
     description = campaign_with_sisters(campaign)
     path = record or Path(f"{campaign.stem}.axiscal")
-    with Campaign.create(path, description) as opened:
-        try:
-            tell_out_of_reach(opened)
-            tell_unasked(description)
-            planned = opened.prepared()
-        except BaseException:  # nothing stays of a campaign that cannot be planned
-            path.unlink(missing_ok=True)  # on a server it stays: nothing is deleted there
-            raise
+
+    def tell(begun: Campaign) -> None:
+        tell_out_of_reach(begun)
+        tell_unasked(description)
+
+    with begun_campaign(path, description, tell) as opened:
+        planned = opened.state.plan
     setups = counted("{count} set-up", "{count} set-ups", len(description.setups))
     readings = counted("{count} reading", "{count} readings", len(planned))
     ready = "{record} is ready: {machine}, {setups}, {readings} planned."

@@ -10,15 +10,12 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Milestone
 from axiscal.cli.printing import rewrite, tell
 from axiscal.cli.texts import accuracy_text
-from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import Target
 from axiscal.language.spoken import again, put, said
 from axiscal.language.stages import listening
-from axiscal.machine.questions import questions
 from axiscal.present.plan_answer import reach_answer
-from axiscal.present.plan_words import reach_text
-from axiscal.tables.exporter import unasked
+from axiscal.present.plan_words import open_questions, reach_text
 from axiscal.units import to_unit
 
 
@@ -60,10 +57,8 @@ def progress_line(milestone: Milestone, target: Target) -> str:
 
 def tell_unasked(description: CampaignDescription) -> None:
     """Ask what the descriptions leave open: sizes that can hardly be meant, a compensation that may be active."""
-    open_yet = unasked(description), unused_artefacts(description.text), *(each.words for each in description.unsourced)
-    for question in (*questions(description.machine), *open_yet):
-        if question:
-            tell_mind(question)
+    for question in open_questions(description):
+        tell_mind(question)
 
 
 def tell_mind(sentence: str) -> None:

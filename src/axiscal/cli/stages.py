@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 from axiscal.cli.printing import rewrite
 from axiscal.language.spoken import put, said, speaking
-from axiscal.language.stages import Listener, Stage, listening
+from axiscal.language.stages import Listener, Stage, listening, stage_text
 from axiscal.present.whose_language import chosen
 
 _QUIET = 2.0
@@ -49,22 +49,6 @@ class StageLine:
         """Look again and again, in a separate thread, until the end."""
         while not self.over.wait(_LOOK):
             self.show(time.monotonic())
-
-
-def stage_text(stage: Stage, seconds: float) -> str:
-    """Return a stage in words: which of how many, and how many seconds are left where things are counted."""
-    name = said(stage.name)
-    if not stage.of:
-        return name
-    text = said("{name}, {number} of {last}", name=name, number=stage.number, last=stage.of)
-    if stage.number and stage.of > _COUNTED:
-        left = put("{seconds:.0f}", seconds=seconds * (stage.of - stage.number) / stage.number)
-        return said("{text}, about {left} s left", text=text, left=left)
-    return text
-
-
-_COUNTED = 12
-"""More are things of one kind, which take alike; fewer are stages, which do not."""
 
 
 @contextmanager

@@ -14,13 +14,16 @@ from typing import NamedTuple
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.campaign_schema import SCHEMAS
 from axiscal.description.first_campaign import OFFERED, UNSAID, first_campaign, templates
-from axiscal.description.ini_machine import IniMachine
+from axiscal.description.ini_file import read_ini
+from axiscal.description.ini_machine import IniMachine, machine_of
+from axiscal.description.printer_file import is_printer_file, read_printer
 from axiscal.document.durable import write_whole
 from axiscal.document.quoting import shown, toml_value
 from axiscal.exceptions import DescriptionError, RecordError
-from axiscal.language.spoken import LANGUAGES, said, speaking
+from axiscal.language.spoken import LANGUAGES, later, said, speaking
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.axis import letter_direction
+from axiscal.measurement.readers.text_file import read_text
 from axiscal.units import from_unit, parse_quantity, to_unit
 
 
@@ -101,6 +104,59 @@ def of_ini(found: IniMachine, file: Path, folder: Path, chain: str | None = None
     return Beginning(text, _active(found, file, folder), tuple(unread(found)))
 
 
+def of_printer(file: Path, chain: str | None = None) -> Beginning:
+    """Return the machine of a printer.cfg of Klipper: the built-in printer with its kinematics, travels and speeds.
+
+    chain : how it is built, where the usual one of its kinematics is not that
+    Raises DescriptionError with the line of what cannot be.
+    """
+    found, usual = read_printer(file), load_machine("printer-gantry")
+    text = usual.text.replace(f'name = "{usual.name}"', f'name = "3D printer ({found.kinematics})"')
+    text = re.sub(r'chain = "[^"]*"', lambda _: f'chain = "{chain or found.chain}"', text, count=1)
+    text = text.partition("\nname = ")[1].lstrip() + text.partition("\nname = ")[2]  # the figures of another printer
+    for axis, (low, high) in found.travels.items():
+        text = _stating(text, axis, "travel", f'["{low:g} mm", "{high:g} mm"]')
+    for axis, speed in found.speeds.items():
+        text = _stating(text, axis, "speed", f'"{speed:g} mm/s"')
+    for axis, acceleration in found.accelerations.items():
+        text = _stating(text, axis, "acceleration", f'"{acceleration:g} mm/s^2"')
+    machine_from_text(text, file)
+    look = [said("the length of the tool")]
+    if chain is None:
+        look.append(said("which axes carry the workpiece (chain = {chain} is supposed)", chain=f'"{found.chain}"'))
+    return Beginning(
+        f"# From {file.name} of Klipper; errors as printers usually have them.\n\n{text}", look=tuple(look)
+    )
+
+
+def of_file(file: Path, folder: Path) -> Beginning:
+    """Return the machine of a file of a control: the INI of a LinuxCNC, or a printer.cfg.
+
+    folder : where the files will stand
+    Raises ReadingError for no text, DescriptionError for another file, and with the line of what cannot be.
+    """
+    if is_printer_file(file):
+        return of_printer(file)
+    text = "\n".join(read_text(file).lines).lstrip()
+    if not _OF_LINUXCNC.search(text):
+        kind = next((kind for kind, sign in _KINDS.items() if sign.search(text)), _UNKNOWN)
+        what, remedy = "This looks like {kind}", "Give the INI file of a LinuxCNC, or the printer.cfg of a Klipper"
+        raise DescriptionError(what, remedy, file, kind=said(kind))
+    return of_ini(machine_of(read_ini(file)), file, folder)
+
+
+_OF_LINUXCNC = re.compile(r"^\s*\[(EMC|TRAJ|KINS|(AXIS|JOINT)_\w)\]", re.MULTILINE)
+_KINDS = {
+    later("an empty file"): re.compile(r"^\Z"),
+    later("a record of axiscal: put it into the folder of this page, and the start shows it"): re.compile(r"^axiscal"),
+    later("a JSON document"): re.compile(r"^[{[]\s*[\"{\[\]}]"),
+    later("a program in G-code"): re.compile(r"^(N\d+\s*)?G\d", re.MULTILINE),
+    later("a table of numbers"): re.compile(r"\d\s*[,;\t]\s*[-+\d]"),
+    later("sections of keys that neither of them has"): re.compile(r"^\s*\[[^\]]+\]", re.MULTILINE),
+}
+_UNKNOWN = later("text in lines")
+
+
 def with_travels(begun: Beginning, lengths: Mapping[str, float]) -> Beginning:
     """Return a machine whose linear axes travel so far, mm: up to zero where they end there, else from below."""
     text = begun.text
@@ -108,11 +164,14 @@ def with_travels(begun: Beginning, lengths: Mapping[str, float]) -> Beginning:
         if axis.name in lengths:
             low, high = (to_unit(end, "mm") for end in axis.travel)
             low, high = (-lengths[axis.name], 0.0) if high == 0 else (low, low + lengths[axis.name])
-            section = re.compile(
-                rf"(\[axes\.{re.escape(axis.name)}\]\n(?:(?!\[axes).)*?travel = )\[[^\]]*\]", re.DOTALL
-            )
-            text = section.sub(rf'\g<1>["{low:g} mm", "{high:g} mm"]', text, count=1)
+            text = _stating(text, axis.name, "travel", f'["{low:g} mm", "{high:g} mm"]')
     return replace(begun, text=text)
+
+
+def _stating(text: str, axis: str, key: str, value: str) -> str:
+    """Return the text of a machine with another value of a key of an axis."""
+    section = re.compile(rf"(\[axes\.{re.escape(axis)}\]\n(?:(?!\[axes).)*?{key} = )(\[[^\]]*\]|\"[^\"]*\")", re.DOTALL)
+    return section.sub(lambda found: found[1] + value, text, count=1)
 
 
 def linear_travels(begun: Beginning) -> dict[str, float]:

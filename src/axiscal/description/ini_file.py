@@ -77,7 +77,7 @@ class IniFile:
 def read_ini(path: Path) -> IniFile:
     """Return an INI file of LinuxCNC; raises ReadingError for no file, DescriptionError with the line that is none."""
     if path.suffix == ".cfg":
-        remedy = "Of a printer, begin with `axiscal init DIR --machine printer-gantry --instrument probe`"
+        remedy = "Of a printer, begin with `axiscal init DIR --from printer.cfg --instrument probe`"
         raise DescriptionError("This is no INI file of a LinuxCNC", remedy, path)
     read = IniFile(path)
     section = ""

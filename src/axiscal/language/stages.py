@@ -12,6 +12,8 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import NamedTuple, TypeVar
 
+from axiscal.language.spoken import put, said
+
 Thing = TypeVar("Thing")
 
 
@@ -71,3 +73,19 @@ def staged(name: str, things: Iterable[Thing], of: int) -> Iterator[Thing]:
             if listener is not None:
                 listener.stages[-1] = listener.stages[-1]._replace(number=number)
             yield thing
+
+
+def stage_text(stage: Stage, seconds: float) -> str:
+    """Return a stage in words: which of how many, and how many seconds are left where things are counted."""
+    name = said(stage.name)
+    if not stage.of:
+        return name
+    text = said("{name}, {number} of {last}", name=name, number=stage.number, last=stage.of)
+    if stage.number and stage.of > _COUNTED:
+        left = put("{seconds:.0f}", seconds=seconds * (stage.of - stage.number) / stage.number)
+        return said("{text}, about {left} s left", text=text, left=left)
+    return text
+
+
+_COUNTED = 12
+"""More are things of one kind, which take alike; fewer are stages, which do not."""

@@ -18,7 +18,7 @@ from axiscal.language.spoken import joined, put, quoted, said
 from axiscal.machine import Machine
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.setup import Setup
-from axiscal.planning.enough import enough, reached_by
+from axiscal.planning.enough import enough, goal_of, reached_by
 from axiscal.planning.next_readings import posed
 from axiscal.planning.other_readings import with_rooms
 from axiscal.planning.plan.plan import make_plan
@@ -130,7 +130,8 @@ def _planned(case: Case, added: tuple[str, ...]) -> Helping:
     limits = Limits.of(case.description.target)
     try:
         task = posed(case, case.knowledge, candidates=_CANDIDATES)
-        made = make_plan(task, enough(case, task, limits), patience=0.0, bounded=False)
+        heeded = enough(case, limits)
+        made = make_plan(task, heeded, goal=goal_of(case, heeded), patience=0.0, bounded=False)
     except PlanError:
         return Helping(added, 0, 0.0, reached=True)
     met = reached_by(case, limits, with_rooms(case, made.places))

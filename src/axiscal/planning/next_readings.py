@@ -6,7 +6,7 @@ A plan stands as long as what it rests on; it has no places where no reading can
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -28,7 +28,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.enough import AT_ONCE, enough, going_on, roughly
+from axiscal.planning.enough import enough, goal_of, roughly
 from axiscal.planning.other_readings import (
     columns_of,
     plane_start,
@@ -40,8 +40,8 @@ from axiscal.planning.other_readings import (
 )
 from axiscal.planning.plan.greedy import worth_most
 from axiscal.planning.plan.order import in_order, seconds_along
-from axiscal.planning.plan.plan import Plan, make_plan, renewed
-from axiscal.planning.plan.task import PATIENCE, Limits, Task
+from axiscal.planning.plan.plan import MANY, Plan, make_plan, renewed
+from axiscal.planning.plan.task import PATIENCE, Goal, Limits, Task
 from axiscal.record.events import Asked, Gap
 
 CANDIDATES = 2000
@@ -49,8 +49,6 @@ CANDIDATES = 2000
 _SMALL = 120
 """Unknowns up to which what replaces a plan is climbed off the lattice: beyond, a person at the machine would wait too
 long."""
-_TIGHTER = 3
-"""Times that a plan just short of its limits goes on; one is nearly always enough."""
 _VOLUME = 0.5
 """Of U before the first reading: a volume without a limit weighs as a row without one."""
 
@@ -62,42 +60,25 @@ def planned_places(
     readings: Sequence[Reading] = (),
     gaps: Sequence[Gap] = (),
     left: Sequence[Place] = (),
+    believed: Sequence[Reading] = (),
 ) -> tuple[Place, ...]:
     """Return the readings to come, chosen together, in the order of a short way.  Raises PlanError.
 
-    task, limits : what is to be planned after the readings so far, and when it ends; gaps : places that could not be
-    read, which are planned around; left : of an earlier plan and in no gap, to begin with
+    task, limits : what is to be planned after the readings so far, and when it ends; believed : of these readings
+    gaps : places that could not be read, which are planned around
+    left : of an earlier plan and in no gap, to begin with
     """
     if begin := first_places(case, task, limits, readings, gaps):
         return begin
+    unsure = 1 + 1 / math.sqrt(2 * max(len(task.taken), 1)) if len(case.sizes) and left else 1.0
+    goal = goal_of(case, limits, readings, believed, unsure)
 
     def planned(within: Limits) -> tuple[Place, ...]:
-        coming = _chosen(case, task, within, left, gaps)
+        coming = _chosen(case, task, within, goal, left, gaps)
         places = with_both_sides(case, readings, with_rooms(case, coming))
         return tuple(place for place in places if not in_gap(case, place, gaps))
 
     return planned_with_markers(case, readings, gaps, limits, lambda: left or roughly(case, task, limits), planned)
-
-
-def until_reached(
-    case: Case,
-    task: Task,
-    limits: Limits,
-    heeded: Limits,
-    places: tuple[Place, ...],
-    again: Callable[[Limits, tuple[Place, ...]], tuple[Place, ...]],
-    readings: Sequence[Reading] = (),
-) -> tuple[Place, ...]:
-    """Return a plan that reaches limits: one just short of them goes on with what its own places count beside J.
-
-    heeded : by the search that found the places; again : what goes on from places with such limits; readings : so far
-    """
-    for _ in range(_TIGHTER):
-        further = going_on(case, task, limits, heeded, places, readings)
-        if further is None:
-            break
-        heeded, places = further, again(further, places)
-    return places
 
 
 def reaching(
@@ -112,16 +93,13 @@ def reaching(
 ) -> tuple[Place, ...]:
     """Return the readings to come that reach limits, checks among them; arguments as of `planned_places`.
 
-    heeded : limits that a search heeds for them; believed : of the readings so far
+    heeded : limits that a search heeds for them
     """
-
-    def planned(within: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
-        return planned_places(case, task, within, readings, gaps, left)
 
     def beside_checks(within: Limits, left: tuple[Place, ...]) -> tuple[Place, ...]:
         most = [each for each in (heeded.readings, within.readings) if each is not None]
         search = replace(heeded, readings=min(most, default=None), budget=within.budget)
-        return until_reached(case, task, within, search, planned(search, left), planned, believed)
+        return planned_places(case, task, search, readings, gaps, left, believed)
 
     return with_checks(case, task, limits, readings, left, beside_checks)
 
@@ -136,18 +114,20 @@ def first_places(
     return tuple(place for place in with_rooms(case, start) if not in_gap(case, place, gaps))
 
 
-def _chosen(case: Case, task: Task, limits: Limits, left: Sequence[Place], gaps: Sequence[Gap]) -> Places:
+def _chosen(
+    case: Case, task: Task, limits: Limits, goal: Goal | None, left: Sequence[Place], gaps: Sequence[Gap]
+) -> Places:
     """Return the readings of a plan that goes on with those that are left, or of a new one."""
     usual, coming = case.description.usual, columns_of(case, left)
     long = task.observation.size > _SMALL
     if len(coming):  # climbing would bring places that were shaken back to their regular distances
-        unsure = 1 + 1 / math.sqrt(2 * max(len(task.taken), 1)) if len(case.sizes) else 1.0
-        coming = renewed(task, limits, coming, 0.0 if gaps or usual or long else math.inf, unsure, usual)
+        patience = 0.0 if gaps or usual or long else math.inf
+        coming = renewed(task, limits, coming, patience, goal, usual)
     if len(coming):
         return coming
     # off the lattice a way might lead into a gap
     patience = 0.0 if gaps or (long and len(left)) else PATIENCE
-    return make_plan(task, limits, patience=patience, bounded=False, usual=usual).places
+    return make_plan(task, limits, goal=goal, patience=patience, bounded=False, usual=usual).places
 
 
 def placed(case: Case, plan: Plan) -> tuple[Place, ...]:
@@ -194,9 +174,9 @@ def refuse_lacking(case: Case) -> None:
 
 
 def limits_left(case: Case, readings: Sequence[Reading]) -> Limits:
-    """Return the rest of a campaign's limits, for a plan of at most `AT_ONCE` readings.  readings : so far"""
+    """Return the rest of a campaign's limits, for a plan of at most `MANY` readings.  readings : so far"""
     limits = Limits.of(case.description.target)
-    most = AT_ONCE if limits.readings is None else min(AT_ONCE, max(limits.readings - len(readings), 1))
+    most = MANY if limits.readings is None else min(MANY, max(limits.readings - len(readings), 1))
     budget = None if limits.budget is None else max(limits.budget - timed(case, readings).seconds, 0.0)
     return replace(limits, readings=most, budget=budget)
 
@@ -256,7 +236,7 @@ def next_places(
         task = replace(task, lattice=task.lattice.within(task.lattice.setups == worth_most(task)))
     believed = [reading for index, reading in enumerate(readings) if index not in bad]
     try:
-        heeded = enough(case, task, limits, believed, begin)
+        heeded = enough(case, limits, believed, begin)
         return reaching(case, task, limits, heeded, readings, believed, closed, begin)
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         return planned_places(case, task, Limits(1), readings, closed)

@@ -7,16 +7,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from axiscal.description.target import Target
+from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError, TargetError
-from axiscal.language.spoken import listed, said
+from axiscal.language.spoken import listed, put, said
 from axiscal.measurement.reading import Place, reading_unit
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.travel import reading_seconds
@@ -28,10 +30,12 @@ from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import CANDIDATES, first_places, planned_places, posed, reaching
-from axiscal.planning.other_readings import columns_of, with_checks
+from axiscal.planning.other_readings import columns_of, with_checks, with_rooms
 from axiscal.planning.plan.plan import Plan, judged
+from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import Limits, Task
-from axiscal.planning.promise import asked
+from axiscal.planning.plan.tour import retoured
+from axiscal.planning.promise import asked, foreseen
 from axiscal.planning.step.ground import regions
 from axiscal.units import format_quantity, said_quantity, to_unit
 
@@ -46,6 +50,8 @@ MOST = 1000
 MOST_CANDIDATES = 500_000
 _ABSURD = 100
 """So many times more time than a plan can fill is a slip; any factor between that of a long day and a year would do."""
+_SHARES = (0.5, 1.0, 2.0)
+"""Of the time of a plan, for which it is said what they buy."""
 _INSTANT = 1e-3
 """Seconds of a reading that is said to take no time."""
 
@@ -102,6 +108,17 @@ def reached_unread(case: Case, limits: Limits) -> str | None:
     return said(unread) if met else said(hardly)
 
 
+def beyond_budget(case: Case, limits: Limits) -> str | None:
+    """Name the set-ups whose first reading takes longer than a budget; None where there are none."""
+    if limits.budget is None:
+        return None
+    first, setups = first_seconds(posed(case, case.knowledge, candidates=_CANDIDATES)), case.description.setups
+    late = [(setups[index].name, seconds) for index, seconds in first.items() if seconds > limits.budget]
+    named = [put('"{setup}" ({time:.3g} min)', setup=name, time=seconds / 60) for name, seconds in late]
+    what = "Mounting and one reading take longer than the {given:.3g} min there are: {setups}"
+    return said(what, given=limits.budget / 60, setups=listed(", ", named)) if late else None
+
+
 def _what_helps(case: Case, target: Target) -> str:
     """Say which set-ups would help and how long they take, or what cannot be seen, or what the rests leave."""
     rest = math.sqrt(case.yardstick.moments.rest)
@@ -135,7 +152,7 @@ def _refuse_too_noisy(case: Case, target: float) -> None:
 
 
 def _met(yardstick: Yardstick, target: float, value: float) -> bool:
-    return Limits(rms=target).met(yardstick.figures(value, np.zeros(1)))
+    return yardstick.figures(value, np.zeros(1)).meets(target, None)
 
 
 def _half_the_noise(case: Case, relaxation: Relaxation) -> str:
@@ -171,7 +188,7 @@ def proposed(
     """
     refuse_unmade(case)
     task = posed(case, case.knowledge, candidates=candidates)
-    heeded = enough(case, task, limits)
+    heeded = enough(case, limits)
     if places := first_places(case, task, heeded):
         places += _after(case, task, heeded, places)
     else:
@@ -191,10 +208,40 @@ def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...]) -> 
     then = posed(case, case.knowledge.read(readings), readings=readings, candidates=len(task.lattice))
     try:
         return with_checks(
-            case, then, left, readings, (), lambda within, _: planned_places(case, then, within, readings)
+            case,
+            then,
+            left,
+            readings,
+            (),
+            lambda within, _: planned_places(case, then, within, readings, believed=readings),
         )
     except PlanError:  # there is no time for another
         return ()
+
+
+class Bought(NamedTuple):
+    """What some time buys: s, and U of the volume after it, m."""
+
+    seconds: float
+    expanded: float
+
+
+@one_thread()
+def bought(case: Case, proposal: Proposal, candidates: int) -> tuple[Bought, ...]:
+    """Return what half the time of a plan, its own and twice as much buy; none where it has no readings.
+
+    candidates : places that the plan was chosen from
+    """
+    places, seconds = proposal.plan.places, proposal.plan.seconds
+    task = posed(case, case.knowledge, candidates=candidates).coarse
+    setups = tuple(np.unique(places.setups).tolist())
+    found = list[Bought]()
+    for share in _SHARES if len(places) else ():
+        limits = Limits(budget=share * seconds)
+        each = places if share == 1.0 else retoured(task, limits, setups, places, 0.0)
+        known = foreseen(case, (), with_rooms(case, each))
+        found.append(Bought(limits.budget or 0.0, expanded(case.yardstick, known.belief).space))
+    return tuple(found)
 
 
 def refuse_unless_provable(case: Case) -> None:

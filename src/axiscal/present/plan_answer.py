@@ -39,7 +39,7 @@ from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import Blank, alike, blank_problem, unseen_parts
-from axiscal.planning.proposal import Proposal
+from axiscal.planning.proposal import Bought, Proposal
 from axiscal.units import to_unit
 
 _MOSTLY, _NOUGHT = 0.5, 1e-30
@@ -66,17 +66,25 @@ class PlanPoint(AnswerDocument):
     check: bool = Field(False, exclude_if=lambda check: not check)
 
 
+class BoughtAccuracy(AnswerDocument):
+    """What some minutes buy: U of the volume after them."""
+
+    minutes: float
+    expanded_um: float
+
+
 class PlanAnswer(PlannedAnswer):
     """A plan in full.
 
     `points`, `J`, `rms_um`, `worst_um` and `ratio` leave out what no reading shows, such as the error of a wavelength
-    units : of the axes
+    units : of the axes; bought : what half the minutes, these, and twice as many buy
     certain_minutes : of a plan for the same target if all that is stated were exact, and nothing else went wrong
     ratio : of the mean variances that the two RMS figures are the roots of; of J where the criterion is another one
     """
 
     kind: Literal["axiscal-plan/1"] = Field("axiscal-plan/1", alias="schema")
     certain_minutes: float | None = None
+    bought: Sequence[BoughtAccuracy] = ()
     criterion: str
     points: Sequence[PlanPoint]
     units: Mapping[str, str]
@@ -90,14 +98,18 @@ class PlanAnswer(PlannedAnswer):
     bound_J: float | None  # noqa: N815 as outsiders know it
     bound_rms_um: float | None
     ratio: float | None
-    percent_from_best: float | None
     bound_holds_for: str | None
     proof_gap_percent: float | None
 
 
 @one_thread()
-def plan_answer(case: Case, proposal: Proposal, limits: Limits, *, ends: bool = True) -> PlanAnswer:
-    """Return the document of a plan that was made within limits.  ends : whether the campaign says when it ends"""
+def plan_answer(
+    case: Case, proposal: Proposal, limits: Limits, buys: Sequence[Bought] = (), *, ends: bool = True
+) -> PlanAnswer:
+    """Return the document of a plan that was made within limits.
+
+    buys : what other minutes buy; ends : whether the campaign says when it ends
+    """
     plan, places = proposal.plan, placed(case, proposal.plan)
     bound = bound_rms_um(case, plan)
     ratio = _ratio(plan, bound)
@@ -105,6 +117,10 @@ def plan_answer(case: Case, proposal: Proposal, limits: Limits, *, ends: bool = 
     answer = _planned(case, places, lambda count: plan.readings[count - 1].seconds if count else 0.0, limits, begin)
     return PlanAnswer(
         **dict(answer),
+        bought=[
+            BoughtAccuracy(minutes=to_unit(each.seconds, "min"), expanded_um=to_unit(each.expanded, "um"))
+            for each in buys
+        ],
         criterion=case.description.target.criterion,
         points=list(_points(case, places, plan)),
         units={axis.name: axis.unit for axis in case.description.machine.axes},
@@ -118,7 +134,6 @@ def plan_answer(case: Case, proposal: Proposal, limits: Limits, *, ends: bool = 
         bound_J=None if plan.bound is None else plan.bound.value,
         bound_rms_um=bound,
         ratio=finite(ratio),
-        percent_from_best=finite(100 * ((ratio if bound is None else ratio**0.5) - 1)),
         bound_holds_for=_holds_for(proposal),
         proof_gap_percent=None if proposal.gap is None else finite(_gap_percent(case, proposal)),
     )

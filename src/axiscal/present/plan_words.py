@@ -20,11 +20,15 @@ from axiscal.answers.answer_words import (
     wrapped,
 )
 from axiscal.answers.row_words import row_names
+from axiscal.description.artefacts import unused_artefacts
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.type_b import MEASURED_TEMPERATURE
 from axiscal.language.spoken import counted, ending, listed, put, said
+from axiscal.machine.questions import questions
 from axiscal.planning.helping import helping_words
 from axiscal.present.plan_answer import PlanAnswer
 from axiscal.present.sentences import cause_words
+from axiscal.tables.exporter import unasked
 from axiscal.units import said_quantity, um_text
 
 LINES = 16
@@ -58,6 +62,12 @@ def reach_text(reach: ReachAnswer, rows: Sequence[PlannedRow] = ()) -> str:
     missed = listed(", ", [aim_text(aim.model_copy(update={"now": aim.floor}), rows) for aim in reach.missed])
     text = said("Out of reach: endless readings leave {missed}.", missed=missed)
     return text if reach.helps is None else put("{text} {helps}", text=text, helps=helping_words(reach.helps))
+
+
+def open_questions(description: CampaignDescription) -> list[str]:
+    """Return what descriptions leave open: sizes that can hardly be meant, a compensation that may be active."""
+    open_yet = unasked(description), unused_artefacts(description.text), *(each.words for each in description.unsourced)
+    return [question for question in (*questions(description.machine), *open_yet) if question]
 
 
 def _first(answer: PlannedAnswer) -> FirstLine:
@@ -150,14 +160,24 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
         after = f"RMS {um_text(point.rms_um):>8}, {point.minutes:6.1f} min"
         check = "  " + said("check") if point.check else ""
         yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}{check}"
+    if answer.bought:
+        yield _bought(answer)
     yield bound_sentence(answer)
     if answer.certain_minutes is not None:
         minutes = put("{minutes:.0f}", minutes=answer.certain_minutes)
         yield said("If all that is stated were exact, and nothing else went wrong: {minutes} min.", minutes=minutes)
 
 
+def _bought(answer: PlanAnswer) -> str:
+    """Return what half the minutes, these, and twice as many buy."""
+    marks = [
+        put("{minutes:.3g} min ± {u}", minutes=each.minutes, u=um_text(each.expanded_um)) for each in answer.bought
+    ]
+    return said("What minutes buy, over the volume: {marks}.", marks=listed(", ", marks))
+
+
 def bound_sentence(answer: PlanAnswer) -> str:
-    """Return what no plan can bring, and by a proof how far from the best possible one this plan is."""
+    """Return what no plan can bring, and where the proof of it stopped."""
     if answer.bound_J is None or answer.bound_holds_for is None:
         return "No bound was asked for."
     bound = answer.bound_rms_um
@@ -171,8 +191,7 @@ def bound_sentence(answer: PlanAnswer) -> str:
     own = f"{answer.J:.4g}" if bound is None else f"{answer.rms_um:.3g} um"
     text = f"No plan of {readings} {where} can {best}; this one gives {own}"
     if answer.proof_gap_percent is not None:
-        text += f": {_percent(answer.percent_from_best)} from the best possible; "
-        text += f"search stopped at a gap of {_percent(answer.proof_gap_percent)}"
+        text += f"; the proof stopped at a gap of {_percent(answer.proof_gap_percent)}"
     if bound is None:
         return f'{text}. J is the figure that criterion = "{answer.criterion}" makes small.'
     if answer.reachable_rms_um < _MUCH * bound:

@@ -6,6 +6,7 @@ on since, so that no reading answers another question.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -17,10 +18,13 @@ from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, result
 from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
+from axiscal.campaign.sources import virtual_machine
+from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.language.spoken import decimals, said, spoken_now
 from axiscal.measurement.reading import reading_unit, shown_coordinate
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import (
     Progress,
@@ -55,13 +59,7 @@ def _answer(campaign: Campaign, answer: ResultAnswer | PlannedAnswer, results: P
     else:
         agreement = agreement_words(campaign.so_far()) if answer.compared else ""
         text = answer_text(answer, agreement, campaign.path.name, results.name)
-    return AnswerShape(
-        first=[spelt(part) for part in text.first.parts],
-        rows=[[spelt(cell) for cell in row] for row in text.rows],
-        sentences=[spelt(sentence) for sentence in text.sentences],
-        commands=text.commands,
-        document=answer,
-    )
+    return AnswerShape.of(text, answer)
 
 
 def _latest(campaign: Campaign) -> Iterator[ReadingShape]:
@@ -82,6 +80,22 @@ def _latest(campaign: Campaign) -> Iterator[ReadingShape]:
             at="" if seconds is None else (begun + timedelta(seconds=seconds)).isoformat(timespec="milliseconds"),
             doubted=index in doubted,
         )
+
+
+_VIRTUAL = re.compile(r"virtual machine (sim:\d+)")
+"""The note with which a campaign on a virtual machine begins."""
+
+
+def virtual_note(seed: int) -> str:
+    """Return what the record of a campaign says whose readings a virtual machine gives."""
+    return f"virtual machine sim:{seed}"
+
+
+def _source(campaign: Campaign) -> SimulatedSource | None:
+    """Return the virtual machine of a campaign, None on a real one."""
+    found = next((_VIRTUAL.fullmatch(note.text) for note in campaign.state.notes[:1]), None)
+    simulator = Simulator(campaign.description.machine, campaign.description.setups)
+    return None if found is None else SimulatedSource(*virtual_machine(found[1], simulator))
 
 
 Publisher = Callable[[StateShape], None]
@@ -109,7 +123,7 @@ class Desk:
     """
 
     def __init__(self, campaign: Campaign, publish: Publisher) -> None:
-        self.campaign, self.publish = campaign, publish
+        self.campaign, self.publish, self._source = campaign, publish, _source(campaign)
         self._question: Question | None = None
         self._ended: str | None = None
         self._trouble = ""
@@ -294,6 +308,7 @@ class Desk:
         self._version += 1
         self._question, self._ended, self._trouble = self._asked()
         campaign, state, results = self.campaign, self.campaign.state, self.results
+        written = state.finished is not None and (results / "report.html").is_file()
         overtaken = self._ended is not None and self._answers != self._stands  # it would contradict what ended it
         return StateShape(
             version=self._version,
@@ -304,6 +319,7 @@ class Desk:
             question=self._question,
             ended=None if self._ended is None else spelt(because_text(self._ended)),
             finished=None if state.finished is None else spelt(because_text(state.finished)),
+            shows=self._shows(),
             trouble=self._trouble,
             readings=list(_latest(campaign)),
             notes=state.notes,
@@ -312,7 +328,8 @@ class Desk:
             minds=[spelt(each) for each in [*self._minds, *contradictions(campaign)]],
             asks="" if self._asks is None else spelt(self._asks.question),
             answer=None if self._answer is None or overtaken else _answer(campaign, self._answer, results),
-            results=results.name if state.finished is not None and (results / "report.html").is_file() else "",
+            results=results.name if written else "",
+            tables=sorted(each.name for each in (results / "tables").glob("*/")) if written else (),
         )
 
     def _asked(self) -> tuple[Question | None, str | None, str]:
@@ -326,6 +343,15 @@ class Desk:
         if isinstance(asked, Ended):
             return None, asked.because, ""
         return Question.from_campaign(self.campaign, asked), None, ""
+
+    def _shows(self) -> str:
+        """Return what the instrument on a virtual machine shows at the question, "" where there is none."""
+        asked = self.campaign.state.pending
+        if self._source is None or self._question is None or asked is None:
+            return ""
+        answer = self._source.read(self.campaign.request(asked))
+        shown = to_unit(np.array([answer.value, *answer.others]), self._question.unit)
+        return " ".join(decimals(f"{each:.2f}") for each in shown)
 
     def _next(self) -> Asked | Ended:
         """Return what is asked; another program may be asking at the same moment."""

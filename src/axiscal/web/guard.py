@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hmac
 import secrets
+from collections.abc import Callable
 from functools import partial
 from importlib import resources
 from typing import Any
@@ -46,15 +47,15 @@ _NOTHING_HERE = {
 """Status, code and sentence of what is refused before a function is called, by the status that it has."""
 
 
-def page_application(page: str, files: tuple[str, ...], **settings: Any) -> FastAPI:
+def page_application(page: Callable[[], str], files: tuple[str, ...], **settings: Any) -> FastAPI:
     """Return the application of a page, with the files that it loads.
 
-    settings : as of FastAPI
+    page : says which file it is now; settings : as of FastAPI
     Its guard asks for token or cookie; here they are only described.
     """
     token = HTTPBearer(scheme_name="token", description="The token that axiscal serve prints", auto_error=False)
     cookie = APIKeyCookie(name="axiscal-PORT", scheme_name="page", description="The page's own", auto_error=False)
-    named = {"/": page, **{f"/{name}": name for name in files}}
+    named: dict[str, Callable[[], str]] = {"/": page, **{f"/{name}": partial(str, name) for name in files}}
     return FastAPI(
         routes=[
             *(Route(path, partial(_file, name), methods=["GET"]) for path, name in named.items()),
@@ -88,7 +89,8 @@ async def _words(request: Request) -> Response:
     return JSONResponse({"language": spoken_now(), "messages": messages(spoken_now())})
 
 
-async def _file(name: str, request: Request) -> Response:
+async def _file(named: Callable[[], str], request: Request) -> Response:
+    name = named()
     kind, folder = name.rpartition(".")[2], resources.files("axiscal.web").joinpath("static")
     return Response(folder.joinpath(name).read_bytes(), media_type=_KINDS[kind])
 

@@ -1,163 +1,35 @@
-"""The API of the page and the server that answers it.
-
-Between many browsers and the one desk steps wait in a row, and new states are handed to all who wait for them. One
-thread owns the campaign: one piece of work after another, the last of which can be broken off.
-"""
+"""The API of the page and the server that answers it."""
 
 from __future__ import annotations
 
 import asyncio
-import ctypes
+import io
 import logging
 import socket
-from collections.abc import AsyncIterator, Callable
-from concurrent.futures import Future, ThreadPoolExecutor, wait
+import zipfile
+from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
 from pathlib import Path
-from threading import Lock, get_ident
 from types import FrameType
-from typing import Annotated, TypeVar
+from typing import Annotated
 
 import uvicorn
 from fastapi import FastAPI, Query, Response
 from fastapi.responses import FileResponse
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import InputError
-from axiscal.language.spoken import speaking, spoken_now
-from axiscal.numerics.threads import one_thread
-from axiscal.web import shapes
+from axiscal.web import draft, shapes
+from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
 from axiscal.web.guard import ROOT, Guard, document, page_application, problem
 
-_NEARLY = 0.5
-"""s that work which is nearly done is waited for."""
-LOOKS = 0.25
-"""s between looks at the record: what others write is shown within a second."""
-_Result = TypeVar("_Result")
+_FILES = ("page.css", "elements.js", "start.js", "page.js", "pictures.js", "words.js", "icon.svg")
 
 
-class BrokenOffError(Exception):
-    """Work that was waiting when the record was closed."""
-
-
-class Counter:
-    """One record, open on its own thread, in the language that is spoken; raises RecordError if that is none.
-
-    desk : for what changes nothing, and needs no thread; state : the newest document, that a page is shown at once
-    """
-
-    def __init__(self, record: Path) -> None:
-        self._pool, self._language = ThreadPoolExecutor(1, thread_name_prefix="campaign"), spoken_now()
-        self._lock, self._closing = Lock(), False
-        self._at_work: int | None = None
-        self._loop: asyncio.AbstractEventLoop | None = None
-        self._ending, self._asked, self._news = False, set[Future[str]](), asyncio.Event()
-        self.desk = self._submitted(lambda: Desk(Campaign.open(record), self._publish)).result()
-        self.state = self.desk.state
-
-    async def do(self, step: Callable[[Desk], str]) -> str:
-        """Do a step on the campaign's thread, then what can wait, and return what was done in words."""
-        asked = self._submitted(lambda: step(self.desk))
-        self._asked.add(asked)
-        asked.add_done_callback(self._asked.discard)
-        said = await asyncio.wrap_future(asked)
-        self._think()
-        return said
-
-    async def ask(self, look: Callable[[Desk], _Result]) -> _Result:
-        """Return what the desk says to a question that changes nothing, after the steps that are under way."""
-        return await asyncio.wrap_future(self._submitted(lambda: look(self.desk)))
-
-    async def watch(self) -> None:
-        """Look at the record again and again, for what others write."""
-        self._loop = asyncio.get_running_loop()
-        self._think()
-        while True:
-            await asyncio.sleep(LOOKS)
-            await self.ask(Desk.look)
-
-    async def newer(self, seen: int, wait: float) -> shapes.StateShape:
-        """Return the state as soon as its version is another one than `seen`, or after `wait` s."""
-        clock = asyncio.get_running_loop().time
-        deadline = clock() + wait
-        while self.state.version == seen and not self._ending and (left := deadline - clock()) > 0:
-            news = self._news
-            try:
-                await asyncio.wait_for(news.wait(), left)
-            except TimeoutError:
-                break
-        return self.state
-
-    def end(self) -> None:
-        """Let nobody wait any longer: the server is about to end."""
-        self._ending = True
-        self._publish(self.state)
-
-    def close(self) -> str:
-        """Break off what is under way, leave what waits, close the record; return what is to be said of it.
-
-        Work is ended as the main thread is by Ctrl-C, which may come anywhere: at the next step of Python.
-        """
-        asked, broken_off = bool(self._asked), False
-        with self._lock:
-            self._closing = True
-        free = self._pool.submit(int)
-        while not wait([free], _NEARLY).done:  # an interruption that comes while Python clears up is lost
-            with self._lock:
-                if self._at_work is not None:
-                    interrupted = ctypes.c_ulong(self._at_work), ctypes.py_object(KeyboardInterrupt)
-                    broken_off |= ctypes.pythonapi.PyThreadState_SetAsyncExc(*interrupted) == 1
-        self._pool.submit(self.desk.campaign.close).result()
-        self._pool.shutdown()
-        if broken_off and asked:
-            return (
-                "A step that a page had asked for was broken off; what had been kept of it is shown at the next start."
-            )
-        return "What was being computed is begun anew at the next start." if broken_off else ""
-
-    def _submitted(self, work: Callable[[], _Result]) -> Future[_Result]:
-        return self._pool.submit(self._done, work)
-
-    def _done(self, work: Callable[[], _Result]) -> _Result:
-        with self._lock:
-            if self._closing:
-                raise BrokenOffError
-            self._at_work = get_ident()
-        try:
-            with one_thread(), speaking(self._language):
-                return work()
-        finally:
-            with self._lock:
-                self._at_work = None
-
-    def _think(self) -> None:
-        """Let the desk do what can wait."""
-        self._submitted(lambda: self.desk.think()).add_done_callback(self._told)
-
-    def _told(self, done: Future[None]) -> None:
-        """Say on stderr what went wrong where nobody waits for an answer."""
-        failure = done.exception()
-        if failure is not None and not self._ending:
-            logging.getLogger(__name__).error("axiscal: %s: %s", type(failure).__name__, failure)
-
-    def _publish(self, state: shapes.StateShape) -> None:
-        """Take a new state from the campaign's thread."""
-        if self._loop is not None:
-            self._loop.call_soon_threadsafe(self._take, state)
-
-    def _take(self, state: shapes.StateShape) -> None:
-        news, self._news, self.state = self._news, asyncio.Event(), state
-        news.set()
-
-
-_FILES = ("page.css", "elements.js", "page.js", "pictures.js", "words.js", "icon.svg")
-
-
-def application(counter: Counter, port: int) -> Guard:
-    """Return the whole page behind its guard."""
-    api = _Api(counter)
+def application(counter: Counter, port: int, here: Path) -> Guard:
+    """Return the whole page behind its guard.  here : the folder of what begins on it"""
+    api, beginning = _Api(counter), _BeginningApi(counter, here)
 
     @asynccontextmanager
     async def watching(app: FastAPI) -> AsyncIterator[None]:
@@ -166,7 +38,7 @@ def application(counter: Counter, port: int) -> Guard:
         watch.cancel()
 
     app = page_application(
-        "page.html",
+        lambda: "page.html" if counter.open else "start.html",
         _FILES,
         title="axiscal, the readings of one campaign",
         version="1",
@@ -174,7 +46,15 @@ def application(counter: Counter, port: int) -> Guard:
         lifespan=watching,
     )
     app.get("/report.html", include_in_schema=False)(api.report)
+    app.get("/report.pdf", include_in_schema=False)(api.pdf)
+    app.get("/tables.zip", include_in_schema=False)(api.tables)
     app.get("/setup.svg", include_in_schema=False)(api.setup_picture)
+    app.get("/machine.svg", include_in_schema=False)(beginning.picture)
+    app.get(f"{ROOT}/start", response_model=shapes.StartShape)(beginning.start)
+    app.get(f"{ROOT}/stage", response_model=shapes.StageShape)(beginning.stage)
+    app.get(f"{ROOT}/plan", response_model=shapes.PlanShape)(beginning.plan)
+    app.post(f"{ROOT}/draft", response_model=shapes.MachineShape)(beginning.keep)
+    app.post(f"{ROOT}/open", response_model=shapes.DoneShape)(beginning.open)
     app.get(f"{ROOT}/state", response_model=shapes.StateShape)(api.state)
     app.get(f"{ROOT}/typed", response_model=shapes.TypedShape)(api.typed)
     app.get(f"{ROOT}/cost", response_model=shapes.CostShape)(api.cost)
@@ -244,15 +124,67 @@ class _Api:
 
     async def report(self) -> Response:
         """The report, which allows its own scripts by their hashes and asks for nothing."""
+        return self._result("report.html", {"Content-Security-Policy": "frame-ancestors 'none'"})
+
+    async def pdf(self) -> Response:
+        """The report to sign."""
+        return self._result("report.pdf", {"Content-Disposition": "attachment"})
+
+    async def tables(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
+        """The tables of a control as one file."""
+        desk, packed = self._counter.desk, io.BytesIO()
+        if query.control not in desk.state.tables:
+            return problem(404, "missing", "There are no such tables yet")
+        folder = desk.results / "tables" / query.control
+        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+            for file in sorted(folder.rglob("*")):
+                archive.write(file, file.relative_to(folder.parent))
+        headers = {"Content-Disposition": f'attachment; filename="{query.control}.zip"'}
+        return Response(packed.getvalue(), media_type="application/zip", headers=headers)
+
+    def _result(self, name: str, headers: Mapping[str, str]) -> Response:
         desk = self._counter.desk
-        file, folder = desk.results / "report.html", desk.campaign.path.absolute().parent
+        file, folder = desk.results / name, desk.campaign.path.absolute().parent
         if not file.is_file() or file.resolve().parent.parent != folder.resolve():
             return problem(404, "missing", "There is no report yet")
-        return FileResponse(file, media_type="text/html", headers={"Content-Security-Policy": "frame-ancestors 'none'"})
+        return FileResponse(file, headers=headers)
 
     async def _done(self, step: Callable[[Desk], str]) -> Response:
         said = await self._counter.do(step)
         return document(shapes.DoneShape(sentence=said, state=await self._counter.newer(0, 0.0)))
+
+
+class _BeginningApi:
+    """What the routes of the start answer."""
+
+    def __init__(self, counter: Counter, here: Path) -> None:
+        self._counter, self._here = counter, here
+
+    async def start(self) -> Response:
+        """All that the start shows."""
+        return document(draft.start(self._here))
+
+    async def stage(self) -> Response:
+        """What is being computed."""
+        return document(shapes.StageShape(stage=self._counter.stage))
+
+    async def keep(self, chosen: shapes.DraftShape) -> Response:
+        """Keep what was chosen of a new campaign, and say what that makes of its machine."""
+        return document(draft.keep(self._here, chosen))
+
+    async def picture(self, query: Annotated[shapes.MachineQuery, Query()]) -> Response:
+        """A machine, with an instrument on it if one is named."""
+        drawn = await asyncio.to_thread(draft.picture, self._here, query)
+        return Response(drawn, media_type="image/svg+xml")
+
+    async def plan(self) -> Response:
+        """The plan of the draft in words; it takes seconds."""
+        return document(await self._counter.work(lambda: draft.plan(self._here)))
+
+    async def open(self, asked: shapes.OpenRequest) -> Response:
+        """Open a campaign of the start, or begin that of the draft and open it."""
+        sentence = await self._counter.begin(lambda: draft.record_of(self._here, asked.record))
+        return document(shapes.DoneShape(sentence=sentence, state=await self._counter.newer(0, 0.0)))
 
 
 _LOOPBACK = "127.0.0.1"
@@ -260,8 +192,10 @@ _ASKING, _BURST, _PATIENCE, _HEAD = 100, 100, 5.0, 16 * 1024
 """Connections that have not asked to the end; those taken in at once; seconds to ask in; bytes of a request's head."""
 
 
-def serve_record(record: Path, port: int, ready: Callable[[str], None]) -> str:
-    """Serve the page of a record until Ctrl-C; return a sentence on what was broken off, "" where nothing was.
+def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> str:
+    """Serve the page of a record, or the start of one in this folder, until Ctrl-C.
+
+    Returns a sentence on what was broken off, "" where nothing was.
 
     Page and answers are in the language that is spoken.
     port : 0 is any that is free; ready : called with the address once the page answers
@@ -270,7 +204,7 @@ def serve_record(record: Path, port: int, ready: Callable[[str], None]) -> str:
     counter = Counter(record)
     try:
         with _listening(port) as listener:
-            page = application(counter, int(listener.getsockname()[1]))
+            page = application(counter, int(listener.getsockname()[1]), Path.cwd())
             config = uvicorn.Config(
                 page,
                 http=_Caller,

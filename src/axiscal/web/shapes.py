@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Annotated, Literal
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
 from axiscal.answers.answer import AnswerDocument, PlannedAnswer, ResultAnswer
+from axiscal.answers.answer_words import AnswerText
 from axiscal.campaign.possible import LONGEST_TEXT
 from axiscal.present.guide.progress import Due, Progress
 from axiscal.present.guide.question import Question
+from axiscal.present.sentences import spelt
 from axiscal.record.events import Note
 
 LONGEST = 25.0
 """s that a request may wait for news: less than what programs between us and a browser would take for a fault."""
 After = Annotated[int, Field(ge=0, description="`last` of the state that is answered; 409 if it has changed")]
+Short = Annotated[str, Field(max_length=LONGEST_TEXT)]
 
 
 class ReadingShape(AnswerDocument):
@@ -42,12 +45,24 @@ class AnswerShape(AnswerDocument):
     commands: list[str]
     document: ResultAnswer | PlannedAnswer
 
+    @classmethod
+    def of(cls, text: AnswerText, document: ResultAnswer | PlannedAnswer) -> Self:
+        """Return a document with its words."""
+        return cls(
+            first=[spelt(part) for part in text.first.parts],
+            rows=[[spelt(cell) for cell in row] for row in text.rows],
+            sentences=[spelt(sentence) for sentence in text.sentences],
+            commands=text.commands,
+            document=document,
+        )
+
 
 class StateShape(AnswerDocument):
     """All that the page shows. `last` names the state of the record, `version` this document.
 
     minds : what to mind about the last reading; asks : whether a zero was set anew before some reading, "" for nothing
-    answer : null until it is known for the first time
+    shows : what the instrument on a virtual machine shows at the question, "" on a real one
+    answer : null until it is known for the first time; tables : the controls that there are tables for, once it ended
     """
 
     document: Literal["axiscal-page/1"] = "axiscal-page/1"
@@ -59,6 +74,7 @@ class StateShape(AnswerDocument):
     question: Question | None
     ended: str | None
     finished: str | None
+    shows: str
     trouble: str
     readings: list[ReadingShape]
     notes: Sequence[Note]
@@ -68,6 +84,109 @@ class StateShape(AnswerDocument):
     asks: str
     answer: AnswerShape | None
     results: str
+    tables: Sequence[str]
+
+
+class TablesQuery(AnswerDocument):
+    """The tables of a control."""
+
+    control: Short
+
+
+class DraftShape(AnswerDocument):
+    """What was chosen of a campaign that has not begun, as a person typed it; kept on the disk at every touch.
+
+    screen : which is open; machine : built-in, or file : a file of a control with its text
+    travels : of linear axes, such as "600 mm"; compensated : whether a compensation is active, "" where nobody knows
+    virtual : whether a virtual machine is to give the readings
+    """
+
+    screen: Literal["start", "machine", "with", "plan"] = "start"
+    machine: Short = ""
+    file: Annotated[str, Field(max_length=60, pattern=r"^([^./\\\x00-\x1f\x7f][^/\\\x00-\x1f\x7f]*)?$")] = ""
+    text: Annotated[str, Field(max_length=48_000)] = ""
+    travels: Mapping[str, Short] = {}
+    instruments: Sequence[Short] = ()
+    target: Short = ""
+    compensated: Literal["", "no", "yes"] = ""
+    virtual: bool = False
+
+
+class MachineShape(AnswerDocument):
+    """What a draft makes of a machine.
+
+    faults : what is wrong, by its field ("file", "travels.X", "target", "instruments")
+    lengths : how far each linear axis travels, mm; look : what the file could not say
+    offered : the instruments that it can be read with; asks : whether it is open if a compensation is active
+    """
+
+    title: str
+    faults: Mapping[str, str]
+    lengths: Mapping[str, float]
+    look: Sequence[str]
+    offered: Sequence[str]
+    asks: bool
+
+
+class BegunShape(AnswerDocument):
+    """A campaign in the folder of the page; at : of its last event, ISO 8601, UTC."""
+
+    record: str
+    machine: str
+    taken: int
+    coming: int
+    at: str
+    finished: bool
+
+
+class StartShape(AnswerDocument):
+    """All that the start shows.
+
+    left_out : records that cannot be read, and why
+    machines, instruments : names and words of those there are
+    """
+
+    document: Literal["axiscal-start/1"] = "axiscal-start/1"
+    folder: str
+    begun: Sequence[BegunShape]
+    left_out: Sequence[str]
+    machines: Mapping[str, str]
+    instruments: Mapping[str, str]
+    draft: DraftShape
+    machine: MachineShape
+
+
+class PlanShape(AnswerDocument):
+    """The plan of a draft; minds : what nobody has said yet."""
+
+    answer: AnswerShape
+    minds: Sequence[str]
+
+
+class StageShape(AnswerDocument):
+    """What is being computed, "" for nothing that is worth a word."""
+
+    stage: str
+
+
+class OpenRequest(AnswerDocument):
+    """A record of the start to go on with; "" for the campaign of the draft, which begins."""
+
+    record: Short
+
+
+class MachineQuery(AnswerDocument):
+    """A picture of a machine.
+
+    machine : built-in, "" for that of the draft; instrument : that stands on it, "" for none
+    small : without words below it; version : anything that is another one when the draft is
+    """
+
+    width: Annotated[float, Field(ge=120, le=2000, allow_inf_nan=False)]
+    machine: Short = ""
+    instrument: Short = ""
+    small: bool = False
+    version: Annotated[int, Field(ge=0)] = 0
 
 
 class CostQuery(AnswerDocument):

@@ -39,7 +39,7 @@ _ROUNDS = 60
 _CLOSE = 2e-3
 _ROUGHLY, _CLOSELY, _OF_GAP = 1e-2, 1e-5, 0.03
 """Share of J by which weights may be off at first and at last, and of the gap between: of time, any round proves."""
-_TURNS = 9
+_TURNS = 30
 """Turns over all candidates: of time. The bound rises by less and less."""
 _OF_DISTANCE = 0.05
 """Where the weights of all are sought, what the bound could still rise by, as a share of how far off the plan is."""

@@ -40,6 +40,8 @@ _LARGEST = 500
 """Candidates with a weight beyond which a step of Newton takes minutes; the bound of the others is kept."""
 _SHARE = 0.3
 """Of Newton's step: a tenth and a half lead to the same, more slowly and by longer ways round."""
+_DAMPED = 0.25
+"""Of that share, after a turn by which J rose."""
 _POWER = 0.4
 """Up to a half no turn overshoots; a little below it, since shares of steps are given beside it."""
 _NOUGHT = 1e-300
@@ -179,8 +181,8 @@ class Relaxation:
     def grow(self, slopes: Array) -> bool:
         """Drop what has no weight, add the worst violators that stand apart; return whether any was added."""
         gone = max(_GONE, _IDLE * self._close / len(self.support))
-        kept = self.weights * self.costs[self.support] > gone * self.limit
         level = float((slopes[self.support] @ self.weights) / self.limit)
+        kept = (self.weights * self.costs[self.support] > gone * self.limit) | self._missed(slopes, level)
         added = self._violators(slopes / self.costs, level, self.support[kept])
         start = np.full(len(added), 1e-3 * self.limit) / np.maximum(self.costs[added], 1e-300) / max(len(added), 1)
         self.support = np.concatenate([self.support[kept], added])
@@ -188,6 +190,18 @@ class Relaxation:
         total = float(self.costs[self.support] @ self.weights)
         self.weights = self.weights * (self.limit / total)
         return len(added) > 0
+
+    def _missed(self, slopes: Array, level: float) -> NDArray[np.bool_]:
+        """Return which of the support would be worth more than the others without their weight, (s,).
+
+        Without x_i the slope d_i is d_i / (1 − x_i k_i)² at most, k_i = tr(B_i S B_iᵀ). Little weight of a reading with
+        little noise can be much information.
+        """
+        _, along, owner = self._rows()
+        seen = informed(along, along * np.sqrt(self.weights[owner])[:, None])
+        told = np.bincount(owner, np.sum(seen**2, axis=1), len(self.weights))
+        alone = np.maximum(1.0 - self.weights * told, 0.0) ** 2
+        return slopes[self.support] > alone * level * self.costs[self.support]
 
     def _violators(self, slopes: Array, level: float, support: NDArray[np.intp]) -> NDArray[np.intp]:
         order = np.argsort(-slopes, kind="stable")[: 20 * max(_ADDED, len(support) // _PART)]
@@ -225,20 +239,24 @@ def turns(
 
     A slope d_i above its level λ c_i wants more weight. Newton's step of that weight alone, while the others stay, is
     (1 − λ c_i/d_i)/(2 k_i). Here k_i = tr(B_i S B_iᵀ) with its whitened rows B_i and the current covariance S.
-    Neighbours want the same and all get it, so a share of it is given. A slope below its level loses, x_i ← x_i (d_i/λ
-    c_i)^p (the multiplicative algorithm: Yu 2010). Any weights prove a bound.
+    Neighbours want the same and all get it, so a share of it is given, less after a turn by which J rose. A slope below
+    its level loses, x_i ← x_i (d_i/λ c_i)^p (the multiplicative algorithm: Yu 2010). Any weights prove a bound.
     along : R^-½ G F (m, r); owner : (m,) to which reading each number belongs, in order; weights, costs : (s,)
     """
     first = np.searchsorted(owner, np.arange(len(weights)))
     seen = informed(along, along * np.sqrt(weights[owner])[:, None])
     spread = np.maximum(np.add.reduceat(np.sum(seen**2, axis=1), first), _NOUGHT)
+    best, share = None, _SHARE
     while True:
         dual = Dual.from_rows(state, along * np.sqrt(weights[owner])[:, None])
-        slopes = np.add.reduceat(np.sum((along @ dual.z.T) ** 2, axis=1), first)
-        yield Turn(weights, dual, slopes)
-        above = np.maximum(slopes / (costs * float(slopes @ weights) / limit), _NOUGHT)
-        scaled = weights * above**_POWER
-        grown = weights + _SHARE * (1 - 1 / above) / (2 * spread)
+        if best is None or dual.value <= best.dual.value:
+            best = Turn(weights, dual, np.add.reduceat(np.sum((along @ dual.z.T) ** 2, axis=1), first))
+        else:  # too far: as many neighbours as there are take part
+            share *= _DAMPED
+        yield best
+        above = np.maximum(best.slopes / (costs * float(best.slopes @ best.weights) / limit), _NOUGHT)
+        scaled = best.weights * above**_POWER
+        grown = best.weights + share * (1 - 1 / above) / (2 * spread)
         weights = np.where(above > 1, np.maximum(scaled, grown), scaled)
         weights = weights * (limit / float(costs @ weights))
 

@@ -2,7 +2,6 @@
 
 On the lattice a reading and its replacement cost O(M) to look at. Afterwards all readings move off the lattice at once,
 and each climbs, given all the others.
-In the end it has no reading that an accuracy does not need.
 
 All readings of a plan moved at once, off the lattice, to where together they leave least.
 
@@ -28,11 +27,10 @@ from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import lowest
 from axiscal.numerics.ties import ALIKE, first_best, ranked
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import Covariance, RunningAccuracy
+from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.gains.running_gains import Allowed, Scores
-from axiscal.planning.plan.greedy import Trial, affordable
-from axiscal.planning.plan.task import Clock, Limits, Patience, Task, work_of_climb
+from axiscal.planning.plan.task import Clock, Patience, work_of_climb
 from axiscal.planning.step.climb import Climb
 
 _STEP = 1e-6
@@ -325,32 +323,6 @@ def _climb(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb
     return climb
 
 
-_SHRINKS = 60
-"""Readings that are taken out at most: exchange leaves few that an accuracy does not need."""
-
-
 def drop(scores: Scores, times: Clock) -> None:
     """Take out the reading that is worth least per second."""
     scores.leave(first_best(-scores.losses() / times.reading[scores.places.setups], ALIKE))
-
-
-def shrunk(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
-    """Take out the readings that are worth least per second, while the accuracy asked for holds."""
-
-    def met(scores: Scores) -> bool:
-        return limits.met(RunningAccuracy.from_factor(task.yardstick, scores.state.factor).accuracy)
-
-    if not limits.accurate or not met(trial.scores):
-        return trial
-    trial = replace(trial, met=True)
-    for _ in range(_SHRINKS):
-        if len(trial.scores.places) < 2:
-            return trial
-        fewer = trial.scores.fork()
-        drop(fewer, times)
-        if not met(fewer):
-            exchange(fewer, affordable(times, trial.setups, 0.0), 3)
-            if not met(fewer):
-                return trial
-        trial = replace(trial, scores=fewer)
-    return trial

@@ -8,9 +8,8 @@ import numpy as np
 
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
-from axiscal.planning.gains.covariance import RunningAccuracy
 from axiscal.planning.plan.beginnings import evenly_spaced
-from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.plan.task import Goal, Task
 
 _SHAKES, _SHARE, _SEED = 10, 0.02, 1
 """How many, by how much of the travel at most, and any seed: a plan is the same every time."""
@@ -36,7 +35,7 @@ def shaken(task: Task, places: Places) -> Places:
     return min(found, key=lambda each: state.after_readings(each).value)
 
 
-def spread_if_as_good(task: Task, limits: Limits, places: Places) -> Places:
+def spread_if_as_good(task: Task, goal: Goal | None, places: Places) -> Places:
     """Return a reading in each of equal parts, where set-ups move one axis each and J is not much larger.
 
     Real errors are rougher than any model of them. Of two plans about as good by J the evener one misses less, and
@@ -54,8 +53,7 @@ def spread_if_as_good(task: Task, limits: Limits, places: Places) -> Places:
             low, high = setups[setup].span(axes[axis], axis)
             even.poses[mine, axis] = low + (high - low) * shares(len(mine))
         after = task.state.after_readings(even)
-        reached = not limits.accurate or limits.met(RunningAccuracy.from_factor(task.yardstick, after.factor).accuracy)
-        if reached and after.value <= _AS_GOOD * before:
+        if after.value <= _AS_GOOD * before and (goal is None or goal.reached(even)):
             return even
     return places
 

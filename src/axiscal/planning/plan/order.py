@@ -139,17 +139,19 @@ def _on_a_short_way(task: Task, places: Places, exact: bool) -> Places:
         return places.within(out_and_back(task, places))
     if task.here is not None and task.here.setups[0] == places.setups[0]:
         first = way_seconds(machine, setup, task.here.poses[0], places.poses, approaches)
-    once, again = _repeats(np.column_stack([places.poses, approaches]))
+    once, place = _at_one_place(np.column_stack([places.poses, approaches]))
     begin = None if first is None else first[once]
     order, _ = short_way(machine, setup, places.poses[once], approaches[once], begin, exact=exact)
-    return places.within(np.concatenate([once[order], again]))
+    return places.within(np.argsort(np.argsort(order)[place], kind="stable"))
 
 
-def _repeats(rows: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the first readings of all places, and those of a place once more.  rows : (m, p) poses and approaches"""
-    _, first = np.unique(rows, axis=0, return_index=True)
-    once = np.sort(first)
-    return once, np.setdiff1d(np.arange(len(rows)), once)
+def _at_one_place(rows: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the first reading of each place, (k,), and the number of each reading's place among them, (m,).
+
+    rows : (m, p) poses and approaches
+    """
+    _, first, place = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    return np.sort(first), np.argsort(np.argsort(first))[place.ravel()]
 
 
 def arriving(task: Task, order: Places) -> Array:

@@ -3,8 +3,9 @@
     plan = make_plan(task, Limits(readings=40))
     plan.places.poses[0], plan.accuracy.rms, plan.seconds, plan.ratio
 
-Exchange chooses the readings together. It improves a greedy, a space-filling, an evenly spaced and the best random
-design; the best result is the plan. So no plan is worse than one of these.
+Tours of `tour` plan for a budget, and for an accuracy in the fewest minutes. For so many readings exchange chooses them
+together. It improves a greedy, a space-filling, an evenly spaced and the best random design; the best result is the
+plan. So no such plan is worse than one of these.
 
 While measuring, `renewed` plans the rest: from the readings that are still open, by what exchanges still help. Readings
 of linear instruments sharpen a belief by their places, not by their values. So the rest of a plan is still the plan, as
@@ -18,7 +19,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import PlanError
@@ -32,74 +32,106 @@ from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import RunningAccuracy, after_each
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.beginnings import best_of_random, plain_designs
-from axiscal.planning.plan.exchange import SWEEPS, drop, exchange, polish, shrunk
-from axiscal.planning.plan.greedy import (
-    Setups,
-    Trial,
-    affordable,
-    chosen_setups,
-    filled,
-    scores_among,
-    sets_within,
-    within_reach,
-)
+from axiscal.planning.plan.exchange import SWEEPS, drop, exchange, polish
+from axiscal.planning.plan.greedy import Setups, affordable, chosen_setups, filled, scores_among, sets_within
 from axiscal.planning.plan.irregular import shaken, spread_if_as_good
 from axiscal.planning.plan.order import arriving, in_order, interleaved, seconds_along, seconds_each
 from axiscal.planning.plan.run import first_seconds
-from axiscal.planning.plan.task import PATIENCE, Clock, Limits, Patience, Task, clock
-from axiscal.planning.plan.tour import retoured, toured
+from axiscal.planning.plan.task import PATIENCE, Goal, Limits, Patience, Task, clock
+from axiscal.planning.plan.tour import grown, quickest, retoured, toured
 
 _SWEEPS = 3
 _WORTH = 0.01
 """An exchange must bring a hundredth more than the reading it replaces: less is not worth another way."""
 _ROUNDS_OF_RENEWAL = 2
-_MORE = 10
-"""So many readings at once are added to a plan that has come to fall short."""
-_FAR, _MOST = 40, 150
-"""Readings more that are tried before a plan of other set-ups: the first always, all while mounting takes longer."""
+_FAR = 40
+"""Readings more that are tried before a plan of other set-ups, or for as long as mounting these takes."""
 
 
 def renewed(
-    task: Task, limits: Limits, left: Places, patience: float = 0.0, unsure: float = 1.0, usual: bool = False
+    task: Task,
+    limits: Limits,
+    left: Places,
+    patience: float = 0.0,
+    goal: Goal | None = None,
+    usual: bool = False,
 ) -> Places:
     """Return the readings to come in their order, from those that are left of a plan and within its set-ups.
 
     limits : what is left of them; patience : operations that climbing off the lattice may take
-    unsure : factor by which what is foreseen may yet become larger, as learnt sizes do: what may be needed stays
-    usual : with what usually goes wrong: what is new is interleaved with the rest
+    goal : an accuracy to reach; usual : with what usually goes wrong: what is new is interleaved with the rest
     None are returned where there is no time for any of these set-ups, or they fall short by much and others do not.
     """
     left = _mountable(task, limits, left)
     mounted = [] if task.here is None else task.here.setups.tolist()
     setups, order = tuple(sorted({*mounted, *left.setups.tolist()})), left
     within = tuple(setup for setup in setups if setup in task.lattice.setups)
+    if not within:
+        return replace(order, approaches=arriving(task, order))
+    reaching = None if goal is None else _reaching(task, limits, within, left, goal)
+    if reaching is None and goal is not None and _others_reach(task, limits, within, goal):
+        return Places.none(left.poses.shape[1])
     hurried = _hurried(task, limits)
-    if within and not hurried:
-        places = _renewed(task, replace(limits, budget=None), setups, left, patience, unsure)
-        if places is None:
-            return Places.none(left.poses.shape[1])
+    if reaching is not None:
+        found = retoured(task, limits, _those_of(reaching), reaching, patience, _WORTH, goal)
+        order = _ordered(task, limits, found, left, usual)
+    elif not hurried:
+        places = _renewed(task, replace(limits, budget=None), setups, left, patience)
         order = _ordered(task, limits, in_order(task, places), left, usual)
-    if within and (hurried or _too_long(task, limits, order)):
+    if reaching is None and (hurried or _too_long(task, limits, order)):
         order = _ordered(task, limits, retoured(task, limits, within, left, patience, _WORTH), left, usual)
     return replace(order, approaches=arriving(task, order))
 
 
-def _renewed(task: Task, limits: Limits, setups: Setups, left: Places, patience: float, unsure: float) -> Places | None:
-    """Return readings to come of these set-ups in any order; None where they fall short and others do not."""
-    base, times = scores_among(task, setups), clock(task)
-    others = np.setdiff1d(task.lattice.setups, setups) if limits.accurate else np.zeros(0, dtype=np.intp)
-    trial = _filled(task, limits, times, _begun(base.fork(), limits, times, setups, left), others)
-    if len(others) and not trial.met and within_reach(task, limits):
-        return None
-    exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
-    polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS_OF_RENEWAL, Patience(patience))
-    trial = shrunk(task, limits.times(1 / unsure), times, trial)
-    return _needed(task, limits, times, base, trial.scores.places)
+def _reaching(task: Task, limits: Limits, setups: Setups, left: Places, goal: Goal) -> Places | None:
+    """Return readings of these set-ups that reach an accuracy; None where they fall short and others may not.
+
+    Those of the set-up that is mounted do alone where that takes less time.
+    """
+    others, longest = np.setdiff1d(task.lattice.setups, setups), np.inf if limits.budget is None else limits.budget
+    if len(others):
+        times, spent = clock(task), seconds_along(task, left)
+        mounted = float((times.mounting + times.reading)[others].max())
+        longest = min(longest, spent + max(mounted, _FAR * float(times.reading[list(setups)].min())))
+    reached = goal.reached(left) and seconds_along(task, left) <= longest
+    found = left if reached else grown(task, limits, setups, left, goal, longest)
+    here: Setups = () if task.here is None else (int(task.here.setups[0]),)
+    if here == setups or not np.isin(here, setups).any():
+        return found
+    longest = longest if found is None else seconds_along(task, found)
+    alone = grown(task, limits, here, left.within(np.isin(left.setups, here)), goal, longest)
+    return alone if alone is not None and seconds_along(task, alone) < longest else found
+
+
+def _others_reach(task: Task, limits: Limits, setups: Setups, goal: Goal) -> bool:
+    """Return whether all set-ups together reach an accuracy that these do not."""
+    everything = tuple(np.unique(task.lattice.setups).tolist())
+    if set(everything) <= set(setups):
+        return False
+    none = Places.none(task.lattice.poses.shape[1])
+    return grown(task.coarse, limits, everything, none, goal, np.inf) is not None
+
+
+def _those_of(places: Places) -> Setups:
+    return tuple(np.unique(places.setups).tolist())
+
+
+def _renewed(task: Task, limits: Limits, setups: Setups, left: Places, patience: float) -> Places:
+    """Return as many readings to come of these set-ups as there may be, in any order."""
+    scores, times = scores_among(task, setups), clock(task)
+    scores.enter_all(left)
+    most = len(left) if limits.readings is None else limits.readings
+    while len(scores.places) > most:
+        drop(scores, times)
+    scores = filled(scores, most, setups)
+    exchange(scores, affordable(times, setups, np.inf), _SWEEPS, _WORTH)
+    polish(scores, affordable(times, setups, 0.0), _ROUNDS_OF_RENEWAL, Patience(patience))
+    return scores.places
 
 
 def _hurried(task: Task, limits: Limits) -> bool:
     """Return whether minutes decide: there is no other limit, or no time for as many readings as there may be."""
-    if limits.budget is None or limits.accurate:
+    if limits.budget is None:
         return False
     quickest = min(reading_seconds(setup) for setup in task.observation.setups)
     return limits.readings is None or limits.readings * quickest > limits.budget
@@ -117,22 +149,6 @@ def _ordered(task: Task, limits: Limits, order: Places, left: Places, usual: boo
     return interleaved(task, limits, order) if usual else order
 
 
-def _needed(task: Task, limits: Limits, times: Clock, base: Scores, places: Places) -> Places:
-    """Return a plan, or readings of the set-up that is mounted where these reach the accuracy in less time.
-
-    base : the gains of the candidates before the first reading
-    """
-    here: Setups = () if task.here is None else (int(task.here.setups[0]),)
-    mine = np.isin(places.setups, here)
-    if not limits.accurate or not np.isin(task.lattice.setups, here).any() or mine.all():
-        return places
-    scores = _begun(base.among(here), limits, times, here, places.within(mine)).scores
-    meter = RunningAccuracy.from_factor(task.yardstick, scores.state.factor)
-    spent, longest = (seconds_along(task, in_order(task, each)) for each in (places.within(mine), places))
-    alone = filled(scores, meter, limits, times, here, _MOST, longest, begun=spent)
-    return scores.places if alone.met else places
-
-
 def _mountable(task: Task, limits: Limits, left: Places) -> Places:
     """Return the readings of the set-ups that there is time to mount, one after another."""
     first, spent, kept = first_seconds(task), 0.0, set[int]()
@@ -143,27 +159,8 @@ def _mountable(task: Task, limits: Limits, left: Places) -> Places:
     return left.within(np.isin(left.setups, list(kept)))
 
 
-def _begun(scores: Scores, limits: Limits, times: Clock, setups: Setups, left: Places) -> Trial:
-    """Return the plan that is left, of no more readings than there may be.  scores : before the first, taken over"""
-    scores.enter_all(left)
-    while limits.readings is not None and len(scores.places) > limits.readings:
-        drop(scores, times)
-    return Trial(scores, setups, 0.0, met=False)
-
-
-def _filled(task: Task, limits: Limits, times: Clock, trial: Trial, others: NDArray[np.intp]) -> Trial:
-    """Return the plan with more readings where it misses the accuracy.
-
-    others : set-ups that could be mounted instead of reading on for longer than that takes
-    """
-    most, longest = _MORE, np.inf
-    if len(others):
-        mounted = float((times.mounting + times.reading)[others].max())
-        most, longest = _MOST, max(mounted, _FAR * float(times.reading[list(trial.setups)].min()))
-    meter = RunningAccuracy.from_factor(task.yardstick, trial.scores.state.factor)
-    return filled(trial.scores, meter, limits, times, trial.setups, most, longest, begun=0.0)
-
-
+MANY = 150
+"""Readings of a plan at most that nothing else ends: what is known by then plans the others."""
 _RANDOM = 0.2
 """Share of the patience that random starts may take besides."""
 _MUCH = 1e9
@@ -186,7 +183,7 @@ class Plan:
     """Readings in the order of a short way, set-up by set-up.
 
     places : from the sides from which the machine comes to them; readings : what each of them leaves
-    value : J after the last; before : the accuracy now; met : whether the accuracy asked for is reached
+    value : J after the last; before : the accuracy now
     bound : what no plan can beat, None if it was not asked for; candidates : size of the lattice it holds for
     among : the set-ups that were worth their mounting, of which it was chosen
     checks : indices of readings that were drawn at random
@@ -196,7 +193,6 @@ class Plan:
     readings: tuple[PlannedReading, ...]
     value: float
     before: Accuracy
-    met: bool
     bound: Bound | None
     candidates: int
     among: Setups
@@ -223,49 +219,64 @@ def make_plan(
     task: Task,
     limits: Limits,
     *,
+    goal: Goal | None = None,
     patience: float = PATIENCE,
     bounded: bool = True,
     usual: bool = False,
 ) -> Plan:
     """Return a plan that ends at the first limit it reaches. Raises PlanError.
 
+    goal : the accuracy that limits ask for; it is reached in the fewest minutes
     patience : operations that climbing off the lattice may take; the same plan on any machine, and under any load
     bounded : whether the lower bound is wanted
     usual : with what usually goes wrong: places keep no regular distances, and their order is interleaved
     """
     _refuse(task, limits)
-    order = None if _hurried(task, limits) else _any_time(task, limits, patience, usual)
+    order = None if goal is None else _in_minutes(task, limits, patience, usual, goal)
+    if order is None and limits.readings is limits.budget is None:
+        limits = replace(limits, readings=MANY)
+    if order is None and not _hurried(task, limits):
+        order = _any_time(task, limits, patience, usual)
     if order is None or _too_long(task, limits, order):
         order = _in_minutes(task, limits, patience, usual)
-    return judged(task, limits, replace(order, approaches=arriving(task, order)), bounded)
+    places = Places.none(task.lattice.poses.shape[1]) if order is None else order
+    return judged(task, limits, replace(places, approaches=arriving(task, places)), bounded)
 
 
 def _any_time(task: Task, within: Limits, patience: float, usual: bool) -> Places:
-    """Return readings in their order, however long they take; they are interleaved within a budget."""
+    """Return as many readings as there may be in their order, however long they take.
+
+    They are interleaved within a budget.
+    """
     limits, times = replace(within, budget=None), clock(task)
     with stage("which set-ups"):
         setups = chosen_setups(task, limits)
     with stage("readings chosen together"):
-        trial = _together(task, limits, times, setups, _RANDOM * patience)
+        scores = _together(task, within.readings or MANY, setups, _RANDOM * patience)
     with stage("off the lattice"):
-        polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
-    places = shrunk(task, limits, times, trial).scores.places
+        polish(scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
+    places = scores.places
     if usual and len(places):
-        places = spread_if_as_good(task, limits, shaken(task, places))
+        places = spread_if_as_good(task, None, shaken(task, places))
     order = in_order(task, places)
     return interleaved(task, within, order) if usual else order
 
 
-def _in_minutes(task: Task, limits: Limits, patience: float, usual: bool) -> Places:
-    """Return readings in their order that a budget has time for."""
+def _in_minutes(task: Task, limits: Limits, patience: float, usual: bool, goal: Goal | None = None) -> Places | None:
+    """Return readings in their order that a budget has time for, or of the least time to an accuracy.
+
+    None where no readings within limits reach it.
+    """
     with stage("which set-ups"):
         sets = sets_within(task, limits)
     with stage("readings chosen together"):
-        order = toured(task, limits, sets, patience)
-        if not usual or not len(order):
+        order = toured(task, limits, sets, patience) if goal is None else quickest(task, limits, sets, goal, patience)
+        if not usual or order is None or not len(order):
             return order
-        places, setups = spread_if_as_good(task, limits, shaken(task, order)), tuple(np.unique(order.setups).tolist())
-        return interleaved(task, limits, retoured(task, limits, setups, places, 0.0, np.inf))
+        places = spread_if_as_good(task, goal, shaken(task, order))
+        if not places.same_as(order):
+            order = retoured(task, limits, _those_of(order), places, 0.0, np.inf, goal)
+        return interleaved(task, limits, order)
 
 
 def _refuse(task: Task, limits: Limits) -> None:
@@ -282,30 +293,29 @@ def _refuse(task: Task, limits: Limits) -> None:
         raise PlanError(what, remedy, given=limits.budget / 60, needed=first[quickest] / 60, setup=setup)
 
 
-def _together(task: Task, limits: Limits, times: Clock, setups: Setups, work: float) -> Trial:
+def _together(task: Task, readings: int, setups: Setups, work: float) -> Scores:
     """Return the best of what exchange makes of several beginnings with the same number of readings per set-up.
 
     work : operations that random starts may take
     """
-    base, meter = scores_among(task, setups), RunningAccuracy.from_factor(task.yardstick, task.state.factor)
-    greedy = filled(base.fork(), meter, limits, times, setups)
-    counts = [(s, int(np.sum(greedy.scores.places.setups == s))) for s in setups]
-    trials = [greedy]
+    base, times = scores_among(task, setups), clock(task)
+    tried = [filled(base.fork(), readings, setups)]
+    counts = [(s, int(np.sum(tried[0].places.setups == s))) for s in setups]
     random = best_of_random(task, counts, work)
     for begun in [*plain_designs(task, counts), *([] if random is None else [random])]:
         scores = base.fork()
         scores.enter_all(begun)
-        trials.append(replace(greedy, scores=scores))
-    allowed, done = affordable(times, setups, limits.slack), 0.0
+        tried.append(scores)
+    allowed, done = affordable(times, setups, np.inf), 0.0
     for sweeps in (1, SWEEPS):
-        for place, trial in enumerate(_best_first(trials)):
+        for place, scores in enumerate(_best_first(tried)):
             if place == 0 or done < _MUCH:
-                done += exchange(trial.scores, allowed, sweeps)
-    return _best_first(trials)[0]
+                done += exchange(scores, allowed, sweeps)
+    return _best_first(tried)[0]
 
 
-def _best_first(trials: Sequence[Trial]) -> list[Trial]:
-    return [trials[k] for k in ranked(-np.array([trial.scores.state.value for trial in trials]), ALIKE)]
+def _best_first(tried: Sequence[Scores]) -> list[Scores]:
+    return [tried[k] for k in ranked(-np.array([scores.state.value for scores in tried]), ALIKE)]
 
 
 def judged(task: Task, limits: Limits, places: Places, bounded: bool = True) -> Plan:
@@ -314,18 +324,18 @@ def judged(task: Task, limits: Limits, places: Places, bounded: bool = True) -> 
     bounded : whether the lower bound is wanted
     """
     state = task.state
-    among = chosen_setups(task, limits) if limits.budget is None else tuple(np.unique(places.setups).tolist())
+    among = _those_of(places) if limits.timed else chosen_setups(task, limits)
     lattice = task.lattice.within(np.isin(task.lattice.setups, among))
     before = RunningAccuracy.from_factor(task.yardstick, state.factor).accuracy
     ends = np.cumsum(seconds_each(task, places)).tolist()
     known = zip(after_each(state, task.yardstick, places), ends, strict=True)
     readings = tuple(PlannedReading(value, accuracy, seconds) for (value, accuracy), seconds in known)
-    value, accuracy = (readings[-1].value, readings[-1].accuracy) if readings else (state.value, before)
+    value = readings[-1].value if readings else state.value
     bound = None
     if bounded:
         with stage("the bound"):
             bound = _bound(task, limits, Pool(task.observation, lattice), places)
-    return Plan(places, readings, value, before, limits.met(accuracy), bound, len(lattice), among)
+    return Plan(places, readings, value, before, bound, len(lattice), among)
 
 
 def _bound(task: Task, limits: Limits, pool: Pool, places: Places) -> Bound:

@@ -69,6 +69,15 @@ class Run:
             return 0.0
         return self.mounting + float(self._first[0] + np.diagonal(self._legs, 1).sum()) + self.reading * len(self.slots)
 
+    def saved(self) -> Array:
+        """Return the seconds less without each reading, (k,)."""
+        if len(self.slots) == 1:
+            return np.array([self.seconds])
+        legs, far = np.diagonal(self._legs, 1), np.diagonal(self._legs, 2)
+        before, after = np.concatenate([self._first[:1], legs]), np.append(legs, 0.0)
+        saved: Array = self.reading + before + after - np.concatenate([self._first[1:2], far, [0.0]])
+        return saved
+
     def gaps(self) -> Array:
         """Return the seconds more of ways to each candidate before each reading and after the last, (k + 1, m).
 

@@ -5,7 +5,7 @@ The search ends by the work that it has done: a clock would make another plan on
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.criterion import Root
-from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick, attainable
+from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
@@ -69,8 +69,7 @@ class Limits:
     """A plan ends at the first that is reached.
 
     rms, worst : m; budget : s; expanded : U of the volume, m; rows : whether wanted rows with a limit are to be reached
-    beside : m², what a result counts beside J in the squares of rms and worst; the search adds it to its own
-    A search heeds rms and worst only: `enough` finds these for the others.
+    A search heeds readings and budget; a `Goal` says whether it has reached the others.
     """
 
     readings: int | None = None
@@ -79,7 +78,6 @@ class Limits:
     budget: float | None = None
     expanded: float | None = None
     rows: bool = False
-    beside: tuple[float, float] = (0.0, 0.0)
 
     @classmethod
     def of(cls, target: Target) -> Limits:
@@ -90,28 +88,6 @@ class Limits:
         """Return the same with accuracies of the volume that are so many times as large."""
         rms, worst, whole = (None if x is None else factor * x for x in (self.rms, self.worst, self.expanded))
         return replace(self, rms=rms, worst=worst, expanded=whole)
-
-    def met(self, accuracy: Accuracy) -> bool:
-        """Return whether the accuracy asked for is reached; where no reading can, whether what they take away is.
-
-        accuracy : by J
-        """
-        return self.missed(accuracy) <= 0
-
-    def missed(self, accuracy: Accuracy) -> float:
-        """Return by what share the square of a figure is too large, the nearer one; infinite where none is asked for.
-
-        accuracy : by J
-        """
-        figures = (accuracy.rms, self.rms, accuracy.floor), (accuracy.worst, self.worst, accuracy.worst_floor)
-        return min(
-            (
-                max(own**2 + beside, 0.0) / attainable(limit, floor) ** 2 - 1
-                for (own, limit, floor), beside in zip(figures, self.beside, strict=True)
-                if limit is not None
-            ),
-            default=math.inf,
-        )
 
     @property
     def of_volume(self) -> bool:
@@ -128,10 +104,15 @@ class Limits:
         """Whether seconds count: for a budget, and for the least time to an accuracy."""
         return self.budget is not None or self.accurate
 
-    @property
-    def slack(self) -> float:
-        """Seconds that one exchange may cost."""
-        return 0.0 if self.timed else np.inf
+
+class Goal(NamedTuple):
+    """Whether readings to come reach an accuracy.
+
+    reached : at the sizes as they are; surely : were these as much larger as they may yet turn out to be
+    """
+
+    reached: Callable[[Places], bool]
+    surely: Callable[[Places], bool]
 
 
 class Clock(NamedTuple):

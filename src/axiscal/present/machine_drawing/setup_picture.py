@@ -9,16 +9,17 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.language.spoken import counted, said
+from axiscal.machine import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.present.drawing.scene import RIGHT, Part, Stroke, Viewport, drawn
+from axiscal.present.drawing.scene import RIGHT, Arrow, Part, Stroke, Viewport, drawn
 from axiscal.present.drawing.strokes import text, wrapped
 from axiscal.present.drawing.svg_picture import SCREENS, Drawing, picture_file
 from axiscal.present.machine_drawing.instruments import DRAWN, MountedSetup, owner_of, reading_parts
 from axiscal.present.machine_drawing.machine_scene import box_corners, edges, machine_parts, reach_edges
-from axiscal.present.machine_drawing.standing_machine import Measures, StandingMachine, up
+from axiscal.present.machine_drawing.standing_machine import Measures, StandingMachine, name_of, up
 
 _LINE = 20.0
 """Pixels from one line of text to the next."""
@@ -79,10 +80,28 @@ def setup_scene(
     read = "● " + counted("{count} reading", "{count} readings", len(own)) if own else ""
     coming_words = said("grey: {count} to come", count=len(later)) if later else ""
     legend = " · ".join(part for part in (read, coming_words) if part)
+    notes = _reach_note(room), said("tail: the side it comes from") if tails else ""
+    return SetupScene(parts, setup.name, legend, " · ".join(note for note in notes if note))
+
+
+def machine_scene(machine: Machine, *, lengths: bool = True) -> SetupScene:
+    """Return a machine that stands amid its travels.  lengths : whether its axes say how far they travel, in mm"""
+    room = StandingMachine(machine, np.array([sum(axis.travel) / 2 for axis in machine.axes]))
+    named = {
+        name_of(room, k): f"{name_of(room, k)} {1e3 * axis.length:.0f}"
+        for k, axis in enumerate(machine.axes)
+        if not axis.rotary
+    }
+    parts = [
+        replace(part, name=named.get(part.name, part.name)) if lengths and isinstance(part, Arrow) else part
+        for part in machine_parts(room)
+    ]
+    return SetupScene([*parts, *reach_edges(room)], machine.name, "", _reach_note(room) if lengths else "")
+
+
+def _reach_note(room: StandingMachine) -> str:
     spans = " × ".join(f"{1e3 * span:.0f}" for span in room.reach[1] - room.reach[0] if span > 1e-9)
-    notes = [said("dashed: where the tool reaches, {size} mm", size=spans)] if spans else []
-    notes += [said("tail: the side it comes from")] if tails else []
-    return SetupScene(parts, setup.name, legend, " · ".join(notes))
+    return said("dashed: where the tool reaches, {size} mm", size=spans) if spans else ""
 
 
 def _tips(room: StandingMachine, places: Sequence[Place]) -> Array:

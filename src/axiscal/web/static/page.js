@@ -1,9 +1,8 @@
 // The dialogue: shows the newest state, sends what is typed, and says which state that answers.
-import { element, find, hear } from "/elements.js";
+import { call, element, find, hear, on, renderWords, show, text } from "/elements.js";
 import { drawDirection, shown, strip, unitText } from "/pictures.js";
 import { said, translate } from "/words.js";
 
-const ROOT = "/api/1";
 let state = null;
 let mounted = sessionStorage.getItem("mounted") ?? "";
 let asked = "";
@@ -12,21 +11,6 @@ let turn = Promise.resolve();
 let giving = "skip"; // what the reason is asked for: to skip a reading, or to leave the set-up
 
 translate(document.body);
-history.replaceState(null, "", "/"); // the token stays in the cookie alone
-
-function text(id, words) {
-  find(id).textContent = words;
-}
-
-function show(id, visible) {
-  find(id).hidden = !visible;
-}
-
-async function call(path, body) {
-  const posted = { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
-  const answer = await fetch(ROOT + path, body === undefined ? {} : posted);
-  return { ok: answer.ok, status: answer.status, document: await answer.json() };
-}
 
 // A step on the record, after those that are under way: what went wrong is said, and nothing that was typed is lost.
 function step(path, body) {
@@ -109,6 +93,7 @@ function renderQuestion() {
   text("unit", unitText(question.unit));
   find("field").className = question.expected.length > 1 ? "several" : "";
   text("expect", expectWords(question));
+  text("shows", state.shows && said("the instrument on the virtual machine shows {value}", { value: state.shows }));
   if (key !== asked) newQuestion(key);
   if (mounting && document.activeElement !== find("stands") && !find("stopping").contains(document.activeElement)) find("stands").focus();
 }
@@ -162,25 +147,32 @@ function clock(at) {
 function renderAnswer() {
   show("answer", state.answer !== null);
   if (state.answer === null) return;
-  const { first, rows: [heading = [], ...rows], sentences, commands, document: found } = state.answer;
+  const { first, rows, sentences, commands, document: found } = state.answer;
   find("first").className = `box ${found.verdict}`;
   find("answer").className = found.verdict === "unreachable" && state.progress.taken === 0 ? "ahead" : "";
-  find("first").replaceChildren(element("strong", first[0]), ...first.slice(1).map((part) => element("span", part)));
-  const line = (kind, cells) => { const row = document.createElement("tr"); row.append(...cells.map((cell) => element(kind, cell))); return row; };
-  find("rows").tHead.replaceChildren(...(rows.length ? [line("th", heading)] : []));
-  find("rows").tBodies[0].replaceChildren(...rows.map((cells) => line("td", cells)));
+  renderWords(first, rows);
   const next = state.finished === null ? [] : commands.map((command) => element("code", command));
   find("known").replaceChildren(...sentences.map((words) => element("p", words)), ...next);
 }
 
+function download(control) {
+  const link = element("a", said("Tables for {control}", { control }));
+  link.href = `/tables.zip?${new URLSearchParams({ control })}`;
+  link.download = "";
+  return link;
+}
+
 function renderEnd() {
   const over = state.question === null;
+  find("measuring").toggleAttribute("aria-current", state.finished === null);
+  find("ended").toggleAttribute("aria-current", state.finished !== null);
   show("end", over);
   if (!over) return;
   const done = state.finished !== null;
   text("end-title", done ? said("The campaign has ended") : state.ended ? said("Nothing more to measure") : said("There is no next reading"));
   text("end-words", done ? `${state.finished}.` : state.ended ? `${state.ended}.` : "");
   show("report", done && state.results !== "");
+  find("tables").replaceChildren(...state.tables.map(download));
   text("finish", done ? said("Write the results") : said("End the campaign and write its results"));
   show("finish", !done || state.results === "");
   show("more", !done);
@@ -335,10 +327,6 @@ function asksToStop(visible) {
   show("stopping", visible);
   if (visible) find("not-stop").focus();
   else home();
-}
-
-function on(id, kind, act) {
-  find(id).addEventListener(kind, (event) => { event.preventDefault(); act(); });
 }
 
 on("form", "submit", () => record());

@@ -1,5 +1,5 @@
 // The language of the page: English in the code, another one from the catalogue that the server has.
-const { language, messages } = await (await fetch("/words.json")).json();
+export const { language, messages } = await (await fetch("/words.json")).json();
 
 // What stands before the decimals of a value; places keep the point, as controls have them.
 export const DECIMAL = new Intl.NumberFormat(language).format(0.5)[1];

@@ -1,0 +1,86 @@
+"""A printer.cfg of Klipper: how a printer is built, and how far and how fast its axes travel."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from axiscal.description.ini_file import IniFile, IniValue
+from axiscal.measurement.readers.text_file import read_text
+
+_SECTION = re.compile(r"\[\s*([^\]]+?)\s*\].*")
+_KEY = re.compile(r"(\w+)\s*[:=]\s*(.*)")
+_REMARK = re.compile(r"\s[#;].*")
+_GANTRY, _SLIDING = "w-Z'-b-Y-X-t", "w-Y'-b-Z-X-t"
+_CHAINS = {
+    "corexy": _GANTRY, "hybrid_corexy": _GANTRY, "cartesian": _SLIDING, "corexz": _SLIDING, "hybrid_corexz": _SLIDING
+}  # fmt: skip
+"""Of kinematics: the bed of most goes up and down under a gantry, that of the others slides to and fro."""
+
+
+@dataclass(frozen=True, slots=True)
+class PrinterFile:
+    """What a printer.cfg says.
+
+    travels : lower and upper end of X, Y and Z, mm; that of Z begins at the bed
+    speeds, accelerations : mm/s and mm/s² of the axes of which it says any
+    """
+
+    kinematics: str
+    chain: str
+    travels: dict[str, tuple[float, float]]
+    speeds: dict[str, float]
+    accelerations: dict[str, float]
+
+
+def is_printer_file(path: Path) -> bool:
+    """Return whether a file has sections of Klipper; raises ReadingError for no file."""
+    sections = (_SECTION.fullmatch(line.strip()) for line in read_text(path).lines)
+    return any(found[1].startswith("stepper_") or found[1] == "printer" for found in sections if found)
+
+
+def read_printer(path: Path) -> PrinterFile:
+    """Return what a printer.cfg says; raises ReadingError for no file, DescriptionError with the line."""
+    read = _sections(path)
+    stated = read.needed("printer", "kinematics", "corexy")
+    if stated.text not in _CHAINS:
+        what, remedy = "kinematics: {name} has no axes X, Y and Z that move by themselves", "Known are {known}"
+        raise stated.fail(what, remedy, name=stated.text, known=", ".join(_CHAINS))
+    travels = {axis: _travel(read, f"stepper_{axis.lower()}") for axis in "XYZ"}
+    travels["Z"] = (max(travels["Z"][0], 0.0), travels["Z"][1])  # below the bed a probe only looks for it
+    slower = {"X": "max_{}", "Y": "max_{}", "Z": "max_z_{}"}
+    speeds, accelerations = (
+        {
+            axis: found.number(key)
+            for axis, name in slower.items()
+            if (found := read.get("printer", key := name.format(of)))
+        }
+        for of in ("velocity", "accel")
+    )
+    return PrinterFile(stated.text, _CHAINS[stated.text], travels, speeds, accelerations)
+
+
+def _sections(path: Path) -> IniFile:
+    read, section = IniFile(path), ""
+    for number, raw in enumerate(read_text(path).lines, start=1):
+        line = raw.rstrip()
+        if line.startswith(("#", ";")):
+            continue
+        if found := _SECTION.fullmatch(line):
+            section = found[1]
+        elif key := _KEY.fullmatch(line):
+            value = IniValue(_REMARK.sub("", f" {key[2]}").strip(), path, number)
+            read.values.setdefault((section, key[1]), []).insert(0, value)  # Klipper heeds the last
+    return read
+
+
+def _travel(read: IniFile, section: str) -> tuple[float, float]:
+    """Return the lower and the upper end, mm; raises DescriptionError where the latter is not above."""
+    low, high = read.get(section, "position_min"), read.needed(section, "position_max", "235")
+    ends = 0.0 if low is None else low.number("position_min"), high.number("position_max")
+    if not max(ends[0], 0.0) < ends[1]:
+        raise high.fail(
+            "position_max of {section} is {high:g}", "Write where the axis ends", section=section, high=ends[1]
+        )
+    return ends

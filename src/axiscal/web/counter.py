@@ -1,0 +1,198 @@
+"""Between many browsers and the one desk: steps wait in a row, and new states are handed to all who wait for them.
+
+One thread owns the campaign: one piece of work after another, the last of which can be broken off.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import ctypes
+import logging
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from pathlib import Path
+from threading import Lock, get_ident
+from time import monotonic
+from typing import TypeVar
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.exceptions import OvertakenError, RecordError
+from axiscal.language.spoken import said, speaking, spoken_now
+from axiscal.language.stages import Listener, Stage, listening, stage_text
+from axiscal.numerics.threads import one_thread
+from axiscal.web import shapes
+from axiscal.web.desk import Desk
+
+_NEARLY = 0.5
+"""s that work which is nearly done is waited for."""
+LOOKS = 0.25
+"""s between looks at the record: what others write is shown within a second."""
+_Result = TypeVar("_Result")
+
+
+class BrokenOffError(Exception):
+    """Work that was waiting when the record was closed."""
+
+
+class Counter:
+    """One record, open on its own thread, in the language that is spoken; raises RecordError if that is none.
+
+    record : None for none yet
+    """
+
+    def __init__(self, record: Path | None) -> None:
+        self._pool, self._language = ThreadPoolExecutor(1, thread_name_prefix="campaign"), spoken_now()
+        self._lock, self._closing = Lock(), False
+        self._at_work: int | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._ending, self._asked, self._news = False, set[Future[str]](), asyncio.Event()
+        self._stages = list[Stage]()
+        self._desk: Desk | None = None
+        self._state: shapes.StateShape | None = None
+        if record is not None:
+            self._submitted(lambda: self._open(record)).result()
+
+    @property
+    def open(self) -> bool:
+        """Whether there is a record."""
+        return self._desk is not None
+
+    @property
+    def desk(self) -> Desk:
+        """The desk, for what changes nothing and needs no thread; raises RecordError where no record is open."""
+        if self._desk is None:
+            raise RecordError("No campaign is open on this page", "Begin one, or go on with one, at its start")
+        return self._desk
+
+    @property
+    def state(self) -> shapes.StateShape:
+        """The newest document, that a page is shown at once; raises as `desk`."""
+        return self._state or self.desk.state
+
+    @property
+    def stage(self) -> str:
+        """What is being computed, in words, "" for nothing."""
+        return stage_text(self._stages[-1], monotonic() - self._stages[-1].since) if self._stages else ""
+
+    async def begin(self, found: Callable[[], Path]) -> str:
+        """Open the record that a function finds or makes, and return a sentence of it.
+
+        Raises OvertakenError where one is open already, and what the function raises.
+        """
+
+        def opened() -> str:
+            if self._desk is not None:
+                what, remedy = "A campaign is open on this page already", "Load the page again"
+                raise OvertakenError(what, remedy)
+            record = found()
+            self._open(record)
+            return said("{record} is open.", record=record.name)
+
+        sentence = await self.work(opened)
+        self._think()
+        return sentence
+
+    async def work(self, work: Callable[[], _Result]) -> _Result:
+        """Return what a function of no record returns, on the thread of the campaign."""
+        return await asyncio.wrap_future(self._submitted(work))
+
+    async def do(self, step: Callable[[Desk], str]) -> str:
+        """Do a step on the campaign's thread, then what can wait, and return what was done in words."""
+        asked = self._submitted(lambda: step(self.desk))
+        self._asked.add(asked)
+        asked.add_done_callback(self._asked.discard)
+        sentence = await asyncio.wrap_future(asked)
+        self._think()
+        return sentence
+
+    async def ask(self, look: Callable[[Desk], _Result]) -> _Result:
+        """Return what the desk says to a question that changes nothing, after the steps that are under way."""
+        return await self.work(lambda: look(self.desk))
+
+    async def watch(self) -> None:
+        """Look at the record again and again, for what others write."""
+        self._loop = asyncio.get_running_loop()
+        if self.open:
+            self._think()
+        while True:
+            await asyncio.sleep(LOOKS)
+            if self.open:
+                await self.ask(Desk.look)
+
+    async def newer(self, seen: int, wait: float) -> shapes.StateShape:
+        """Return the state as soon as its version is another one than `seen`, or after `wait` s."""
+        clock = asyncio.get_running_loop().time
+        deadline = clock() + wait
+        while self.state.version == seen and not self._ending and (left := deadline - clock()) > 0:
+            news = self._news
+            try:
+                await asyncio.wait_for(news.wait(), left)
+            except TimeoutError:
+                break
+        return self.state
+
+    def end(self) -> None:
+        """Let nobody wait any longer: the server is about to end."""
+        self._ending = True
+        if self.open:
+            self._publish(self.state)
+
+    def close(self) -> str:
+        """Break off what is under way, leave what waits, close the record; return what is to be said of it.
+
+        Work is ended as the main thread is by Ctrl-C, which may come anywhere: at the next step of Python.
+        """
+        asked, broken_off = bool(self._asked), False
+        with self._lock:
+            self._closing = True
+        free = self._pool.submit(int)
+        while not wait([free], _NEARLY).done:  # an interruption that comes while Python clears up is lost
+            with self._lock:
+                if self._at_work is not None:
+                    interrupted = ctypes.c_ulong(self._at_work), ctypes.py_object(KeyboardInterrupt)
+                    broken_off |= ctypes.pythonapi.PyThreadState_SetAsyncExc(*interrupted) == 1
+        if self._desk is not None:
+            self._pool.submit(self._desk.campaign.close).result()
+        self._pool.shutdown()
+        if broken_off and asked:
+            return (
+                "A step that a page had asked for was broken off; what had been kept of it is shown at the next start."
+            )
+        return "What was being computed is begun anew at the next start." if broken_off else ""
+
+    def _open(self, record: Path) -> None:
+        self._desk = Desk(Campaign.open(record), self._publish)
+
+    def _submitted(self, work: Callable[[], _Result]) -> Future[_Result]:
+        return self._pool.submit(self._done, work)
+
+    def _done(self, work: Callable[[], _Result]) -> _Result:
+        with self._lock:
+            if self._closing:
+                raise BrokenOffError
+            self._at_work = get_ident()
+        try:
+            with one_thread(), speaking(self._language), listening(Listener(self._stages, lambda: None)):
+                return work()
+        finally:
+            with self._lock:
+                self._at_work = None
+
+    def _think(self) -> None:
+        """Let the desk do what can wait."""
+        self._submitted(lambda: self.desk.think()).add_done_callback(self._told)
+
+    def _told(self, done: Future[None]) -> None:
+        """Say on stderr what went wrong where nobody waits for an answer."""
+        failure = done.exception()
+        if failure is not None and not self._ending:
+            logging.getLogger(__name__).error("axiscal: %s: %s", type(failure).__name__, failure)
+
+    def _publish(self, state: shapes.StateShape) -> None:
+        """Take a new state from the campaign's thread."""
+        if self._loop is not None:
+            self._loop.call_soon_threadsafe(self._take, state)
+
+    def _take(self, state: shapes.StateShape) -> None:
+        news, self._news, self._state = self._news, asyncio.Event(), state
+        news.set()

@@ -1,0 +1,262 @@
+"""A campaign that has not begun: what a person chose, in a folder that becomes the campaign's when it begins.
+
+The folder holds the choices, kept at every touch, and once there is a plan the files of `axiscal init` and the record.
+"""
+
+from __future__ import annotations
+
+import re
+import secrets
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from pydantic import ValidationError
+
+from axiscal.answers.answer_of_campaign import results_beside
+from axiscal.campaign.beginning import begun_campaign
+from axiscal.campaign.campaign import Campaign
+from axiscal.description.campaign import campaign_from_texts, read_campaign
+from axiscal.description.first_campaign import OFFERED, UNSAID
+from axiscal.description.first_files import (
+    Beginning,
+    first_files,
+    linear_travels,
+    of_builtin,
+    of_file,
+    offered_words,
+    with_travels,
+    write_files,
+)
+from axiscal.document.durable import write_whole
+from axiscal.exceptions import AxiscalError, DescriptionError, InputError, PlanError, RecordError
+from axiscal.language.spoken import later, said
+from axiscal.machine import machine_from_text
+from axiscal.present.machine_drawing.setup_picture import machine_scene, setup_picture, setup_scene
+from axiscal.present.plan_answer import coming_answer
+from axiscal.present.plan_words import open_questions, plan_text
+from axiscal.present.sentences import spelt
+from axiscal.record.copies import opened_log
+from axiscal.record.store import record_errors
+from axiscal.units import to_unit, within
+from axiscal.web.desk import virtual_note
+from axiscal.web.shapes import AnswerShape, BegunShape, DraftShape, MachineQuery, MachineShape, PlanShape, StartShape
+
+FOLDER, _CHOSEN, _OF_PLAN = "axiscal-draft", "draft.json", "planned.json"
+"""Of a draft, of its choices, and of those that its plan was made for."""
+MACHINES = {
+    "portal-mill": later("router"),
+    "three-axis-mill": later("mill"),
+    "dmu60": later("five axes"),
+    "printer-gantry": later("printer"),
+    "one-axis": later("one axis"),
+}
+"""Built-in machines that are offered, in the order in which they stand."""
+_MACHINES = 1000
+"""Virtual machines, one of which each campaign on one gets."""
+_ACTIVE = {"no": "compensation_active = false", "yes": "compensation_active = true"}
+"""The line of campaign.toml by the answer of a person."""
+_LISTED = 20
+"""Records that are shown, those of the last days first."""
+_SHORTEST, _LONGEST = 1e-3, 1e3
+"""m of a travel; any that no machine has would do."""
+_FINEST = 1e-9
+"""m of an uncertainty that can be wanted; nobody measures a machine better."""
+
+
+def start(here: Path) -> StartShape:
+    """Return all that the start shows of a folder; raises RecordError."""
+    draft, (begun, left_out) = kept(here), _records(here)
+    instruments = dict(zip(OFFERED, offered_words(), strict=True))
+    return StartShape(
+        folder=str(here),
+        begun=begun,
+        left_out=left_out,
+        machines={name: said(words) for name, words in MACHINES.items()},
+        instruments=instruments,
+        draft=draft,
+        machine=_shown(draft),
+    )
+
+
+def kept(here: Path) -> DraftShape:
+    """Return what was chosen so far; raises RecordError where the draft is damaged."""
+    file = here / FOLDER / _CHOSEN
+    if not file.exists():
+        return DraftShape()
+    try:
+        return DraftShape.model_validate_json(file.read_bytes())
+    except ValidationError as fault:
+        remedy = "Remove the folder {folder} to begin anew"
+        raise RecordError("The draft cannot be read", remedy, file, folder=FOLDER) from fault
+
+
+def keep(here: Path, draft: DraftShape) -> MachineShape:
+    """Keep what was chosen on the disk, and return what it makes of a machine; raises RecordError."""
+    with record_errors(here / FOLDER):
+        (here / FOLDER).mkdir(exist_ok=True)
+        write_whole(here / FOLDER / _CHOSEN, draft.model_dump_json().encode())
+    return _shown(draft)
+
+
+def plan(here: Path) -> PlanShape:
+    """Return the plan of the draft, made where there is none yet; raises InputError for what cannot be planned."""
+    with _planned(here) as campaign:
+        answer = coming_answer(campaign)
+        minds = open_questions(campaign.description)
+    if answer is None:
+        raise PlanError("No reading of these set-ups is worth its time", "Choose other instruments")
+    text = plan_text(answer, campaign.path.name)
+    return PlanShape(answer=AnswerShape.of(text, answer), minds=[spelt(mind) for mind in minds])
+
+
+def _begun(here: Path) -> Path:
+    """Make the draft a campaign in a folder of its own, and return its record; raises InputError."""
+    with _planned(here) as campaign:
+        record = campaign.path
+        if kept(here).virtual:
+            campaign.note(virtual_note(secrets.randbelow(_MACHINES)))
+    number, named = 1, here / record.stem
+    while named.exists():
+        number += 1
+        named = here / f"{record.stem}-{number}"
+    record.parent.rename(named)
+    for file in (_CHOSEN, _OF_PLAN):
+        (named / file).unlink()
+    return named / record.name
+
+
+def record_of(here: Path, name: str) -> Path:
+    """Return a record of the start by its name, "" for that of the draft, which begins; raises InputError."""
+    if not name:
+        return _begun(here)
+    if name not in [begun.record for begun in _records(here)[0]]:
+        raise RecordError("There is no record {name} here", "Choose one of the list", here, name=name)
+    return here / name
+
+
+def picture(here: Path, query: MachineQuery) -> str:
+    """Return the machine, with an instrument on it if one is named, as SVG; raises InputError where there is none."""
+    begun = of_builtin(query.machine) if query.machine else _beginning(kept(here), {})
+    machine = machine_from_text(begun.text)
+    if not query.instrument:
+        return setup_picture(machine_scene(machine, lengths=not query.small), query.width)
+    if query.instrument not in OFFERED:
+        raise DescriptionError("There is no such instrument", "Known are {known}", known=", ".join(OFFERED))
+    texts = first_files(begun, [query.instrument], "").texts
+    campaign = campaign_from_texts(texts["campaign.toml"], "campaign.toml", texts["machine.toml"], "machine.toml")
+    return setup_picture(setup_scene(campaign, campaign.setups[0], ()), query.width)
+
+
+def _planned(here: Path) -> Campaign:
+    """Return the campaign of the draft with its plan, in the draft's folder; made where it is not of these choices."""
+    draft, folder, faults = kept(here), here / FOLDER, dict[str, InputError]()
+    begun = _beginning(draft, faults)
+    target = _length(draft.target, "um", _FINEST) if draft.target.strip() else ""
+    files = first_files(begun, draft.instruments, target)
+    for fault in faults.values():
+        raise fault
+    chosen = draft.model_copy(update={"screen": "start"}).model_dump_json().encode()
+    record, made = next(folder.glob("*.axiscal"), None), folder / _OF_PLAN
+    if record is not None and made.exists() and made.read_bytes() == chosen:
+        return Campaign.open(record)
+    for file in [file for file in folder.iterdir() if file.name != _CHOSEN]:
+        file.unlink()
+    if draft.file:
+        write_whole(folder / draft.file, draft.text.encode())
+    write_files(folder, files.texts)
+    described = read_campaign(folder / "campaign.toml")
+    described = replace(described, source="campaign.toml", machine_source="machine.toml")  # as they will stand
+    called = f"{'virtual ' * draft.virtual}{described.machine.name}"
+    name = re.sub("[^a-z0-9]+", "-", called.casefold()).strip("-") or "machine"
+    campaign = begun_campaign(folder / f"{name}.axiscal", described)
+    write_whole(made, chosen)
+    return campaign
+
+
+def _beginning(draft: DraftShape, faults: dict[str, InputError]) -> Beginning:
+    """Return the machine of a draft with the travels that can be; raises InputError.  faults : takes the others"""
+    if draft.file:
+        with TemporaryDirectory() as folder:
+            file = Path(folder) / draft.file
+            file.write_text(draft.text, encoding="utf-8")
+            try:
+                begun = of_file(file, Path(folder))
+            except InputError as failure:
+                raise failure.placed(draft.file, failure.line) from failure
+    elif draft.machine:
+        begun = of_builtin(draft.machine)
+    else:
+        raise DescriptionError("No machine is chosen", "Choose one, or drop the file of its control")
+    lengths = dict[str, float]()
+    for axis in linear_travels(begun):
+        if typed := draft.travels.get(axis, "").strip():
+            try:
+                lengths[axis] = to_unit(within(_length(typed, "mm"), "length", _SHORTEST, _LONGEST), "mm")
+            except InputError as failure:
+                faults[f"travels.{axis}"] = failure
+    if draft.compensated and begun.active == UNSAID:
+        begun = replace(begun, active=_ACTIVE[draft.compensated])
+    return with_travels(begun, lengths)
+
+
+def _length(text: str, unit: str, least: float = _SHORTEST) -> str:
+    """Return a length with its unit, which may be left out; raises InputError."""
+    text = text.strip().replace(",", ".")
+    with suppress(ValueError):
+        text = f"{float(text):.9g} {unit}"
+    within(text, "length", least)
+    return text
+
+
+def _shown(draft: DraftShape) -> MachineShape:
+    """Return what a draft makes of a machine, and what is wrong with it, by the field."""
+    faults = dict[str, InputError]()
+    if draft.target.strip():
+        try:
+            _length(draft.target, "um", _FINEST)
+        except InputError as failure:
+            faults["target"] = failure
+    try:
+        begun = _beginning(draft, faults)
+    except InputError as failure:
+        if draft.file or draft.machine:
+            faults["file"] = failure
+        in_words = {field: str(fault) for field, fault in faults.items()}
+        return MachineShape(title="", faults=in_words, lengths={}, look=(), offered=(), asks=False)
+    machine = machine_from_text(begun.text)
+    return MachineShape(
+        title=machine.name,
+        faults={field: str(fault) for field, fault in faults.items()},
+        lengths=linear_travels(begun),
+        look=begun.look,
+        offered=[name for name, offer in OFFERED.items() if next(offer.setups(machine), None) is not None],
+        asks=begun.active in (UNSAID, *_ACTIVE.values()),
+    )
+
+
+def _records(here: Path) -> tuple[list[BegunShape], list[str]]:
+    """Return the campaigns of a folder and those below it, the last first, and what cannot be read."""
+    files = {file: file.stat().st_mtime for pattern in ("*.axiscal", "*/*.axiscal") for file in here.glob(pattern)}
+    results = {results_beside(file) for file in files}
+    own = {file: at for file, at in files.items() if file.parent not in {*results, here / FOLDER}}
+    begun, left_out = list[BegunShape](), list[str]()
+    for file in sorted(own, key=lambda file: -own[file])[:_LISTED]:
+        try:
+            with opened_log(file, write=False) as log:
+                state, last = log.state(), log.events()[-1]
+        except AxiscalError as failure:
+            left_out.append(str(failure))
+            continue
+        assert state.created is not None
+        shape = BegunShape(
+            record=str(file.relative_to(here)),
+            machine=machine_from_text(state.created.machine_text).name,
+            taken=len(state.readings),
+            coming=len(state.coming),
+            at=last.at,
+            finished=state.finished is not None,
+        )
+        begun.append(shape)
+    return begun, left_out

@@ -1,0 +1,101 @@
+"""Machines from a printer.cfg of Klipper, and files that are none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from axiscal.description.first_files import of_file
+from axiscal.exceptions import DescriptionError
+from axiscal.machine import Machine, machine_from_text
+from tests.commands import Command
+
+COREXY = """\
+[include mainsail.cfg]
+[printer]
+kinematics: corexy
+max_velocity: 300    # mm/s
+max_accel = 3000
+max_z_velocity: 15
+[stepper_x]
+position_min: -4
+position_max: 250
+[stepper_y]
+position_max: 210 ; where the belt ends
+[stepper_z]
+position_min: -5
+position_max: 220
+[gcode_macro START]
+gcode:
+  position_max: 7
+#*# [stepper_x]
+#*# position_max: 9
+"""
+
+
+def read(folder: Path, text: str) -> Machine:
+    """Return the machine of a printer.cfg."""
+    file = folder / "printer.cfg"
+    file.write_text(text)
+    return machine_from_text(of_file(file, folder).text)
+
+
+def test_kinematics_travels_and_speeds_are_read(tmp_path: Path) -> None:
+    machine = read(tmp_path, COREXY)
+    assert machine.name == "3D printer (corexy)"
+    travels = {axis.name: tuple(round(1e3 * end, 9) for end in axis.travel) for axis in machine.axes}
+    assert travels == {"X": (-4, 250), "Y": (0, 210), "Z": (0, 220)}  # below the bed a probe only looks for it
+    assert {axis.name: round(1e3 * axis.speed, 9) for axis in machine.axes} == {"X": 300, "Y": 300, "Z": 15}
+    assert [axis.name for axis in machine.axes if axis.workpiece_side] == ["Z"]
+    assert {axis.name: axis.acceleration for axis in machine.axes}["X"] == pytest.approx(3.0)
+
+
+def test_the_bed_of_a_cartesian_printer_slides(tmp_path: Path) -> None:
+    machine = read(tmp_path, COREXY.replace("corexy", "cartesian"))
+    assert [axis.name for axis in machine.axes if axis.workpiece_side] == ["Y"]
+
+
+@pytest.mark.parametrize(
+    ("of", "instead", "said"),
+    [
+        ("corexy", "delta", "printer.cfg, line 3: kinematics: delta has no axes X, Y and Z"),
+        ("position_max: 250", "position_max: wide", "printer.cfg, line 9: position_max = wide is not a number"),
+        ("position_max: 250", "position_max: -7", "printer.cfg, line 9: position_max of stepper_x is -7"),
+        ("position_max: 210", "position_mux: 210", "[stepper_y] says no position_max"),
+        ("kinematics:", "kinematic:", "[printer] says no kinematics"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_its_line(tmp_path: Path, of: str, instead: str, said: str) -> None:
+    with pytest.raises(DescriptionError) as refused:
+        read(tmp_path, COREXY.replace(of, instead))
+    assert said in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        ("", "an empty file"),
+        ("%\nG21\nG0 X10\n", "a program in G-code"),
+        ("X,Y\n1.5, 2\n", "a table of numbers"),
+        ('{"a": 1}', "a JSON document"),
+        ("axiscal record 2 abc\n", "a record of axiscal"),
+        ("[owner]\nname = x\n", "sections of keys that neither of them has"),
+        ("nothing in particular", "text in lines"),
+    ],
+)
+def test_a_file_of_no_control_is_said_to_be_what_it_looks_like(tmp_path: Path, text: str, kind: str) -> None:
+    with pytest.raises(DescriptionError, match=f"This looks like {kind}"):
+        read(tmp_path, text)
+
+
+def test_init_begins_with_a_printer(tmp_path: Path, command: Command) -> None:
+    file = tmp_path / "printer.cfg"
+    file.write_text(COREXY)
+    given = ("--from", file, "--instrument", "probe", "--target", "")
+    assert 'chain = "w-Z\'-b-Y-X-t" is supposed' in command("init", tmp_path / "bed", *given).out
+    said = command("init", tmp_path / "other", *given, "--chain", "w-Y'-b-Z-X-t").out
+    assert "is supposed" not in said
+    assert "w-Y'-b-Z-X-t" in (tmp_path / "other" / "machine.toml").read_text()
+    assert "says the limits of every axis" in command("init", tmp_path / "c", *given, "--limits", "X 0 9").err
+    assert not (tmp_path / "c").exists()

@@ -1,0 +1,284 @@
+"""From nothing to the first reading on the page: what a person sees, touches and types, and what stands on the disk."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from tests.commands import Command
+from tests.web.browser import Browser, Page
+from tests.web.served import Served, served, started
+from tests.web.test_page import looked_at, type_reading
+
+PRINTER = """\
+[printer]
+kinematics: corexy
+max_velocity: 300    # mm/s
+max_accel = 3000
+[stepper_x]
+position_max: 250
+[stepper_y]
+position_max: 210
+[stepper_z]
+position_min: -5
+position_max: 220
+[probe]
+x_offset: 0
+#*# [probe]
+#*# z_offset = 1.2
+"""
+PAINTED_IN = 300
+"""ms in which the page shows its first words."""
+
+
+class Person:
+    """Eyes and fingers at a page: sees buttons by their words, and counts what is done."""
+
+    def __init__(self, page: Page) -> None:
+        self.page, self.actions = page, 0
+
+    def press(self, words: str) -> None:
+        """Click on the button, or the option, that begins with these words, as soon as it can be pressed."""
+        self.actions += 1
+        button = f"""[...document.querySelectorAll("button")].find(e => e.offsetParent !== null && !e.disabled
+            && e.innerText.trim().startsWith({json.dumps(words)}))"""
+        middle = "const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2];"
+        place = f"(e => {{ e.scrollIntoView(); {middle} }})({button})"
+        self.page.until(f"{button} !== undefined")
+        x, y = self.page.value(place)
+        for kind in ("mousePressed", "mouseReleased"):
+            self.page.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+
+    def drop(self, file: Path) -> None:
+        """Drop a file on the page."""
+        self.actions += 1
+        data = {"items": [], "files": [str(file)], "dragOperationsMask": 1}
+        for kind in ("dragEnter", "dragOver", "drop"):
+            self.page.call("Input.dispatchDragEvent", type=kind, x=200, y=200, data=data)
+
+    def sees(self, words: str) -> None:
+        """Wait until words stand on the page."""
+        self.page.until(f"document.body.innerText.includes({json.dumps(words)})")
+
+    def write(self, field: str, text: str) -> None:
+        """Write into a field, in the place of what stands there."""
+        self.actions += 1
+        self.page.until(f"document.getElementById('{field}') !== null")
+        self.page.value(f"document.getElementById('{field}').select()")
+        self.page.type(text)
+
+    def read(self, text: str) -> None:
+        """Type the first reading, which the page asks for."""
+        self.actions += 2
+        type_reading(self.page, text)
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Served]:
+    """The start of an empty folder."""
+    with served(tmp_path) as running:
+        yield running
+
+
+def arrived(browser: Browser, server: Served, width: int = 1400) -> Person:
+    page = browser.page(width, 900)
+    page.open(server.address)
+    page.until("document.getElementById('start').offsetParent !== null")
+    return Person(page)
+
+
+def painted(page: Page, server: Served) -> float:
+    """Return when a page that is opened shows its first words, ms."""
+    page.open(server.address)
+    page.until("document.getElementById('start').offsetParent !== null")
+    return float(page.value("performance.getEntriesByName('first-contentful-paint')[0].startTime"))
+
+
+@pytest.mark.chromium
+@pytest.mark.long
+def test_from_nothing_to_the_first_reading_of_a_router(browser: Browser, start: Served) -> None:
+    person = arrived(browser, start)
+    page = person.page
+    assert min(painted(page, start) for _ in range(3)) <= PAINTED_IN  # a busy computer is slow now and then
+    looked_at(page)
+    person.press("Calibrate a machine")
+    person.press("router")
+    page.until("document.querySelector('#machine-drawing img').naturalWidth > 200")
+    person.write("travel-X", "900 kg")
+    person.sees('"900 kg"')
+    assert page.value("document.getElementById('machine-next').disabled")
+    assert [path.name for path in start.record.iterdir()] == ["axiscal-draft"]
+    person.write("travel-X", "900")
+    looked_at(page)
+    person.press("Next")
+    person.press("dial")
+    person.press("square")
+    looked_at(page)
+    person.press("Plan")
+    person.sees("READINGS")
+    person.sees("squareness XY")
+    looked_at(page)
+    person.press("Begin to measure")
+    person.press("It stands")
+    person.read("1.5")
+    assert person.actions <= 25
+    assert page.complaints() == []
+    (record,) = start.record.glob("*/*.axiscal")
+    with Campaign.open(record, write=False) as campaign:
+        assert [reading.value for reading in campaign.state.readings] == [pytest.approx(1.5e-6)]
+        lengths = {axis.name: round(axis.length, 9) for axis in campaign.description.machine.axes}
+    assert (lengths["X"], record.parent.name) == (0.9, record.stem)
+    files = {path.name for path in record.parent.iterdir()}
+    assert {"machine.toml", "campaign.toml", "machine.schema.json", "campaign.schema.json"} <= files
+    assert not (start.record / "axiscal-draft").exists()
+
+
+@pytest.mark.chromium
+@pytest.mark.long
+def test_a_printer_by_the_file_of_its_control(browser: Browser, start: Served) -> None:
+    file = start.record / "printer.cfg"
+    file.write_text(PRINTER)
+    person = arrived(browser, start, 768)
+    person.drop(file)
+    person.sees("printer.cfg says: 3D printer (corexy)")
+    assert person.page.value("document.getElementById('travel-Y').value") == "210 mm"
+    looked_at(person.page)
+    person.press("Next")
+    person.press("Plan")
+    person.press("Begin to measure")
+    person.press("It stands")
+    person.read("12")
+    assert person.actions <= 8
+    assert person.page.complaints() == []
+    assert (start.record / "3d-printer-corexy" / "3d-printer-corexy.axiscal").is_file()
+
+
+@pytest.mark.chromium
+@pytest.mark.long
+def test_a_tab_that_is_closed_in_any_screen_loses_nothing(browser: Browser, start: Served) -> None:
+    person = arrived(browser, start)
+    for press, lost in (
+        ("Calibrate a machine", "Which machine"),
+        ("one axis", "travel of X"),
+        ("Next", "Which instruments"),
+        ("laser", "Which instruments"),
+        ("Plan", "READINGS"),
+    ):
+        person.press(press)
+        person.sees(lost)
+        time.sleep(0.2)  # a person needs longer to close a tab
+        person.page.open(start.address)
+        person.sees(lost)
+    person.press("Back")
+    person.sees("Which instruments")
+    assert person.page.value("document.querySelector('[data-instrument=interferometer]').ariaPressed") == "true"
+
+
+@pytest.mark.chromium
+@pytest.mark.long
+def test_another_file_is_said_to_be_what_it_looks_like(browser: Browser, start: Served) -> None:
+    file = start.record / "part.ngc"
+    file.write_text("%\nG21\nG0 X10\n")
+    person = arrived(browser, start, 390)
+    person.drop(file)
+    person.sees(
+        "This looks like a program in G-code. Give the INI file of a LinuxCNC, or the printer.cfg of a Klipper."
+    )
+    assert person.page.value("document.getElementById('machine-next').disabled")
+    looked_at(person.page)
+    person.press("Back")
+    person.sees("What is to be done?")
+
+
+@pytest.mark.chromium
+@pytest.mark.long
+def test_a_virtual_machine_gives_the_readings_that_are_typed(browser: Browser, start: Served) -> None:
+    person = arrived(browser, start)
+    person.press("Try it on a virtual machine")
+    for words in ("one axis", "Next", "laser", "Plan", "Begin to measure", "It stands"):
+        person.press(words)
+    person.page.press("Enter")  # no temperature
+    for number in (1, 2):
+        person.sees("the instrument on the virtual machine shows")
+        looked_at(person.page)
+        shown = start.state()["shows"]
+        type_reading(person.page, shown)
+        assert start.state()["readings"][0]["values"] == [float(shown)], number
+    (record,) = start.record.glob("virtual-one-axis/*.axiscal")
+    with served(record) as again:  # the record alone says which machine it is
+        assert again.state()["shows"] == start.state()["shows"]
+
+
+@pytest.mark.chromium
+@pytest.mark.long
+def test_who_comes_back_goes_on_with_one_touch(browser: Browser, tmp_path: Path) -> None:
+    record = started(tmp_path)
+    record.with_name("torn.axiscal").write_text("axiscal record 9\n")
+    with served(tmp_path) as server:
+        person = arrived(browser, server)
+        person.sees("torn.axiscal")
+        looked_at(person.page)
+        person.press("Go on: One axis, 0 of 4 readings, today")
+        person.press("It stands")
+        assert server.state()["record"] == "mill.axiscal"
+
+
+def test_requests_of_a_campaign_are_refused_until_there_is_one(start: Served) -> None:
+    for path in ("state", "typed?text=1", "cost"):
+        refused = start.call(path)
+        assert (refused.status, refused.document["problem"]) == (422, "refused"), path
+    assert "No machine is chosen" in start.call("plan").document["sentence"]
+    assert start.call("open", record="../mill.axiscal").document["problem"] == "refused"
+    assert start.call("draft", file="../x.ini").document["problem"] == "malformed"
+
+
+def test_what_is_wrong_is_said_by_its_field(start: Served) -> None:
+    made = start.call("draft", machine="one-axis", travels={"X": "5 kg"}, target="2 min").document
+    assert set(made["faults"]) == {"travels.X", "target"}
+    assert made["faults"]["target"].startswith('"2 min" is a time, not a length')
+    assert "interferometer" in made["offered"]
+    assert "square" not in made["offered"]
+    assert start.call("draft", machine="one-axis", travels={"X": "0,4"}).document["faults"]["travels.X"]
+    made = start.call("draft", machine="one-axis", travels={"X": "40 cm"}).document
+    assert (made["faults"], made["lengths"]) == ({}, {"X": 400.0})
+
+
+@pytest.mark.long
+def test_a_campaign_that_is_open_is_not_begun_again(start: Served) -> None:
+    start.call("draft", machine="one-axis", instruments=["interferometer"], compensated="no")
+    plan = start.call("plan").document
+    assert (plan["answer"]["document"]["setups"][0]["setup"], plan["minds"]) == ("laser along X", [])
+    bearer = {"Authorization": f"Bearer {start.token}"}
+    begun = start.ask("POST", "/api/1/open", b'{"record": ""}', **bearer)
+    assert (begun.status, begun.document["state"]["question"]["number"]) == (200, 1)
+    again = start.ask("POST", "/api/1/open", b'{"record": ""}', **bearer)
+    assert (again.status, again.document["problem"]) == (409, "overtaken")
+    assert [path.name for path in start.record.iterdir()] == ["one-axis"]
+
+
+def test_alone_at_a_screen_the_command_opens_the_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
+    """In a pipe it stays the help: `tests/cli/test_cli.py`."""
+    seen = list[object]()
+
+    def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> str:
+        seen.append(record)
+        ready("http://127.0.0.1:1/?token=x")
+        return ""
+
+    (tmp_path / "mill.axiscal").touch()  # the only record here, which `serve` alone would open
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("axiscal.cli.app._at_a_screen", lambda: True)
+    monkeypatch.setattr("axiscal.web.serving.serve_page", serve_page)
+    monkeypatch.setattr("webbrowser.open", seen.append)
+    assert "Open http://127.0.0.1:1/?token=x" in command().out
+    assert seen == [None, "http://127.0.0.1:1/?token=x"]
+    command("serve")
+    assert seen[2:] == [Path("mill.axiscal")]
+    assert "Usage: axiscal" in command("-h").out
