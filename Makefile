@@ -6,7 +6,7 @@ LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsa
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 PEERS := trieste torch others
 CONTROLS := $(or $(AXISCAL_CONTROLS),../shared/controls)
-COVERING := tests/document tests/description tests/measurement tests/evaluation tests/record tests/tables tests/programs \
+COVERING := tests/refusals tests/document tests/description tests/measurement tests/evaluation tests/record tests/tables tests/programs \
 	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py tests/cli/test_type.py \
 	tests/linuxcnc/test_patched_configuration.py
 
@@ -64,7 +64,7 @@ QUICK := core/test_docstrings.py description docs/test_constants.py docs/test_ho
 	estimation/test_yardstick.py evaluation/test_around_a_turn.py evaluation/test_evaluation.py \
 	machine measurement/test_displacement.py \
 	measurement/test_instrument_files.py numerics present/test_edges.py present/test_wording.py programs/test_programs.py \
-	python/test_surface.py record units
+	python/test_surface.py record refusals units
 SLOW := description/test_sights.py numerics/test_threads.py record/test_store.py
 
 quick: .venv/dev.stamp

@@ -61,18 +61,6 @@ def test_positioning_is_the_volume_where_nothing_else_is_described(volume: str) 
     assert rows["volume"].lines[0].poses[0, 1:].tolist() == [0.2, 0.1]
 
 
-def test_across_the_axis_there_is_more_than_positioning_on_the_same_line() -> None:
-    rows = _rows(_known(("EYX",)))
-    assert rows["volume"].known > rows["positioning"].known
-    assert len(rows["volume"].lines) == 1
-
-
-def test_a_turning_axis_is_known_beside_its_line() -> None:
-    known = _known(("ECX",))
-    assert _rows(known)["volume"].lines == ()
-    assert offset_each(known.stated.description) is None
-
-
 def test_beside_the_line_pitch_and_yaw_are_added_to_what_is_predicted() -> None:
     known = _known()
     poses = np.array([[0.5, 0.2, 0.1], [0.5, 0.5, 0.1], [0.5, 0.2, 0.4], [0.5, 0.5, 0.5]])

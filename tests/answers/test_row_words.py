@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from axiscal.answers.answer import SignedNumber
-from axiscal.answers.row_words import signed_text, signs_sentence
+from axiscal.answers.row_words import signed_text
 from axiscal.description.target import RowName
 from axiscal.language.spoken import speaking
 from axiscal.machine import load_machine
@@ -49,15 +49,3 @@ def test_a_vector_names_its_directions_each_with_its_own_uncertainty() -> None:
 
 def test_the_one_number_of_a_vector_that_some_error_makes_is_named() -> None:
     assert _text(RowName("tilt", ("B",)), ("C", -9.7, 27.5)) == "C −10 urad"
-
-
-def test_a_row_without_a_sign_has_no_such_words() -> None:
-    assert _text(RowName("positioning", ("X",))) == ""
-    assert signs_sentence([[answer_row(RowName("positioning", ("X",)), FIVE)]]) == ""
-
-
-def test_what_is_above_zero_is_said_once() -> None:
-    rows = [[answer_row(row, FIVE)] for row in (SQUARE, CENTRE, SQUARE)]
-    assert signs_sentence(rows) == "Signs: squareness + above 90 degrees."
-    with speaking("de"):
-        assert signs_sentence(rows) == "Vorzeichen: Rechtwinkligkeit + über 90 Grad."

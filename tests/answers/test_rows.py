@@ -17,7 +17,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import Estimation, expanded_uncertainty
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -102,30 +102,11 @@ def test_a_control_that_corrects_what_is_known_leaves_what_is_not() -> None:
         assert row.left["all"] == pytest.approx(missing, rel=1e-3)
 
 
-def test_the_volume_is_known_to_the_u_of_the_report() -> None:
-    known = _known(True)
-    assert _rows(known)["volume"].known == expanded_uncertainty(known).space
-
-
 def test_nothing_is_measured_before_the_first_reading() -> None:
     rows = _rows(concluded(CASE, []))
     assert not any(row.measured for row in rows.values())
     assert rows["positioning X"].known == pytest.approx(rows["positioning X"].before, rel=1e-9)
     assert rows["backlash X"].then is None
-
-
-def test_a_limit_is_reached_by_u_of_a_row_that_is_measured() -> None:
-    row = _rows(_known(True))["positioning X"]
-    wide, tight = replace(row, limit=1.01 * row.known), replace(row, limit=0.99 * row.known)
-    assert (row.reached, wide.reached, tight.reached) == (None, True, False)
-    assert replace(wide, measured=False).reached is False
-
-
-def test_the_case_of_another_set_up_that_was_not_read_adds_no_row() -> None:
-    second = replace(SETUP, name="again")
-    case = Case(replace(CASE.description, setups=(SETUP, second)))
-    known = concluded(case, _readings(BOTH))
-    assert [line.setup for row in answered(known, {}) for line in row.lines] == ["laser"] * 4
 
 
 def test_the_control_that_leaves_least_is_advised_and_the_first_of_equals() -> None:
@@ -158,11 +139,3 @@ def test_the_first_line_says_where_a_wanted_row_without_a_limit_is_not_measured(
     assert [row.row for row in answer.rows] == [want.removesuffix(" 30 um") for want in wants]
     assert all(row.measured for row in answer.rows) is (begins in ("MEASURED", "TARGET REACHED"))
     assert [step.code for step in answer.steps] == ["measure" if "MORE" in begins else "finish"]
-
-
-def test_one_place_measures_no_positioning() -> None:
-    """Both sides of one place show backlash; positioning then is over the travel that may be read."""
-    rows = _rows(concluded(CASE, _readings([(0.3, 1), (0.3, -1)])))
-    positioning = rows["positioning X"]
-    assert np.ptp(positioning.lines[0].positions) > 0.5
-    assert not positioning.measured

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,12 +10,12 @@ import numpy as np
 import pytest
 
 from benchmarks.peers import runner
-from benchmarks.peers.field import FIELD, rival_of
+from benchmarks.peers.field import rival_of
 from benchmarks.peers.judge import Judge, Outcomes, Verdict
-from benchmarks.peers.problems import CASES, CRITERIA, Posed
+from benchmarks.peers.problems import CASES, Posed
 from benchmarks.peers.rivals import ours
 from benchmarks.peers.runner import Bounds, Outcome
-from benchmarks.peers.table import page, table
+from benchmarks.peers.table import table
 
 EXACT = ((5.8730,), (2.3144,), (8.7285,))
 POOR = ((5.0,), (5.0,), (5.0,))
@@ -97,12 +96,6 @@ def test_missing_environment_is_a_sentence(tmp_path: Path, monkeypatch: pytest.M
     assert any("not installed (no .venv-peers/trieste)" in line for line in table(_known(outcome), "joint"))
 
 
-def test_missing_package_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "interpreter", lambda rival: Path(sys.executable))
-    outcome = runner.run(rival_of("trieste"), Posed(CASES[0], "joint"), Bounds())
-    assert outcome.sorry.startswith("not installed (No module named")
-
-
 def _endless(monkeypatch: pytest.MonkeyPatch, body: str) -> None:
     popen = subprocess.Popen
 
@@ -136,15 +129,3 @@ def test_the_plain_baseline_runs_and_is_kept(tmp_path: Path) -> None:
     runner.keep(tmp_path / "new" / "outcomes", outcome)
     assert runner.kept(tmp_path / "new" / "outcomes") == {("numpy", "a", "joint"): outcome}
     assert runner.kept(tmp_path / "none") == {}
-
-
-def test_the_page_has_every_library_and_every_sentence() -> None:
-    failed = Outcome("figaroh", "a", "joint", sorry="failed: a | b")
-    text = "\n".join(page(_known(_outcome("axiscal", EXACT, 0.0009), failed), ours.picker, Bounds()))
-    assert all(rival.label in text for rival in FIELD)
-    assert all(f"## Criterion `{criterion}`" in text for criterion in CRITERIA)
-    assert "in one run." in text
-    assert "0.9 ms" in text
-    assert "failed: a / b" in text
-    assert "not asked" in text
-    assert text.count("- not judged") == 2 * (3 + 5 + 6 + 3)

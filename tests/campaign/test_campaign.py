@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
@@ -13,7 +12,7 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, Ended, Milestone
+from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, Milestone
 from axiscal.campaign.sources import Answer, Request, Skip
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.case import Case
@@ -143,13 +142,6 @@ def test_asking_again_gives_the_same_question(start: Start) -> None:
         assert (following.reading, following.place.pose[0]) == (2, 0.01)
 
 
-def test_the_record_carries_its_own_descriptions(start: Start, tmp_path: Path) -> None:
-    campaign = start("readings = 3")
-    (tmp_path / "c.toml").unlink()
-    with reopened(campaign) as again:
-        assert again.description == campaign.description
-
-
 def test_a_skipped_place_is_not_asked_for_again(start: Start) -> None:
     campaign = start("readings = 3")
     first = campaign.next()
@@ -172,15 +164,6 @@ def test_undo_takes_back_and_asks_again(start: Start) -> None:
         campaign.undo()
 
 
-def test_a_reading_of_another_place_is_kept(start: Start) -> None:
-    campaign = start("readings = 3")
-    campaign.next()
-    elsewhere = Place("laser along Y", (0.2, 0.05), (0, 1))
-    campaign.record(2e-6, 1e-7, at=elsewhere)
-    (kept,) = campaign.state.readings
-    assert kept == Reading("laser along Y", (0.2, 0.05), (0, 1), 2e-6, 1e-7, time=kept.time, number=1)
-
-
 def test_a_reading_keeps_the_number_under_which_it_was_asked_for(start: Start) -> None:
     campaign = start("readings = 9")
     asked = []
@@ -199,16 +182,6 @@ def test_a_reading_keeps_the_number_under_which_it_was_asked_for(start: Start) -
     assert [reading.number for reading in campaign.state.readings] == [1, 3, 4]
     assert [milestone.number for milestone in campaign.history()] == [0, 1, 3, 4]
     assert [reading.number for reading in reopened(campaign).estimate().readings] == [1, 3, 4]
-
-
-def test_readings_that_nobody_asked_for_have_the_next_free_numbers(start: Start) -> None:
-    campaign = start("readings = 9")
-    campaign.next()
-    campaign.skip("the beam is blocked")
-    campaign.adopt(tuple(Reading("laser along X", (0.1 * n, 0.2), (1, 0), n * 1e-6) for n in range(2)))
-    assert [reading.number for reading in campaign.state.readings] == [2, 3]
-    assert isinstance(question := campaign.next(), Asked)
-    assert question.reading == 4
 
 
 def test_readings_of_a_program_keep_its_numbers(start: Start) -> None:
@@ -286,15 +259,6 @@ def test_a_campaign_ends_by_what_its_report_says_and_is_estimated_once(
         assert again.estimate(ended=True).accuracy.worst <= 4.5e-6
         assert again.status().accuracy == again.estimate().accuracy
     assert len(asked) == 1
-
-
-def test_a_person_may_go_beyond_the_target(start: Start) -> None:
-    campaign = start("readings = 1")
-    campaign.next()
-    campaign.record(1e-6)
-    assert campaign.next() == Ended("1 reading taken")
-    assert isinstance(campaign.next(beyond=True), Asked)
-    assert campaign.status().reached is not None
 
 
 def test_beyond_the_plan_no_reading_is_worth_a_long_mounting(start: Start, tmp_path: Path) -> None:
@@ -383,31 +347,6 @@ def test_a_source_that_only_skips_is_given_up(start: Start) -> None:
     assert len(campaign.state.skipped) == 25
 
 
-def test_two_people_do_not_answer_the_same_question(start: Start) -> None:
-    campaign = start("readings = 5")
-    campaign.next()
-    with Campaign.open(campaign.path, every_ten_millimetres) as other:
-        other.record(1e-6)
-        with pytest.raises(RecordError, match="Another process has written"):
-            campaign.record(1e-6)
-        assert len(other.state.readings) == 1
-
-
-def test_readings_that_exist_are_adopted(start: Start) -> None:
-    campaign = start("readings = 5")
-    readings = tuple(Reading("laser along X", (0.1 * n, 0.2), (1, 0), n * 1e-6, None) for n in range(4))
-    campaign.adopt(readings)
-    assert campaign.state.readings == tuple(replace(each, number=n) for n, each in enumerate(readings, start=1))
-    assert 4 * 59 < campaign.status().seconds < 4 * 63
-
-
-def test_each_set_up_of_readings_in_a_file_is_mounted_once(start: Start) -> None:
-    campaign = start("readings = 9")
-    places = [("laser along Y", 0.1), ("laser along X", 0.1), ("laser along Y", 0.2), ("laser along X", 0.2)]
-    campaign.adopt(tuple(Reading(setup, (at, at), (0, 0), 0.0, None) for setup, at in places))
-    assert [(r.setup, r.pose[0]) for r in campaign.state.readings] == [places[k] for k in (0, 2, 1, 3)]
-
-
 def test_a_target_that_no_reading_brings_nearer_ends_the_run(start: Start) -> None:
     campaign = start('rms = "2 um"', noise="10 mm")
     assert campaign.run(Listed(*[Answer(1e-6)] * 60), ignore) == OUT_OF_REACH
@@ -432,8 +371,3 @@ def test_a_reading_that_cannot_be_ends_the_run_and_is_kept(start: Start) -> None
         campaign.run(Listed(Answer(1e-6), Answer(2e-6), Answer(5e-3)), ignore)
     assert len(campaign.state.readings) == 3
     assert campaign.state.finished is None
-
-
-def test_readings_that_were_wanted_are_taken_even_if_they_help_little(start: Start) -> None:
-    campaign = start('rms = "2 um"\nreadings = 55', noise="10 mm")
-    assert campaign.run(Listed(*[Answer(1e-6)] * 60), ignore) == "55 readings taken"

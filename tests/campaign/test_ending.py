@@ -147,13 +147,6 @@ def test_a_wanted_row_without_a_limit_has_to_be_measured(monkeypatch: pytest.Mon
         assert standing(target, known) == said
 
 
-def test_few_readings_close_together_do_not_reach_a_row() -> None:
-    """A row with a limit holds as far as its set-up may read, not between the places that were read."""
-    target, known = wanting([Want(POSITIONING, 5e-6)], taken=2)
-    assert standing(target, known) is None
-    assert not answered(known, {})[0].reached
-
-
 def test_an_unreachable_row_ends_it_once_readings_have_taken_away_what_they_can(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

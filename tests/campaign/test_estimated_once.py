@@ -79,18 +79,6 @@ def test_no_command_leaves_a_file_for_the_next(record: Path) -> None:
     assert {path.name for path in record.parent.iterdir()} == {"c.axiscal", "copy.axiscal"}
 
 
-def test_what_lies_beside_a_record_says_nothing(record: Path) -> None:
-    with Campaign.open(record) as campaign:
-        campaign.finish("all were read")
-        expected = campaign.status()
-    forged = [record.with_name(f".{record.name}.{kind}") for kind in ("known", "answers")]
-    for path in forged:
-        path.write_bytes(b"axiscal known 1\nsound: signed by somebody\n")
-    with Campaign.open(record, write=False) as campaign:
-        assert campaign.status() == expected
-    assert {path.read_bytes() for path in forged} == {b"axiscal known 1\nsound: signed by somebody\n"}
-
-
 def test_a_station_in_two_places_does_not_refuse_the_reading_that_decides(
     record: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.inheritance import inherited, last_campaign
+from axiscal.estimation.inheritance import inherited
 from axiscal.estimation.type_prior import type_prior
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -87,17 +87,6 @@ def test_a_record_of_before_keeps_its_knots_and_its_figures(tmp_path: Path) -> N
     assert not np.allclose(std, figures(new)[1], rtol=1e-3)
     with Campaign.open(new) as campaign:
         assert campaign.case().errors.names["EXX"].basis.size == 17
-
-
-def test_as_a_prior_it_is_estimated_with_its_own_knots(tmp_path: Path) -> None:
-    old = written(tmp_path / "old.axiscal", described(), before=True)
-    description, readings = last_campaign(carried_text(old))
-    assert not description.machine.fine_knots
-    with Campaign.open(old, write=False) as campaign:
-        assert readings == campaign.state.readings
-    Campaign.create(tmp_path / "again.axiscal", description).close()
-    with Campaign.open(tmp_path / "again.axiscal", write=False) as campaign:
-        assert not campaign.description.machine.fine_knots
 
 
 def test_what_lies_between_its_knots_is_not_known_from_it(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import NewerError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import Accepted
-from axiscal.record.events import Asked, Event, Finished, Noted, Recorded, Skipped, Undone
+from axiscal.record.events import Asked, Event, Finished, Recorded, Skipped, Undone
 from axiscal.record.line_form import MARK, MARKS, START, EventText
 from axiscal.record.store import Record
 from tests.commands import Command
@@ -60,15 +60,6 @@ def path(tmp_path: Path) -> Path:
 @pytest.fixture
 def new(tmp_path: Path) -> Path:
     return tmp_path / "new.axiscal"
-
-
-def test_a_whole_record_comes_back_whole(path: Path, new: Path) -> None:
-    made(path, asked(1), recorded(1e-6), recorded(2e-6), Finished("enough"), Noted("later"))
-    found = salvaged(path, new)
-    assert (found.entries, found.missing, found.left, values(found)) == (6, (), (), [1e-6, 2e-6])
-    with Record.open(path, write=False) as old, Record.open(new, write=False) as again:
-        assert again.texts()[:-1] == tuple(t._replace(row=t.row._replace(closes=False)) for t in old.texts())
-    assert "nothing" in found.state.notes[-1].text
 
 
 def test_numbers_and_bytes_of_what_is_missing_are_named_and_noted(path: Path, new: Path) -> None:

@@ -73,13 +73,6 @@ def _gone(whole: bytes, first: int, last: int) -> Missing:
     return Missing(first, last, lines[first - 1].begin, lines[last - 1].end)
 
 
-def test_a_whole_file_stands_whole(found: Path, whole: bytes) -> None:
-    stands = _stands(found, whole)
-    assert list(stands.entries) == list(range(1, EVENTS + 1))
-    assert [row.payload for row in stands.entries.values()] == [line.payload for line in lines_of(whole)]
-    assert stands[1:] == ([], [], True)
-
-
 @pytest.mark.parametrize("at", [10, 100], ids=["chain", "text"])
 @pytest.mark.parametrize("marks", [True, False])
 def test_one_damaged_line_links_those_around_it(found: Path, whole: bytes, at: int, marks: bool) -> None:
@@ -114,14 +107,6 @@ def test_a_block_that_stands_twice_counts_once(found: Path, whole: bytes) -> Non
     lines = lines_of(whole)
     stands = _stands(found, whole[: lines[6].begin] + whole[lines[2].begin :])
     assert (list(stands.entries), stands.missing, stands.apart) == (list(range(1, EVENTS + 1)), [], [])
-
-
-def test_lines_of_another_file_are_named_and_left_out(found: Path, whole: bytes, other: bytes) -> None:
-    lines = lines_of(whole)
-    begin, end = lines[3].begin + 5, lines[6].begin + 5
-    stands = _stands(found, whole[:begin] + other[begin:end] + whole[end:])
-    assert (list(stands.entries), stands.missing) == ([1, 2, 3, 8, 9], [_gone(whole, 4, 7)])
-    assert stands.apart == [(lines[4].begin, lines[5].end, 2)]
 
 
 @pytest.mark.parametrize("at", MARKS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -22,8 +21,6 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import STEEL
 from axiscal.present.guide.progress import due, last_step, open_temperature
 from axiscal.record.copies import carried_text, write_copy
-from axiscal.record.events import Noted
-from axiscal.record.payload import decode, encode
 from axiscal.record.store import Record
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 
@@ -91,18 +88,6 @@ def test_undo_takes_it_back_and_the_record_opens_with_it(warm: Campaign) -> None
         assert again.prepared() == plan
 
 
-def test_a_note_of_before_stays_a_note(warm: Campaign) -> None:
-    before = _scale(warm)
-    warm.close()
-    with Record.open(warm.path) as record:
-        record.append(Noted("21.4 °C"))
-    with Campaign.open(warm.path) as again:
-        assert _scale(again) == before
-        again.note("it was 21.4 °C")
-        assert again.description.setup("laser").warmer is None
-        assert due(again).temperature_degc is None
-
-
 @pytest.mark.parametrize(
     ("text", "why"),
     [
@@ -156,14 +141,6 @@ def test_it_is_asked_for_once_and_again_after_half_an_hour(tmp_path: Path) -> No
         assert due(campaign).ask
 
 
-@pytest.mark.parametrize("said", ['temperature = "22 degC"\n', 'temperature_std = "0.2 K"\n'])
-def test_it_is_not_asked_for_where_campaign_toml_says_it(said: str, tmp_path: Path) -> None:
-    with Campaign.create(tmp_path / "r.axiscal", _described(said)) as campaign:
-        campaign.next()
-        assert not open_temperature(campaign)
-        assert not due(campaign).ask
-
-
 def test_a_later_campaign_and_one_that_takes_readings_over_have_it(warm: Campaign, tmp_path: Path) -> None:
     branch = tmp_path / "branch.axiscal"
     with Record.open(warm.path, write=False) as record:
@@ -176,13 +153,6 @@ def test_a_later_campaign_and_one_that_takes_readings_over_have_it(warm: Campaig
         with Record.open(warm.path, write=False) as mine, Record.open(branch, write=False) as theirs:
             adopted(warm, mine, theirs, same_mounting=True)
     assert warm.description.setup("laser").warmer == pytest.approx(4.0)
-
-
-def test_an_event_is_what_it_was_behind_the_record(warm: Campaign) -> None:
-    warm.note("24 °C")
-    (event,) = warm.state.warmed
-    assert decode(*encode(event)) == event
-    assert json.loads(encode(event)[1])["setup"] == "laser"  # by which older versions know that they cannot read on
 
 
 @pytest.mark.parametrize(

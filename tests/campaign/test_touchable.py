@@ -98,14 +98,6 @@ def test_programs_with_a_log_touch_every_candidate() -> None:
             assert len(program.readings) == len(places)
 
 
-def test_a_machine_that_shows_inches_is_read_alike() -> None:
-    campaign = described(1)
-    for request in wanted(campaign, 3):
-        answers = [attached(campaign, made(campaign, unit=unit)).read(request) for unit in (1.0, 1 / 25.4)]
-        values = [(each.value, *each.others) for each in answers if isinstance(each, Answer)]
-        np.testing.assert_allclose(values[0], values[1], atol=1e-9)
-
-
 def narrowed(campaign: CampaignDescription) -> CampaignDescription:
     """Return the campaign on a machine whose X ends before some of the candidates; no plan of before knows it."""
     at = campaign.machine.index("X")

@@ -67,12 +67,6 @@ def test_a_drift_of_usual_size_is_taken_off_without_a_word_of_it_in_the_campaign
     assert "Readings agree: 40 of 40." in told
 
 
-def test_noise_beyond_what_was_stated_is_learnt_and_no_contradiction(folder: Path) -> None:
-    status, result = _evaluated(folder, SCATTERED)
-    assert (status, result["agreement"]["contradict"]) == (0, False)
-    assert result["U_um"] > 0
-
-
 def test_readings_that_nothing_explains_promise_nothing_and_are_all_kept(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -102,17 +102,3 @@ def test_a_reading_of_a_program_is_complained_of_under_the_number_that_the_progr
     assert rejected["reading"] == 117
     assert [row["reading"] for row in document["history"]][1:] == numbers
     assert "eading 117" in (out / "report.html").read_text()
-
-
-def test_a_file_in_the_wrong_unit_is_refused_at_its_first_line(tmp_path: Path, command: Command) -> None:
-    table = _table(tmp_path, 3, "value_mm", 1.0)
-    said = command("estimate", tmp_path / "c.toml", table, "--out", tmp_path / "d").refusal
-    assert "r.csv, line " in said
-    assert "mm instead of um?" in said
-    assert not (tmp_path / "d").exists()
-
-
-def test_a_prior_that_is_three_times_too_small_is_no_reason_to_refuse(tmp_path: Path) -> None:
-    table = _table(tmp_path, 0, "value_um", 3.0)
-    assert run(["estimate", str(tmp_path / "c.toml"), str(table), "--out", str(tmp_path / "d")]) == 0
-    assert json.loads((tmp_path / "d" / "result.json").read_text())["readings"] == 20

@@ -83,15 +83,6 @@ def test_values_as_they_are_typed(started: Command, words: list[str], value: flo
     assert kept.document["unit"] == "um"
 
 
-def test_a_reading_of_another_place(started: Command) -> None:
-    kept = started(
-        "record", "m.axiscal", "0.8 um", "--at", "X=120 mm", "--setup", "laser", "--approach", "X-", "--json"
-    )
-    assert kept.document["position"] == {"X": 120.0}
-    started("record", "m.axiscal", "0.8 um", "--at", "X = 0.13 m")
-    assert started("status", "m.axiscal", "--json").document["readings"] == 2
-
-
 @pytest.mark.parametrize(
     ("words", "says"),
     [
@@ -184,16 +175,6 @@ def test_a_finished_campaign_says_so(started: Command) -> None:
     assert started("next", "m.axiscal").status == 0
 
 
-def test_finishing_again_replaces_the_copy(started: Command) -> None:
-    assert started("finish", "m.axiscal", "--out", "r").status == 0
-    started("undo", "m.axiscal")
-    started("next", "m.axiscal")
-    started("record", "m.axiscal", "1 um")
-    assert started("finish", "m.axiscal", "--out", "r").status == 0
-    now = started("status", "m.axiscal", "--json").document
-    assert now["readings"] == started("status", "r/campaign.axiscal", "--json").document["readings"] == 1
-
-
 def test_finishing_beside_another_campaign_writes_nothing(started: Command) -> None:
     Path("r").mkdir()
     assert started("start", "c.toml", "r/campaign.axiscal").status == 0
@@ -223,40 +204,6 @@ def test_wrong_usage_is_status_2(started: Command, words: list[str]) -> None:
     outcome = started(*words)
     assert outcome.status == 2
     assert "Traceback" not in outcome.err
-
-
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        (["start", "none.toml"], "none.toml: there is no such file"),
-        (["start", "."], "folder"),
-        (["start", "c.toml", "m.axiscal"], "exists already"),
-        (["start", "c.toml", "no/such/folder/r.axiscal"], "cannot be written"),
-        (["next", "none.axiscal"], "no such record"),
-        (["next", "c.toml"], "not a campaign record"),
-        (["status", "c.toml"], "not a campaign record"),
-        (["record", "m.axiscal", "1 um"], "No reading has been asked for"),
-        (["run", "c.toml", "--source", "laser", "--out", "d"], "is not a source"),
-        (["run", "c.toml", "--source", "csv:none.csv", "--out", "d"], "none.csv"),
-        (["run", "c.toml", "--source", "sim", "--out", "c.toml"], "c.toml"),
-        (["run", "c.toml", "--source", "sim", "--out", "d", "--timeout", "10"], "has no unit"),
-        (["estimate", "c.toml", "none.csv", "--out", "d"], "none.csv"),
-        (["iso230", "none.csv"], "none.csv"),
-        (["machine", "show", "mill"], "neither a file nor a built-in machine"),
-        (["machine", "check", "c.toml"], "c.toml"),
-    ],
-)
-def test_what_cannot_be_done_is_one_paragraph(started: Command, words: list[str], says: str) -> None:
-    started(*words).refused(says)
-
-
-def test_a_run_without_a_person(axiscal: Command) -> None:
-    outcome = axiscal("run", "c.toml", "--source", "sim:3", "--out", "d", "--json")
-    assert outcome.status == 0
-    assert outcome.document["readings"] == 4
-    assert "reading 1 of 4" not in outcome.err  # nobody looks at a pipe
-    again = axiscal("run", "c.toml", "--source", "sim:3", "--out", "e", "--json")
-    assert again.document["history"] == outcome.document["history"]
 
 
 def test_the_details_say_u_and_what_it_holds_for_and_the_tables_stand_beside_it(axiscal: Command) -> None:
@@ -429,14 +376,6 @@ def test_a_defect_is_not_a_traceback(started: Command, monkeypatch: pytest.Monke
 READINGS = "setup,X_mm,approach,value_um\nlaser,0,X+,0.5\nlaser,100,X+,1.5\nlaser,100,X-,-1.5\n"
 
 
-def test_readings_that_exist_are_evaluated(axiscal: Command, tmp_path: Path) -> None:
-    (tmp_path / "r.csv").write_text(READINGS)
-    (tmp_path / "c.toml").write_text(f'usual = "off"\nsure = "exactly"\n{FOUR_READINGS}')
-    result = axiscal("estimate", "c.toml", "r.csv", "--out", "d", "--json").document
-    assert (result["readings"], result["stopped_because"]) == (3, "all readings evaluated")
-    assert result["history"][3]["rms_um"] < result["history"][0]["rms_um"]
-
-
 def test_a_positioning_test_is_evaluated(axiscal: Command, tmp_path: Path) -> None:
     rows = [f"{x},{s},{run},{0.01 * x + run}" for run in (1, 2) for s in "+-" for x in (0, 50, 100)]
     (tmp_path / "iso.csv").write_text("\n".join(["target_mm,direction,run,deviation_um", *rows]))
@@ -478,11 +417,3 @@ def test_the_machines(axiscal: Command, tmp_path: Path) -> None:
         assert name in axiscal("machine", "list").out
         (tmp_path / "copy.toml").write_text(axiscal("machine", "show", name).out)
         assert axiscal("machine", "check", "copy.toml").status == 0
-
-
-def test_what_comes_next_after_the_results_is_to_load_and_check_them(started: Command) -> None:
-    started("next", "m.axiscal")
-    started("record", "m.axiscal", "1 um")
-    started("finish", "m.axiscal", "--out", "m-results")
-    assert "axiscal verify m.axiscal" in (out := started("status", "m.axiscal").out)
-    assert "axiscal finish" not in out

@@ -32,15 +32,6 @@ def record(tmp_path: Path) -> Path:
     return tmp_path / "mill.axiscal"
 
 
-def test_a_copy_holds_all_and_is_replaced_by_a_later_one(record: Path, tmp_path: Path, command: Command) -> None:
-    for count in (1, 2):
-        document = command("copy", record, "--json").document
-        assert document["schema"] == "axiscal-copy/1"
-        assert (document["readings"], document["copy"]) == (count, str(tmp_path / "mill.axiscal.copy"))
-        assert command("status", tmp_path / "mill.axiscal.copy", "--json").document["readings"] == count
-        assert run(["next", str(record)]) == run(["record", str(record), "1 um"]) == 0
-
-
 def test_a_folder_receives_a_copy_of_the_same_name(record: Path, tmp_path: Path, command: Command) -> None:
     (tmp_path / "stick").mkdir()
     assert "holds 1 reading" in command("copy", record, tmp_path / "stick").printed

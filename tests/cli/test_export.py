@@ -63,32 +63,6 @@ def test_each_axis_may_have_a_spacing_of_its_own(record: Path, tmp_path: Path) -
 
 
 @pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--to", "knitting"], "is not a controller that tables can be made for"),
-        (["--to", "linuxcnc", "--spacing", "7 mm"], "7 mm does not divide the 300 mm of X"),
-        (["--to", "linuxcnc", "--spacing", "7"], "no unit"),
-        (["--to", "linuxcnc", "--spacing", "X=7 mm"], "7 mm does not divide the 300 mm of X"),
-        (["--to", "linuxcnc", "--spacing", "X=7 deg"], '"7 deg" is an angle'),
-        (["--to", "linuxcnc", "--spacing", "Q=5 mm"], 'no axis "Q"'),
-        (["--to", "linuxcnc", "--spacing", "X=5 mm", "--spacing", "X=10 mm"], "the spacing of X is given twice"),
-        (["--to", "linuxcnc", "--spacing", "5 mm", "--spacing", "X=10 mm"], "for all linear axes and for some"),
-        (["--to", "linuxcnc", "--spacing", "-5 mm"], "above zero"),
-        (["--to", "linuxcnc", "--number", "X:1"], "is not AXIS=N"),
-        (["--to", "klipper", "--name", "a\nG28"], "is not a name for a table"),
-        (["--to", "klipper", "--mesh", "1"], "Take 2 to 50"),
-        (["--to", "fanuc"], "Give it: --template FILE"),
-    ],
-)
-def test_what_cannot_be_is_refused_before_writing(
-    record: Path, arguments: list[str], message: str, tmp_path: Path, command: Command
-) -> None:
-    out = tmp_path / "tables"
-    assert message in command("export", record, *arguments, "--out", out).refusal
-    assert not out.exists()
-
-
-@pytest.mark.parametrize(
     ("content", "message"), [(b"\xff\xfe1", "not plain text"), (b"%\n" * 2_100_000, "more than 4 MB"), (b"", "%")]
 )
 def test_a_template_that_is_no_text_is_refused(

@@ -19,7 +19,7 @@ from axiscal.cli import app
 from axiscal.record.events import Asked
 from tests.commands import Command
 from tests.generators.begun import begun
-from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
+from tests.generators.texts import FOUR_READINGS
 
 STANDS = "Enter when it stands, or ? > "
 WARM = "Temperature of the machine's scale [degC], Enter: not measured > "
@@ -208,26 +208,6 @@ def test_stopping_says_what_the_tables_would_reach_and_asks_first(folder: Path) 
     assert terminal.ended() == 0
     with Campaign.open(folder / "mill.axiscal", write=False) as campaign:
         assert campaign.state.finished == "ended by the operator"
-
-
-@pytest.mark.long
-def test_a_campaign_of_the_five_axis_machine_from_the_prompt_alone(tmp_path: Path) -> None:
-    begun(tmp_path, {"campaign.toml": TWO_SPHERES}, ("start", "campaign.toml", "mill.axiscal"))
-    terminal = Terminal(tmp_path)
-    shown = terminal.until(STANDS)
-    assert "set up two spheres, and mount the instrument (sphere); it reads x, y and z" in shown
-    assert re.search(r"go to     X = \S+ mm, Y = \S+ mm, Z = \S+ mm, B = \S+ deg, C = \S+ deg", shown)
-    terminal.type("")
-    for reading in ("1,2 -0,4 3", "0.4; 1; 2", "-2.5 3 0", "1 1 1", "0.0 -1.0 2.5"):
-        assert re.search(r"ball (low|high) of two spheres", terminal.until("reading [um] > "))
-        terminal.type(reading)
-        terminal.until("it is on the disk")
-    terminal.until("note or pause > ")
-    terminal.type("")
-    terminal.until("-results/report.pdf")
-    assert terminal.ended() == 0
-    assert kept(tmp_path) == [1.2, 0.4, -2.5, 1.0, 0.0]
-    assert (tmp_path / "mill-results" / "report.html").is_file()
 
 
 @pytest.mark.long

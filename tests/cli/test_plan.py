@@ -38,22 +38,6 @@ def campaign(tmp_path: Path) -> Path:
     return path
 
 
-def test_seven_readings_on_seven_knots_are_near_the_best_possible(campaign: Path, command: Command) -> None:
-    """J of seven chosen together is 0.0832 mm² mm; no seven can be below 0.0788 (numbers computed elsewhere)."""
-    document = command("plan", campaign, "--json").document
-    assert document["schema"] == "axiscal-plan/1"
-    assert document["J"] <= 0.0833e-9
-    assert document["bound_J"] == pytest.approx(0.0788e-9, rel=1e-3)
-    assert document["ratio"] == pytest.approx(1.056, abs=2e-3)
-    assert document["bound_holds_for"] == "lattice of 2,000 candidates"
-    points = document["points"]
-    assert [set(point) for point in points] == [
-        {"setup", "position", "direction", "approach", "rms_um", "worst_um", "minutes", "tcp"}
-    ] * 7
-    assert sorted(point["position"]["X"] for point in points)[::6] == [0.0, 10.0]
-    assert [p["rms_um"] for p in points] == sorted((p["rms_um"] for p in points), reverse=True)
-
-
 @pytest.mark.long
 def test_the_volume_criterion_says_its_bound_in_micrometres(campaign: Path, command: Command) -> None:
     campaign.write_text(CAMPAIGN.replace('criterion = "joint"', ""))
@@ -109,35 +93,14 @@ def test_what_is_said_of_programs_is_read_before_a_plan_is_made(
     assert said in command("plan", campaign, "--readings", "3", "--gcode", "linuxcnc").refusal
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--budget", "1 s"], "less than"),
-        (["--budget", "-2 h"], "not above zero"),
-        (["--target", "2"], "unit"),
-        (["--target", "0 um"], "not above zero"),
-        (["--readings", "3", "--gcode", "nonesuch"], "nonesuch"),
-    ],
-)
-def test_what_cannot_be_planned_is_said_in_one_paragraph(
-    campaign: Path, arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run(["plan", str(campaign), *arguments]) == 1
-    printed = capsys.readouterr()
-    assert said in printed.err.replace("\n", " ")
-    assert "Traceback" not in printed.err
-    assert printed.out == ""
+def test_a_budget_of_less_than_a_reading_is_refused(campaign: Path, command: Command) -> None:
+    assert "less than" in command("plan", campaign, "--budget", "1 s").refusal
 
 
 def test_so_many_readings_are_planned_whatever_accuracy_the_campaign_asks_for(campaign: Path, command: Command) -> None:
     campaign.write_text(CAMPAIGN.replace("readings = 7", 'rms = "0.6 mm"'))
     assert len(command("plan", campaign, "--json").document["points"]) < 9
     assert len(command("plan", campaign, "--readings", "9", "--json").document["points"]) == 9
-
-
-def test_a_target_alone_is_planned_within_what_the_campaign_allows(campaign: Path, command: Command) -> None:
-    assert len(command("plan", campaign, "--target", "1 um", "--json").document["points"]) == 7
-    assert len(command("plan", campaign, "--target", "1 um", "--readings", "3", "--json").document["points"]) == 3
 
 
 @pytest.mark.parametrize("more", [[], ["--prove"]])
@@ -150,10 +113,6 @@ def test_a_target_that_is_met_before_anything_is_read_needs_a_few_that_check_the
     printed = capsys.readouterr()
     assert len(json.loads(printed.out)["points"]) == needed
     assert ("meet the target unread" in " ".join(printed.err.split())) == (needed > 0)
-
-
-def test_an_unknown_control_is_refused_before_the_campaign_is_read(command: Command) -> None:
-    assert "Perhaps fanuc is meant" in command("plan", "nowhere.toml", "--gcode", "fanux").refusal
 
 
 def test_a_proof_holds_anywhere_in_the_travel(campaign: Path, command: Command) -> None:

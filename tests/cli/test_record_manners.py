@@ -71,29 +71,12 @@ def test_leaving_a_set_up_says_what_that_costs(
     assert after > before
 
 
-def test_a_reading_where_it_was_asked_for_leaves_nothing(
-    record: Path, command: Command, capsys: pytest.CaptureFixture[str]
-) -> None:
-    asked(record, capsys)
-    assert "this leaves" not in command("record", record, "1.0 um").said
-    asked(record, capsys)
-    assert "this leaves" not in command("record", record, "1.2 um").said
-
-
 def test_a_place_without_a_side_says_what_is_supposed(record: Path, command: Command) -> None:
     told = command("record", record, "1 um", "--at", "X=120 mm", "--setup", "along x").said
     assert "nothing is supposed of the side from which X came; the reading counts as less sure, by half the" in told
     assert '--approach "X+"' in told
     told = command("record", record, "1 um", "--at", "X=180 mm", "--setup", "along x", "--approach", "X+").said
     assert "supposed" not in told
-
-
-def test_a_doubtful_reading_is_named_when_it_is_typed(record: Path, command: Command) -> None:
-    for x in (20, 80, 140, 200, 260):
-        told = command("record", record, "1 um", "--at", f"X={x} mm", "--setup", "along x", "--approach", "X+").said
-        assert "deviations" not in told
-    told = command("record", record, "60 um", "--at", "X=110 mm", "--setup", "along x", "--approach", "X+").said
-    assert re.search(r" is \d+\.\d standard deviations from what", told)
 
 
 def test_an_earlier_reading_that_a_later_one_contradicts_is_named_with_its_place(

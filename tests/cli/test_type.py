@@ -23,19 +23,6 @@ def folder(tmp_path: Path) -> Path:
 
 
 @pytest.mark.long
-def test_learn_explain_and_a_campaign_by_the_file(folder: Path, command: Command) -> None:
-    file = folder / "slide.type.json"
-    document = command("type", "learn", folder / "records", "--out", file, "--json").document
-    assert [each["counts"] for each in document["records"]] == [True] * 3
-    assert 0 < document["errors"]["EXX"]["in_common"] < 1
-    (folder / "campaign.toml").write_text(CAMPAIGN.format(first='prior = "slide.type.json"\n'))
-    said = command("type", "explain", file, "--campaign", folder / "campaign.toml").printed
-    assert "Learnt from 3 machines" in said
-    assert "become" in said
-    assert run(["start", str(folder / "campaign.toml"), str(folder / "new.axiscal"), "--json"]) == 0
-
-
-@pytest.mark.long
 def test_a_record_carries_what_its_sisters_taught(folder: Path, command: Command) -> None:
     assert run(["start", str(folder / "campaign.toml"), str(folder / "new.axiscal"), "--json"]) == 0
     for record in (folder / "records").iterdir():

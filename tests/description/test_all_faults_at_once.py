@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
-from axiscal.machine.description import builtin_names, load_machine, machine_from_text
+from axiscal.exceptions import Faults, ReadingError
+from axiscal.machine.description import builtin_names, load_machine
 from axiscal.machine.questions import questions
 from tests.commands import Command
 from tests.generators.texts import campaign_text, setup_text
@@ -43,38 +43,6 @@ LASER = campaign_text(
 
 def lines_of(text: str) -> list[int]:
     return [int(number) for number in re.findall(r"\bline (\d+)", text)]
-
-
-def test_a_machine_with_five_faults_names_the_lines_of_all() -> None:
-    wrong = (
-        GOOD.replace('length = "50 mm"', 'length = "50 m"')
-        .replace('"300 mm"]', '"-300 mm"]')
-        .replace('speed = "10 m/min"', 'speed = "10 kg"')
-        .replace('EYY = { std = "20 um" }', 'EYY = { std = "20" }\nEQQ = { std = "20 um" }')
-    )
-    with pytest.raises(InputError) as refused:
-        machine_from_text(wrong, "mill.toml")
-    said = str(refused.value)
-    assert sorted(lines_of(said)) == [3, 5, 6, 11, 12]
-    assert said.count("mill.toml") == 1
-    assert [line.startswith("- line") for line in said.splitlines()] == [False, True, True, True, True]
-
-
-def test_unknown_keys_are_named_together_and_a_misspelt_one_is_not_also_missing() -> None:
-    wrong = GOOD.replace("speed =", "sped =").replace('EXX = { std = "20 um" }', 'EXX = { sdt = "20 um" }')
-    with pytest.raises(DescriptionError) as refused:
-        machine_from_text(wrong, "mill.toml")
-    said = str(refused.value)
-    assert '"sped"' in said
-    assert '"sdt"' in said
-    assert "is missing" not in said
-
-
-def test_an_error_of_an_axis_that_is_wrong_itself_is_no_second_fault() -> None:
-    with pytest.raises(InputError) as refused:
-        machine_from_text(GOOD.replace('"300 mm"]', '"-300 mm"]'), "mill.toml")
-    assert lines_of(str(refused.value)) == [5]
-    assert len(str(refused.value).splitlines()) == 1
 
 
 def test_set_ups_and_readings_name_all_their_faults(tmp_path: Path, command: Command) -> None:

@@ -44,19 +44,6 @@ def test_each_line_of_the_target_that_the_page_comments_out_can_be_used(tmp_path
     assert len(target.wants) == 3
 
 
-def test_the_record_s_copy_is_the_same_campaign(tmp_path: Path) -> None:
-    (tmp_path / "c.toml").write_text(EXAMPLE)
-    campaign = read_campaign(tmp_path / "c.toml")
-    machine = load_machine("three-axis-mill")
-    assert campaign_from_texts(EXAMPLE, campaign.source, machine.text, "three-axis-mill") == campaign
-
-
-def test_a_machine_beside_the_campaign_is_found(tmp_path: Path) -> None:
-    (tmp_path / "machine.toml").write_text(load_machine("three-axis-mill").text)
-    (tmp_path / "c.toml").write_text(EXAMPLE.replace('"three-axis-mill"', '"machine.toml"'))
-    assert read_campaign(tmp_path / "c.toml").machine_source == str(tmp_path / "machine.toml")
-
-
 @pytest.mark.parametrize(
     ("written", "direction"),
     [
@@ -73,11 +60,6 @@ def test_directions(written: str, direction: tuple[float, ...]) -> None:
     campaign = campaign_from_texts(text, "c.toml", load_machine("three-axis-mill").text, "m")
     assert campaign.setups[0].direction == pytest.approx(direction, abs=1e-15)
     assert math.hypot(*campaign.setups[0].direction) == pytest.approx(1, abs=1e-15)
-
-
-def test_nothing_is_assumed_where_there_are_to_be_no_unknowns() -> None:
-    text = EXAMPLE.replace('unknowns = { zero = "100 um" }', "unknowns = {}").replace("dead_band", "# dead_band")
-    assert campaign_from_texts(text, "c.toml", load_machine("three-axis-mill").text, "m").setups[0].unknowns == ()
 
 
 def test_the_table_of_defaults_is_the_program_s() -> None:

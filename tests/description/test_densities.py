@@ -8,7 +8,6 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.exceptions import InputError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from tests.generators.one_axis import MACHINE, observed
@@ -45,14 +44,6 @@ def test_a_dead_band_along_the_way_is_a_lag_by_the_side_of_approach() -> None:
     assert shown[:, 0] == pytest.approx([2e-6, -2e-6, 0.0], abs=1e-15)
 
 
-def test_a_dead_band_across_the_way_is_a_bound() -> None:
-    start = 'machine = "m"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\ninstrument = "indicator"\n'
-    text = start + 'direction = "y"\ndead_band = "3 um"\n'
-    machine = MACHINE + 'EYX = { std = "5 um", length = "200 mm" }\n'
-    across = campaign_from_texts(text, "c", machine, "m").setups[0]
-    assert (across.bound, across.lag) == (3e-6, 0.0)
-
-
 def test_a_dead_band_where_two_axes_move_is_a_bound() -> None:
     start = 'machine = "m"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\ninstrument = "indicator"\n'
     machine = machine_text("w-b-X-Y-t", {"X": (0, 300), "Y": (0, 300)}, {"EXX EYX": "5 um"})
@@ -79,21 +70,3 @@ def test_a_lag_and_a_reversal_are_told_apart_only_in_their_sum() -> None:
     # half the reversal and the lag share 5 um as their variances do, 9 to 9
     assert band.mean == pytest.approx([5e-6], rel=0.02)
     assert band.std == pytest.approx([2 * 3e-6 / np.sqrt(2)], rel=0.02)
-
-
-@pytest.mark.parametrize(
-    ("keys", "said"),
-    [
-        ('bound = "0 um"', "to 10000 um"),
-        ('bound = "20 mm"', "to 10 mm"),
-        ('bound = "1 s"', "um"),
-        ('dead_band = "-1 um"', "is negative"),
-        ('one_sided = "20 um"', "side"),
-        ('one_sided = "+ 20 urad"', "um"),
-        ('one_sided = ""', "side"),
-        ('dead_band = "1 um"\nunknowns = { lag = "1 um" }', "already"),
-    ],
-)
-def test_what_makes_no_sense_is_refused(keys: str, said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        observed(keys)

@@ -9,7 +9,6 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.exceptions import DescriptionError
 from axiscal.measurement.setup import Setup
 from axiscal.present.statement import drift_words
 from axiscal.record.copies import carried_text
@@ -48,12 +47,6 @@ def test_a_zero_wanders_as_stated_else_as_is_usual_of_its_instrument(lines: str,
     setup = described(lines)
     assert setup.drift * HOUR == pytest.approx(per_hour)
     assert setup.drift_said == said
-
-
-def test_a_drift_that_is_none_is_refused_in_its_line() -> None:
-    with pytest.raises(DescriptionError, match=r'line 9: .*"-1 um/h" is negative') as refused:
-        described(LASER + 'moves = ["X"]\ndrift = "-1 um/h"')
-    assert "60000 um/h" in str(refused.value)
 
 
 def test_a_record_of_before_keeps_a_zero_that_stands_still(tmp_path: Path) -> None:
@@ -96,16 +89,3 @@ def _quoted(text: str) -> str:
 )
 def test_a_report_says_what_is_taken_for_granted_of_zeros(lines: str, words: list[str]) -> None:
     assert drift_words([described(LASER + lines)]) == words
-
-
-def test_one_of_two_set_ups_that_does_not_drift_is_named() -> None:
-    still, usual = described(LASER + 'moves = ["X"]\ndrift = "0"'), described(LASER + 'moves = ["X"]')
-    assert drift_words([usual, still]) == [
-        "with zeros that wander as is usual, 5 um/h",
-        'as if the zero of "it" did not drift: you said that it does not',
-    ]
-
-
-def test_without_the_default_nothing_wanders_that_is_not_stated() -> None:
-    assert described(LASER + 'moves = ["X"]', usual=False).drift == 0.0
-    assert described(LASER + 'moves = ["X"]\ndrift = "2 um/h"', usual=False).drift > 0.0

@@ -18,28 +18,10 @@ from axiscal.machine import Machine, load_machine, machine_from_text
 from axiscal.measurement.readers.text_file import MOST_LINES
 from axiscal.ports.linuxcnc.tables import pivots
 from tests.linuxcnc.lab import Joint, Settings, files
+from tests.refusals.reading import refusals
 
 EXAMPLES = Path("/usr/share/doc/linuxcnc/examples/sample-configs")
-SMALL = """\
-[EMC]
-MACHINE = mill "of" mine
-[KINS]
-KINEMATICS = trivkins
-JOINTS = 3
-[TRAJ]
-COORDINATES = X Y Z
-LINEAR_UNITS = mm
-[AXIS_X]
-MIN_LIMIT = 0
-MAX_LIMIT = 600
-MAX_VELOCITY = 100 ; a remark
-[AXIS_Y]
-MIN_LIMIT = 0
-MAX_LIMIT = 400
-[AXIS_Z]
-MIN_LIMIT = -300
-MAX_LIMIT = 0
-"""
+SMALL = refusals("ini").texts["small"]
 
 
 def found(folder: Path, text: str, others: Mapping[str, str] | None = None) -> IniMachine:
@@ -58,21 +40,6 @@ def of_lab(folder: Path, joints: list[Joint], chosen: Settings | None = None) ->
     """Return what is read of the files with which the tests start the real LinuxCNC."""
     written = dict(files(joints, chosen or Settings()))
     return found(folder, written.pop("machine.ini"), written)
-
-
-def test_limits_speeds_and_names_are_those_of_the_file(tmp_path: Path) -> None:
-    machine = built(found(tmp_path, SMALL))
-    assert machine.name == 'mill "of" mine'
-    assert {axis.name: axis.travel for axis in machine.axes} == {"X": (0, 0.6), "Y": (0, 0.4), "Z": (-0.3, 0)}
-    assert machine.axis("X").speed == pytest.approx(0.1)
-    assert found(tmp_path, SMALL).compensated == ()
-
-
-def test_a_joint_whose_axis_is_not_among_the_coordinates_stands(tmp_path: Path) -> None:
-    text = SMALL.replace("trivkins", "trivkins coordinates=XYZ").replace("= X Y Z", "= X Z")
-    read = found(tmp_path, text.replace("[AXIS_Y]\nMIN_LIMIT = 0\nMAX_LIMIT = 400\n", ""))
-    assert {axis.letter: axis.joints for axis in read.axes} == {"X": (0,), "Z": (2,)}
-    assert set(built(read).chain.replace("'", "")) & set("XYZ") == {"X", "Z"}
 
 
 def test_it_reads_what_the_real_controller_takes(tmp_path: Path) -> None:
@@ -129,32 +96,6 @@ def test_a_rotary_axis_without_end_has_a_turn_of_travel_and_its_limits(tmp_path:
     machine = built(of_lab(tmp_path, [Joint("X"), Joint("Z"), Joint("C", -36000, 7200)]))
     np.testing.assert_allclose(machine.axis("C").travel, [0, 2 * np.pi])
     assert machine.chain == "w-C'-b-Z-X-t"
-
-
-@pytest.mark.parametrize(
-    ("good", "bad", "said"),
-    [
-        ("MAX_LIMIT = 600", "MAX_LIMIT = six", "line 11: MAX_LIMIT = six is not a number"),
-        ("MAX_LIMIT = 600", "MAX_LIMIT = 1e400", "line 11: MAX_LIMIT = 1e400 is not a number"),
-        ("MAX_LIMIT = 600", "MAX_LIMIT = -1", "line 11: MAX_LIMIT of X is -1, and MIN_LIMIT is 0"),
-        ("MAX_LIMIT = 600\n", "", 'MAX_LIMIT = 500, or add --limits "X 0 500"'),
-        ("MAX_VELOCITY = 100", "MAX_VELOCITY = 0", "line 12: MAX_VELOCITY = 0 is not above zero"),
-        ("LINEAR_UNITS = mm", "LINEAR_UNITS = furlong", "line 8: LINEAR_UNITS = furlong is no unit known here"),
-        ("COORDINATES = X Y Z", "COORDINATES = Q", "line 7: 'Q' names no axes"),
-        ("COORDINATES = X Y Z", "COORDINATES = XYZABCU", "line 7: XYZABCU are more than 6 axes"),
-        ("COORDINATES = X Y Z\n", "", "line 7: [TRAJ] says no COORDINATES"),
-        ("KINEMATICS = trivkins", "KINEMATICS = genhexkins", "line 4: genhexkins is no chain of axes"),
-        ("KINEMATICS = trivkins", "KINEMATICS = xyzac-trt-kins", "line 4: xyzac-trt-kins has axes X, Y, Z, A and C"),
-        ("MAX_LIMIT = 600", "MAX_LIMIT = 1e99", "line 11: The INI file says no MAX_LIMIT of X"),
-        ("[AXIS_X]", "rubbish", "line 9: 'rubbish' is neither a [SECTION] nor KEY = VALUE"),
-        ("[EMC]", "#INCLUDE other.inc\n[EMC]", "line 1: The file 'other.inc' that is included here is not there"),
-    ],
-)
-def test_a_fault_is_named_with_its_line(tmp_path: Path, good: str, bad: str, said: str) -> None:
-    assert good in SMALL
-    with pytest.raises(AxiscalError) as refused:
-        found(tmp_path, SMALL.replace(good, bad))
-    assert said in str(refused.value)
 
 
 @pytest.mark.parametrize(

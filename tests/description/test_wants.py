@@ -75,31 +75,6 @@ def test_a_limit_of_the_volume_is_its_u() -> None:
         _target('U = "20 um"\nwants = ["volume 20 um"]')
 
 
-@pytest.mark.parametrize(
-    ("text", "what", "remedy"),
-    [
-        ("positionning X 5 um", "no row of an answer", 'Perhaps "positioning X" is meant'),
-        ("hum of the fan", "no row of an answer", 'Ask for rows such as "positioning X"'),
-        ("positioning X 5", "no unit", "12 um"),
-        ("positioning X 5 urad", "is an angle, not a length", "12 um"),
-        ("squareness XY 5 um", "is a length, not an angle", "arcsec"),
-        ("backlash X 0 um", "is zero", "um on"),
-        ("centre of C", "no row of an answer", ""),
-    ],
-)
-def test_what_is_wrong_is_refused_at_its_line(text: str, what: str, remedy: str) -> None:
-    with pytest.raises(InputError) as failure:
-        _target(f'wants = [\n  "volume",\n  "{text}",\n]')
-    assert what in failure.value.what
-    assert remedy in failure.value.remedy
-    assert (str(failure.value.file), failure.value.line) == ("c.toml", 6)
-
-
-def test_a_row_is_asked_for_once() -> None:
-    with pytest.raises(InputError, match="twice"):
-        _target('wants = ["backlash X", "backlash X 2 um"]')
-
-
 BALL = '[[artefacts]]\nname = "{}"\nballs = {{ one = ["{} mm", "0 mm", "0 mm"] }}\n'
 TOUCHED = '[[setups]]\nname = "touched"\ninstrument = "sphere"\nartefact = "left"\n'
 

@@ -88,15 +88,6 @@ def test_dense_algebra_gives_the_same_variances(name: str, variance: float, requ
     np.testing.assert_allclose(plan.variances, dense_variances(plan.positions, variance), rtol=1e-6)
 
 
-@pytest.mark.long
-def test_the_squared_error_of_simulated_splines_is_the_overall_variance(single: Chosen) -> None:
-    at, before = (single.positions[:7, 0] / 1e3).tolist(), SPLINE["BEFORE"]
-    truths, rng = before.belief.sample(np.random.default_rng(0), 2000), np.random.default_rng(5)
-    missed = np.array([SPLINE["read"](truth, at, rng).mean - truth for truth in truths])
-    errors = np.sum((missed @ before.spline.gram()) * missed, axis=1) * 1e9
-    assert abs(errors.mean() - single.variances[7]) < 4.5 * errors.std(ddof=1) / np.sqrt(len(errors))
-
-
 def test_the_knees_stand_where_the_readings_span_what_can_be_seen(single: Chosen, stacked: Chosen) -> None:
     for plan, knee in ((single, 7), (stacked, 19)):
         falls = -np.diff(plan.variances)

@@ -93,13 +93,6 @@ def test_every_path_with_a_line_is_in_the_data() -> None:
             entry = entry[key]  # type: ignore[index]
 
 
-def test_a_missing_key_has_the_line_of_its_table() -> None:
-    document = Document.parse(TEXT, "x.toml")
-    assert document.line("tool", "width") == 6
-    assert document.line("nothing") is None
-    assert document.line() is None
-
-
 BAD_FILES: list[tuple[bytes, int | None, str]] = [
     (b"\xef\xbb\xbfname = 'x'", 1, "byte order mark"),
     ("name = 'x'".encode("utf-16"), 1, "UTF-16"),
@@ -177,14 +170,6 @@ def test_a_file_without_permission_is_refused(tmp_path: Path, monkeypatch: pytes
         Document.read(tmp_path / "secret.toml")
 
 
-def test_a_file_is_read_with_its_text(tmp_path: Path) -> None:
-    path = tmp_path / "x.toml"
-    path.write_text(TEXT, encoding="utf-8")
-    document = Document.read(path)
-    assert document.text == TEXT
-    assert document.data["setups"][1]["name"] == "two"
-
-
 class Park(BaseModel):
     """A table of the test's own model."""
 
@@ -237,12 +222,6 @@ def test_a_fault_in_a_model_has_line_value_and_remedy(
     assert type(failure.value) is kind
     assert failure.value.line == line
     assert fragment in str(failure.value)
-
-
-def test_a_right_document_becomes_its_model_in_si() -> None:
-    plan = read_model(Document.parse(GOOD, "plan.toml"), Plan)
-    assert [setup.noise for setup in plan.setups] == [0.3e-6, 2e-6]
-    assert plan.setups[1].pause == 2.0
 
 
 def _early(key: str, hour: int, known: Beside) -> int:

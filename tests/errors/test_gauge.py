@@ -72,10 +72,6 @@ def test_any_machine_can_be_checked(seed: int) -> None:
     assert all(text.endswith(".") and "nan" not in text for text in found)
 
 
-def test_one_axis_hides_nothing() -> None:
-    assert machine_check(load_machine("one-axis")) == ()
-
-
 def test_a_machine_without_errors_hides_nothing() -> None:
     assert machine_check(replace(load_machine("one-axis"), errors=())) == ()
 

@@ -18,7 +18,6 @@ from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline
 from tests.generators.machines import random_machine, random_poses, twin_derivative
 
 UM, URAD, MM = 1e-6, 1e-6, 1e-3
-OTHERS = [name for name in builtin_names() if name != "three-axis-mill"]
 
 
 def _deviation(model: ErrorModel, coefficients: Array, poses: Array, approaches: Array) -> tuple[Array, Array]:
@@ -42,18 +41,6 @@ def test_rows_are_the_exact_derivative_on_random_machines(seed: int) -> None:
         assert np.abs(angular[i] - turned).max() < 1e-13
 
 
-@pytest.mark.parametrize("name", ["three-axis-mill", *(pytest.param(name, marks=pytest.mark.long) for name in OTHERS)])
-def test_rows_are_the_central_differences_of_the_full_kinematics(name: str) -> None:
-    model, rng, step = ErrorModel(load_machine(name)), np.random.default_rng(3), 1e-4
-    poses, approaches = random_poses(model.machine, 4, rng)
-    rows, angular = model.rows(poses, approaches), model.angular_rows(poses, approaches)
-    for i in range(model.size):
-        one = step * np.eye(model.size)[i]
-        up, down = (_deviation(model, sign * one, poses, approaches) for sign in (1, -1))
-        assert np.abs((up[0] - down[0]) / (2 * step) - rows[:, :, i]).max() < 1e-7
-        assert np.abs((up[1] - down[1]) / (2 * step) - angular[:, :, i]).max() < 1e-7
-
-
 @pytest.mark.parametrize("name", ["three-axis-mill", "printer-gantry", "dmu60"])
 def test_what_is_left_out_falls_with_the_square_of_the_errors(name: str) -> None:
     model, rng = ErrorModel(load_machine(name)), np.random.default_rng(4)
@@ -72,18 +59,6 @@ def test_what_is_left_out_of_a_likely_machine_is_far_below_a_tenth_of_a_micromet
     drawn = np.linalg.cholesky(model.prior_covariance()) @ rng.standard_normal(model.size)
     exact, _ = _deviation(model, drawn, poses, approaches)
     assert np.abs(exact - model.rows(poses, approaches) @ drawn).max() < 0.02 * UM
-
-
-def test_the_papers_machine_is_the_sum_of_its_splines() -> None:
-    """B&H eq. 1 and 28: no levers, H is the splines' rows side by side."""
-    model = ErrorModel(load_machine("paper-three-stacked"))
-    poses, approaches = random_poses(model.machine, 50, np.random.default_rng(6))
-    spline = NaturalSpline(np.linspace(0, 10 * MM, 7))
-    expected = np.hstack([spline.rows(t) for t in poses.T])
-    rows = model.rows(poses, approaches)
-    assert np.array_equal(rows[:, :2], np.zeros((50, 2, 21)))
-    assert np.abs(rows[:, 2] - expected).max() < 1e-12
-    assert np.array_equal(model.prior_covariance(), MM**2 * np.eye(21))
 
 
 def with_errors(machine: Machine, *names: str) -> ErrorModel:
@@ -134,33 +109,6 @@ def test_cases_worked_out_on_paper(
     what: str, machine: Machine, name: str, value: float, pose: dict[str, float], expected: tuple[float, ...]
 ) -> None:
     assert _effect(with_errors(machine, name), value, pose) == pytest.approx(expected, abs=1e-12), what
-
-
-@pytest.mark.parametrize(("approach", "share"), [(1.0, 0.5), (-1.0, -0.5), (0.0, 0.0)])
-def test_a_reversal_counts_half_from_either_side(approach: float, share: float) -> None:
-    model = with_errors(DMU, "EXX_reversal")
-    assert _effect(model, 4 * UM, {}, approach) == pytest.approx([share * 4 * UM, 0, 0], abs=1e-15)
-
-
-def test_a_reversal_listens_to_its_own_axis_only() -> None:
-    model = with_errors(DMU, "EXX_reversal")
-    poses, approaches = np.zeros((1, 5)), np.zeros((1, 5))
-    approaches[0] = [1 if axis.name != "X" else -1 for axis in DMU.axes]
-    assert model.rows(poses, approaches)[0, 0, 0] == pytest.approx(
-        -0.5 * model.names["EXX_reversal"].basis.rows(0.0)[0, 0]
-    )
-
-
-def test_squareness_turns_the_travel_and_not_the_tool() -> None:
-    model = with_errors(MILL, "C0Y", "B0Z")
-    poses, approaches = random_poses(MILL, 5, np.random.default_rng(7))
-    assert np.array_equal(model.angular_rows(poses, approaches), np.zeros((5, 3, 2)))
-
-
-def test_a_longer_tool_has_a_longer_lever() -> None:
-    for length in (0.0, 0.1, 0.35):
-        model = with_errors(replace(DMU, tool=length), "EBZ")
-        assert _effect(model, 10 * URAD, {"Z": 0.2}) == pytest.approx([-10 * URAD * length, 0, 0], abs=1e-15)
 
 
 def test_a_smooth_prior_is_matern_and_a_plain_one_is_independent() -> None:

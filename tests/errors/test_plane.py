@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.plane import PlaneError, kept
+from axiscal.errors.plane import PlaneError
 from axiscal.errors.volume import volume_moments, whole_travel
 from axiscal.estimation.accuracy.criterion import joint_root
 from axiscal.machine import Machine, machine_from_text
@@ -68,14 +68,6 @@ def test_what_is_cut_away_is_counted_as_rest() -> None:
     assert len(plane.pairs) < 14 * 14
     assert plane.rest**2 == pytest.approx(lost / 15**2, rel=1e-6)
     assert plane.rest**2 < 1e-4 * 10e-6**2
-
-
-@pytest.mark.parametrize(
-    ("knots", "length", "count"), [(20, 0.35, 104), (20, 0.2, 198), (20, 0.1, 329), (13, 0.35, 79)]
-)
-def test_as_many_products_are_kept_as_were_counted_independently(knots: int, length: float, count: int) -> None:
-    values = np.sort(np.linalg.eigvalsh(centred(matern(np.linspace(0, 1, knots), length))))[:0:-1]
-    assert len(kept(values, values, 1e-4)) == count
 
 
 def test_a_plane_moves_the_frame_of_the_later_axis() -> None:

@@ -10,11 +10,10 @@ import pytest
 
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import EVERY_WAY, Box, Counted, VolumeMoments, volume_moments, whole_travel
-from axiscal.machine import Machine, load_machine
+from axiscal.machine import Machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry
-from axiscal.numerics import Array
-from tests.generators.machines import every_error, random_machine, random_poses
+from tests.generators.machines import every_error, random_machine
 
 _NO_LEVER = 1e-20
 """A mean square lever below that of a tenth of a nanometre per unit is rounding."""
@@ -115,53 +114,3 @@ def test_a_box_on_a_full_turn_agrees_with_sums() -> None:
     model = ErrorModel(Machine("m", (axis,), 0.1, (ErrorEntry("ECC", 1.0, knots=7), ErrorEntry("X0C", 1.0)), "", ""))
     for box in (((0.5, 2.0),), ((0.0, 2 * np.pi),), ((5.0, 2 * np.pi),)):
         assert _apart(volume_moments(model, box), _brute(model, box)) < 1e-11
-
-
-@pytest.mark.parametrize(
-    "name", ["three-axis-mill", *(pytest.param(name, marks=pytest.mark.long) for name in ("dmu60", "printer-gantry"))]
-)
-def test_sampled_poses_have_these_means(name: str) -> None:
-    """40,000 poses: every entry within 6 standard errors, and the spread of their distances is that of chance."""
-    model, rng, count, parts = ErrorModel(load_machine(name)), np.random.default_rng(2), 40_000, 40
-    found, sums, squares = volume_moments(model, whole_travel(model)), [], []
-    for _ in range(parts):
-        poses, _ = random_poses(model.machine, count // parts, rng)
-        rows = model.rows(poses, rng.choice([-1.0, 1.0], poses.shape))
-        sums.append(rows.mean(axis=0))
-        squares.append(np.einsum("mci,mcj->ij", rows, rows, optimize=True) / len(rows))
-    for drawn, expected in ((np.array(sums), found.mean), (np.array(squares), found.gram)):
-        error = drawn.std(axis=0, ddof=1) / np.sqrt(parts)
-        known = error > 1e-6 * np.abs(drawn).max()
-        distance = (drawn.mean(axis=0) - expected)[known] / error[known]
-        assert np.abs(distance).max() < 7
-        assert np.sqrt(np.mean(distance**2)) < 1.3
-        assert np.abs((drawn.mean(axis=0) - expected)[~known]).max(initial=0.0) < 1e-5 * np.abs(drawn).max()
-
-
-def test_the_means_of_one_spline_are_its_gram_matrix() -> None:
-    """The paper's Gram matrix, divided by the length of the travel (B&H eq. 24-26)."""
-    model = ErrorModel(load_machine("paper-three-stacked"))
-    found = volume_moments(model, whole_travel(model)).gram
-    gram = model.functions[0].basis.gram() / 0.01
-    assert np.abs(found[:7, :7] - gram).max() < 1e-14
-    means: Array = gram.sum(axis=1)
-    assert np.abs(found[:7, 7:14] - np.outer(means, means)).max() < 1e-14
-
-
-def test_reversals_have_mean_zero_and_are_alone_with_their_axis() -> None:
-    model = ErrorModel(load_machine("dmu60"))
-    found = volume_moments(model, whole_travel(model))
-    x, y = (model.names[name].columns.start for name in ("EXX_reversal", "EYY_reversal"))
-    assert np.array_equal(found.mean[:, [x, y]], np.zeros((3, 2)))
-    assert found.gram[x, x] == pytest.approx(0.25)
-    assert found.gram[x, y] == 0.0
-    assert found.gram[x, model.names["EXX"].columns].tolist() == [0.0] * 11
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_the_gram_matrix_is_symmetric_and_no_deviation_has_a_negative_square(seed: int) -> None:
-    model = ErrorModel(random_machine(seed))
-    gram = volume_moments(model, whole_travel(model)).gram
-    values = np.linalg.eigvalsh(gram)
-    assert np.array_equal(gram, gram.T)
-    assert values[0] > -1e-13 * values[-1]

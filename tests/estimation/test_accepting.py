@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,7 +12,6 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.agreement_words import (
     acceptance,
-    agreement_document,
     agreement_words,
     change_words,
     mistake_words,
@@ -141,15 +139,3 @@ def test_what_is_said_of_all_readings_together() -> None:
     assert agreement_words(known(described=Explained("direction", 9.0, (), axes=("B", "C")))) == (
         "The readings contradict each other (p = 1e-06): correct direction of B, C in the machine's file"
     )
-
-
-def test_the_document_has_what_was_found() -> None:
-    found = agreement_document(known(SIGNS[0]).agreement)
-    assert found == {
-        "readings": 6,
-        "agreeing": 4,
-        "c2": 30.0,
-        "p": 1e-6,
-        "contradict": True,
-        "explained": [{"mistake": "sign", "odds": pytest.approx(math.exp(9))}],
-    }

@@ -39,16 +39,6 @@ def test_spheres_do_not_see_how_long_a_metre_is() -> None:
     assert first.effect == pytest.approx(3.1e-6, abs=0.06e-6)
 
 
-def test_an_aligned_part_fills_the_volume_and_no_more() -> None:
-    campaign = with_setups(0)
-    yardstick = Case(replace(campaign, target=replace(campaign.target, part=None))).yardstick
-    assert yardstick.sample is not None
-    low, high = np.array(yardstick.box).T
-    assert np.all((low <= yardstick.sample) & (yardstick.sample <= high))
-    np.testing.assert_allclose(yardstick.sample.mean(axis=0), (low + high) / 2, atol=0.05 * np.max(high - low))
-    np.testing.assert_allclose(np.ptp(yardstick.sample, axis=0), high - low, rtol=0.05)
-
-
 def test_a_laser_shows_it_and_a_bar_whose_length_nobody_knows_does_not() -> None:
     lasered, barred = case_of(0, 2), case_of(0, 1)
     assert not any(SCALE in hidden.text for hidden in lasered.hidden)

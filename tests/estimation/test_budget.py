@@ -16,32 +16,6 @@ from tests.generators.campaigns import drawn, mixed
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, read
 from tests.generators.laser_axis import machine as laser_machine
 
-KINDS = {
-    "instrument",
-    "growth",
-    "way",
-    "set-up",
-    "drift",
-    "temperature",
-    "artefact",
-    "detail",
-    "prior",
-    "unseen",
-    "type B",
-    "sizes",
-}
-
-
-@pytest.mark.parametrize("count", [2, 24])
-def test_squares_add_up_to_the_square_of_the_whole(count: int) -> None:
-    case = mixed('usual = "off"\nsure = "exactly"')
-    known = concluded(case, drawn(case, count))
-    sources = budget(known)
-    assert {source.kind for source in sources} <= KINDS
-    total = np.sqrt(sum(source.rms**2 for source in sources))
-    assert total == pytest.approx(known.accuracy.rms, rel=1e-6)
-    assert next(s.rms for s in sources if s.kind == "sizes") < 1e-3 * known.accuracy.rms
-
 
 def test_sizes_that_are_learnt_are_a_source_of_their_own() -> None:
     case = mixed()
@@ -52,12 +26,6 @@ def test_sizes_that_are_learnt_are_a_source_of_their_own() -> None:
     total = np.sqrt(sum(source.rms**2 for source in budget(known)))
     assert total == pytest.approx(known.accuracy.rms, rel=1e-9)
     assert max(shares.values()) <= known.accuracy.rms
-
-
-def test_before_any_reading_it_is_what_was_stated() -> None:
-    known = concluded(mixed(), [])
-    assert {source.kind for source in budget(known)} == {"detail", "prior", "unseen"}
-    assert np.sqrt(sum(s.rms**2 for s in budget(known))) == pytest.approx(known.accuracy.rms, rel=1e-9)
 
 
 def test_noise_and_unknowns_are_those_of_josephs_form() -> None:

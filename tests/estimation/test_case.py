@@ -16,13 +16,12 @@ from axiscal.estimation.promise.columns import PlaneUnknowns
 from axiscal.estimation.promise.problem import MOST_COLUMNS, MOST_NUMBERS, Inherited, Problem
 from axiscal.estimation.promise.spaces import parts_of
 from axiscal.estimation.promise.unknowns import Unknowns
-from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine
 from axiscal.measurement.instruments.distance import SHIFTS
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics import Array
-from benchmarks.nonlinear.stations import at_once, bars, tracers
+from benchmarks.nonlinear.stations import at_once, tracers
 from tests.generators import laser_axis
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.dense_posterior import Dense
@@ -59,22 +58,6 @@ def test_each_of_its_rivals_is_a_side_and_without_them_it_is_its_own() -> None:
     assert [float(side.prior.mean[0]) for side in sides] == pytest.approx([1e-6, 2e-6])
     assert all(side.rivals == () for side in sides)
     assert LASER.sides == (LASER,)
-
-
-def test_candidates_are_four_for_each_unknown_but_not_too_few_nor_too_many() -> None:
-    assert LASER.observation.size < 50
-    assert len(LASER.lattice.poses) == pytest.approx(200, rel=0.1)
-    case = mixed()
-    assert 50 < case.observation.size < 375
-    assert len(case.lattice.poses) == pytest.approx(4 * case.observation.size, rel=0.1)
-
-
-@pytest.mark.parametrize(
-    ("case", "bends"),
-    [(tracers("1 mm", "1 mm"), True), (bars("1 mm", "1 mm"), True), (at_once("1 mm", "1 mm"), True), (LASER, False)],
-)
-def test_only_a_station_that_its_readings_have_to_find_bends(case: Case, bends: bool) -> None:
-    assert case.bends == bends
 
 
 def test_stations_are_found_where_the_mean_has_them_and_stay_when_they_move_by_nothing() -> None:
@@ -160,13 +143,6 @@ def test_a_reading_comes_as_allowed_where_a_reversal_shows(approach: str, allowe
             reading = Reading("laser", (0.5,), (side,), 0.0)
             assert case.came_as_allowed(reading) == (side in allowed or not reverses)
             assert replace(case, both=frozenset({"laser"})).came_as_allowed(reading) == (side != 0 or not reverses)
-
-
-def test_a_set_up_is_found_by_its_name_alone() -> None:
-    case = mixed()
-    assert [case.index(name) for name in ("probe", "nest")] == [0, 1]
-    with pytest.raises(DescriptionError):
-        case.index("laser")
 
 
 _MANY = MOST_NUMBERS // 3 + 1

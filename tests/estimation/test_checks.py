@@ -90,12 +90,6 @@ def test_a_slip_of_a_check_is_a_bad_reading_and_widens_nothing() -> None:
     assert "checks: 4 of 4 as promised, s = " in agreement_words(good)
 
 
-def test_readings_without_checks_have_none() -> None:
-    found = estimated(CASE, [replace(reading, check=False) for reading in known().readings])
-    assert (found.checks.each, found.checks.s, found.checks.p) == ((), None, 1.0)
-    assert "check" not in agreement_words(found)
-
-
 def test_s_of_readings_of_the_model_is_one_in_the_mean() -> None:
     rng, count = np.random.default_rng(1), 4000
     root = np.linalg.cholesky(np.array([[2.0, 0.5, 0.1], [0.5, 1.0, 0.2], [0.1, 0.2, 3.0]]))

@@ -78,12 +78,6 @@ def test_u_is_that_of_the_height_and_every_direction_keeps_its_own() -> None:
     assert every.space > 3 * alone.space
 
 
-def test_all_three_directions_are_what_nobody_says() -> None:
-    said, silent = known('directions = ["z", "x", "y"]'), known("")
-    assert said.accuracy == silent.accuracy
-    assert said.case.yardstick.root.matrix.tobytes() == silent.case.yardstick.root.matrix.tobytes()
-
-
 def test_the_criterion_is_blind_to_what_moves_the_nozzle_sideways() -> None:
     of = known().case.errors.names
     alone, every = (each.case.yardstick.root.weights for each in (known(), known(_EVERY)))

@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from axiscal.description.usual import Kind, Sizes
-from axiscal.estimation.promise.draws import Weighed, draws, mode, weighed
+from axiscal.description.usual import Kind
+from axiscal.estimation.promise.draws import draws, mode, weighed
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.unknowns import Space, Unknowns, space_of
 from axiscal.measurement.reading import Reading
@@ -133,43 +133,3 @@ def test_one_size_without_information_stays_as_stated_and_others_are_learnt(
         assert np.all(found.thetas[:, column] == 0)
     assert len(best.taught) > 0
     assert np.all(found.thetas[:, best.taught].std(axis=0) > 0)
-
-
-def test_the_same_readings_have_the_same_draws() -> None:
-    first, second = (_drawn_anew() for _ in range(2))
-    np.testing.assert_array_equal(first.thetas, second.thetas)
-    np.testing.assert_array_equal(first.weights, second.weights)
-
-
-def _drawn_anew() -> Weighed:
-    space = space_of(sized(asked("axis", 20, 3), ("std", "rest", "noise")))
-    return weighed(space, draws(space, mode(space)))
-
-
-@pytest.mark.parametrize("kind", ["axis", "plate", "two set-ups"])
-def test_enough_draws_count(kind: str) -> None:
-    """The effective number of 64 draws of all sizes, and what it is made of."""
-    space = space_of(asked(kind, 24, 2))
-    drawn = draws(space, mode(space))
-    found = weighed(space, drawn)
-    assert found.effective == pytest.approx(1 / np.sum(found.weights**2))
-    assert found.weights.sum() == pytest.approx(1.0)
-    assert len(found.given) == len(found.weights) <= len(drawn.x) == 64
-    assert found.effective >= 10
-
-
-def test_fixed_sizes_need_one_draw() -> None:
-    space = space_of(_problem(()))
-    found = weighed(space, draws(space, mode(space)))
-    assert found.thetas.shape == (1, 0)
-    assert found.weights.tolist() == [1.0]
-    assert found.effective == 1.0
-    assert len(Sizes(())) == 0
-
-
-def test_the_proposal_is_a_density() -> None:
-    """The mean of φ(x) over the proposal is one: what draws of the prior weigh against it, at random points of it."""
-    space = space_of(_problem(("std", "noise")))
-    best = mode(space)
-    drawn = draws(space, best, 4096)
-    assert np.mean(np.exp(-drawn.log_proposal[:-1])) == pytest.approx(1.0, abs=0.1)

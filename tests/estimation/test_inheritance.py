@@ -145,22 +145,6 @@ def curve(errors: ErrorModel, name: str, unknowns: Array, at: Array) -> Array:
     return np.asarray(function.basis.rows(at) @ unknowns[function.columns], dtype=float)
 
 
-AT = np.linspace(0.0, 0.4, 33)
-
-
-def test_the_same_description_takes_over_every_unknown_as_it_is() -> None:
-    errors, rng = model(6), np.random.default_rng(1)
-    across = carried_over(errors, errors)
-    assert across.matrix == pytest.approx(np.eye(errors.size), abs=1e-12)
-    assert across.rests == pytest.approx((0.5e-6) ** 2, abs=0)
-    assert across.known == {"EXX"}
-    assert across.beyond().shape[1] == 0
-    root = rng.standard_normal((errors.size, errors.size))
-    found = across.prior(root[0], root @ root.T, np.eye(errors.size))
-    assert found.mean == pytest.approx(root[0])
-    assert found.covariance == pytest.approx(root @ root.T + np.eye(errors.size))
-
-
 @pytest.mark.parametrize(("before", "today"), [(9, 5), (5, 9)])
 def test_at_the_knots_of_today_the_curve_is_the_one_of_before(before: int, today: int) -> None:
     """Its rest is that of before; an error that is new is as stated and of nothing else."""

@@ -36,14 +36,6 @@ def with_slips(count: int, slips: dict[int, float]) -> list[Reading]:
     return [replace(r, value=r.value + slips.get(i, 0.0)) for i, r in enumerate(read(machine(2), count))]
 
 
-def test_a_reading_that_cannot_be_is_told_by_the_others() -> None:
-    known = judged(CASE, with_slips(20, {0: 2e-3, 7: 1e-3, 13: -2e-3}))
-    assert list(known) == [0, 7, 13]
-    for index, doubt in known.items():
-        assert (doubt.reading, doubt.implausible) == (index, True)
-        assert doubt.surprise > 12
-
-
 def test_one_that_somebody_insists_on_is_believed() -> None:
     readings = with_slips(20, {7: 8e-4})
     readings[7] = replace(readings[7], accepted=True)
@@ -55,12 +47,6 @@ def test_errors_that_are_to_be_learnt_may_be_four_times_as_large() -> None:
     readings = with_slips(20, {11: 400e-6})
     assert list(judged(case_with(head='sure = "well"'), readings)) == [11]
     assert judged(CASE, readings) == {}
-
-
-def test_readings_of_a_fine_display_are_left_as_they_are() -> None:
-    readings = read(machine(3), 12)
-    known = absorbed(CASE, readings, {})
-    assert displayed(known, readings) is known
 
 
 def test_readings_of_a_coarse_display_are_taken_for_what_they_say_with_the_surprises_of_before() -> None:

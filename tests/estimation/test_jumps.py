@@ -181,27 +181,6 @@ def test_a_step_of_any_size_is_a_step(by: float) -> None:
     assert not known.left_out
 
 
-@pytest.mark.parametrize("setup", [DIAL, LASER], ids=["dial", "laser"])
-def test_two_bad_readings_of_a_first_run_are_bad_and_no_size(setup: str) -> None:
-    """As large as a backlash of 350 um would be, one up and one down."""
-    for count, bad in ((28, (1, 4)), (20, (0, 3))):
-        readings = _readings(setup, count, 2)
-        for index, by in zip(bad, (350e-6, -280e-6), strict=True):
-            readings[index] = replace(readings[index], value=readings[index].value + by)
-        known = estimated(_case(setup), readings)
-        assert known.left_out == set(bad)
-        assert not known.agreement.contradicts
-        sizes = known.posterior.sizes if known.posterior else {}
-        assert max(size for (kind, _), size in sizes.items() if kind in ("std", "reversal", "rest")) < 10
-
-
-def test_one_reading_beyond_a_step_is_a_bad_reading_and_two_are_a_jump() -> None:
-    right = _readings(DIAL, 12, 3)
-    one, two = (estimated(_case(DIAL), _stepped(right, before, 140e-6)) for before in (11, 10))
-    assert (set(one.left_out), _named(one)) == ({11}, [])
-    assert (set(two.left_out), _named(two)) == (set(), [("jump", 10)])
-
-
 def test_a_step_is_named_beside_a_bad_reading() -> None:
     readings = _stepped(_readings(DIAL, 18, 1), 9, 140e-6)
     readings[3] = replace(readings[3], value=readings[3].value + 300e-6)

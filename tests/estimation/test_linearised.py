@@ -107,27 +107,6 @@ def test_the_least_linear_reading_is_named_and_what_is_rounding_is_nothing() -> 
 
 
 @pytest.mark.long
-def test_the_index_is_the_second_order_over_the_noise_of_machines_drawn_from_the_belief() -> None:
-    case = tracers("20 mm", "5 mm")
-    _, readings = read(case, 1)
-    found = _located(case, readings[::6])
-    some = readings[::18]
-    observation, belief = found.knowledge.observation, found.knowledge.belief
-    errors = observation.errors.size + len(observation.unknowns)
-    numbers, rng, count = seen(observation, some), np.random.default_rng(9), 400
-    mean, total = belief.mean[:errors], np.zeros(len(numbers.values))
-    nominal = shown_values(observation, some, mean)
-    for _ in range(count):
-        step = (belief.factor @ rng.standard_normal(belief.size))[:errors]
-        total += (shown_values(observation, some, mean + step) - nominal - numbers.rows[:, :errors] @ step) ** 2
-    each = np.sqrt(total / count / numbers.variances)
-    expected = np.array([each[numbers.reading == index].max() for index in range(len(some))])
-    assert indices(found.knowledge, some) == pytest.approx(expected, rel=0.5)
-    assert float(np.mean(indices(found.knowledge, some) / expected)) == pytest.approx(1.0, abs=0.12)
-    assert indices(found.knowledge, []).shape == (0,)
-
-
-@pytest.mark.long
 def test_what_a_better_place_moves_is_what_an_estimate_made_there_says() -> None:
     """In standard deviations, RMS over all directions; a reading that counts for nothing moves nothing."""
     case = tracers("3 mm", "1 mm")
@@ -199,12 +178,6 @@ def test_location_errors_of_a_millimetre_and_a_milliradian_keep_their_bands() ->
         assert indices(known.knowledge, readings).max() < GAUSSIAN
     assert np.mean(linear) > 1.5
     assert 0.9 < np.mean(exact) < 1.1
-
-
-def test_a_machine_in_service_is_taken_as_linear() -> None:
-    case = _case("15 um", "30 urad")
-    _, readings = _read(case, 3)
-    assert located(case, readings).case.about is None
 
 
 def test_the_rounds_end_where_the_exact_chain_gives_the_readings() -> None:

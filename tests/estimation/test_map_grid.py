@@ -93,8 +93,3 @@ def test_a_bed_is_probed_along_z_while_x_and_y_move(setup: Setup, grid: bool) ->
     assert (map_grid(MACHINE, [setup], at(nodes)) is not None) == grid
     other = [(0.11 + 0.01 * n, 0.4 - 0.013 * n) for n in range(20)]
     assert (map_grid(MACHINE, [setup], at(nodes) + at(other, "a laser")) is not None) == grid
-
-
-def test_without_readings_or_without_both_axes_there_is_none() -> None:
-    assert map_grid(MACHINE, [probing()], []) is None
-    assert map_grid(load_machine("one-axis"), [probing()], []) is None

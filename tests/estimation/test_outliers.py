@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from axiscal.campaign.campaign import Campaign
-from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.errors.model import ErrorFunction
 from axiscal.estimation.case import Case
@@ -21,7 +18,6 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.present.curves import curves
 from axiscal.present.findings import findings
-from tests.commands import Command
 from tests.generators.texts import campaign_text, setup_text
 
 CAMPAIGN = campaign_text(
@@ -78,10 +74,6 @@ def _moves_little(before: Estimation, after: Estimation, function: ErrorFunction
     return bool(np.all(np.abs(moved) <= 0.5 * std))
 
 
-def test_readings_that_agree_are_all_believed() -> None:
-    assert not any(_estimated(_readings(seed)).outliers for seed in range(5))
-
-
 def test_a_bad_reading_is_marked_in_the_pictures_of_the_curves() -> None:
     readings = _readings(1)
     readings[7] = replace(readings[7], value=readings[7].value - 80e-6)
@@ -97,61 +89,12 @@ def test_values_a_thousand_times_too_small_are_not_as_stated() -> None:
     assert not [f for f in findings(_estimated(_readings(1))) if f.code == "prior-misfit"]
 
 
-def test_a_reading_that_somebody_vouches_for_is_believed() -> None:
-    readings = _readings(2)
-    readings[9] = replace(readings[9], value=readings[9].value + 80e-6, accepted=True)
-    assert not any(doubt.reading == 9 for doubt in _estimated(readings).outliers)
-
-
-def test_nobody_can_say_which_of_two_readings_is_wrong() -> None:
-    pair = [Reading("laser", (0.5,), (1,), 0.0), Reading("laser", (0.5,), (1,), 1e-4)]
-    spread = [Reading("laser", (x,), (1,), 5e-5) for x in (0.0, 0.1, 0.9, 1.0)]
-    assert _estimated(pair + spread).outliers == ()
-
-
-@pytest.mark.parametrize("seed", [0, 2, 3, 5])  # two beside each other look like a zero that jumped and came back
-def test_bad_readings_of_one_size_do_not_cover_each_other(seed: int) -> None:
-    """By what is stated alone they are refused. Else they may be details of the machine, and the promise has them."""
-    bad = set(np.random.default_rng(seed).choice(30, 3, replace=False).tolist())
-    alone = {index for index in bad if not {index - 1, index + 1} & bad}
-    alone_as_stated = 'usual = "off"\nsure = "exactly"\n'
-    clean, as_stated = _readings(seed, head=alone_as_stated), _description(alone_as_stated)
-    wrong = [replace(r, value=r.value + 30e-6 * (i in bad)) for i, r in enumerate(clean)]
-    refused = {doubt.reading for doubt in concluded(Case(as_stated), wrong).outliers}
-    assert alone <= refused
-    assert len(refused) <= 6
-    before, after = _estimated(clean), _estimated(wrong)
-    assert {doubt.reading for doubt in after.outliers} <= bad
-    at = np.linspace(0, 1, 101)
-    right, found = (each.estimate().curve("EXX", at) for each in (before, after))
-    assert np.all(np.abs(found.mean - right.mean) <= 1.96 * found.std)
-
-
 def test_readings_that_agree_with_their_neighbour_are_a_fact_and_not_bad() -> None:
     """A bump of the curve that two of thirty readings see: no reading is wrong, so none is set aside."""
     bumped = [replace(r, value=r.value + 30e-6 * (i in (14, 15))) for i, r in enumerate(_readings(2))]
     assert not _estimated(bumped).outliers
     lonely = [replace(r, value=r.value + 30e-6 * (i == 14)) for i, r in enumerate(_readings(2))]
     assert [doubt.reading for doubt in _estimated(lonely).outliers] == [14]
-
-
-def test_the_record_keeps_a_surprising_reading_and_says_so(tmp_path: Path, command: Command) -> None:
-    record = tmp_path / "mill.axiscal"
-    with Campaign.create(record, _description()) as campaign:
-        campaign.adopt(tuple(_readings(3, 20)))
-    place = ["--at", "X=500 mm", "--setup", "laser", "--approach", "X+"]
-    assert (
-        "standard deviations from all that the stated std and the other readings allow"
-        in command("record", record, "900 um", *place).printed
-    )
-    assert run(["undo", str(record)]) == 0
-    assert (
-        "standard deviations from all" not in command("record", record, "900 um", *place, "--accept").printed
-    )  # the odds against the model are said still
-    with Campaign.open(record) as campaign:
-        assert campaign.state.readings[-1].accepted
-        last = len(campaign.state.readings) - 1
-        assert last not in {doubt.reading for doubt in campaign.estimate(ended=True).outliers}
 
 
 def test_a_reading_in_mm_is_not_believed_and_others_do_not_make_it_so() -> None:
@@ -170,25 +113,11 @@ def test_a_reading_in_mm_is_not_believed_and_others_do_not_make_it_so() -> None:
             assert np.all(np.abs(curve.mean - clean.mean) < 0.5 * clean.std)
 
 
-def test_an_implausible_reading_that_somebody_vouches_for_is_believed() -> None:
-    readings = _readings(1, 6)
-    readings[2] = replace(readings[2], value=2.5e-3, accepted=True)
-    assert not any(doubt.implausible for doubt in _calibrated(readings[:3]).outliers)
-
-
 @pytest.mark.parametrize("seed", range(5))
 def test_a_prior_that_is_three_times_too_small_makes_no_reading_implausible(seed: int) -> None:
     large = [replace(reading, value=3 * reading.value) for reading in _readings(seed, 40)]
     for estimation in (_calibrated(large), _estimated(large)):
         assert not any(doubt.implausible for doubt in estimation.outliers)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_curves_of_a_prior_ten_times_too_small_are_not_taken_for_bad_readings_afterwards(seed: int) -> None:
-    readings = _readings(seed, 40)
-    zero = float(np.median([reading.value for reading in readings]))
-    large = [replace(reading, value=zero + 10 * (reading.value - zero)) for reading in readings]
-    assert not any(doubt.implausible for doubt in _estimated(large).outliers)
 
 
 def test_a_wide_zero_is_learnt_before_readings_are_held_against_it() -> None:

@@ -59,20 +59,3 @@ def test_a_bed_is_estimated_as_by_plain_conditioning() -> None:
     left = _covariance(wanted, wanted) - across @ np.linalg.solve(noisy, across.T)
     np.testing.assert_allclose(found.mean, mean, atol=1e-9 * np.abs(mean).max() + 1e-13)
     np.testing.assert_allclose(found.std, np.sqrt(np.diagonal(left)), rtol=1e-7)
-
-
-def test_readings_one_by_one_give_the_same_as_all_at_once() -> None:
-    machine = bed()
-    setup = probe(machine, (0.0, 0.6, 0.8))
-    rng = np.random.default_rng(7)
-    places = poses_of(machine, 18, 8)
-    readings = [Reading("probe", tuple(pose), (1, 1, 1), float(rng.normal(0, 5e-5))) for pose in places]
-    before = Knowledge.before(Observation(ErrorModel(machine), (setup,)))
-    together, apart = before.read(readings), before
-    for reading in readings:
-        apart = apart.read([reading])
-    own = together.observation.errors.size
-    scale = np.sqrt(np.diagonal(together.belief.covariance))[:own]
-    np.testing.assert_allclose(apart.belief.mean[:own], together.belief.mean[:own], atol=1e-8 * scale.max())
-    difference = (apart.belief.covariance - together.belief.covariance)[:own, :own]
-    assert np.abs(difference / scale[:, None] / scale).max() < 1e-7

@@ -110,13 +110,6 @@ def test_what_a_pose_leaves_out_is_the_middle_of_the_travel_from_any_side() -> N
     assert len(predict_poses(have, [], FILE)[0]) == 0
 
 
-def test_poses_come_in_their_order() -> None:
-    have = known().estimation()
-    wanted = [raw({"X": x, "C": c}, {"X": 1, "C": 1}) for x, c in POSES.tolist()]
-    mean, _ = tcp_prediction(have, POSES, np.ones_like(POSES))
-    assert predict_poses(have, wanted, FILE)[0] == pytest.approx(mean)
-
-
 @pytest.mark.parametrize(("at", "allowed"), [(0.0, True), (0.5e-9, True), (2e-9, False)])
 def test_an_end_of_the_travel_is_within_it_up_to_rounding(at: float, allowed: bool) -> None:
     have, (low, high) = known().estimation(), ERRORS.machine.axes[0].travel
@@ -133,19 +126,6 @@ def test_an_end_of_the_travel_is_within_it_up_to_rounding(at: float, allowed: bo
 def test_an_axis_that_the_machine_has_not_is_named_with_its_line(pose: Any) -> None:
     with pytest.raises(ReadingError, match=r'line 4.*no axis "Y".*Its axes are X, C'):
         predict_poses(known().estimation(), [pose], FILE)
-
-
-def test_the_band_of_a_curve_is_the_scatter_of_machines_drawn_from_the_belief() -> None:
-    model, rng = ErrorModel(load_machine("one-axis")), np.random.default_rng(1)
-    root = 1e-6 * rng.standard_normal((model.size, model.size))
-    belief = Belief(1e-6 * rng.standard_normal(model.size), root @ root.T)
-    function, at = model.names["EXX"], np.array([0.0, 0.13, 0.512, 1.0])
-    found = Estimate(model, belief, whole_travel(model)).curve("EXX", at)
-    drawn = belief.sample(rng, 100_000)[:, function.columns] @ function.basis.rows(at).T
-    drawn += function.rest * rng.standard_normal(drawn.shape)
-    assert function.rest > 0
-    np.testing.assert_allclose(found.std, drawn.std(axis=0), rtol=0.01)
-    np.testing.assert_array_less(np.abs(found.mean - drawn.mean(axis=0)), 5 * found.std / np.sqrt(len(drawn)))
 
 
 def test_what_readings_say_of_a_rest_is_in_the_deviation_of_its_cell_alone() -> None:

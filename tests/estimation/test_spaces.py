@@ -191,15 +191,3 @@ def test_an_inherited_prior_is_what_no_reading_changes() -> None:
         size = len(left.mean)
         _close(answer.mean[:size], left.mean, 1e-9)
         _close(answer.covariance[:size, :size], left.covariance, 1e-9)
-
-
-@settings(max_examples=8)
-@given(problems())
-def test_precision_and_square_are_those_of_the_covariance(drawn: tuple[Problem, Array]) -> None:
-    """K⁻¹B and yᵀK⁻¹y."""
-    problem, theta = drawn
-    columns = np.random.default_rng(0).standard_normal((len(problem.values), 2))
-    inverse = np.linalg.inv(Dense(problem).covariance(theta))
-    for space in _both(problem):
-        _close(_given(space, theta).precision(columns), inverse @ columns, 1e-5)
-        assert _given(space, theta).square == pytest.approx(problem.values @ inverse @ problem.values, rel=1e-5)

@@ -170,19 +170,6 @@ def test_most_of_a_file_has_to_be_implausible(monkeypatch: pytest.MonkeyPatch) -
         refuse_implausible([*slips[:8], *readings[8:]], description, "r.csv")
 
 
-@pytest.mark.parametrize("scales", ["stated", "estimate"])
-@pytest.mark.parametrize("wrong", [1 / 3, 1.0, 3.0])
-def test_a_prior_that_is_wrong_by_three_is_no_other_unit(scales: str, wrong: float) -> None:
-    description, _ = described("one-axis", wrong, scales)
-    for seed in range(4):
-        refuse_implausible(_readings(description, wrong, seed), description, "r.csv")
-
-
-def test_readings_of_nothing_at_all_are_not_taken_for_another_unit() -> None:
-    description, _ = described("one-axis", 1.0, "stated")
-    refuse_implausible(_times(_readings(description, 1.0, 0), 0.0), description, "r.csv")
-
-
 def test_a_dial_that_shows_the_same_six_times_is_not_taken_for_another_unit() -> None:
     """Its zero takes the figure up, in whichever unit."""
     text = (

@@ -14,7 +14,6 @@ from axiscal.language.spoken import speaking
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from benchmarks.trust.benches import case_of
-from tests.generators.laser_axis import CASE as LASER
 
 TOOL = {"tool_x", "tool_y", "tool_z"}
 
@@ -54,11 +53,6 @@ def test_it_hides_what_an_exactly_known_tool_would_show() -> None:
     assert found.effect == pytest.approx(np.sqrt(whole**2 - left**2), rel=0.01)
     assert f"{found.effect * 1e6:.2g} um of the {case.yardstick.unseen_rms * 1e6:.2g} um" in found.text
     assert found in case.hidden
-
-
-def test_a_tool_that_is_known_well_or_does_not_turn_hides_nothing() -> None:
-    assert told(five_axes("0.1 um")) == []
-    assert told(LASER) == []
 
 
 def test_it_is_said_from_a_tenth_of_the_variance_on() -> None:

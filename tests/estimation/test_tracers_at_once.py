@@ -11,7 +11,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.located import absorbed
 from axiscal.estimation.promise.posterior import sorted_out
-from axiscal.estimation.stations import BentReadings, Optimum, closed_form, indices, mode, polished
+from axiscal.estimation.stations import BentReadings, Optimum, closed_form, mode
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
@@ -89,22 +89,6 @@ def test_a_station_of_several_that_fits_in_two_places_is_named_with_both() -> No
     said = located._ambiguity(case, 0, 2, Optimum(here, 1.0), Optimum(there, 2.0)).what
     assert said.startswith('station 3 of "')
     assert f"as well at ({x:.1f}, {y:.1f}, {z:.1f}) mm as at ({x + 100:.1f}, {y:.1f}, {z - 200:.1f}) mm" in said
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("seed", range(2))
-def test_stations_anywhere_within_300_mm_are_found_from_the_prior_as_from_closed_form(seed: int) -> None:
-    case = tracers("300 mm", "100 mm")
-    machine, readings = read(case, seed)
-    problem = BentReadings(case, readings)
-    assert float(np.max(indices(case.knowledge, readings))) > 1e4
-    damped, by_form = (
-        polished(problem, start) for start in (case.prior.mean, closed_form(case, readings, case.prior.mean))
-    )
-    assert damped.cost == pytest.approx(by_form.cost, rel=1e-6)
-    truth = np.concatenate([list(machine.offsets[setup.name].values()) for setup in case.description.setups])
-    assert np.abs(damped.point[case.errors.size :] - truth).max() < 5e-4
-    assert 0.5 < damped.cost / (len(problem.values) / 2) < 1.5
 
 
 @pytest.mark.long

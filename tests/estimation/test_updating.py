@@ -163,15 +163,6 @@ def test_a_belief_told_of_readings_is_one_updated_by_each(seed: int, decades: fl
     )
 
 
-def test_none_that_counts_leaves_the_belief_as_it_was() -> None:
-    belief = Belief([1.0, 2.0], np.diag([4.0, 0.0]))
-    told, surprises, losses = belief.update_many(np.eye(2), np.zeros(2), np.ones(2), np.full(2, np.inf), np.arange(2))
-    np.testing.assert_array_equal(told.mean, belief.mean)
-    np.testing.assert_array_equal(told.covariance, belief.covariance)
-    np.testing.assert_array_equal(losses, 0.0)
-    np.testing.assert_allclose(surprises.std, [np.sqrt(5.0), 1.0])
-
-
 def test_readings_that_cannot_be_are_refused() -> None:
     belief = Belief([0.0], [[1.0]])
     with pytest.raises(ShapeError):

@@ -52,15 +52,6 @@ def test_every_size_has_an_owner_and_no_two_the_same(kind: str) -> None:
     assert all(size.spread > 0 for size in sizes.of)
 
 
-def test_errors_that_are_alike_share_a_factor() -> None:
-    """Positions of linear axes one, their angles another."""
-    sizes = sizes_for(case_of("five axes"))
-    assert sizes.index("std", "EXX") == sizes.index("std", "EYY") >= 0
-    assert sizes.index("std", "EXX") != sizes.index("std", "EAX")
-    assert sizes.index("std", "EXX") != sizes.index("std", "ECC")
-    assert sizes.index("length", "EXX") == sizes.index("length", "EAX") >= 0
-
-
 def test_each_setup_has_its_noise() -> None:
     sizes = sizes_for(case_of("two set-ups"))
     assert sizes.index("noise", "probe") != sizes.index("noise", "nest")
@@ -78,10 +69,6 @@ def test_how_sure_somebody_is_is_the_spread(sure: Sure, spread: float) -> None:
     assert np.log(SURE[sure]) == pytest.approx(spread)
 
 
-def test_what_is_exact_and_not_usual_leaves_no_size() -> None:
-    assert len(sizes_for(case_of("five axes"), "exactly", usual=False)) == 0
-
-
 def test_one_error_may_be_known_and_another_not() -> None:
     described = case_of("plate").description
     errors = [replace(each, sure="exactly") if each.name == "EZX" else each for each in described.machine.errors]
@@ -89,12 +76,6 @@ def test_one_error_may_be_known_and_another_not() -> None:
     sizes = sizes_of(plain, described.setups, "roughly", usual=False, inherited=False)
     assert sizes.index("std", "EZX") == sizes.index("length", "EZX") == -1
     assert sizes.index("std", "EZY") >= 0
-
-
-def test_an_inherited_prior_keeps_its_sizes() -> None:
-    """Only rests, what passes, and noises vary then."""
-    sizes = sizes_for(case_of("five axes"), inherited=True)
-    assert {size.kind for size in sizes.of} == {"rest", "drift", "cycle", "growth", "way", "noise"}
 
 
 def test_the_table_says_where_its_figures_come_from() -> None:
@@ -115,10 +96,6 @@ def test_a_size_is_lognormal_about_what_is_stated() -> None:
         wanted = lognorm(spread, scale=median)
         np.testing.assert_allclose(wanted.cdf(np.exp(theta[:, column])), norm.cdf(x), rtol=1e-9)
     assert lognorm(1.4, scale=np.exp(-(1.4**2))).moment(2) == pytest.approx(1.0)
-
-
-def test_as_stated_every_factor_is_one() -> None:
-    np.testing.assert_array_equal(SEVERAL.theta(SEVERAL.stated)[0], np.zeros(3))
 
 
 def test_slope_is_that_of_differences_and_far_out_nothing_overflows() -> None:
@@ -151,8 +128,3 @@ def test_no_size_is_learnt_far_beyond_what_is_stated(kind: model.Kind, most: flo
     assert np.exp(theta[1, 0]) == pytest.approx(most)
     assert theta[2, 0] == -7.0
     assert [bool(each) for each in slope[:, 0]] == [True, False, False]
-
-
-def test_a_size_is_found_by_kind_and_owner() -> None:
-    assert SEVERAL.indices("std", ["EYY", "EZZ", "EXX"]).tolist() == [0, -1, 0]
-    assert SEVERAL.index("noise", "EXX") == -1

@@ -16,7 +16,6 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.measurement.reading_rows import seen
 from tests.generators.campaigns import drawn, mixed
-from tests.generators.laser_axis import CAMPAIGN, MACHINE
 from tests.generators.texts import machine_text
 
 
@@ -41,25 +40,6 @@ def test_a_part_that_is_aligned_is_measured_at_poses_all_over_the_volume() -> No
     assert share.mean(axis=0) == pytest.approx(0.5, abs=0.005)
     assert share.std(axis=0) == pytest.approx(1 / np.sqrt(12), abs=0.005)
     assert np.corrcoef(share.T) - np.eye(3) == pytest.approx(0.0, abs=0.03)
-
-
-def test_what_is_left_of_a_part_that_is_aligned_is_less_than_of_the_box() -> None:
-    """A shift and a turn of the whole volume are no errors then, so that less is open before any reading."""
-    whole, part = (case.yardstick.measure(case.prior).rms for case in (aligned(part=False), aligned()))
-    assert part < 0.95 * whole
-
-
-def test_from_both_sides_more_is_seen_than_from_one() -> None:
-    text = CAMPAIGN.replace('approach = "both"', 'approach = "+"')
-    case = Case(campaign_from_texts(text, "c.toml", MACHINE, "m"))
-    reversal = case.errors.names["EXX_reversal"].columns
-    plus_x, both = (each._allowed_rows()[0] for each in (case, replace(case, both=frozenset({"laser"}))))
-    assert np.unique(np.sign(plus_x[:, reversal])).tolist() == [1.0]
-    assert np.unique(np.sign(both[:, reversal])).tolist() == [-1.0, 1.0]
-    noise = float(np.hypot(0.5e-6, case.errors.names["EXX"].rest))
-    curve = case.errors.names["EXX"].columns
-    expected = case.errors.names["EXX"].basis.rows(case.lattice.poses[:, 0]) / noise
-    assert np.abs(plus_x[:, curve]) == pytest.approx(np.abs(expected), abs=1e-6 / noise)
 
 
 def test_lengths_are_shown_in_micrometres_and_turns_in_microradians() -> None:

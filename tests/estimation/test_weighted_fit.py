@@ -11,10 +11,9 @@ import axiscal as ac
 from axiscal.errors.volume import volume_moments, whole_travel
 from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import path
 from axiscal.estimation.intervals import Fitted
-from axiscal.estimation.promise.agreement import NOTHING_READ
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
@@ -62,25 +61,6 @@ def test_the_history_ends_where_the_estimate_does() -> None:
     assert moments[5].accuracy.rms == pytest.approx(moments[4].accuracy.rms, rel=1e-9)
     assert moments[-1].accuracy == known.accuracy
     assert moments[-1].seconds == pytest.approx(known.timed.seconds)
-
-
-def test_nothing_read_is_the_prior() -> None:
-    case = mixed()
-    for known in (estimated(case, ()), concluded(case, ())):
-        assert (known.readings, known.outliers, known.posterior) == ((), (), None)
-        assert known.agreement == NOTHING_READ
-        np.testing.assert_array_equal(known.knowledge.belief.covariance, case.prior.covariance)
-        assert known.accuracy == case.yardstick.measure(case.prior)
-
-
-def test_the_end_says_what_was_known_before_it() -> None:
-    case = mixed()
-    readings = drawn(case, 16)
-    readings[9] = replace(readings[9], value=readings[9].value + 200e-6)
-    known = estimated(case, readings)
-    assert concluded(case, readings, known) is known
-    assert concluded(case, readings).accuracy == known.accuracy
-    assert [doubt.reading for doubt in known.outliers] == [9]
 
 
 NOISE, REST = 0.3e-6, 0.3e-6

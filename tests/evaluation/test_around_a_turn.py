@@ -62,13 +62,6 @@ def test_g_is_no_smaller_than_that_of_the_two_circles_of_least_separation() -> N
         assert least - 1e-6 <= found <= 1.25 * least
 
 
-def test_a_constant_and_a_turn_of_the_start_change_no_width() -> None:
-    radial = 1e-6 * np.random.default_rng(2).standard_normal(72)
-    one = circular(_circle(radial)).figures["G_plus"]
-    assert circular(_circle(radial + 5e-6)).figures["G_plus"] == pytest.approx(one)
-    assert circular(_circle(radial, angles=AROUND + 0.7)).figures["G_plus"] == pytest.approx(one)
-
-
 def test_half_a_circle_is_refused() -> None:
     with pytest.raises(EvaluationError, match="do not go all around"):
         circular(CircularTest(AROUND[:36], np.zeros(36), np.ones(36)))

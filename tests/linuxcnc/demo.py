@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
@@ -24,7 +24,6 @@ import numpy as np
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Milestone
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.document.durable import write_whole
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
@@ -33,8 +32,6 @@ from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.present.delivery import write_files
-from axiscal.present.drawing.strokes import on_paper
-from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, line_trace, picture
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
@@ -203,29 +200,6 @@ def _whole(loop: Loop) -> str:
     return f"  with the realtime component         {after:6.2f} um   (expected {expected:.2f} um)"
 
 
-def drawn(loops: Mapping[str, Loop]) -> str:
-    """Return a picture of all machines: bars as found, with tables and with the component, and what was expected."""
-    bars, expected = list[Figure](), list[Figure]()
-    top = 1.1 * max(to_unit(loop.before, "um") for loop in loops.values())
-    for place, loop in enumerate(loops.values(), 1):
-        whole = (loop.whole.after, loop.whole.expected) if loop.whole else (0.0, 0.0)
-        shown = ((loop.before, None), (loop.after, loop.expected), whole)
-        for i, ((height, foretold), colour) in enumerate(zip(shown, _COLOURS, strict=True)):
-            side = [place - 0.36 + 0.25 * i, place - 0.14 + 0.25 * i]
-            half = to_unit(height, "um") / 2
-            bars.append(band(side, [half] * 2, [half] * 2, colour))
-            if foretold:
-                expected.append(line_trace(side, [to_unit(foretold, "um")] * 2, "var(--ink)", 1.5))
-    names = ", ".join(f"{place} {name}" for place, name in enumerate(loops, 1))
-    x = axis_style(f"{names}: as found, with tables, with the component", range=[0.5, len(loops) + 0.5], dtick=1)
-    y = axis_style("RMS deviation of the tool (um); line: expected", range=[0.0, top])
-    drawing = {"data": [*bars, *expected], "layout": layout(x, y, 320)}
-    return on_paper(picture(drawing, 760, "RMS deviation of the tool on every machine"))
-
-
-_COLOURS = ("var(--soft)", "var(--truth)", "var(--accent)")
-
-
 def _timed(name: str, folder: Path) -> tuple[Loop, float]:
     """Return what a loop came to, and its seconds; raises AxiscalError that goes from one process to another."""
     begun = time.monotonic()
@@ -251,12 +225,11 @@ def main(arguments: list[str]) -> int:
             except BaseException:
                 pool.shutdown(cancel_futures=True)
                 raise
-        write_whole(folder / "loops.svg", drawn(loops).encode())
     except (AxiscalError, OSError) as failure:
         sys.stderr.write(f"{failure}\n")
         return 1
     _say("The realtime component was never run on real drives or on a realtime kernel, and it is no safety function.")
-    _say(f"Records, tables, notes and the picture loops.svg: {folder}")
+    _say(f"Records, tables and notes: {folder}")
     return 0
 
 

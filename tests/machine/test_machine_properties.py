@@ -83,17 +83,6 @@ def test_a_damaged_file_is_a_machine_or_a_failure_of_ours(text: str) -> None:
     assert message.replace("\n- ", " ").replace("\nAnd ", " ").isprintable()
 
 
-@given(st.text(max_size=200))
-def test_any_text_is_a_machine_or_a_failure_of_ours(text: str) -> None:
-    try:
-        machine_from_text(text)
-    except AxiscalError as failure:
-        message = str(failure)
-    else:
-        message = "right"
-    assert message.replace("\n- ", " ").replace("\nAnd ", " ").isprintable()
-
-
 keys = st.text(min_size=1, max_size=5)
 values = st.recursive(
     st.integers(-9, 9) | st.booleans() | st.text(max_size=5),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from axiscal.numerics import Array
-from axiscal.numerics.bernstein import Forms, Patches, bernstein, largest_ratio, misfit, patches
+from axiscal.numerics.bernstein import Forms, Patches, largest_ratio, misfit, patches
 
 
 def _forms(seed: int, degree: int = 6) -> Forms:
@@ -106,11 +106,3 @@ def test_a_coordinate_of_one_value_has_degree_nought() -> None:
     found = largest_ratio(patches(forms, low, high, (0, 2)))
     assert found.lower == pytest.approx(3.0, rel=1e-5)
     np.testing.assert_allclose(found.place, [1.0, 0.25], atol=2e-3)
-
-
-def test_bernstein_polynomials_sum_to_one_and_hold_lines() -> None:
-    t = np.linspace(0, 1, 11)
-    for degree in (1, 3, 4):
-        basis = bernstein(degree, t)
-        np.testing.assert_allclose(basis.sum(axis=1), 1.0)
-        np.testing.assert_allclose(basis @ np.linspace(2.0, 5.0, degree + 1), 2 + 3 * t)

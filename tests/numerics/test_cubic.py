@@ -23,7 +23,7 @@ from axiscal.numerics.cubic import (
     quadrature,
     spacing_limit,
 )
-from tests.generators.splines import bending, power_maps
+from tests.generators.splines import bending
 
 mpmath = pytest.importorskip("mpmath")  # untyped: Any
 GOLDEN = Path(__file__).resolve().parents[1] / "golden"
@@ -139,18 +139,6 @@ def test_rows_and_moments_agree_with_fifty_digits(kind: type[NaturalSpline | Cyc
         np.testing.assert_allclose(found / np.outer(scale, scale), expected / np.outer(scale, scale), atol=1e-12)
 
 
-@pytest.mark.parametrize("kind", [NaturalSpline, CyclicSpline])
-def test_rows_equal_the_power_form_of_the_paper(kind: type[NaturalSpline | CyclicSpline]) -> None:
-    """B&H eq. 19: δ_i + M1 u + M2 u² + M3 u³."""
-    spline = kind(uneven_knots(6, 1, 1.0))
-    t = positions(spline.knots, 2)
-    i = np.searchsorted(spline.knots, t, side="right") - 1
-    u = (t - spline.knots[i])[:, None]
-    b, c, d = (matrix[i] for matrix in power_maps(spline))
-    rows = np.eye(spline.size)[i] + u * (b + u * (c + u * d))
-    np.testing.assert_allclose(spline.rows(t), rows, atol=1e-12)
-
-
 def test_natural_spline_agrees_with_the_published_example() -> None:
     """1/(1 + x²) on six knots: Young & Gregory, A Survey of Numerical Mathematics, vol. 1, 6.8 (numbers as in GSL)."""
     case = json.loads((GOLDEN / "spline_natural_6knots.json").read_text(encoding="utf-8"))
@@ -161,10 +149,6 @@ def test_natural_spline_agrees_with_the_published_example() -> None:
     integral = [np.append(np.array(case["knots_t"])[np.array(case["knots_t"]) < t], t) for t in case["t"][1:]]
     found = [weight @ (spline.rows(node) @ values) for node, weight in (quadrature(NaturalSpline(k)) for k in integral)]
     np.testing.assert_allclose(found, case["integral_from_first_t"][1:], atol=tolerance)
-
-
-def test_first_figure_of_the_method() -> None:
-    assert np.trace(NaturalSpline(even_knots(0, 10, 7)).gram()) == pytest.approx(8.435996, abs=5e-7)
 
 
 def test_two_knots_make_a_straight_line() -> None:

@@ -149,11 +149,3 @@ def test_a_triangle_over_rows_is_a_root_of_both(size: int, count: int) -> None:
     found = triangle_over(own, below)
     assert np.array_equal(found, np.triu(found))
     assert found.T @ found == pytest.approx(np.diag(own**2) + below.T @ below, rel=1e-12, abs=1e-12)
-
-
-def test_an_update_leaves_its_input_alone() -> None:
-    root, mean = gaussian.root_of(covariance(5, 5, 0.0, 2)), np.ones(5)
-    copy = root.copy()
-    one_by_one(root, mean, np.arange(5.0)[None], np.ones(1), np.array([0.1]))
-    assert np.array_equal(root, copy)
-    assert np.array_equal(mean, np.ones(5))

@@ -116,15 +116,6 @@ def test_any_text_makes_a_certificate_that_parses() -> None:
     assert "alert(1)" in "".join(ET.fromstring(text).itertext())
 
 
-def test_the_csv_file_holds_what_the_summary_holds() -> None:
-    summary = five_axis_summary(12)
-    rows = list(csv.DictReader(io.StringIO(readings_csv(summary).decode())))
-    assert [row["reading"] for row in rows] == [str(n) for n in range(1, 13)]
-    assert [float(row["value_um"]) for row in rows] == pytest.approx(
-        [each.value_um for each in summary.history[1:]], rel=1e-5
-    )
-
-
 def test_all_numbers_of_a_reading_are_in_its_row() -> None:
     summary = five_axis_summary(3)
     last = replace(summary.history[-1], others=(0.25, -3.5), columns=["value_x_um", "value_y_um", "value_z_um"])

@@ -15,7 +15,6 @@ from axiscal.measurement.reading import Reading
 from axiscal.present.sentences import left_out_words
 from axiscal.present.summarising import iso230_blocks
 from axiscal.present.volume_error import volume_error
-from axiscal.tables.surface import Control
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 
@@ -49,14 +48,6 @@ def test_the_error_of_the_volume_is_that_of_the_estimate() -> None:
     np.testing.assert_allclose(found.mean(axis=0), 0, atol=1e-9)
     assert np.all(half > 0)
     assert volume.left_um == ()
-
-
-def test_tables_that_do_nothing_leave_what_was_found() -> None:
-    case = mixed()
-    known = concluded(case, drawn(case))
-    idle: Control = lambda poses, approaches: np.zeros_like(poses)  # noqa: E731
-    volume = volume_error(known, idle)
-    np.testing.assert_allclose(volume.left_um, volume.found_um, atol=1e-9)
 
 
 def _test_readings(skip: int | None = None) -> tuple[list[Reading], PositioningTest]:

@@ -52,12 +52,6 @@ def test_a_block_that_was_pasted_again_elsewhere_is_found() -> None:
     assert (found.before, found.again, found.size) == (5, 14, 5)
 
 
-def test_a_display_that_froze_is_found() -> None:
-    readings = taken(3, 24, 2)
-    frozen = [Reading("laser", each.pose, (1,), readings[9].value) for each in readings[10:]]
-    assert repeated([*readings[:10], *frozen], NOISE) is not None
-
-
 def test_readings_of_three_numbers_are_compared_whole() -> None:
     rng = np.random.default_rng(4)
     rows = np.round(rng.normal(0, 8, (12, 3)), 1) * 1e-6
@@ -77,11 +71,6 @@ def test_right_files_are_not_taken_for_copies(decimals: int, noise: float) -> No
 def test_of_a_display_coarser_than_the_noise_nothing_is_said() -> None:
     once = taken(5, 20, 0, 0.3e-6)
     assert repeated([*once, *once], 0.3e-6) is None
-
-
-def test_no_reading_and_one_reading_are_no_copies() -> None:
-    assert repeated([], NOISE) is None
-    assert repeated(taken(6, 1, 2), NOISE) is None
 
 
 def test_each_set_up_is_looked_at_by_itself() -> None:

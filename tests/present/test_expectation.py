@@ -46,14 +46,6 @@ def test_it_is_what_the_readings_so_far_say_of_the_place() -> None:
     assert found.std[0] == pytest.approx(np.sqrt(joint[3, 3] - weights @ joint[:3, 3]), rel=1e-6)
 
 
-def test_where_a_reading_was_taken_the_rest_of_the_cell_is_not_new() -> None:
-    axis = case()
-    reading = Reading("dial", (0.5,), (0,), 3e-6)
-    again = expectation(estimated(axis, [reading] * 50), reading.place)
-    assert again.mean[0] == pytest.approx(3e-6, abs=0.05e-6)
-    assert again.std[0] == pytest.approx(1e-6, rel=0.02)  # the noise alone: curve, rest and zero are in the mean
-
-
 def test_a_place_that_was_read_before_is_said_with_its_number(tmp_path: Path) -> None:
     described = campaign_from_texts(FOUR_READINGS, "campaign.toml", load_machine("one-axis").text, "one-axis")
     with Campaign.create(tmp_path / "mill.axiscal", described) as campaign:

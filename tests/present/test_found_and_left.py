@@ -169,21 +169,3 @@ def test_words_are_inside_and_none_lies_over_another(name: str, width: float) ->
     covered = boxes_of(drawing)
     held_inside(covered, width, float(drawing.get("height", "0")))
     assert {"27 µm", "5.0 µm", "found"} <= {words for words, _ in covered}
-
-
-@pytest.mark.parametrize("width", [1110.0, 700.0, 360.0])
-def test_the_whole_body_of_one_axis_is_in_the_picture(width: float) -> None:
-    body = ElementTree.fromstring(f"<g>{found_and_left_drawing(_volume(load_machine('one-axis')), width).body}</g>")
-    for panel in body.findall("svg"):
-        left, top, wide, high = (float(each) for each in panel.get("viewBox", "").split())
-        faces = [path.get("d", "") for path in panel.iter("path") if path.get("fill", "").startswith("var(--bed")]
-        corners = np.array([pair.split() for d in faces for pair in d[1:-1].split("L")], dtype=float)
-        assert len(corners) >= 4
-        assert np.all(corners >= [left, top])
-        assert np.all(corners <= [left + wide, top + high])
-
-
-def test_without_tables_there_is_one_panel() -> None:
-    volume = replace(_volume(load_machine("three-axis-mill")), left=None)
-    drawing = ElementTree.fromstring(found_and_left(volume, 1110.0))
-    assert len(drawing.findall("svg")) == 1

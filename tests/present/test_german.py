@@ -14,9 +14,8 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import DescriptionError, InputError
-from axiscal.language.spoken import Said, resaid, speaking
+from axiscal.language.spoken import Said, speaking
 from axiscal.present.rendering import filled, render
-from axiscal.present.result_document import result_json
 from axiscal.present.summarising import Extras, summarise
 from axiscal.present.summary import Summary
 from tests.docs.languages import SOURCES
@@ -69,13 +68,6 @@ def test_numbers_have_a_comma(summary: Summary) -> None:
     assert re.search(r"±[0-9]+,[0-9]+", shown)
     assert "\u00a0µm ±" not in shown  # the word um is no unit
     assert re.findall(r"[^\"0-9][0-9]+\.[0-9]+[ \u00a0]?[µm]", shown) == []
-
-
-def test_results_stay_english_whoever_asks(summary: Summary) -> None:
-    usual = result_json(summary)
-    with speaking("de"):
-        assert resaid(summary).agreement_words != summary.agreement_words
-        assert result_json(summary) == usual
 
 
 @pytest.mark.parametrize("name", ["report.html", "panels.html"])

@@ -23,8 +23,6 @@ from axiscal.present.drawn_by_standards import (
     division,
     positioning_curves,
 )
-from axiscal.present.rendering import positioning_figure
-from axiscal.tables.surface import Control
 from tests.generators.kinematics import tip
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 from tests.generators.texts import campaign_text, setup_text
@@ -65,16 +63,6 @@ def test_positioning_is_that_of_the_estimate_from_both_sides() -> None:
         np.testing.assert_allclose(found, 1e6 * (own - mean), atol=1e-6)
     assert curve.left is None
     assert min(min(half) for half in curve.half) > 0
-
-
-def test_tables_that_do_nothing_leave_the_positioning_that_was_found() -> None:
-    case, readings = _laser()
-    idle: Control = _idle
-    (curve,) = positioning_curves(concluded(case, readings), idle)
-    assert curve.left is not None
-    np.testing.assert_allclose(curve.left, curve.found, atol=1e-9)
-    lines = [trace for trace in positioning_figure(curve)["data"] if "line" in trace]
-    assert [line["line"]["dash"] for line in lines] == ["solid", "dash", "solid", "dash"]
 
 
 def test_a_circle_shows_the_readings_without_their_centre() -> None:
@@ -149,8 +137,3 @@ def test_the_points_that_are_kept_are_those_of_douglas_and_peucker(seed: int) ->
         points += points[::-1]  # there and back: it ends where it began
     kept = sorted({0, len(points) - 1} | _kept(points, 0, len(points) - 1))
     assert simplified(points) == [points[i] for i in kept]
-
-
-def test_two_points_are_a_line_and_none_is_nothing() -> None:
-    assert simplified([(0.0, 0.0), (1.0, 2.0)]) == [(0.0, 0.0), (1.0, 2.0)]
-    assert simplified([]) == []

@@ -23,11 +23,9 @@ from axiscal.present.drawing.scene import (
     Arrow,
     RoundMark,
     Solid,
-    Stroke,
     box,
     cylinder,
     far_to_near,
-    flat,
 )
 from axiscal.present.machine_drawing.instruments import DRAWN
 from axiscal.present.machine_drawing.machine_scene import machine_parts, reach_edges
@@ -310,26 +308,3 @@ def test_a_name_stays_a_name(campaigns: list[tuple[str, CampaignDescription]]) -
     text = plan_picture(hostile, campaigns[0][1], _places(campaigns[0][1])[:3])
     assert hostile not in text
     assert ElementTree.fromstring(text).findtext(f"{SVG}title") == hostile
-
-
-def test_a_line_on_the_table_moves_with_it() -> None:
-    """Two drawings of one mill differ for the table by what its axes differ, and not at all for the column."""
-    machine = load_machine("three-axis-mill")
-    one, other = (StandingMachine(machine, np.array(pose)) for pose in ([0.1, 0.1, 0.1], [0.3, 0.25, 0.1]))
-    for a, b in zip(reach_edges(one), reach_edges(other), strict=True):
-        assert isinstance(a, Stroke)
-        np.testing.assert_allclose(b.points - a.points, np.tile([-0.2, -0.15, 0.0], (2, 1)), atol=1e-12)
-    bed = [_lowest([part for part in machine_parts(room) if isinstance(part, Solid)]) for room in (one, other)]
-    np.testing.assert_allclose(bed[0], bed[1], atol=1e-12)
-
-
-def _lowest(solids: list[Solid]) -> Array:
-    return min((solid.points for solid in solids), key=lambda points: float(points[:, 2].min()))
-
-
-def test_what_lies_to_the_right_is_drawn_to_the_right_and_what_is_higher_is_drawn_higher() -> None:
-    origin, right, high = flat(np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 1]]))
-    assert right[0] > origin[0]
-    assert high[1] < origin[1]
-    assert high[0] == pytest.approx(origin[0], abs=1e-12)
-    np.testing.assert_allclose([RIGHT @ UP, RIGHT @ EYE, UP @ EYE], 0, atol=1e-12)

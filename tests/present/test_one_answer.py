@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -20,7 +19,7 @@ from axiscal.cli.outputs import standing_screen
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
 from axiscal.present import summarising
-from axiscal.present.guide.progress import Progress, others_doubted
+from axiscal.present.guide.progress import Progress
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.summarising import Extras, summarise
 from axiscal.web.desk import Desk
@@ -150,23 +149,3 @@ def test_every_surface_says_the_same(name: str, tmp_path: Path, capsys: pytest.C
         paper = of_paper(out / "report.pdf")
         assert report.first in paper
         assert plain("".join(cell for line in report.cells for cell in line)) in paper
-
-
-def test_a_reading_that_is_not_used_is_as_far_away_on_the_screen_as_in_the_report(tmp_path: Path) -> None:
-    taken = read(machine(2), 24)
-    wrong = replace(taken[-1], value=taken[-1].value + 20e-6)
-    with Campaign.create(tmp_path / "c.axiscal", campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m")) as campaign:
-        campaign.adopt((*taken[:-1], wrong))
-        minds = others_doubted(campaign, frozenset())
-        summary = summarise(campaign, campaign.so_far(), Extras())
-        row = summary.history[-1]
-        assert row.surprise is not None
-        away = f"{abs(row.surprise):.1f} standard deviations from what the other readings say"
-        assert row.reason == away
-        texts = [*minds, *(each.text for each in summary.warnings if each.code == "outlier")]
-        assert len(texts) == 2
-        assert all(away in text and "--accept" in text for text in texts)
-        campaign.finish()
-        ended = summarise(campaign, campaign.so_far(), Extras())
-        (text,) = [each.text for each in ended.warnings if each.code == "outlier"]
-        assert "no figure and no table uses it. `axiscal step undo` takes the end back" in text

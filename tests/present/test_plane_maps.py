@@ -83,15 +83,3 @@ def test_the_report_shows_the_plane_its_band_and_what_no_sum_holds(folder: Path)
     assert page.count("data:image/png") >= 6  # three maps, each with the bar of its colours
     assert "of the 3 errors that are described" in page
     assert all(f"<td>{name}</td>" in page for name in ("EZX", "EZY", "EZXY"))
-
-
-def test_a_plane_that_nobody_describes_is_found(folder: Path, tmp_path: Path) -> None:
-    """The same readings where the machine states two curves only: two axes that move together usually have one."""
-    (tmp_path / "machine.toml").write_text("\n".join(line for line in MACHINE.splitlines() if "EZXY" not in line))
-    (tmp_path / "campaign.toml").write_text(CAMPAIGN.replace(BARE, ""))
-    readings = folder.parent / "readings.csv"
-    assert run(["estimate", str(tmp_path / "campaign.toml"), str(readings), "--out", str(tmp_path / "out")]) == 0
-    result = json.loads((tmp_path / "out" / "result.json").read_text())
-    plane = result["plane_errors"]["EZXY"]
-    assert plane["mean"][-1][-1] == pytest.approx(-40, abs=6)
-    assert any("EZXY, what two axes do together" in each["text"] for each in result["warnings"])

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
-from axiscal.present.findings import regular_places, step_between
+from axiscal.present.findings import regular_places
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
 DESCRIBED = campaign_from_texts(
@@ -51,13 +48,3 @@ def test_the_places_that_are_asked_for_end_it() -> None:
     assert len(odd) == 3
     assert all(0 < at < 1000 and at % 100 != 0 for at in odd)
     assert said_of([*range(0, 1001, 100), *odd]) == []
-
-
-@given(st.integers(1, 50_000), st.lists(st.integers(0, 40), min_size=5, max_size=30, unique=True))
-def test_a_sine_of_the_step_looks_like_none(step: int, counts: list[int]) -> None:
-    """Whatever step is found, a sine of its period is one value at all places."""
-    places = np.sort(np.array(counts)) * step
-    found = step_between(places)
-    if found:
-        assert np.ptp(np.cos(2 * np.pi * (places - places[0]) / found)) < 1e-6
-        assert found % step == 0

@@ -77,18 +77,7 @@ def test_where_an_axis_stood_is_written_to_far_below_a_nanometre() -> None:
         result_json(replace(SUMMARY, history=[replace(SUMMARY.history[1], position={"X": float("nan")})]))
 
 
-def test_same_summary_same_bytes_whatever_the_order_of_versions() -> None:
-    other = replace(SUMMARY, versions=dict(reversed(list(SUMMARY.versions.items()))))
-    assert json.dumps(result_json(SUMMARY)) == json.dumps(result_json(other))
-
-
 @given(st.sampled_from(["minutes", "rms_um", "worst_um", "unseen_rms_um"]), st.sampled_from(["nan", "inf", "-inf"]))
 def test_what_is_not_a_number_never_leaves(field: str, value: str) -> None:
     with pytest.raises(SummaryError, match=field):
         result_json(replace(SUMMARY, **{field: float(value)}))  # type: ignore[arg-type]
-
-
-@given(st.floats(allow_nan=False, allow_infinity=False, min_value=-1e300, max_value=1e300))
-def test_rounding_moves_no_number_by_more_than_half_its_sixth_digit(value: float) -> None:
-    written = result_json(replace(SUMMARY, rms_um=value))["rms_um"]
-    assert abs(written - value) <= 5.0001e-6 * abs(value) + 1e-310

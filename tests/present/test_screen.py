@@ -113,21 +113,6 @@ def test_the_first_line_says_what_became_of_the_target(verdict: Verdict, aims: l
     assert _screen(answer(verdict=verdict, rows=[POSITIONING], aims=aims)).startswith(begins)
 
 
-def test_a_row_that_is_missing_is_named_in_the_language_that_is_spoken() -> None:
-    missing = answer(verdict="more", aims=[aim("straightness X in Y", 4, 1, 0), aim("centre of C", 1, 2, 0)])
-    with speaking("de"):
-        assert "1 von 2 Grenzen: Geradheit X in Y 4,0 von 1 um" in _screen(missing)
-
-
-def test_a_row_says_found_known_and_left() -> None:
-    figures = {"found": 10.23, "known_to": 4.87, "limit": 5.0, "reached": True, "left": {"linuxcnc": 0.6123}}
-    found = answer(rows=[POSITIONING.model_copy(update=figures)])
-    text = _screen(found)
-    assert re.search(r"positioning X +10 um +± 4\.87 of 5 um +0\.61 um", text)
-    with speaking("de"):
-        assert re.search(r"Positionierung X +10 um +± 4,87 von 5 um", _screen(found))
-
-
 LINE = AnswerLine(
     setup="laser", axis="X", ends=(0, 900), at={"Y": 200.0, "Z": 100.0}, places={"+": 9, "-": 9, "both": 9}
 )
@@ -157,15 +142,6 @@ def test_what_is_not_measured_is_named_with_its_reason() -> None:
     assert "yaw X (4 places read tell too little: ± 130 urad)" in _screen(answer(rows=[far]))
 
 
-@pytest.mark.parametrize(("language", "more"), [("en", r" and (\d+) more\."), ("de", r" und (\d+) weitere\.")])
-def test_of_much_that_is_not_measured_the_rest_is_counted(language: str, more: str) -> None:
-    rows = [answer_row(row, MILL, measured=False) for row in rows_of(MILL)]
-    with speaking(language):
-        text = _screen(answer(rows=rows))
-    assert 0 < int(re.findall(more, " ".join(text.split()))[0]) < len(rows)
-    assert "…" not in text
-
-
 def test_before_the_first_reading_nothing_is_measured(tmp_path: Path, command: Command) -> None:
     record = tmp_path / "axis.axiscal"
     Campaign.create(record, CASE.description).close()
@@ -173,12 +149,6 @@ def test_before_the_first_reading_nothing_is_measured(tmp_path: Path, command: C
     assert text.startswith("NO READINGS YET volume RMS 12 of 3 um 0 readings")
     assert "Not measured: positioning X (not read), scale X (not read), backlash X (not read), volume" in text
     assert f"axiscal measure {record}" in text
-
-
-def test_readings_that_are_left_out_are_named() -> None:
-    found = answer(rows=[POSITIONING], readings=16, left_out=1, compared=15, agreeing=14)
-    assert f"{UNUSED}." in " ".join(_screen(found).split())
-    assert "Readings agree: 14 of 15." in _screen(found.model_copy(update={"left_out": 0}))
 
 
 def test_a_check_of_the_tables_says_found_left_and_its_verdict() -> None:
@@ -239,12 +209,3 @@ def test_a_zero_that_jumped_is_said_while_measuring(tmp_path: Path) -> None:
     assert said.startswith("The readings contradict each other (p = ")
     number = said.partition('the zero of "laser" jumped before reading ')[2].partition(" ")[0]
     assert 8 <= int(number) <= 10  # the first after it may be taken for bad readings
-
-
-def test_nothing_is_said_of_a_campaign_that_has_ended(tmp_path: Path) -> None:
-    with Campaign.create(tmp_path / "ended.axiscal", NARROW) as campaign:
-        campaign.adopt(tuple(plus(read(machine(2), 24), JUMPED)))
-        campaign.finish("no more time")
-        assert contradictions(campaign) == []
-        campaign.undo()
-        assert len(contradictions(campaign)) == 1

@@ -140,16 +140,6 @@ def test_that_it_goes_on_is_said_of_these_readings_alone(drawn: list[Event]) -> 
     assert fold(stored(events)).continued == (last.basis if isinstance(last, Continued) else None)
 
 
-@given(st.lists(recorded | asked, max_size=20))
-def test_readings_are_those_recorded(drawn: list[Event]) -> None:
-    state = fold(stored([CREATED, *drawn]))
-    values = [each.reading.value for each in drawn if isinstance(each, Recorded)]
-    assert [reading.value for reading in state.readings] == values
-    assert state.last == len(drawn) + 1
-    last = drawn[-1] if drawn else None
-    assert state.pending == (last if isinstance(last, Asked) else None)
-
-
 @given(event)
 def test_an_event_survives_the_record(each: Event) -> None:
     kind, text = encode(each)
@@ -207,19 +197,6 @@ def test_what_is_behind_sees_readings_without_the_mistake(mistake: Accepted, exp
     assert [(each.setup, each.name) for each in state.mounted] == [("laser", name) for name in [mistake.name] if name]
 
 
-def test_swapped_set_ups_exchange_their_values_in_order() -> None:
-    events = [CREATED, *taken("laser", 1.0, 2.0), *taken("bar", 5.0, 6.0), Accepted("swapped", ("laser", "bar"))]
-    assert [(each.setup, each.value) for each in fold(stored(events)).readings] == [
-        ("laser", 5.0), ("laser", 6.0), ("bar", 1.0), ("bar", 2.0),
-    ]  # fmt: skip
-
-
-def test_what_is_asked_stays_asked_when_a_mistake_is_accepted_and_taken_back() -> None:
-    events = [CREATED, *taken("laser", 1.0), QUESTION, Accepted("sign", ("laser",), factor=-1.0)]
-    assert fold(stored(events)).pending == QUESTION
-    assert (fold(stored([*events, Undone(4)])).pending, fold(stored([*events, Undone(4)])).plan) == (QUESTION, ())
-
-
 @pytest.mark.parametrize(
     "text",
     [
@@ -273,12 +250,6 @@ def test_an_impossible_order_is_refused(events: list[Event]) -> None:
         fold(stored(events))
 
 
-def test_a_skipped_question_is_kept_with_its_reason() -> None:
-    state = fold(stored([CREATED, QUESTION, Skipped("the beam is blocked")]))
-    assert [(gap.asked, gap.reason) for gap in state.skipped] == [(QUESTION, "the beam is blocked")]
-    assert state.pending is None
-
-
 def test_a_set_up_that_is_left_takes_its_readings_out_of_the_plan_and_taken_back_leaves_none_to_go_on_from() -> None:
     other = Place("bar", (0.0,), (1,))
     events: list[Event] = [
@@ -302,14 +273,6 @@ def test_a_note_changes_nothing_else_and_may_come_after_the_end() -> None:
     state = fold(stored(events))
     assert state.notes == (Note("21 degC", "", 0), Note("new ball screw X", "", 1))
     assert (len(state.readings), state.finished, decode(*encode(events[2]))) == (1, "done", events[2])
-
-
-def test_taking_back_an_answer_opens_its_question_again() -> None:
-    assert fold(stored([CREATED, QUESTION, VALUE, Undone(3)])).pending == QUESTION
-
-
-def test_nothing_has_happened_at_first() -> None:
-    assert fold([]) == State()
 
 
 PLACE = Place("laser", (0.0,), (1,))

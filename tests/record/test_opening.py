@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import product
 from pathlib import Path
 
 import pytest
@@ -11,7 +10,6 @@ import pytest
 from axiscal.exceptions import RecordError
 from axiscal.record import copies
 from axiscal.record.copies import carried_text, file_name, gathered, is_store, is_stored, opened_log, records_of
-from axiscal.record.log import shared_events
 
 THERE = [Path("store:one"), Path("store:two")]
 
@@ -68,10 +66,3 @@ def test_what_a_type_has_taught_is_carried_as_it_is_and_all_else_is_a_record(tmp
             carried_text(file)
     with pytest.raises(RecordError):
         carried_text(tmp_path / "nowhere")
-
-
-def test_two_logs_share_the_events_before_the_first_that_differs() -> None:
-    for one, other, alike in product(range(5), repeat=3):
-        first, second = ([str(n) if n < alike else f"{who} {n}" for n in range(count)]
-                         for who, count in (("mine", one), ("theirs", other)))  # fmt: skip
-        assert shared_events(first, second) == min(one, other, alike)

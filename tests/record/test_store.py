@@ -5,7 +5,6 @@ from __future__ import annotations
 import fcntl
 import os
 import re
-import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -51,13 +50,6 @@ def record(path: Path) -> Iterator[Record]:
         yield opened
 
 
-def test_a_new_record_holds_its_inputs_and_nothing_else_lies_beside_it(record: Record) -> None:
-    record.close()
-    with Record.open(record.path) as again:
-        assert again.state().created == CREATED
-    assert [file.name for file in record.path.parent.iterdir()] == ["trial.axiscal"]
-
-
 def test_a_record_is_never_overwritten(record: Record) -> None:
     record.append(recorded(1e-6))
     with pytest.raises(RecordError, match="exists already"):
@@ -85,17 +77,6 @@ def test_a_file_that_is_no_record_is_refused(path: Path, content: bytes) -> None
     with pytest.raises(RecordError, match="not a campaign record"):
         Record.open(path)
     assert path.read_bytes() == content
-
-
-def test_another_programs_database_is_refused_and_not_touched(path: Path) -> None:
-    foreign = sqlite3.connect(path)
-    foreign.execute("CREATE TABLE events (id INTEGER)")
-    foreign.commit()
-    foreign.close()
-    before = path.read_bytes()
-    with pytest.raises(RecordError, match="not a campaign record"):
-        Record.open(path)
-    assert path.read_bytes() == before
 
 
 def test_a_newer_record_is_refused(record: Record) -> None:
@@ -260,8 +241,3 @@ def test_a_copy_takes_the_place_of_nothing_else(record: Record, tmp_path: Path) 
         with pytest.raises(RecordError, match=why):
             write_copy(record, tmp_path / name)
         assert (tmp_path / name).read_bytes() == before
-
-
-def test_a_record_is_named_by_text_or_path(record: Record) -> None:
-    with Record.open(str(record.path)) as again:
-        assert again.path == record.path

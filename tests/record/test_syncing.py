@@ -136,17 +136,6 @@ def test_a_campaign_that_is_called_by_the_id_of_another_is_not_taken_for_it(shop
     assert (shop.synced("one").case, shop.synced("one").campaign) == ("same", new.campaign)
 
 
-def test_times_and_letters_come_back_as_they_were(shop: Shop) -> None:
-    shop.went_on("one", "µ \x00 \n '\" \\ ☃")
-    shop.copied("two")
-    shop.went_on("one", "more")
-    shop.synced("one")
-    shop.synced("two")
-    assert [(text.row.at, text.row.payload) for text in shop.texts("two")] == [
-        (text.row.at, text.row.payload) for text in shop.texts("one")
-    ]
-
-
 @settings(max_examples=settings().max_examples // 3, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     steps=st.lists(st.tuples(st.sampled_from(["one", "two", "three"]), st.booleans(), st.integers(0, 3)), max_size=14)

@@ -167,7 +167,7 @@ def _status(work: Callable[[], int], sources: Path, seconds: float) -> int:
 
 @cache
 def files_of_tests(path: Path) -> tuple[str, ...]:
-    """Return the files of tests for a changed module: those of its room, and those that name it.
+    """Return the files of tests for a changed module: those of its room, those that name it, and rows of refusals.
 
     Tests of whole commands, pages and docs are left out. `covering` leaves out long ones, which `make test` does not
     run either, and what starts a LinuxCNC or a browser.
@@ -180,6 +180,7 @@ def files_of_tests(path: Path) -> tuple[str, ...]:
         str(test.relative_to(HOUSE))
         for test in sorted((HOUSE / "tests").rglob("test_*.py"))
         if own in test.parents
+        or _room_of(str(test.relative_to(HOUSE))) == "refusals"
         or (
             _room_of(str(test.relative_to(HOUSE))) not in _APART
             and (test.name == f"test_{path.stem}.py" or _says(test, naming))

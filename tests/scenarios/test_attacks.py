@@ -2,32 +2,18 @@
 
 from __future__ import annotations
 
-from datetime import date
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy import stats
 
 from benchmarks.trust import attack_table
-from benchmarks.trust.__main__ import renewed, stamp
-from benchmarks.trust.attack_table import FIRST, Outcomes, Trial, attack_rows, attacked, goal_lines, limits
+from benchmarks.trust.attack_table import attacked
 from benchmarks.trust.attacks import ATTACKS, Outcome, outcome
 from benchmarks.trust.benches import PLACES
-from benchmarks.trust.sources import ROOT, version
 
 BY_WORDS = {attack.words: attack for attack in ATTACKS}
-
-
-def filled(machines: int, ratio: float = 1.0, withheld: int = 0) -> Outcomes:
-    """Return outcomes of so many machines in every cell.  withheld : of how many of them nothing is promised"""
-    return {
-        Trial(number, places, FIRST + index): Outcome(ratio, 0.95, index < withheld)
-        for index in range(machines)
-        for number in range(len(ATTACKS))
-        for places in PLACES
-    }
 
 
 def test_there_are_at_least_sixteen_ways_of_being_wrong() -> None:
@@ -66,30 +52,6 @@ def test_what_no_reading_shows_counts_where_lengths_are_attacked() -> None:
     assert off.ratio > known.ratio
 
 
-def test_a_row_has_a_cell_for_each_choice_of_places() -> None:
-    rows = list(attack_rows(filled(4, ratio=2.0, withheld=1), 4))
-    assert len(rows) == len(ATTACKS)
-    assert all(row.count("|") == 2 + len(PLACES) for row in rows)
-    assert rows[0] == "| nothing | " + " | ".join(3 * ["95%, 2.00, 100%, 25%"]) + " |"
-    assert "–, –, –, 100%" in next(attack_rows(filled(2, withheld=2), 2))
-
-
-def test_the_limits_of_a_share_are_those_of_clopper_and_pearson() -> None:
-    low, high = limits(3, 40)
-    assert low == pytest.approx(stats.beta.ppf(0.025, 3, 38))
-    assert high == pytest.approx(stats.beta.ppf(0.975, 4, 37))
-
-
-def test_cells_beyond_the_goal_are_counted() -> None:
-    few, many, withheld = (
-        " ".join(goal_lines(each, 3)) for each in (filled(3), filled(3, ratio=2.0), filled(3, ratio=2.0, withheld=3))
-    )
-    cells = len(PLACES) * sum("sign" not in attack.words for attack in ATTACKS)
-    assert f"Of {cells} cells beside a turned sign, {cells} have" in few
-    assert f"Of {cells} cells beside a turned sign, 0 have" in many
-    assert f"Of {cells} cells beside a turned sign, {cells} have" in withheld
-
-
 def test_a_table_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(attack_table, "ATTACKS", ATTACKS[18:19])
     known = partial(attacked, which=(0,))
@@ -114,11 +76,3 @@ def test_a_table_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytes
     assert len(tried) == 3 * len(PLACES) + 1
     monkeypatch.setattr(attack_table, "KEPT", tmp_path / "other")
     assert known(2, 1, 0.0) == ({}, 0)
-
-
-def test_a_section_says_which_sources_it_was_measured_with() -> None:
-    page = "# Page\n\n## One\nold\n\n## Two\nkept\n"
-    new = renewed(page, "## One\nnew\n" + stamp(version(), date(2026, 11, 20)))
-    assert new == f"# Page\n\n## One\nnew\n\nMeasured on 2026-11-20 with the sources `{version()}`.\n\n## Two\nkept\n"
-    beside = ROOT / "benchmarks" / "trust" / "attacks.py"
-    assert len({version(), version([beside]), version([beside, beside])}) == 3

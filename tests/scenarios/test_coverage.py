@@ -67,17 +67,5 @@ def test_the_gain_matrix_is_the_estimate_of_a_campaign() -> None:
     assert np.abs((estimation.knowledge.belief.mean - trial.gain @ values) / std).max() < 1e-8
 
 
-@pytest.mark.long
-def test_values_are_those_that_a_source_would_give() -> None:
-    """Without noise, reading by reading."""
-    trial = Trial("three-axis-mill", readings=12)
-    machine, quiet = trial.drawn(4), [replace(setup, noise=0.0) for setup in trial.description.setups]
-    trial.description = replace(trial.description, setups=tuple(quiet))
-    by_name = {setup.name: setup for setup in quiet}
-    rng = np.random.default_rng(0)
-    expected = [machine.read_all(by_name[v.setup], v.pose, v.approach, rng)[0] for v in trial.visits]
-    np.testing.assert_allclose(trial.values(machine, 4), expected, atol=1e-15)
-
-
 def test_every_built_in_machine_takes_part() -> None:
     assert set(MACHINES) == set(SAMPLES) == set(builtin_names())

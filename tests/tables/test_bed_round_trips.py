@@ -190,12 +190,6 @@ def test_a_high_bed_is_a_tool_too_low(tmp_path: Path, command: Command) -> None:
     assert top - side == pytest.approx(-1e3 * np.ptp(bed(np.array([30.0, 150.0]), np.array([120.0]))), abs=3)
 
 
-def test_a_mesh_of_another_size_is_written_when_it_is_asked_for(tmp_path: Path) -> None:
-    record = estimated(tmp_path, klipper_file(X, Y, bed(X, Y)), "printer.cfg")
-    assert duet_map(exported(record, "reprapfirmware", "--mesh", "4")["heightmap.csv"])[2].shape == (4, 4)
-    assert duet_map(exported(record, "reprapfirmware")["heightmap.csv"])[2].shape == (6, 7)
-
-
 def test_marlin_gets_the_heights_and_no_skew_that_nothing_has_seen(tmp_path: Path) -> None:
     record = estimated(tmp_path, klipper_file(X, Y, bed(X, Y)), "printer.cfg")
     files = exported(record, "marlin")
@@ -206,15 +200,6 @@ def test_marlin_gets_the_heights_and_no_skew_that_nothing_has_seen(tmp_path: Pat
     assert np.corrcoef(z.ravel(), bed(X, Y).ravel())[0, 1] > 0.999
     assert "M852" not in text
     assert "7 x 6 points (GRID_MAX_POINTS_X, _Y) from X 30 to 270 and Y 20 to 220" in files["README.txt"]
-
-
-def test_a_map_of_the_bed_brings_no_skew_and_no_table_of_one_axis_over_another(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    record = estimated(tmp_path, klipper_file(X, Y, bed(X, Y)), "printer.cfg")
-    assert "skew.gcode" not in exported(record, "klipper")
-    tables = set(exported(record, "csv"))
-    assert {name for name in tables if "_over_" in name} == {"Z_over_X.csv", "Z_over_Y.csv"}
 
 
 def test_the_plane_that_was_read_has_its_skew_and_the_others_keep_theirs(tmp_path: Path) -> None:
@@ -241,19 +226,6 @@ def test_a_plane_without_z_is_told_where_its_height_can_go(tmp_path: Path, comma
     said = command("export", record, "--to", "linuxcnc", "--out", tmp_path / "cnc").refusal
     assert "goes as a height map to klipper, marlin or reprapfirmware" in " ".join(said.split())
     assert "readings first" not in said
-
-
-def test_tables_say_that_they_leave_what_two_axes_do_together(tmp_path: Path) -> None:
-    """A mesh holds it and says nothing; tables of Z over X and over Y cannot."""
-    plane = 'EZXY = { std = "80 um", length = "100 mm", rest = "3 um" }\n'
-    record = estimated(tmp_path, klipper_file(X, Y, warped(X, Y)), "printer.cfg", planes=plane)
-    tables, mesh = exported(record, "csv")["README.txt"], exported(record, "klipper")["README.txt"]
-    found = re.search(r"what two axes do together \(EZXY: ([\d.]+) um RMS over the volume\)", tables)
-    assert found, tables
-    whole = warped(X, Y)
-    alone = whole - whole.mean(axis=0)[None] - whole.mean(axis=1)[:, None] + whole.mean()
-    assert float(found[1]) == pytest.approx(1e3 * np.std(alone), rel=0.5)
-    assert "two axes do together" not in mesh
 
 
 def test_a_saved_profile_reads_the_same_in_a_file_that_is_included() -> None:

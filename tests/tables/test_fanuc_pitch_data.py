@@ -13,8 +13,8 @@ from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
-from axiscal.tables.offer import Export, tried_out
-from axiscal.tables.registry import export, exporter, loaded
+from axiscal.tables.offer import Export
+from axiscal.tables.registry import export, loaded
 from axiscal.tables.round_trip import drawn_and_known
 from tests.generators.texts import machine_text
 
@@ -112,17 +112,6 @@ def test_only_values_of_the_points_change() -> None:
     assert {int(new[1:6]) for _, new in changed} <= {*range(10046, 10066), *range(10191, 10201)}
 
 
-def test_the_note_says_which_directions_the_file_holds() -> None:
-    estimate = known()
-    draft = exporter("fanuc").make(estimate, ExportOptions(template=template()))
-    said = tried_out("fanuc", estimate, draft).readme
-    assert "the mean of both directions of X, Y" in said
-    at = np.linspace(*estimate.machine.axis("X").travel, 2001)
-    lost = 1e6 * float(np.mean(deviation(estimate, "X", at, -1) - deviation(estimate, "X", at, 1)))
-    assert abs(lost) > 1
-    assert f"Add to parameter 1851 (backlash): X {lost:+.0f}, in 0.001 mm or 0.001 deg." in said
-
-
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
@@ -202,11 +191,6 @@ def test_points_that_are_no_turn_are_refused_with_those_that_are() -> None:
         TableError, match=r"C is a whole turn and has points 99 to 108.* 3621 = 3620 = 100 and 3622 = 108"
     ):
         turning(N3621="A1P51A2P199A3P99")
-
-
-def test_rotary_axes_without_parameters_are_left_out_and_named() -> None:
-    made = turning(N3620="A1P50", N3621="A1P51", N3622="A1P60", N3623="A1P1", N3624="A1P20.0")
-    assert "Left out: C, B (3624 is 0, no parameters 3620 to 3624" in made.readme
 
 
 @pytest.mark.parametrize("parameter", ["3620", "3621", "3622", "3623"])

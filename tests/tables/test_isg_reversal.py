@@ -7,7 +7,6 @@ import re
 import numpy as np
 import pytest
 
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
@@ -71,23 +70,6 @@ def test_a_rotary_table_has_the_reversal_in_degrees_and_repeats() -> None:
     for at in (10.0, 370.0, -350.0):
         assert error(text, at, "pos") == pytest.approx(step / 2, abs=1e-4)
     assert abs(step) > 1e-3
-
-
-def test_a_machine_without_reversal_has_no_such_file() -> None:
-    estimate = known()
-    mean = estimate.belief.mean.copy()
-    for name in ("EXX_reversal", "ECC_reversal"):
-        mean[estimate.model.names[name].columns] = 0.0
-    made = export(
-        Estimate(estimate.model, Belief(mean, estimate.belief.covariance), estimate.box), "isg", ExportOptions()
-    )
-    assert set(made.files) == {"volcomp.csv", "volcomp.lis"}
-
-
-def test_with_the_tables_less_is_left_than_without() -> None:
-    estimate = known()
-    made = export(estimate, "isg", ExportOptions())
-    assert made.effect.after < 0.15 * made.effect.before
 
 
 def test_a_line_that_the_kernel_does_not_know_is_found() -> None:

@@ -16,13 +16,13 @@ from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import whole_travel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import InputError, ReadingError, TableError
+from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile, read_old
 from axiscal.tables.offer import Export
-from axiscal.tables.registry import CONTROLLERS, export, exporter, loaded
+from axiscal.tables.registry import CONTROLLERS, export, exporter
 from axiscal.tables.round_trip import drawn_and_known, round_trip
 from tests.commands import Command
 from tests.generators.texts import machine_text
@@ -112,12 +112,6 @@ def test_an_ini_file_that_includes_another_names_its_tables_too(tmp_path: Path) 
     (tmp_path / "mill.ini").write_text("[EMC]\nMACHINE = mill\n#INCLUDE joint.inc\n")
     (file,) = read_old(["mill.ini"], tmp_path)
     assert (file.joint, file.backlash) == (1, 0.030)
-
-
-def test_a_table_of_an_axis_that_was_not_measured_is_kept() -> None:
-    made = exported("linuxcnc", OldFile("Z.comp", "0 0.002 0.004\n50 50.010 50.012\n100 100.005 100.005\n"))
-    rows = [[float(word) for word in line.split()] for line in made.files["Z.comp"].splitlines()]
-    assert rows == [[0, 0.002, 0.004], [50, 50.01, 50.012], [100, 100.005, 100.005]]
 
 
 def test_the_curves_of_an_earlier_hal_file_stay_in_the_sum() -> None:
@@ -220,16 +214,6 @@ def test_a_column_of_an_axis_that_was_not_measured_stays_beside_the_new_ones() -
     assert departures["Y"] == pytest.approx(lost, abs=1e-7)
 
 
-def test_old_points_that_do_not_fit_the_new_ones_leave_even_points_for_a_sinumerik() -> None:
-    old = siemens(-OLD_UP[:11]).replace("STEP[0,AX1]=25.0", "STEP[0,AX1]=30.0")
-    made = exported("sinumerik", OldFile("AX_EEC.INI", old)).files["AX_EEC.INI"]
-    values = {int(i): float(v) for i, v in re.findall(r"ENC_COMP\[0,(\d+),AX1\]=(\S+)", made)}
-    step = float(re.findall(r"STEP\[0,AX1\]=(\S+)", made)[0])
-    added = -np.interp(PROBES, step * np.arange(len(values)), [values[i] for i in sorted(values)])
-    sum_of_both = np.interp(PROBES, 30.0 * np.arange(11), OLD_UP[:11]) - left("EXX", PROBES)
-    assert added == pytest.approx(sum_of_both, abs=2e-3)
-
-
 GRID = np.linspace(0, 300, 7), np.linspace(0, 200, 5)
 
 
@@ -256,29 +240,13 @@ def test_a_height_map_stays_in_the_sum(controller: str) -> None:
     assert np.std(apart) < 0.006 < 0.015 < np.std(was)
 
 
-def test_the_effect_counts_from_the_machine_as_it_was_measured() -> None:
-    plain, above = exported("linuxcnc"), exported("linuxcnc", OldFile("X.comp", comp(0)))
-    assert above.effect.before == pytest.approx(plain.effect.before)
-    assert above.effect.after == pytest.approx(plain.effect.after, abs=0.2e-6)
-
-
 def test_old_files_that_cannot_be_are_refused(tmp_path: Path) -> None:
-    for file, message in [
-        (OldFile("table.txt", comp(0)), r"which axis this table is for.*--on-top-of X=table\.txt"),
-        (OldFile("X.comp", "hello"), "reads no row"),
-        (OldFile("X.comp", "0 0 0\n100 1e308 -1e308\n"), "too large for a machine"),
-        (OldFile("X.comp", "0 0 0\n100 1e308 0\n", file_type=0), "too large for a machine"),
-    ]:
-        with pytest.raises(TableError, match=message):
+    for file in (
+        OldFile("X.comp", "0 0 0\n100 1e308 -1e308\n"),
+        OldFile("X.comp", "0 0 0\n100 1e308 0\n", file_type=0),
+    ):
+        with pytest.raises(TableError, match="too large for a machine"):
             exported("linuxcnc", file)
-    for text in ("X EXX\n0 hello\n", "X QQQ\n0 1\n", "kw.ssfk.unit one\n", ""):
-        with pytest.raises(TableError, match=r"volcomp\.csv.*(files that the kernel loads)"):
-            exported("isg", OldFile("volcomp.csv", text))
-    for text, message in [("G28", "no M421, M425 or M852"), ("M421 I1 J1 Z0", "2 x 2 points has 1 values")]:
-        with pytest.raises((TableError, ReadingError), match=message):
-            exported("marlin", OldFile("x.gcode", text))
-    with pytest.raises(InputError, match="as the control saved them"):
-        exported("sinumerik", OldFile("AX_EEC.INI", "nonsense"))
     (tmp_path / "no.ini").write_text("[JOINT_0]\nHOME = 0\n")
     with pytest.raises(TableError, match="no joint of this INI file"):
         read_old(["no.ini"], tmp_path)
@@ -286,26 +254,6 @@ def test_old_files_that_cannot_be_are_refused(tmp_path: Path) -> None:
         (tmp_path / "no.ini").write_text(f"[JOINT_0]\n{line}\n")
         with pytest.raises(InputError, match="is not a number"):
             read_old(["no.ini"], tmp_path)
-
-
-def test_numbers_of_old_files_that_are_missing_or_none_are_named() -> None:
-    leadscrew = "kw.ssfk.log_achs_name X\nkw.ssfk.interval 9\nkw.ssfk.kw_startpos 0\nkw.ssfk.kw_nr_max 3\n"
-    parameters = ["N3620A1P20A2P0A3P0;", "N3621A1P21A2P0A3P0;", "N3622A1P23A2P0A3P0;", "N3623A1P2A2P1A3P1;"]
-    pitch = "\n".join(["%", *parameters, "N3624A1P100.0A2P0A3P0;", "N10021P1;", "%"])
-    cases = [
-        ("sinumerik", OldFile("AX_EEC.INI", siemens(OLD_UP).replace("=0.0", "=nan", 1)), "is no number"),
-        ("sinumerik", OldFile("AX_EEC.INI", siemens(OLD_UP).replace("=25.0", "=1e-9")), "points between its ends"),
-        ("marlin", OldFile("mesh.gcode", "M421 I0 J0 Z0.1\nM421 I1 J1\n"), "2 x 2 points|no height of a point"),
-        ("fanuc", OldFile("pitch.txt", pitch), "there is no row N10022"),
-        ("fanuc", OldFile("pitch.txt", pitch.replace("100.0", f"{400 * '9'}.0")), "is longer than any travel"),
-        ("linuxcnc", OldFile("cross.hal", 'setp comp.y-x.x-val-0 "\n'), "no number of a curve"),
-        ("linuxcnc", OldFile("X.comp", "0 0 0\n100 -2000 100\n"), "a metre"),
-        ("isg", OldFile("ssfk_X.lis", leadscrew), "entries|a number that isg needs"),
-    ]
-    for controller, file, message in cases:
-        options = ExportOptions(old_files=(file,))
-        with pytest.raises(InputError, match=message):
-            loaded(controller, machine_from_text(MACHINE), options)
 
 
 CAMPAIGN = (
@@ -427,29 +375,6 @@ def test_a_folder_of_an_export_is_an_old_compensation(tmp_path: Path) -> None:
     (tmp_path / "README.txt").write_text("X")
     (tmp_path / "manifest-linuxcnc.json").write_text("{}")
     assert [Path(file.name).name for file in read_old([str(tmp_path)])] == ["X.comp"]
-
-
-def test_isg_gets_old_and_new_together() -> None:
-    """An old table of its own points, read as the kernel does: EXX and a squareness, and one that is not described."""
-    old = "// old\nC0Y\n2.0e-5\n#\nX EXX EZX\n0 0 0\n110 0.011 0.002\n300 0.030 -0.001\n"
-    plain, above = exported("isg"), exported("isg", OldFile("volcomp.csv", old))
-    before, after = (isg_of(made.files["volcomp.csv"]) for made in (plain, above))
-    at = np.linspace(0, 300, 31)
-    for error, values in (("EXX", [0, 0.011, 0.030]), ("EZX", [0, 0.002, -0.001])):
-        added = np.interp(at, *after[error]) - np.interp(at, *before[error])
-        assert added == pytest.approx(np.interp(at, [0, 110, 300], values), abs=1e-8)
-    assert after["C0Y"][1] == pytest.approx([2.0e-5])
-
-
-def isg_of(text: str) -> dict[str, tuple[list[float], list[float]]]:
-    """Return positions and values by error, by hand: mm and rad."""
-    found: dict[str, tuple[list[float], list[float]]] = {}
-    for block in re.sub(r"//.*", "", text).split("#"):
-        header, *lines = [line.split() for line in block.splitlines() if line.strip()]
-        table = [[float(word) for word in line] for line in lines]
-        for column, name in enumerate(header):
-            found[name] = ([row[0] for row in table], [row[column] for row in table])
-    return found
 
 
 def test_an_old_mesh_that_is_not_square_leaves_the_size_of_the_new_one_open() -> None:

@@ -10,7 +10,6 @@ import pytest
 
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import ReadingError, TableError
-from axiscal.numerics import Array
 from axiscal.ports.printers import contents, klipper, marlin, reprapfirmware
 from axiscal.tables.exporter import Exporter, ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile
@@ -54,39 +53,6 @@ def lost(play: dict[str, float]) -> tuple[CompensationTable, ...]:
     ends = np.array([0.0, 0.1])
     halves = ((axis, np.full(2, value / 2)) for axis, value in play.items())
     return tuple(CompensationTable(axis, ends, -half, half) for axis, half in halves)
-
-
-def klipper_mesh(text: str) -> tuple[dict[str, float], Array]:
-    """Return keys and heights of a saved block, by hand."""
-    lines = [line.removeprefix("#*# ") for line in text.splitlines() if line.startswith("#*# ")]
-    keys = {key: float(value) for key, value in re.findall(r"^(\w+) = (-?[\d.]+)$", "\n".join(lines), re.MULTILINE)}
-    rows = [line for line in lines if line.startswith("\t")]
-    return keys, np.array([[float(each) for each in row.split(",")] for row in rows])
-
-
-def test_a_mesh_of_klipper_has_its_ends_its_counts_and_a_row_for_each_y() -> None:
-    keys, heights = klipper_mesh(klipper.write_mesh(MESH, "bed"))
-    assert heights == pytest.approx(1e3 * MESH.added)
-    counts = {"x_count": 4, "y_count": 3, "mesh_x_pps": 0, "mesh_y_pps": 0}
-    ends = {"min_x": -30, "max_x": 270, "min_y": 10, "max_y": 190}
-    assert keys == {"version": 1, "tension": 0.2, **counts, **ends}
-
-
-def test_notes_of_a_mesh_name_its_corners_and_its_size() -> None:
-    draft = klipper.Klipper().make(SMALL, ExportOptions(name="bed", mesh=7))
-    keys, heights = klipper_mesh(draft.files["bed_mesh.cfg"])
-    notes = " ".join(draft.notes)
-    corners = (keys[f"{end}_{axis}"] for end in ("min", "max") for axis in "xy")
-    assert "mesh_min: {:g}, {:g} and mesh_max: {:g}, {:g}".format(*corners) in notes
-    assert heights.shape == (7, 7)
-    assert "The mesh has 7 x 7 points" in notes
-    other = " ".join(marlin.Marlin().make(SMALL, ExportOptions(mesh=7)).notes)
-    x, y = (MACHINE.axes[MACHINE.index(name)].travel for name in "XY")
-    place = "X {:g} to {:g} and Y {:g} to {:g}".format(*(1e3 * end for end in (*x, *y)))
-    assert f"a mesh of 7 x 7 points (GRID_MAX_POINTS_X, _Y) from {place};" in other
-    assert "The map has 7 x 7 points" in " ".join(
-        reprapfirmware.RepRapFirmware().make(SMALL, ExportOptions(mesh=7)).notes
-    )
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,14 +21,11 @@ from axiscal.tables.registry import export, loaded
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.table import CompensationTable
 from tests.generators.texts import machine_text
+from tests.refusals.reading import refusals
 
 THREE = machine_from_text(
     machine_text("w-b-X-Y-Z-t", {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M")
 )
-FANUC = (
-    "%\nN3620A1P10A2P50A3P100;\nN3621A1P11A2P51A3P101;\nN3622A1P40A2P70A3P110;\nN3623A1P1A2P1A3P1;\n{}\nN10000P0;\n%\n"
-)
-PITCH = "N3624A1P10.0A2P10.0A3P10.0;"
 ALONG = {"X": (0, 300), "Z": (0, 100), "W": (0, 80)}
 LATHE, TAILSTOCK = (
     machine_from_text(
@@ -41,53 +37,16 @@ LATHE, TAILSTOCK = (
 )
 
 
-@pytest.mark.parametrize(
-    ("controller", "name", "text", "what"),
-    [
-        ("klipper", "printer.cfg", "[printer]\nkinematics: cartesian\n", "no mesh and no skew is saved here"),
-        ("fanuc", "par.txt", FANUC.format("N3624A1P0A2P0A3P0;"), "no axis has an interval of compensation"),
-        ("fanuc", "par.txt", FANUC.format(PITCH + "\nN3605A1P1;\nN3626A1P60;"), "entries of its own for the way down"),
-        ("linuxcnc-volumetric", "X.comp", "0 0 0\n1 0 0\n", "X.comp is no file of the whole correction"),
-        (
-            "csv",
-            "X.csv",
-            "axis,over,position_mm,forward_um,reverse_um,std_um\nX,Y,0,0,0,1\nX,Z,10,0,0,1\n",
-            "the file holds several tables",
-        ),
-    ],
-)
-def test_an_old_file_that_is_not_whole(controller: str, name: str, text: str, what: str) -> None:
-    with pytest.raises(TableError, match=re.escape(what)):
-        loaded(controller, THREE, ExportOptions(old_files=(OldFile(name, text),)))
-
-
 @pytest.mark.parametrize("named", ["joint0.comp", "JOINT_0.comp", "x.comp"])
 def test_a_table_of_linuxcnc_is_of_the_joint_that_its_name_says(named: str) -> None:
     found = loaded("linuxcnc", THREE, ExportOptions(old_files=(OldFile(named, "0 0 0\n100 100.01 100.01\n"),)))
     assert {table.axis for table in found.tables} == {"X"}
 
 
-CEC = (
-    "%_N_NC_CEC_INI\nCHANDATA(1)\n$AN_CEC[0,0]=0.01\n$AN_CEC[0,1]=0.02\n$AN_CEC_INPUT_AXIS[0]=(AX1)\n"
-    "$AN_CEC_OUTPUT_AXIS[0]=(AX2)\n$AN_CEC_STEP[0]=100.0\n$AN_CEC_MIN[0]=0.0\n$AN_CEC_MAX[0]=100.0\n"
-    "$AN_CEC_DIRECTION[0]=0\n$AN_CEC_MULT_BY_TABLE[0]={}\nM17\n"
-)
-CURVE = "setp y-x.x-val-0 {}\nsetp y-x.x-val-1 100\nsetp y-x.y-val-0 0\n{}"
-
-
-def test_a_table_that_another_one_multiplies_is_refused() -> None:
-    old = OldFile("NC_CEC.INI", CEC.format(0))
-    assert [(one.axis, one.over) for one in loaded("sinumerik", THREE, ExportOptions(old_files=(old,))).tables] == [
-        ("Y", "X")
-    ]
-    with pytest.raises(TableError, match="a CEC table of Y is multiplied by another one"):
-        loaded("sinumerik", THREE, ExportOptions(old_files=(OldFile("NC_CEC.INI", CEC.format(1)),)))
-
-
-@pytest.mark.parametrize("text", [CURVE.format(100, "setp y-x.y-val-1 1\n"), CURVE.format(0, "")])
-def test_a_curve_that_does_not_go_on_or_is_cut_is_refused(text: str) -> None:
-    with pytest.raises(TableError, match="the curve of Y over X is not whole"):
-        loaded("linuxcnc", THREE, ExportOptions(old_files=(OldFile("c.hal", text),)))
+def test_a_table_over_another_axis_is_of_the_axis_that_it_moves() -> None:
+    old = OldFile("NC_CEC.INI", refusals("old_table").texts["sinumerik NC_CEC.INI"])
+    found = loaded("sinumerik", THREE, ExportOptions(old_files=(old,))).tables
+    assert [(one.axis, one.over) for one in found] == [("Y", "X")]
 
 
 def test_what_a_reader_trips_over_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -89,13 +89,6 @@ def test_one_turn_only_is_as_fine_as_256_rows_allow_and_the_note_says_what_it_ho
     assert "this one holds 5 turns. The joint counts on after 360 deg, with WRAPPED_ROTARY" in five.readme
 
 
-def test_other_controls_say_what_becomes_of_the_turns() -> None:
-    estimate = known()
-    assert "Tables of C hold one turn and repeat" in export(estimate, "csv", ExportOptions()).readme
-    com = "BEGIN A .COM MM\nNR   AXISPOS    BACKLASH           C\n0     0.0000      0.0000      0.0000\n[END]\n"
-    assert "must be a modulo axis" in export(estimate, "heidenhain", ExportOptions(template=com)).readme
-
-
 @pytest.mark.parametrize(
     ("low", "limits", "message"),
     [

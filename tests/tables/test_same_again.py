@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.exceptions import InputError, TableError
+from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
@@ -186,16 +186,6 @@ def test_what_no_controller_could_hold_is_refused(changes: dict[str, Any], messa
         table(**changes)
 
 
-def test_csv_text() -> None:
-    assert plain_csv.text_of(table()).splitlines() == [
-        "axis,position_mm,forward_um,reverse_um,std_um",
-        "X,0.0000000,1.0000,0.0000,0.1000",
-        "X,100.0000000,3.0000,1.0000,0.1000",
-        "X,300.0000000,-1.0000,-3.0000,0.1000",
-    ]
-    assert plain_csv.text_of(table(axis="C")).startswith("axis,position_deg,forward_arcsec")
-
-
 @given(
     st.lists(st.floats(-10, 10), min_size=1, max_size=20, unique_by=lambda x: round(x, 6)).map(sorted),
     st.booleans(),
@@ -210,17 +200,3 @@ def test_csv_comes_back_as_written(positions: list[float], rotary: bool, data: s
     assert back.positions == pytest.approx(written.positions, abs=1e-9)
     for name in ("forward", "reverse", "std"):
         assert getattr(back, name) == pytest.approx(getattr(written, name), abs=2.5e-10 if rotary else 0.6e-10)
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("axis,position_mm,forward_um,reverse_um,std_um\nX,0,1,1,1\nY,1,1,1,1\n", "holds the axes X, Y"),
-        ("axis,position_deg,forward_um,reverse_um,std_um\nC,0,1,1,1\n", "mix lengths and angles"),
-        ("axis,position_mm,forward_um,reverse_um\nX,0,1,1\n", "no column 'std_mm'"),
-        ("axis,position_mm,forward_um,reverse_um,std_um\nX,0,1,1,nan\n", "'nan' is not finite"),
-    ],
-)
-def test_a_csv_table_that_is_none(text: str, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        plain_csv.parse(text)

@@ -75,11 +75,6 @@ def flipped(tables: tuple[CompensationTable, ...]) -> tuple[CompensationTable, .
     return tuple(replace(t, forward=-t.forward, reverse=-t.reverse) for t in tables)
 
 
-def test_an_axis_alone_has_a_table_of_its_own_and_none_over_another() -> None:
-    estimate, _ = known(ErrorModel(load_machine("one-axis")), 3)
-    assert [(table.axis, table.over) for table in axis_tables(estimate) + cross_tables(estimate)] == [("X", "X")]
-
-
 @pytest.mark.parametrize("chain", CHAINS)
 def test_tables_take_away_what_moves_along_axes_whichever_side_carries_them(chain: str) -> None:
     estimate, truth = known(ErrorModel(machine(chain)), 3)
@@ -241,13 +236,6 @@ def test_where_nothing_was_read_the_table_says_so() -> None:
     assert untouched.prior_only.sum() >= 11
 
 
-def test_a_table_without_rotors_is_zero_where_the_axis_is() -> None:
-    estimate, _ = known(ErrorModel(machine(CHAINS[0])), 4)
-    for table in axis_tables(estimate) + cross_tables(estimate):
-        zero = (table.deviation(np.zeros(1), 1) + table.deviation(np.zeros(1), -1)) / 2
-        assert zero == pytest.approx(0, abs=1e-15)
-
-
 @pytest.mark.parametrize("seed", range(6))
 def test_points_that_may_stand_anywhere_bring_the_line_nearer_to_the_curve(seed: int) -> None:
     """Straightness of X alone: the line through the table against scipy's spline at 5000 places, 16 points in both."""
@@ -263,16 +251,6 @@ def test_points_that_may_stand_anywhere_bring_the_line_nearer_to_the_curve(seed:
         far.append(np.ptp(off) / 2)  # but for a constant, which zeroing takes away
     assert far[1] < 0.9 * far[0]
     assert len(set(np.round(np.diff(table.positions), 9))) > 3
-
-
-def test_a_turn_closes_on_points_that_stand_anywhere() -> None:
-    estimate, _ = known(ErrorModel(load_machine("dmu60")), 4)
-    index = estimate.machine.index("C")
-    even, uneven = (own_table(estimate, index, np.linspace(0, 2 * np.pi, 25), each) for each in (False, True))
-    assert len(uneven.positions) <= 25
-    assert uneven.departure < even.departure
-    for table in (even, uneven):
-        assert (table.forward[0], table.reverse[0]) == (table.forward[-1], table.reverse[-1])
 
 
 def test_a_skew_is_the_mean_of_both_directions(monkeypatch: pytest.MonkeyPatch) -> None:

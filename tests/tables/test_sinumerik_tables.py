@@ -76,21 +76,6 @@ def test_a_rotary_table_repeats_after_each_turn() -> None:
     assert "MD30310 ROT_IS_MODULO" in made.readme
 
 
-def test_the_note_names_the_numbers_that_the_files_need() -> None:
-    made = exported()
-    enc, cec = variables(made.files["AX_EEC.INI"]), variables(made.files["NC_CEC.INI"])
-    for axis in ("AX1", "AX3"):
-        count = sum(key[2] == axis for key in enc["A_ENC_COMP"])
-        assert f"[0,{axis}] {count}" in made.readme
-    tables = sorted({int(key[0]) for key in cec["N_CEC"]})
-    counts = [sum(key[0] == str(table) for key in cec["N_CEC"]) for table in tables]
-    points = re.search(r"MD18342 MM_CEC_MAX_POINTS must be at least (.*?);", made.readme)
-    assert points is not None
-    assert points[1] == ", ".join(f"[{table}] {count}" for table, count in zip(tables, counts, strict=True))
-    for name in ("MD32720 CEC_MAX_SUM", "MD32730 CEC_MAX_VELO", "MD32000"):
-        assert name in made.readme
-
-
 def test_the_sum_that_md32720_must_allow_is_that_of_the_tables() -> None:
     made = exported()
     cec = variables(made.files["NC_CEC.INI"])

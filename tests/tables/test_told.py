@@ -6,21 +6,17 @@ import re
 from functools import cache
 
 import numpy as np
-import pytest
 
-from axiscal.answers.answer_of_campaign import answered
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.exceptions import TableError
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
-from axiscal.units import to_unit
 from tests.generators.texts import artefact_text, campaign_text, machine_text, setup_text
 
 LEGS = {
@@ -40,11 +36,6 @@ SQUARE = campaign_text(
     artefact_text("square", turned="1 mrad"),
     *LEGS.values(),
     target={"wants": ["squareness XY 20 urad"], "readings": 20},
-)
-DIALS = campaign_text(
-    "m",
-    *(leg.replace('artefact = "square"\n', "") for leg in LEGS.values()),
-    target={"wants": ["squareness XY"], "readings": 20},
 )
 ROTOR = machine_text("w-C'-b-t", {"C": (0, 360)}, {"ECC": ("0.6 deg", 13, 90)}, name="m")
 ENCODER = campaign_text(
@@ -92,23 +83,6 @@ def test_beyond_what_was_read_a_table_stays_as_it_is_there() -> None:
         np.testing.assert_allclose([read[0], read[-1]], ends[table.over], atol=0.02)
         for beyond in (table.positions < read[0] - 0.03, table.positions > read[-1] + 0.03):
             assert np.ptp(table.forward[beyond]) < 0.02 * np.ptp(table.forward)
-
-
-def test_what_no_row_tells_is_no_table() -> None:
-    with pytest.raises(TableError, match="no deviation that these files could hold"):
-        _files(_known(DIALS))
-
-
-def test_every_surface_has_the_figures_of_the_answer() -> None:
-    known = _known(SQUARE.replace('wants = ["squareness XY 20 urad"]\n', ""))
-    files = _files(known)
-    (volume,) = (row for row in answered(known, {"csv": files.control}) if row.row.kind == "volume")
-    said = re.search(r"from ([\d.]+) um RMS to ([\d.]+) um", files.readme)
-    assert said
-    assert [float(each) for each in said.groups()] == pytest.approx(
-        [to_unit(volume.found, "um"), to_unit(volume.left["csv"], "um")], rel=6e-3
-    )
-    assert files.expected == pytest.approx(volume.left["csv"], rel=1e-9)
 
 
 def test_an_angle_that_moves_no_tool_point_is_judged_by_its_row() -> None:

@@ -19,7 +19,6 @@ from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.volumetric_tables import LinuxcncVolumetric
 from axiscal.tables import vcomp_applying
 from axiscal.tables.exporter import ExportOptions
-from axiscal.tables.surface import left_by
 from axiscal.tables.vcomp_file import read
 from tests.figures import held
 from tests.generators.machines import random_machine
@@ -93,21 +92,6 @@ def test_one_round_takes_the_map_of_the_errors_away(core: Core, seed: int, unit:
     if not any(axis.rotary for axis in axes):  # nothing is added at machine zero
         left = left - left[0]
     held("core against the levers of the error model", 1e6 * np.max(np.abs(left)), 1e-6, "um")
-
-
-@pytest.mark.parametrize("seed", CHAINS)
-def test_two_rounds_leave_a_hundredth_of_a_micrometre(core: Core, seed: int) -> None:
-    """Exact kinematics, an error of 98 um RMS."""
-    estimate, truth = drawn(seed, 98e-6)
-    poses, approaches = places(estimate.model, 400)
-    core.load(text_of(estimate).encode())
-    tool = np.array([0.0, 0.0, -estimate.machine.tool * 1e3])
-    added = core.correct(shown(estimate, poses), approaches, tool)[0] / shown(estimate, np.ones_like(poses))
-    left = left_by(estimate.machine, truth.deviation, lambda p, a: added, poses, approaches)
-    if not any(axis.rotary for axis in estimate.machine.axes):
-        left = left - left.mean(axis=0)
-    left_um = 1e6 * np.sqrt(np.mean(np.sum(left**2, axis=1)))
-    held("core against exact kinematics, 98 um RMS of error", left_um, 0.01, "um")
 
 
 @pytest.mark.parametrize("seed", CHAINS[:4])

@@ -48,26 +48,10 @@ def test_fnv1a_is_the_published_one() -> None:
     assert [fnv1a(each) for each in (b"", b"a", b"foobar")] == [0x811C9DC5, 0xE40C292C, 0xBF9CF968]
 
 
-def test_a_file_says_what_it_is() -> None:
-    file = read(text())
-    assert file.campaign == "0123456789abcdef"
-    assert "Never run on real drives or on a realtime kernel. It is no safety function." in text().splitlines()[1]
-    assert [axis.name for axis in file.axes] == ["C", "B", "Y", "X", "Z"]
-    assert [axis.joints for axis in file.axes] == [(4,), (3,), (1,), (0,), (2,)]
-    assert file.limit > 0.02
-    assert all(axis.seconds >= 0.005 for axis in file.axes)
-
-
 @NEEDS_GCC
 def test_what_is_written_is_taken_by_the_component(core: Core) -> None:
     for name in ("dmu60", "small"):
         assert core.load(text(name).encode()) == (None, len(text(name).splitlines()))
-
-
-def test_machine_zero_is_kept_without_rotary_axes() -> None:
-    last = read(text("small")).axes[-1]
-    assert np.any(last.place[:3] != 0)
-    assert not np.any(last.place[3:])
 
 
 @NEEDS_GCC
@@ -157,13 +141,6 @@ def test_a_gantry_has_two_joints() -> None:
     made = export(known("small")[0], "linuxcnc-volumetric", ExportOptions(numbers={"Y": (1, 2)}))
     assert [axis.joints for axis in read(made.files["axiscal.vcomp"]).axes] == [(0,), (1, 2), (3,)]
     assert all(f"axiscal-vcomp.drive-{n}\n" in made.files["axiscal-volumetric.hal"] for n in range(4))
-
-
-def test_the_readme_says_first_what_it_is() -> None:
-    readme = export(known("dmu60")[0], "linuxcnc-volumetric", ExportOptions()).readme.splitlines()
-    assert readme[1].startswith("THIS MOVES YOUR DRIVES BEHIND LINUXCNC'S BACK by up to ")
-    assert "Never run on real drives or on a realtime kernel. It is no safety function." in readme[1]
-    assert any("C at x 0, y 0, z -200 mm; B at x 0, y 0, z -200 mm" in line for line in readme)
 
 
 @pytest.mark.parametrize(("name", "unit", "fade"), [("X", "mm", 5.0), ("X", "inch", 5.0 / 25.4), ("B", "mm", 5.0)])

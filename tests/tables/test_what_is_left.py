@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from types import SimpleNamespace
-from typing import cast
 
 import numpy as np
 import pytest
@@ -25,7 +23,6 @@ from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.volumetric_tables import reversal_times
 from axiscal.tables import registry
 from axiscal.tables.conditional import mean_along
-from axiscal.tables.controllers.fanuc import PitchParameters, _turn_notes
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import foreword, shifts
@@ -84,12 +81,6 @@ def test_what_files_leave_of_two_axes_is_said_below_nine_tenths_and_part_of_it_a
     if says:
         size = np.std(plane_of(estimate, poses)) * 1e6
         assert f"(EZXY: {size:.3g} um RMS over the volume)" in words
-
-
-def test_a_machine_without_such_an_error_has_nothing_of_it_left() -> None:
-    estimate = estimate_of(ONE_PLANE.replace("EZXY", "#"))
-    poses = np.zeros((3, len(estimate.machine.axes)))
-    assert planes_left(estimate, lambda at, sides: np.zeros_like(at), poses, poses) == ""
 
 
 HEAD = machine_text(
@@ -172,33 +163,6 @@ def test_points_of_a_sum_are_those_of_both_as_far_as_they_fit(
     assert found.reverse == pytest.approx(own - added, abs=1e-15)
 
 
-def test_a_finer_old_table_that_does_not_reach_as_far_leaves_the_points_of_the_new_one() -> None:
-    (found,) = Loaded((old_table(9, 0.1),)).under_tables([new_table(5)], machine(CHAINS[0]), 100, even=True)
-    assert found.positions == pytest.approx(new_table(5).positions)
-    wider = old_table(9, -0.1, 0.5)
-    (found,) = Loaded((wider,)).under_tables([new_table(5)], machine(CHAINS[0]), 100, even=True)
-    assert found.positions == pytest.approx(wider.positions)
-
-
-def test_a_table_of_before_alone_is_on_its_own_points_and_one_point_is_the_whole_travel() -> None:
-    (found,) = Loaded((old_table(5), old_table(7))).under_tables([], machine(CHAINS[0]), 100)
-    assert (found.axis, found.over, found.rotary) == ("Y", "Y", False)
-    assert set(old_table(7).positions) <= set(found.positions)
-    assert not found.std.any()
-    sides = CompensationTable("Y", np.array([0.1]), np.array([-2e-6]), np.array([-4e-6]), over="X")
-    (found,) = Loaded((sides,)).under_tables([], machine(CHAINS[0]), 100)
-    assert found.positions == pytest.approx([-0.1, 0.5])
-    assert found.forward == pytest.approx([-2e-6, -2e-6])
-    assert found.reverse == pytest.approx([-4e-6, -4e-6])
-
-
-def test_old_tables_are_told_apart_by_whether_they_are_over_another_axis() -> None:
-    own, cross = old_table(3), CompensationTable("Y", np.array([0.0, 0.4]), np.zeros(2), np.zeros(2), over="X")
-    both = Loaded((own, cross))
-    assert both.alone(within=True).tables == (own,)
-    assert both.alone(within=False).tables == (cross,)
-
-
 def test_old_heights_are_added_at_the_points_of_the_new_mesh() -> None:
     x, y = np.linspace(0, 0.3, 4), np.linspace(0, 0.2, 3)
     new = Mesh(x, y, 1e-6 * np.arange(12.0).reshape(3, 4))
@@ -261,17 +225,6 @@ def test_what_files_move_is_the_mean_of_both_directions() -> None:
     (sentence,) = foreword(estimate, control)
     assert "at machine zero, X 0 mm Y 0 mm Z 0 mm by x +10.0, y +0.0, z +0.0 um;" in sentence
     assert "X 200 mm Y 200 mm Z -150 mm by x +10.0, y +0.6, z +0.0 um (both" in sentence
-
-
-@pytest.mark.parametrize(
-    ("rotary", "turn", "says"),
-    [(True, True, "C: a rotary axis of type A"), (True, False, "C: supposed of type B"), (False, False, "")],
-)
-def test_fanucs_note_names_the_type_of_each_rotary_axis(rotary: bool, turn: bool, says: str) -> None:
-    plan = SimpleNamespace(rotary=rotary, turn=turn)
-    notes = _turn_notes({"C": cast("PitchParameters", plan)})
-    assert len(notes) == bool(says)
-    assert all(note.startswith(says) for note in notes)
 
 
 @cache

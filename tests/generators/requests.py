@@ -1,0 +1,17 @@
+"""A reading that is asked for of a small machine, and the machine that sources simulate."""
+
+from __future__ import annotations
+
+import math
+
+from axiscal.campaign.sources.source import Request
+from axiscal.machine import Machine
+from axiscal.machine.axis import Axis
+from axiscal.machine.entry import ErrorEntry
+from axiscal.measurement.setup import Setup
+from axiscal.measurement.simulation import Simulator
+
+AXES = (Axis.named("X", True, (0.0, 0.6)), Axis.named("C", True, (0.0, math.tau)))
+SETUP = Setup("laser along X", "interferometer", (1, 0, 0), (0,), (0.3, 0), 1e-6, (), 60, 1, 3, (0, 0), "both")
+REQUEST = Request(7, SETUP, AXES, (0.12, math.radians(30)), (1, 0))
+SIMULATOR = Simulator(Machine("table", AXES, 0.0, (ErrorEntry("EXX", 1e-5, knots=4),), "", ""), (SETUP,))

@@ -1,0 +1,173 @@
+"""Files of refusals: right texts by name; rows of what is wrong in one of them, or of a command, and what is said."""
+
+from __future__ import annotations
+
+import io
+import json
+import shlex
+import tempfile
+import tomllib
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple, cast
+from unittest.mock import patch
+
+from axiscal.campaign.sources import open_source
+from axiscal.cli.app import run
+from axiscal.description.campaign import read_campaign
+from axiscal.description.ini_file import read_ini
+from axiscal.description.ini_machine import machine_of
+from axiscal.evaluation.standards import positioning_test
+from axiscal.exceptions import InputError
+from axiscal.machine import machine_from_text
+from axiscal.machine.description import parse_chain
+from axiscal.machine.entry import parse_error_name
+from axiscal.measurement.readers.files import recognised
+from axiscal.ports.postgres.database import store_address
+from axiscal.tables.exporter import ExportOptions
+from axiscal.tables.loaded import OldFile
+from axiscal.tables.registry import export, loaded
+from axiscal.tables.round_trip import drawn_and_known
+from axiscal.units import Dimension, parse_quantity
+from tests.generators.begun import begun
+from tests.generators.requests import REQUEST, SIMULATOR
+
+FOLDER = Path(__file__).parent
+
+
+class Row(NamedTuple):
+    """What is wrong.
+
+    of : the name of the right text; of another name the text is `wrong` alone
+    right, wrong : what is replaced, by what; where nothing is, `wrong` stands in lines behind the end
+    says : class and text of the failure
+    """
+
+    of: str
+    right: str
+    wrong: str
+    says: str
+
+
+class Refusals(NamedTuple):
+    """A file: right texts by their names, and its rows."""
+
+    texts: Mapping[str, str]
+    rows: tuple[Row, ...]
+
+    def text(self, row: Row) -> str:
+        """Return the wrong text."""
+        if row.of not in self.texts:
+            return row.wrong
+        whole = self.texts[row.of]
+        if not row.right:
+            return f"{whole}{row.wrong}\n"
+        assert whole.count(row.right) == 1, row.right
+        return whole.replace(row.right, row.wrong)
+
+
+def kinds() -> list[str]:
+    """Return the names of the files."""
+    return sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+@cache
+def refusals(kind: str) -> Refusals:
+    """Return what a file holds."""
+    found = tomllib.loads((FOLDER / f"{kind}.toml").read_text(encoding="utf-8"))
+    return Refusals(found["texts"], tuple(Row(*row) for row in found["refused"]["rows"]))
+
+
+def said(kind: str, of: str, text: str) -> str:
+    """Return what a text gets in place of the right one; "" where it is taken."""
+    with tempfile.TemporaryDirectory() as folder, chdir(folder):
+        for name, right in refusals(kind).texts.items():
+            if name.endswith(".toml"):
+                Path(name).write_text(right, encoding="utf-8")
+        try:
+            found = _READERS[kind](of, text)
+        except InputError as failure:
+            return f"{type(failure).__name__}: {failure}"
+    return found if isinstance(found, str) else ""
+
+
+def written(kind: str, rows: Iterable[Row]) -> None:
+    """Write a file with these rows in place of its own."""
+    path = FOLDER / f"{kind}.toml"
+    head = path.read_text(encoding="utf-8").partition("rows = [")[0]
+    lines = [f"  [{', '.join(map(_toml, row[:3]))},\n    {_toml(row.says)}],\n" for row in rows]
+    path.write_text(f"{head}rows = [\n{''.join(lines)}]\n", encoding="utf-8")
+
+
+def _toml(text: str) -> str:
+    """Return a text as TOML has it, as it is wherever that can be."""
+    if not all(letter.isprintable() or letter == "\n" for letter in text) or "'''" in text or text.endswith("'"):
+        return json.dumps(text, ensure_ascii=False)
+    if "'" in text or "\n" in text:
+        return f"'''\n{text}'''" if "\n" in text else f"'''{text}'''"
+    return f"'{text}'"
+
+
+def _of_file(name: str, read: Callable[[Path], object]) -> Callable[[str, str], object]:
+    def found(_: str, text: str) -> object:
+        Path(name).write_text(text, encoding="utf-8")
+        return read(Path(name))
+
+    return found
+
+
+def _old_table(of: str, text: str) -> object:
+    """Read the text as a file of an old table.  of : its control and name"""
+    (controller, name), texts = of.split(), refusals("old_table").texts
+    options = ExportOptions(old_files=(OldFile(name, text),), template=texts[of] or None)
+    return loaded(controller, machine_from_text(texts["machine.toml"]), options)
+
+
+def _template(of: str, text: str) -> object:
+    """Make files from a template of the control.  of : which"""
+    known = drawn_and_known(machine_from_text(refusals("template").texts["machine.toml"]))
+    return export(known, of, ExportOptions(template=text))
+
+
+def _command(_: str, text: str) -> str:
+    """Return what a command says that is refused, beside a campaign `c.toml` and its record `m.axiscal`."""
+    begun(Path(), {"c.toml": refusals("command").texts["c.toml"]}, *_BEGUN)
+    out, told = io.StringIO(), io.StringIO()
+    with redirect_stdout(out), redirect_stderr(told), patch("sys.stdin", io.StringIO()):
+        status = run(shlex.split(text))
+    assert (status, out.getvalue()) == (1, "")
+    assert {path.name for path in Path().iterdir()} == {"c.toml", "m.axiscal"}
+    return " ".join(told.getvalue().split())
+
+
+_BEGUN = ("start", "c.toml", "m.axiscal"), ("record", "m.axiscal", "1 um", "--setup", "laser", "--at", "X=100 mm")
+
+
+def _answer(_: str, line: str) -> object:
+    """Return what is understood of the line with which a command answers a request."""
+    Path("answer").write_text(f"{line}\n", encoding="utf-8")
+    source = open_source("exec:sh -c 'read asked; cat answer; cat > /dev/null'", SIMULATOR)
+    try:
+        return source.read(REQUEST)
+    finally:
+        source.close()
+
+
+_READERS: Mapping[str, Callable[[str, str], object]] = {
+    "answer": _answer,
+    "campaign": _of_file("campaign.toml", read_campaign),
+    "command": _command,
+    "chain": lambda _, text: parse_chain(text),
+    "error_name": lambda _, text: parse_error_name(text),
+    "ini": _of_file("machine.ini", lambda path: machine_of(read_ini(path))),
+    "machine": lambda _, text: machine_from_text(text, "mill.toml"),
+    "old_table": _old_table,
+    "answers_in_a_table": _of_file("r.csv", lambda path: open_source(f"csv:{path}", SIMULATOR).read(REQUEST)),
+    "positioning": _of_file("test.csv", lambda path: positioning_test(recognised(path))),
+    "quantity": lambda of, text: parse_quantity(text, cast("Dimension", of)),
+    "source": lambda _, text: open_source(text, SIMULATOR),
+    "store": lambda _, text: store_address(text, {}),
+    "template": _template,
+}
