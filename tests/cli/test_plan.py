@@ -97,6 +97,12 @@ def test_a_budget_of_less_than_a_reading_is_refused(campaign: Path, command: Com
     assert "less than" in command("plan", campaign, "--budget", "1 s").refusal
 
 
+def test_a_budget_of_less_than_a_mounting_is_refused_where_sides_are_evened(tmp_path: Path, command: Command) -> None:
+    file = tmp_path / "four.toml"
+    file.write_text(FOUR_READINGS)
+    assert "than the 30.1 min that the first reading takes" in command("plan", file, "--budget", "1 min").refusal
+
+
 def test_so_many_readings_are_planned_whatever_accuracy_the_campaign_asks_for(campaign: Path, command: Command) -> None:
     campaign.write_text(CAMPAIGN.replace("readings = 7", 'rms = "0.6 mm"'))
     assert len(command("plan", campaign, "--json").document["points"]) < 9

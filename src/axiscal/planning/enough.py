@@ -19,7 +19,7 @@ from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.other_readings import with_both_sides, with_rooms
 from axiscal.planning.plan.greedy import chosen_setups, picked, sets_within
 from axiscal.planning.plan.order import in_order
-from axiscal.planning.plan.plan import MANY
+from axiscal.planning.plan.plan import MANY, refuse_unplannable
 from axiscal.planning.plan.task import Goal, Limits, Task
 from axiscal.planning.plan.tour import retoured
 from axiscal.planning.promise import FEW, foreseen
@@ -88,7 +88,8 @@ def goal_of(
 
 
 def roughly(case: Case, task: Task, limits: Limits) -> tuple[Place, ...]:
-    """Return about as many readings as a plan has, from some hundred candidates."""
+    """Return about as many readings as a plan has, from some hundred candidates; raises PlanError as a plan does."""
+    refuse_unplannable(task, limits)
     coarse = task.coarse
     if limits.budget is not None:
         none = Places.none(len(case.description.machine.axes))

@@ -231,7 +231,7 @@ def make_plan(
     bounded : whether the lower bound is wanted
     usual : with what usually goes wrong: places keep no regular distances, and their order is interleaved
     """
-    _refuse(task, limits)
+    refuse_unplannable(task, limits)
     order = None if goal is None else _in_minutes(task, limits, patience, usual, goal)
     if order is None and limits.readings is limits.budget is None:
         limits = replace(limits, readings=MANY)
@@ -279,7 +279,8 @@ def _in_minutes(task: Task, limits: Limits, patience: float, usual: bool, goal: 
         return interleaved(task, limits, order)
 
 
-def _refuse(task: Task, limits: Limits) -> None:
+def refuse_unplannable(task: Task, limits: Limits) -> None:
+    """Raise PlanError for limits within which nothing can be planned: none, no place, too short a budget."""
     if limits == Limits():
         raise PlanError("nothing would ever end this plan", "Say how many readings, which accuracy or how much time")
     if not len(task.lattice):
