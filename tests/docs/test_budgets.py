@@ -35,8 +35,8 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(61_877, 50_000),
-    "files of src": Budget(325, 325),
+    "lines of src": Budget(62_720, 50_000),
+    "files of src": Budget(328, 325),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(26, 15),
     "public names of more than five functions": Budget(13, 10),

@@ -58,6 +58,7 @@ def in_workpiece(machine: Machine, readings: Sequence[Reading], setup: str) -> l
 
 
 _THREE = 3
+"""Values of a touch, along x, y and z: a frame turns all of them together."""
 _Changed = dict[int, Reading | None]
 """By index, None for a reading that is left out."""
 
