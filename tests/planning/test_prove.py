@@ -118,6 +118,6 @@ def test_a_proof_that_closes_no_more_ends_with_the_gap_that_is_left() -> None:
     plan = make_plan(asked, Limits(readings=9), bounded=False)
     with patch("axiscal.planning.bound.lower_bound._everywhere", wraps=_everywhere) as rounds:
         proof = prove(asked.state, asked.lattice, plan.places, 1e-9)
-    assert 1 < rounds.call_count < 40
+    assert 1 < rounds.call_count <= 40  # the most that there may be
     assert 1e-9 < proof.gap < 0.2
     assert 0 < proof.bound.value <= plan.value

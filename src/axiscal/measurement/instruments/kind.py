@@ -65,7 +65,9 @@ class Nominal:
 
     def arm(self, setup: Setup) -> Array:
         """Return the way from the tool point to the point that a set-up looks at, workpiece frame, (m, 3) m."""
-        arm: Array = self.tool @ np.array(setup.offset or (0.0, 0.0, 0.0))
+        if setup.offset is None:
+            return np.zeros((self.count, 3))
+        arm: Array = self.tool @ np.array(setup.offset)
         return arm
 
     @cached_property

@@ -222,18 +222,18 @@ def quickest(task: Task, limits: Limits, sets: Sequence[Setups], goal: Goal, pat
     """
     if goal.reached(nothing := Places.none(task.lattice.poses.shape[1])):
         return nothing
-    ways, scores = _base(task.coarse)
+    (ways, scores), ordered = _base(task.coarse), _in_order(task, goal)
     best, longest, endless = None, np.inf if limits.budget is None else limits.budget, replace(limits, budget=None)
     for setups in reversed(sets):
         opened = _opened(endless, ways, scores, setups, np.random.default_rng(_SEED))
-        found = _grown(opened, goal, longest)
+        found = _grown(opened, ordered, longest)
         if found is not None and found.seconds <= longest:
             best, longest = found, found.seconds
     if best is None:
         return None
     begun = partial(_begun, replace(limits, budget=longest), ways, scores, tuple(best.runs))
     tour = _best_begun([best], begun, _BESIDE)
-    tour = _shortest(tour, goal, partial(_settled, better=_WORTH)) if goal.reached(tour.places) else best
+    tour = _shortest(tour, ordered, partial(_settled, better=_WORTH)) if ordered.reached(tour.places) else best
     return retoured(task, limits, tuple(tour.runs), tour.places, patience, goal=goal)
 
 
@@ -242,7 +242,7 @@ def grown(task: Task, limits: Limits, setups: Setups, left: Places, goal: Goal, 
 
     longest : seconds
     """
-    tour = _grown(Tour.through(*_base(task), setups, limits, left), goal, longest)
+    tour = _grown(Tour.through(*_base(task), setups, limits, left), _in_order(task, goal), longest)
     return None if tour is None else tour.places
 
 
@@ -265,11 +265,15 @@ def retoured(
     tour, settle = through(scores.fork(), setups, limits, left), partial(_settled, better=better)
     tour.cut()
     if goal is not None:
+        goal = _in_order(task, goal)
         tour = _grown(tour, goal, tour.budget) or tour
         tour.budget = tour.seconds
+    reaches = goal is not None and goal.reached(tour.places)
     for _ in range(_ROUNDS):
-        before = tour.scores.state.value
-        settle(tour)
+        before, settled = tour.scores.state.value, tour.within(tour.budget)
+        settle(settled)
+        if not reaches or goal is None or goal.reached(settled.places):  # less J need not be every row
+            tour = settled
         if patient.spent or not len(tour.scores.places):
             break
         patient.take(work_of_climb(scores.pool.size, scores.pool.size) * len(tour.scores.places))
@@ -285,6 +289,15 @@ def retoured(
     while len(tour.scores.places) > 1 and seconds_along(task, tour.places) > hard:  # ways may lead aside
         tour.drop()
     return set_ups_in_order(task, tour.places)
+
+
+def _in_order(task: Task, goal: Goal) -> Goal:
+    """Return an accuracy asked of readings as they are taken: the machine grows between one set-up and the next."""
+
+    def asked(of: Callable[[Places], bool], places: Places) -> bool:
+        return of(set_ups_in_order(task, places))
+
+    return Goal(partial(asked, goal.reached), partial(asked, goal.surely))
 
 
 def _base(task: Task) -> tuple[Ways, Scores]:
