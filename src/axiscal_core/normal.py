@@ -48,6 +48,6 @@ class Normal:
     def sample(self, count: int, seed: int = 0) -> Array:
         """Return draws, (count, n)."""
         values, vectors = np.linalg.eigh(self.covariance)
-        root = vectors * np.sqrt(np.maximum(values, 0.0))
+        root = vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T  # the symmetric one: alike on every processor
         result: Array = self.mean + np.random.default_rng(seed).standard_normal((count, len(values))) @ root.T
         return result
