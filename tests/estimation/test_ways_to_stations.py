@@ -137,7 +137,7 @@ def test_the_polish_ends_where_scipy_ends_and_never_above_its_start() -> None:
     assert found.cost == pytest.approx(float(by_scipy.cost), rel=1e-9)
     assert np.abs(by_scipy.x - z).max() < 1e-5
     again = polished(problem, found.point)
-    assert again.cost <= found.cost
+    assert again.cost <= found.cost * (1 + 1e-12)  # rounding
     assert problem.whitened(again.point) == pytest.approx(z, abs=1e-6)
     from_far = polished(problem, CASE.prior.mean)  # 300 mm off, by damping alone
     assert from_far.cost == pytest.approx(found.cost, rel=1e-6)

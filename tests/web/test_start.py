@@ -208,7 +208,7 @@ def test_a_virtual_machine_gives_the_readings_that_are_typed(browser: Browser, s
         looked_at(person.page)
         shown = start.state()["shows"]
         type_reading(person.page, shown)
-        assert start.state()["readings"][0]["values"] == [float(shown)], number
+        assert start.state()["readings"][0]["values"] == pytest.approx([float(shown)]), number
     (record,) = start.record.glob("virtual-one-axis/*.axiscal")
     with served(record) as again:  # the record alone says which machine it is
         assert again.state()["shows"] == start.state()["shows"]
