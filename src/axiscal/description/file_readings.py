@@ -23,12 +23,12 @@ def file_readings(
 
     Raises ReadingError at the line that does not fit.
     """
-    told = ((row, row.beside) for row in raw if row.beside is not None)
-    for row, beside in [*told][:1]:  # it is the same probe in the whole file
+    told = next((row for row in raw if row.beside is not None), None)  # all readings of a file are by one probe
+    if told is not None and told.beside is not None:
         try:
-            campaign = _with_beside(campaign, setup_of(row, campaign)[0].name, beside)
+            campaign = _with_beside(campaign, setup_of(told, campaign)[0].name, told.beside)
         except InputError as failure:
-            raise ReadingError(failure.what, failure.remedy, file, row.line) from None
+            raise ReadingError(failure.what, failure.remedy, file, told.line) from None
     return campaign, placed_readings(raw, campaign, file)
 
 

@@ -116,7 +116,7 @@ def of_printer(file: Path, chain: str | None = None) -> Beginning:
     found, usual = read_printer(file), load_machine("printer-gantry")
     text = usual.text.replace(f'name = "{usual.name}"', f'name = "3D printer ({found.kinematics})"')
     text = re.sub(r'chain = "[^"]*"', lambda _: f'chain = "{chain or found.chain}"', text, count=1)
-    text = text.partition("\nname = ")[1].lstrip() + text.partition("\nname = ")[2]  # the figures of another printer
+    text = "name = " + text.partition("\nname = ")[2]  # what stands above are the figures of another printer
     for axis, (low, high) in found.travels.items():
         text = _stating(text, axis, "travel", f'["{low:g} mm", "{high:g} mm"]')
     for axis, speed in found.speeds.items():

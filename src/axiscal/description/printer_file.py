@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -45,7 +46,8 @@ def is_printer_file(path: Path) -> bool:
 
 def read_printer(path: Path) -> PrinterFile:
     """Return what a printer.cfg says; raises ReadingError for no file, DescriptionError with the line."""
-    read = _sections(path)
+    lines = read_text(path).lines
+    read = _sections(path, lines)
     stated = read.needed("printer", "kinematics", "corexy")
     if stated.text not in _CHAINS:
         what, remedy = "kinematics: {name} has no axes X, Y and Z that move by themselves", "Known are {known}"
@@ -61,13 +63,13 @@ def read_printer(path: Path) -> PrinterFile:
         }
         for of in ("velocity", "accel")
     )
-    beside = offset_in("\n".join(read_text(path).lines))
+    beside = offset_in("\n".join(lines))
     return PrinterFile(stated.text, _CHAINS[stated.text], travels, speeds, accelerations, beside)
 
 
-def _sections(path: Path) -> IniFile:
+def _sections(path: Path, lines: Sequence[str]) -> IniFile:
     read, section = IniFile(path), ""
-    for number, raw in enumerate(read_text(path).lines, start=1):
+    for number, raw in enumerate(lines, start=1):
         line = raw.rstrip()
         if line.startswith(("#", ";")):
             continue

@@ -268,11 +268,11 @@ def retoured(
         goal = _in_order(task, goal)
         tour = _grown(tour, goal, tour.budget) or tour
         tour.budget = tour.seconds
-    reaches = goal is not None and goal.reached(tour.places)
+    kept = goal.reached if goal is not None and goal.reached(tour.places) else None
     for _ in range(_ROUNDS):
         before, settled = tour.scores.state.value, tour.within(tour.budget)
         settle(settled)
-        if not reaches or goal is None or goal.reached(settled.places):  # less J need not be every row
+        if kept is None or kept(settled.places):  # a swap that lowers J may lose a row
             tour = settled
         if patient.spent or not len(tour.scores.places):
             break
