@@ -208,7 +208,7 @@ def first_files(begun: Beginning, instruments: Sequence[str], target: str) -> Fi
         )
     if target:
         parse_quantity(target, "length")
-    machine = _with_stylus(begun.text) if "sphere" in instruments else begun.text
+    machine = _with_sizes(begun.text, instruments)
     text = first_campaign(machine_from_text(machine), "machine.toml", instruments, target, begun.active)
     if begun.beside is not None:
         x, y = (format_quantity(each, "mm", 6) for each in begun.beside)
@@ -222,13 +222,17 @@ def first_files(begun: Beginning, instruments: Sequence[str], target: str) -> Fi
     return FirstFiles(texts, setups)
 
 
-def _with_stylus(machine: str) -> str:
-    """Return the text of a machine with the ball of a stylus, where it says of none."""
-    if machine_from_text(machine).stylus > 0:
-        return machine
-    return machine.replace(
-        "[tool]\n", '[tool]\nstylus = "6 mm"                # CHECK: diameter of the ball of the stylus\n', 1
-    )
+_HEAD = 'head = ["130 mm", "130 mm"]    # CHECK: diameter and height of the spindle nose with what carries it'
+_STYLUS = """stylus = "6 mm"                # CHECK: diameter of the ball of the stylus
+reach = "50 mm"                # CHECK: how far the stylus stands free below the body of the probe"""
+
+
+def _with_sizes(machine: str, instruments: Sequence[str]) -> str:
+    """Return the text of a machine with stylus and spindle nose, where it says nothing of them and balls are read."""
+    known = machine_from_text(machine)
+    lacking = [_STYLUS] if "sphere" in instruments and known.stylus <= 0 else []
+    lacking += [_HEAD] if not known.head and {"sphere", "ballbar"} & set(instruments) else []
+    return machine.replace("[tool]\n", "\n".join(["[tool]", *lacking, ""]), 1)
 
 
 def write_files(folder: Path, texts: Mapping[str, str]) -> None:
