@@ -264,7 +264,7 @@ def _event(call: str, name: str, rest: str, ending: bool) -> Iterator[Event]:
         yield Wait(float(rest))
     elif call == "PROGRAM_STOP()":
         yield Halt()
-    elif name == "COMMENT":
+    elif name in ("COMMENT", "MESSAGE"):
         yield from _mark(rest.strip('"'))
     elif name in {"SET_G5X_OFFSET", "SET_G92_OFFSET", "USE_TOOL_LENGTH_OFFSET"}:
         assert set(re.findall(r"\d+\.\d+", rest)) == {"0.0000"}, call
