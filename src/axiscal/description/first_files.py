@@ -19,7 +19,7 @@ from axiscal.description.ini_machine import IniMachine, machine_of
 from axiscal.description.printer_file import is_printer_file, read_printer
 from axiscal.document.durable import write_whole
 from axiscal.document.quoting import shown, toml_value
-from axiscal.exceptions import DescriptionError, RecordError
+from axiscal.exceptions import DescriptionError, InputError, RecordError
 from axiscal.language.spoken import LANGUAGES, later, said, speaking
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.axis import letter_direction
@@ -213,7 +213,11 @@ def first_files(begun: Beginning, instruments: Sequence[str], target: str) -> Fi
     if begun.beside is not None:
         x, y = (format_quantity(each, "mm", 6) for each in begun.beside)
         text = text.replace(UNSAID_OFFSET, f'offset = ["{x}", "{y}", "0 mm"]', 1)
-    setups = len(campaign_from_texts(text, said("campaign.toml (not written)"), machine, "machine.toml").setups)
+    try:
+        setups = len(campaign_from_texts(text, "campaign.toml", machine, "machine.toml").setups)
+    except InputError as fault:  # it stands in a file that nobody has
+        what = "What is usual of {instruments} cannot be read on this machine: {fault}"
+        raise DescriptionError(what, fault.remedy, instruments=", ".join(instruments), fault=fault.what) from None
     texts = {
         "machine.toml": f"#:schema ./machine.schema.json\n{machine.rstrip()}\n",
         "campaign.toml": text,
