@@ -173,7 +173,8 @@ def _once(file: VcompFile, at: Array, ways: Array) -> Array:
         off = off + axis.side * (found[:, :3] + np.cross(found[:, 3:], carried)) + np.cross(axis.tilt, way)
         point, moves[k] = point + way, np.tile(e, (count, 1))
     ways = list(moves.values())
-    directions = np.stack(ways if len(ways) == 3 else [*ways, np.cross(*ways)], axis=2)
+    across = [np.cross(ways[0], ways[1])] if len(ways) == 2 else []
+    directions = np.stack([*ways, *across], axis=2)
     if np.any(np.abs(np.linalg.det(directions)) < LEAST_DETERMINANT):
         raise TableError("the linear axes do not span space at some poses", "keep the volume away from there")
     out[:, list(moves)] = -np.linalg.solve(directions, off[:, :, None])[:, : len(ways), 0]
