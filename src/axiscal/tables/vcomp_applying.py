@@ -172,12 +172,12 @@ def _once(file: VcompFile, at: Array, ways: Array) -> Array:
         carried = point if axis.side > 0 else point + way
         off = off + axis.side * (found[:, :3] + np.cross(found[:, 3:], carried)) + np.cross(axis.tilt, way)
         point, moves[k] = point + way, np.tile(e, (count, 1))
-    ways = list(moves.values())
-    across = [np.cross(ways[0], ways[1])] if len(ways) == 2 else []
-    directions = np.stack([*ways, *across], axis=2)
+    along = list(moves.values())
+    across = [np.cross(along[0], along[1])] if len(along) == 2 else []
+    directions = np.stack([*along, *across], axis=2)
     if np.any(np.abs(np.linalg.det(directions)) < LEAST_DETERMINANT):
         raise TableError("the linear axes do not span space at some poses", "keep the volume away from there")
-    out[:, list(moves)] = -np.linalg.solve(directions, off[:, :, None])[:, : len(ways), 0]
+    out[:, list(moves)] = -np.linalg.solve(directions, off[:, :, None])[:, : len(along), 0]
     return out
 
 
