@@ -24,7 +24,7 @@ _SQUARE = 1e-9
 """Sine: a post that leans by less stands straight."""
 
 
-class Part(NamedTuple):
+class Cylinder(NamedTuple):
     """A cylinder about the stem.  start, stop : m from the tip towards the spindle; radius : m"""
 
     start: float
@@ -32,14 +32,14 @@ class Part(NamedTuple):
     radius: float
 
 
-def parts(machine: Machine) -> tuple[Part, ...]:
+def parts(machine: Machine) -> tuple[Cylinder, ...]:
     """Return what moves, from the tip on: stylus, tool with holder, spindle nose. The first of them is what touches."""
     free = min(machine.reach, machine.tool) if machine.stylus > 0 else 0.0
-    body = Part(free, machine.tool, machine.tool_radius)
-    found = [Part(-machine.stylus / 2, free, machine.stylus / 2), body] if machine.stylus > 0 else [body]
+    body = Cylinder(free, machine.tool, machine.tool_radius)
+    found = [Cylinder(-machine.stylus / 2, free, machine.stylus / 2), body] if machine.stylus > 0 else [body]
     if machine.head:
         wide, high = machine.head
-        found.append(Part(machine.tool, machine.tool + high, wide / 2))
+        found.append(Cylinder(machine.tool, machine.tool + high, wide / 2))
     return tuple(found)
 
 
