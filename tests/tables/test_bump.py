@@ -1,4 +1,4 @@
-"""A bump in mid travel tells which way a control takes its tables, and a control that takes them the other way is told."""
+"""A bump in mid travel tells which way a control takes its tables: as assumed, or the other way round."""
 
 from __future__ import annotations
 
@@ -40,5 +40,5 @@ def test_two_readings_tell_which_way_a_control_takes_its_tables(controller: str,
 def test_a_control_whose_sign_is_stated_needs_no_bump_and_one_that_did_not_come_is_said() -> None:
     with pytest.raises(TableError, match="linuxcnc states which way it takes its tables"):
         bumped(known("small")[0], "linuxcnc", exporter("linuxcnc").unstated)
-    with pytest.raises(TableError, match="the bump moved the tool by 0.2 um"):
+    with pytest.raises(TableError, match=r"the bump moved the tool by 0\.2 um"):
         other_way(0.2e-6)
