@@ -68,6 +68,12 @@ retract = "{rng.choice([25, 40])} mm"
 """
 
 
+def offered_board(source: str) -> str:
+    """Return the board that is offered for a machine, in its first placement; raises DescriptionError for none."""
+    text = first_campaign(machine_from_text(source), "machine.toml", ["sphere"], "")
+    return "[[setups]]".join(text.split("[[setups]]")[:2])
+
+
 def program(campaign: CampaignDescription, rng: np.random.Generator) -> str:
     """Return the program of a few readings of the first set-up."""
     found = spread(campaign.machine, campaign.setups[:1], 40)
@@ -114,11 +120,7 @@ def judged(seed: int, careless: bool = False) -> str:
     printed = printed_machine(source)
     offered = seed % 2 == 0
     try:
-        text = (
-            first_campaign(machine_from_text(source), "machine.toml", ["sphere"], "")
-            if offered
-            else a_board(rng, printed)
-        )
+        text = offered_board(source) if offered else a_board(rng, printed)
     except DescriptionError:
         return "not offered"
     known = re.sub(r"(radius|reach) = .*\n", "", source) if careless else source
@@ -157,8 +159,8 @@ def test_posts_that_init_offers_are_below_the_nose_that_touches_beside_them() ->
 def test_a_program_says_at_its_head_and_at_its_stops_what_stands_where() -> None:
     rng = np.random.default_rng(0)
     source = a_machine(rng)
-    offered = first_campaign(machine_from_text(source), "machine.toml", ["sphere"], "")
-    lines = program(campaign_from_texts(offered, "campaign.toml", source, "machine.toml"), rng).splitlines()
+    campaign = campaign_from_texts(offered_board(source), "campaign.toml", source, "machine.toml")
+    lines = program(campaign, rng).splitlines()
     assert sum(line.startswith("; BALL ") and line.endswith("AND ITS POST") for line in lines) == 8
     assert "; NOTHING ELSE STANDS IN THE WAY" in lines
     assert sum(line.startswith(("; STYLUS", "; HOLDER", "; NOSE")) for line in lines) == 3
