@@ -16,7 +16,7 @@ from pydantic import Field
 
 from axiscal.description.artefacts import read_artefacts
 from axiscal.description.campaign_schema import CampaignTable, ReportTable, SistersTable
-from axiscal.description.setups import at_each_place, read_setups
+from axiscal.description.setups import each_alone, read_setups
 from axiscal.description.sites import Surroundings
 from axiscal.description.stated_type_b import REFERENCE, Unsourced, refers_to_20, unsourced
 from axiscal.description.target import Target, read_target
@@ -59,7 +59,7 @@ def read_particulars(table: CampaignTable, machine: Machine) -> Particulars:
     """Return who measured with what."""
     built = tomllib.loads(machine.text)
     of_machine = {key: str(built.get(key, "")) for key in ("maker", "serial")}
-    mounted = [each for one in table.setups for each in at_each_place(one)]
+    mounted = [each for one in table.setups for each in each_alone(one)]
     said = mounted, table.artefacts
     setups, artefacts = ({each.name: Equipment(each.serial, each.certificate) for each in tables} for tables in said)
     return Particulars(**table.report.model_dump(), **of_machine, setups=setups, artefacts=artefacts)

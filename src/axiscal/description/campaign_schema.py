@@ -236,6 +236,9 @@ class SetupTable(Table):
         None, examples=['[["0 mm", "0 mm", "0 mm"], […]]']
     )
     length: Bar | None = Field(None, examples=['"150 mm"'])
+    lengths: dict[str, Annotated[tuple[Vector, Vector], ReadAs(list[Spot], line_ends)]] = Field(
+        default={}, examples=['{ low = [["0 mm", "0 mm", "0 mm"], ["100 mm", "0 mm", "0 mm"]] }']
+    )
     stroke: Annotated[float, ReadAs(Length, _stroke, by=True)] | None = Field(None, examples=['"1 mm"'])
     plane: Annotated[tuple[Vector, Vector], ReadAs(str | list[str | list[float | int]], plane_ways)] | None = Field(
         None, examples=['"xy"']
