@@ -39,6 +39,7 @@ from axiscal.description.fields import (
     line_ends,
     plane_ways,
 )
+from axiscal.description.screws import ScrewsTable
 from axiscal.description.target import TargetTable
 from axiscal.description.type_b import type_b_names
 from axiscal.document import Length, QuantityText, meant, shown
@@ -346,6 +347,7 @@ class CampaignTable(Table):
     )
     programs: ProgramsTable = Field(default_factory=lambda: ProgramsTable.model_validate({}))
     report: ReportTable = Field(default_factory=lambda: ReportTable.model_validate({}))
+    screws: ScrewsTable | None = Field(None, examples=['{ thread = "CW-M4", places = {…} }'])
     setups: list[SetupTable] = Field(examples=["[…]"])
 
 
