@@ -58,7 +58,8 @@ def read_printer(path: Path) -> PrinterFile:
     read = _sections(path, lines)
     stated = read.needed("printer", "kinematics", "corexy")
     if stated.text not in _CHAINS:
-        what, remedy = "kinematics: {name} has no axes X, Y and Z that move by themselves", "Known are {known}"
+        what = "kinematics: {name} has no axes X, Y and Z that move by themselves"
+        remedy = "Known are {known}; docs/scope.md says what to use instead"
         raise stated.fail(what, remedy, name=stated.text, known=", ".join(_CHAINS))
     travels = {axis: _travel(read, f"stepper_{axis.lower()}") for axis in "XYZ"}
     travels["Z"] = (max(travels["Z"][0], 0.0), travels["Z"][1])  # below the bed a probe only looks for it
