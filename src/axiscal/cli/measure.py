@@ -46,6 +46,7 @@ from axiscal.present.guide.question import (
     coordinates_text,
     degrees,
     question_text,
+    stands,
 )
 from axiscal.present.result_set import RECORD
 from axiscal.present.summarising import Extras
@@ -93,7 +94,9 @@ class Prompt:
 
     def _asked(self, prompt: str, question: Question, *, standing: bool) -> _Then:
         setup = self.campaign.description.setup(question.setup)
-        return self._until_done(lambda: self._heed(answer(ask(prompt), setup), question, standing))
+        return self._until_done(
+            lambda: self._heed(answer(ask(prompt), setup, stands(self.campaign)), question, standing)
+        )
 
     def _warmed(self) -> _Then:
         """Ask how warm the scale is; Enter is that nobody has measured it."""

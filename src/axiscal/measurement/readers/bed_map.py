@@ -21,6 +21,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import joined
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
 from axiscal.measurement.readers.text_file import TextFile, read_text
+from axiscal.measurement.setup import Vector
 from axiscal.units import from_unit
 
 Rows = list[tuple[int, list[str]]]
@@ -32,6 +33,9 @@ _OPTION = re.compile(r"([a-z_]+)\s*[=:]\s*(.*)")
 _OF_MESH = re.compile(r"version|points|[xy]_count|mesh_[xy]_pps|algo|tension|(min|max)_[xy]")
 _OF_STATUS = ("bed_mesh", "probed_matrix", "profiles")
 _CONSOLE = "Mesh Leveling Probed Z positions:"
+_AT_NOZZLE = re.compile(r"probe at ([^\s,]+),([^\s,]+) is z=(\S+)(.*)")
+_AT_BED = re.compile(r"probe: at ([^\s,]+),([^\s,]+) bed will contact at z=(\S+)(.*)")
+"""What Klipper prints of each touch, until 2025 and since."""
 _TIME = r"(?:[\d-]{10} )?\d\d?:\d\d(?::\d\d)?(?:[.,]\d+)?\s*(?:[AP]M\s*)?(?:- )?"
 _LOG = re.compile(rf"^\s*(?:{_TIME})?(?:Recv:|<<<|>>>|[<>])?\s*(?:echo:|//)?\s*")
 _NUMBER = re.compile(r"[-+]?[\d.]+(?:e[-+]?\d+)?|nan")
@@ -240,15 +244,51 @@ def _sequence(value: object) -> list[Any]:
 
 def console(file: TextFile, around: Around) -> Found:
     """Return the readings of what BED_MESH_OUTPUT printed, rows along y; raises ReadingError."""
-    begins = [number for number, line in enumerate(file.lines, 1) if _CONSOLE in line]
+    found = without_places(file, *rows_below(file, _CONSOLE), around)
+    return found.readings(found.filled())
+
+
+def rows_below(file: TextFile, title: str) -> tuple[Rows, int]:
+    """Return the first lines of nothing but numbers below a title, and its line; raises ReadingError for two maps."""
+    begins = [number for number, line in enumerate(file.lines, 1) if title in line]
     refuse_others(file, begins)
     rows = Rows()
     for number, text in (each for each in told_lines(file) if each[0] > begins[0]):
-        if not text or not all(map(_NUMBER.fullmatch, text.split())):
+        if text and all(map(_NUMBER.fullmatch, text.split())):
+            rows.append((number, text.split()))
+        elif rows:
             break
-        rows.append((number, text.split()))
-    found = without_places(file, rows, begins[0], around)
-    return found.readings(found.filled())
+    return rows, begins[0]
+
+
+def is_klipper_probed(file: TextFile) -> bool:
+    """Return whether Klipper printed a point that it probed."""
+    return any(_AT_NOZZLE.match(text) or _AT_BED.match(text) for _, text in told_lines(file))
+
+
+def klipper_probed(file: TextFile, around: Around) -> Found:
+    """Return the readings of points that Klipper printed; raises ReadingError.
+
+    Older versions print where the nozzle stood: the probe stands beside it as the set-up says.
+    """
+    aside = next((setup.offset for setup in around.setups if setup.offset is not None), None) or (0.0, 0.0, 0.0)
+    pattern = _AT_BED if any(_AT_BED.match(text) for _, text in told_lines(file)) else _AT_NOZZLE
+    return points_of(file, pattern, aside if pattern is _AT_NOZZLE else (0.0, 0.0, 0.0))
+
+
+def points_of(file: TextFile, pattern: re.Pattern[str], aside: Vector = (0.0, 0.0, 0.0)) -> Found:
+    """Return the readings of lines with X, Y, Z and nothing behind; raises ReadingError.  aside : of each place, m"""
+    found, count, line = list[RawReading](), 0, 1
+    for line, text in told_lines(file):
+        if point := pattern.match(text):
+            if point[4].strip():
+                raise file.fail("{text!r} is not X, Y and Z", "give the lines as printed", line, text=text[:60])
+            x, y = (
+                file.length(each, "place", line) + off for each, off in zip(point.groups()[:2], aside, strict=False)
+            )
+            found += height(file, x, y, point[3], line)
+            count += 1
+    return probed_of(file, found, count, line)
 
 
 def told_lines(file: TextFile) -> Iterator[tuple[int, str]]:

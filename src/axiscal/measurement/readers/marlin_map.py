@@ -1,4 +1,4 @@
-"""Bed maps as Marlin prints them: topography of UBL, grids of M420 V, nodes of M421 and M503, points of G29 V4.
+"""Bed maps as Marlin prints them: topographies, grids of M420 V, nodes of M421 and M503, points of G29 V4.
 
 Lines of a terminal's log around the map do not count. Cells that nobody probed are `.`, `=====` or NAN, and nodes that
 no line sets where the set-up says how many there are.
@@ -9,12 +9,21 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from axiscal.measurement.readers.bed_map import Rows, grid, height, probed_of, refuse_others, told_lines, without_places
-from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
+from axiscal.measurement.readers.bed_map import (
+    Rows,
+    grid,
+    points_of,
+    refuse_others,
+    rows_below,
+    told_lines,
+    without_places,
+)
+from axiscal.measurement.readers.csv_readings import Around, Found
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import from_unit
 
 _TOPOGRAPHY = "Bed Topography Report"
+_LINEAR = "Bed Height Topography:"
 _PRINTED = re.compile(r"Bilinear Leveling Grid:|Measured points:")
 _LABELLED = re.compile(r"(\d{1,3}) ?\|(.*)")
 _CORNER = re.compile(r"\(\s*(-?[\d.]+),\s*(-?[\d.]+)\)")
@@ -129,12 +138,15 @@ def nodes(file: TextFile, around: Around) -> Found:
 
 def probed(file: TextFile, around: Around) -> Found:
     """Return the readings of lines of G29 V4; raises ReadingError."""
-    found, count, line = list[RawReading](), 0, 1
-    for line, text in told_lines(file):
-        if point := _POINT.match(text):
-            if point[4].strip():
-                raise file.fail("{text!r} is not X, Y and Z", "give the lines as printed", line, text=text[:60])
-            x, y = (file.length(each, "place", line) for each in point.groups()[:2])
-            found += height(file, x, y, point[3], line)
-            count += 1
-    return probed_of(file, found, count, line)
+    return points_of(file, _POINT)
+
+
+def is_linear(file: TextFile) -> bool:
+    """Return whether a line begins the topography of a level plane (G29 T of a linear Marlin)."""
+    return any(_LINEAR in line for line in file.lines)
+
+
+def linear(file: TextFile, around: Around) -> Found:
+    """Return the readings of that topography, from their mean, the last row first; raises ReadingError."""
+    rows, begins = rows_below(file, _LINEAR)
+    return without_places(file, rows[::-1], begins, around).readings()
