@@ -51,6 +51,8 @@ _ENDS: dict[Verdict, str] = {
     "contradict": later("READINGS CONTRADICT"),
     "nothing": later("NO READINGS YET"),
 }
+_UNUSED = later("NOT MEASURED")
+"""Where none of the readings is used."""
 VERDICTS = {"pass": later("PASS"), "fail": later("FAIL"), "undecided": later("UNDECIDED")}
 _AIMS = {
     "rms": later("{volume} RMS {now} of {limit} {unit}"),
@@ -115,7 +117,7 @@ def _first_line(answer: ResultAnswer) -> FirstLine:
             "{count} MORE READING, {coming} MIN", "{count} MORE READINGS, {coming} MIN", answer.more, coming=coming
         )
     else:
-        verdict = said(_ENDS[answer.verdict])
+        verdict = said(_ENDS[answer.verdict] if answer.compared or not answer.readings else _UNUSED)
     taken = counted("{count} reading", "{count} readings", answer.readings)
     minutes = minutes_text(answer.minutes)
     time = said("{minutes} min" if answer.clocked else "{minutes} min by the plan", minutes=minutes)
@@ -211,7 +213,7 @@ def by_kind(rows: Sequence[_Row]) -> list[list[_Row]]:
 
 def _agreement(answer: ResultAnswer, words: str) -> str:
     """Return how many readings agree, "" before the first.  words : sentence where they contradict or are not used"""
-    if not answer.compared:
+    if not answer.readings:
         return ""
     if answer.verdict == "contradict" or answer.left_out:
         return put("{words}.", words=words)

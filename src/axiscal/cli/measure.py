@@ -27,9 +27,10 @@ from axiscal.language.spoken import counted, decimals, said, speaking, spoken_no
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import (
     Progress,
+    confirmed,
     contradictions,
     doubted,
-    jump_named,
+    named_now,
     open_temperature,
     others_doubted,
     set_anew,
@@ -161,16 +162,16 @@ class Prompt:
             vouched = word == "v"
             if word == "a":
                 say(f"  {set_anew(self.campaign, question.setup)}")
-        before, jump = doubted(self.campaign), jump_named(self.campaign)
+        before, told = doubted(self.campaign), named_now(self.campaign)
         value, *others = (float(each) for each in typed)
         kept = self.campaign.record(value, accepted=vouched, others=tuple(others))
         at = coordinates_text(question.places, moves=True) or said('set-up "{setup}"', setup=question.setup)
         say("  " + said("kept reading {number} at {place}; it is on the disk", number=kept.number, place=at))
-        minds, named = others_doubted(self.campaign, before), jump_named(self.campaign)
-        if named is not None and named != jump:
+        minds, named = others_doubted(self.campaign, before), named_now(self.campaign)
+        if named is not None and named != told:
             say(f"  {named.question}")
             if _is_yes(said("Type yes if so, Enter if not:")):
-                say(f"  {set_anew(self.campaign, named.setup, named.number)}")
+                say(f"  {confirmed(self.campaign, named)}")
                 minds = []
         for sentence in [*minds, *contradictions(self.campaign)]:
             say("  " + said("Mind: {sentence}", sentence=sentence))
