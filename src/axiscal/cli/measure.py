@@ -253,6 +253,7 @@ def help_text() -> str:
     rows = (
         ("-1.7", said("keep a reading, in the unit that is shown; a decimal comma does as well")),
         ("0.0021 mm", said("keep a reading in another unit")),
+        (said("found X Y Z"), said("where the axes stood with the ball found, in mm")),
         ("Enter", said("show the question again")),
         (undo, said("take back the last reading or skip")),
         (f"{skip} {because}", said("the reading cannot be taken")),

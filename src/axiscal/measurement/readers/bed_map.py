@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 from pathlib import Path
@@ -32,7 +32,7 @@ _RECTANGLE, _ROUND = re.compile(r"\[bed_mesh\]"), re.compile(r"\s*mesh_radius\s*
 _OPTION = re.compile(r"([a-z_]+)\s*[=:]\s*(.*)")
 _OF_MESH = re.compile(r"version|points|[xy]_count|mesh_[xy]_pps|algo|tension|(min|max)_[xy]")
 _OF_STATUS = ("bed_mesh", "probed_matrix", "profiles")
-_CONSOLE = "Mesh Leveling Probed Z positions:"
+_CONSOLE = re.compile("Mesh Leveling Probed Z positions:")
 _AT_NOZZLE = re.compile(r"probe at ([^\s,]+),([^\s,]+) is z=(\S+)(.*)")
 _AT_BED = re.compile(r"probe: at ([^\s,]+),([^\s,]+) bed will contact at z=(\S+)(.*)")
 """What Klipper prints of each touch, until 2025 and since."""
@@ -145,11 +145,6 @@ def is_moonraker(file: TextFile) -> bool:
     return first.lstrip().startswith("{") and any(f'"{key}"' in line for line in file.lines for key in _OF_STATUS)
 
 
-def is_console(file: TextFile) -> bool:
-    """Return whether a line is that by which BED_MESH_OUTPUT begins."""
-    return any(_CONSOLE in line for line in file.lines)
-
-
 def _profiles(file: TextFile) -> dict[int, str]:
     """Return the names of the meshes by their lines."""
     return {number: begin[1] for number, line in enumerate(file.lines, 1) if (begin := _BLOCK.match(line))}
@@ -248,22 +243,16 @@ def console(file: TextFile, around: Around) -> Found:
     return found.readings(found.filled())
 
 
-def rows_below(file: TextFile, title: str) -> tuple[Rows, int]:
+def rows_below(file: TextFile, title: re.Pattern[str]) -> tuple[Rows, int]:
     """Return the first lines of nothing but numbers below a title, and its line; raises ReadingError for two maps."""
-    begins = [number for number, line in enumerate(file.lines, 1) if title in line]
-    refuse_others(file, begins)
+    begin, below = below_title(file, title)
     rows = Rows()
-    for number, text in (each for each in told_lines(file) if each[0] > begins[0]):
+    for number, text in below:
         if text and all(map(_NUMBER.fullmatch, text.split())):
             rows.append((number, text.split()))
         elif rows:
             break
-    return rows, begins[0]
-
-
-def is_klipper_probed(file: TextFile) -> bool:
-    """Return whether Klipper printed a point that it probed."""
-    return any(_AT_NOZZLE.match(text) or _AT_BED.match(text) for _, text in told_lines(file))
+    return rows, begin
 
 
 def klipper_probed(file: TextFile, around: Around) -> Found:
@@ -272,7 +261,7 @@ def klipper_probed(file: TextFile, around: Around) -> Found:
     Older versions print where the nozzle stood: the probe stands beside it as the set-up says.
     """
     aside = next((setup.offset for setup in around.setups if setup.offset is not None), None) or (0.0, 0.0, 0.0)
-    pattern = _AT_BED if any(_AT_BED.match(text) for _, text in told_lines(file)) else _AT_NOZZLE
+    pattern = _AT_BED if telling(_AT_BED)(file) else _AT_NOZZLE
     return points_of(file, pattern, aside if pattern is _AT_NOZZLE else (0.0, 0.0, 0.0))
 
 
@@ -297,11 +286,23 @@ def told_lines(file: TextFile) -> Iterator[tuple[int, str]]:
         yield number, _LOG.sub("", line).rstrip()
 
 
-def refuse_others(file: TextFile, begins: Sequence[int]) -> None:
-    """Raise ReadingError where a file has more than one map.  begins : their lines"""
+def telling(*patterns: re.Pattern[str]) -> Callable[[TextFile], bool]:
+    """Return what tells whether a line of a file begins with one of some patterns."""
+    return lambda file: any(pattern.match(text) for _, text in told_lines(file) for pattern in patterns)
+
+
+def below_title(file: TextFile, title: re.Pattern[str]) -> tuple[int, list[tuple[int, str]]]:
+    """Return the line of a title, and the numbered lines below it; raises ReadingError for more than one map."""
+    lines = list(told_lines(file))
+    begins = [number for number, text in lines if title.match(text)]
     if len(begins) > 1:
         what = "there are {count} maps in this file"
         raise file.fail(what, "keep the one that is to count", begins[1], count=len(begins))
+    return begins[0], lines[begins[0] :]
+
+
+is_console, is_klipper_probed = telling(_CONSOLE), telling(_AT_NOZZLE, _AT_BED)
+"""Whether a line is that by which BED_MESH_OUTPUT begins, or a point that Klipper probed."""
 
 
 def without_places(file: TextFile, rows: Rows, line: int, around: Around) -> NodeGrid:
