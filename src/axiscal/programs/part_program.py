@@ -23,6 +23,7 @@ Spot = tuple[float, float, float]
 
 _LETTERS, _CENTRES = "XYZ", "IJK"
 _PLANES: Mapping[str, Plane] = {"17": (0, 1, 2), "18": (2, 0, 1), "19": (1, 2, 0)}
+"""By G17, G18 and G19 (RS274/NGC)."""
 _UNITS: Mapping[str, Literal["mm", "in"]] = {"21": "mm", "20": "in"}
 _OFFSETS = ("54", "55", "56", "57", "58", "59", "59.1", "59.2", "59.3")
 _HOME = ("28", "30", "53")
@@ -31,6 +32,7 @@ _KEPT = frozenset(
 )
 _FORMS = ("90", "91", "90.1", "91.1")
 _MOTIONS: Mapping[str, Code] = {"0": 0, "1": 1, "2": 2, "3": 3}
+"""By G0 to G3 (RS274/NGC)."""
 _AT_ONCE, _AT_END = ("3", "4", "5", "6", "7", "8", "9", "48", "49"), ("0", "1", "2", "30")
 _COMMENT = re.compile(r"\([^()]*\)|;.*")
 _WORD = re.compile(r"([A-Z])([-+]?(?:\d+\.?\d*|\.\d+))")
