@@ -109,7 +109,8 @@ class _LineReader:
         self._file, self._number, self._text, self._modes = file, number, text, modes
         self._words = list(self._split())
 
-    def _fail(self, what: str, remedy: str, **values: object) -> ReadingError:
+    def fail(self, what: str, remedy: str, **values: object) -> ReadingError:
+        """Return the error that places a fault in this line."""
         return self._file.fail(what, remedy, self._number, **values)
 
     def _split(self) -> Iterator[tuple[str, str]]:
@@ -118,7 +119,7 @@ class _LineReader:
             found = _WORD.match(bare)
             if found is None:
                 remedy = "Take the line out, or write the program without subroutines, variables and settings"
-                raise self._fail("{text} is no word of a program that can be rewritten", remedy, text=repr(bare[:20]))
+                raise self.fail("{text} is no word of a program that can be rewritten", remedy, text=repr(bare[:20]))
             yield found[1], found[2]
             bare = bare[found.end() :]
 
@@ -145,9 +146,9 @@ class _LineReader:
         for letter, value in self._words:
             known = letter in "XYZIJKRFSTNPHQ" if letter not in "GM" else self._knows(letter, _plain(value))
             if not known:
-                raise self._fail("{word} is not understood", remedy, word=letter + value)
+                raise self.fail("{word} is not understood", remedy, word=letter + value)
             if letter in found:
-                raise self._fail("{letter} stands twice in this line", "Keep one of them", letter=letter)
+                raise self.fail("{letter} stands twice in this line", "Keep one of them", letter=letter)
             if letter not in "GM":
                 found[letter] = float(value)
         return found
@@ -160,11 +161,11 @@ class _LineReader:
         modes = self._modes
         motions = [code for code in codes if code in _MOTIONS]
         if len(motions) > 1:
-            raise self._fail("two motions stand in one line", "Write a line for each")
+            raise self.fail("two motions stand in one line", "Write a line for each")
         for code in codes:
             if code in _OFFSETS and modes.offset not in ("", code):
                 what, remedy = "G{code} is another work offset than G{first}", "Write a program for each offset"
-                raise self._fail(what, remedy, code=code, first=modes.offset)
+                raise self.fail(what, remedy, code=code, first=modes.offset)
             modes = replace(
                 modes,
                 unit=_UNITS.get(code, modes.unit),
@@ -177,15 +178,15 @@ class _LineReader:
         tool = next((_plain(value) for letter, value in self._words if letter == "T"), modes.tool)
         if tool != modes.tool and modes.tool not in ("", "0"):
             what, remedy = "T{tool} is another tool than T{first}", "Write a program for each tool"
-            raise self._fail(what, remedy, tool=tool, first=modes.tool)
+            raise self.fail(what, remedy, tool=tool, first=modes.tool)
         return replace(modes, tool=tool)
 
     def _moved(self, modes: _Modes, numbers: Mapping[str, float]) -> tuple[PartLine, _Modes]:
         """Return a motion, and the modes with the tool at its end."""
         if modes.code is None:
-            raise self._fail("it is not said how the tool goes there", "Write G0, G1, G2 or G3 in this line")
+            raise self.fail("it is not said how the tool goes there", "Write G0, G1, G2 or G3 in this line")
         if not modes.absolute and any(letter in numbers and math.isnan(at) for letter, at in self._axes(modes)):
-            raise self._fail("it is not known from where G91 counts", "Go to a place with G90 first")
+            raise self.fail("it is not known from where G91 counts", "Go to a place with G90 first")
         places = {
             key: float(from_unit(numbers[key], modes.unit)) for key in (*_LETTERS, *_CENTRES, "R") if key in numbers
         }
@@ -196,7 +197,7 @@ class _LineReader:
         end = ends[0], ends[1], ends[2]
         if modes.code and any(map(math.isnan, end)):
             lost = next(letter for letter, at in zip(_LETTERS, end, strict=True) if math.isnan(at))
-            raise self._fail("it is not known where {axis} stands here", "Go to X, Y and Z with G0 before", axis=lost)
+            raise self.fail("it is not known where {axis} stands here", "Go to X, Y and Z with G0 before", axis=lost)
         motion = PartMotion(modes.code, modes.at, end)
         if modes.code > 1:
             motion = replace(motion, plane=modes.plane, centre=self._centre(motion, modes, places))
@@ -210,13 +211,13 @@ class _LineReader:
 
     def _centre(self, motion: PartMotion, modes: _Modes, places: Mapping[str, float]) -> Spot:
         if not motion.known:
-            raise self._fail("it is not known where this arc begins", "Go to X, Y and Z with G0 before")
+            raise self.fail("it is not known where this arc begins", "Go to X, Y and Z with G0 before")
         u, v, w = modes.plane
         centre = list(motion.start)
         if "R" in places:
             across = math.dist((motion.start[u], motion.start[v]), (motion.end[u], motion.end[v])) / 2
             if not 0 < across <= abs(places["R"]) + _SAME:
-                raise self._fail("no circle of this radius goes through both ends", "Write its centre as I, J, K")
+                raise self.fail("no circle of this radius goes through both ends", "Write its centre as I, J, K")
             sign = math.copysign(1.0, places["R"]) * (1.0 if motion.code == 3 else -1.0)
             aside = sign * math.sqrt(max(places["R"] ** 2 - across**2, 0.0)) / (2 * across)
             way = motion.end[u] - motion.start[u], motion.end[v] - motion.start[v]
@@ -230,7 +231,7 @@ class _LineReader:
             apart = [math.dist((p[u], p[v]), (centre[u], centre[v])) for p in (motion.start, motion.end)]
             if min(apart) <= 0 or abs(apart[0] - apart[1]) > max(_SAME, 1e-3 * apart[0]):
                 what = "the ends of this arc are not equally far from its centre"
-                raise self._fail(what, "Write G91.1 where I, J, K count from the start, G90.1 where from zero")
+                raise self.fail(what, "Write G91.1 where I, J, K count from the start, G90.1 where from zero")
         return centre[0], centre[1], centre[w] if w == 2 else centre[2]
 
     def _said(self, without: str) -> str:
