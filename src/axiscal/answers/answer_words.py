@@ -21,7 +21,14 @@ from axiscal.answers.answer import (
     TablesChecked,
     Verdict,
 )
-from axiscal.answers.row_words import row_names, said_row, signed_text, signs_sentence, warmth_sentence
+from axiscal.answers.row_words import (
+    row_names,
+    said_row,
+    screws_sentence,
+    signed_text,
+    signs_sentence,
+    warmth_sentence,
+)
 from axiscal.language.spoken import counted, ending, joined, later, listed, put, said
 from axiscal.tables.registry import exporter
 
@@ -86,7 +93,14 @@ def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str 
     """
     groups = measured_rows(answer, ROOM)
     spare = ["", ""] if cut else [signs_sentence(groups), warmth_sentence(answer.rows)]  # a terminal may have no room
-    found = [*spare, _agreement(answer, agreement), _unmeasured(answer, cut), _beside(answer), _checked(answer.checked)]
+    found = [
+        *spare,
+        _agreement(answer, agreement),
+        _unmeasured(answer, cut),
+        _beside(answer),
+        screws_sentence(answer.screws),
+        _checked(answer.checked),
+    ]
     return AnswerText(
         _first_line(answer),
         table_lines(groups, controls_of(groups)) if groups else [],

@@ -47,6 +47,7 @@ from axiscal.present.guide.question import (
     coordinates_text,
     degrees,
     question_text,
+    stands,
 )
 from axiscal.present.result_set import RECORD
 from axiscal.present.summarising import Extras
@@ -94,7 +95,9 @@ class Prompt:
 
     def _asked(self, prompt: str, question: Question, *, standing: bool) -> _Then:
         setup = self.campaign.description.setup(question.setup)
-        return self._until_done(lambda: self._heed(answer(ask(prompt), setup), question, standing))
+        return self._until_done(
+            lambda: self._heed(answer(ask(prompt), setup, stands(self.campaign)), question, standing)
+        )
 
     def _warmed(self) -> _Then:
         """Ask how warm the scale is; Enter is that nobody has measured it."""
@@ -250,6 +253,7 @@ def help_text() -> str:
     rows = (
         ("-1.7", said("keep a reading, in the unit that is shown; a decimal comma does as well")),
         ("0.0021 mm", said("keep a reading in another unit")),
+        (said("found X Y Z"), said("where the axes stood with the ball found, in mm")),
         ("Enter", said("show the question again")),
         (undo, said("take back the last reading or skip")),
         (f"{skip} {because}", said("the reading cannot be taken")),

@@ -40,7 +40,7 @@ from axiscal.present.guide.progress import (
     take_back,
     take_note,
 )
-from axiscal.present.guide.question import SURPRISING, Question, Word, answer, asked_text
+from axiscal.present.guide.question import SURPRISING, Question, Word, answer, asked_text, stands
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_text
@@ -364,7 +364,7 @@ class Desk:
             return self.campaign.next()
 
     def _value(self, text: str, question: Question) -> Array:
-        typed = answer(text, self.campaign.description.setup(question.setup))
+        typed = answer(text, self.campaign.description.setup(question.setup), stands(self.campaign))
         if isinstance(typed, Word):
             what = said('"{text}" is no reading', text=text.strip())
             raise ReadingError(what, said("Type the number that the instrument shows"))
