@@ -31,6 +31,7 @@ from axiscal.record.events import Created
 from axiscal.record.line_form import (
     BLOCK,
     FORM,
+    HEADS,
     MARK,
     MARKS,
     MOST_TORN,
@@ -43,6 +44,7 @@ from axiscal.record.line_form import (
     mark_bytes,
     read_mark,
     rows_after,
+    taken_for_text,
     transaction,
     whole_after,
 )
@@ -232,8 +234,10 @@ def _refuse_other_form(path: Path) -> None:
         what = "This record was written by a newer axiscal (form {form}; this one knows {known})"
         remedy = "Install the newer version to go on with it; nothing was changed"
         raise NewerError(what, remedy, path, form=form, known=FORM)
-    if start[:BLOCK] == head():
+    if start[:BLOCK] in HEADS:
         return
+    if taken_for_text(start):
+        raise DamageError("a program took it for text and changed line ends or blanks; salvage undoes that")
     if any(isinstance(read_mark(start[at:]), Mark) for at in MARKS):
         raise DamageError("its first lines are not as they were written")
     if start[:16] == b"SQLite format 3\0" and start[68:72] == b"AXIS":
