@@ -122,7 +122,7 @@ def merged(content: bytes, beginning: EventText | None = None) -> Merged:
             raise ForeignError(foreign[-1], zero)
         return Merged([], [], strands, None, marks, twice)
     marked = [each for each in strands if each.certain and not each.aside and each is not zero]
-    named = zero is not None and (not marked or zero.first.row == beginning)
+    named = zero is not None and (not marked or (zero.first.end > 0 and zero.first.row == beginning))
     proven = [*marked, *(each for each in strands if each is zero and named)]
     evidence, ours = _Evidence(content, strands, proven), sorted(proven, key=lambda each: each.numbers[0])
     asides, apart = list[Strand](), list[Strand]()
