@@ -3,8 +3,9 @@
     python tools/check_record.py RECORD --key PUBLIC [--key PUBLIC] [--head CHAIN] [--manifest DIR/manifest.json]
 
 It reads bytes, sums, the chain over all events, the two marks of the end, and every signature. PUBLIC is the public key
-of a person who may sign, in hex, or a file that holds it; CHAIN is the end that somebody else has seen, such as the
-store at a sync: it shows whether the record was set back since. Needs Python 3.11 and the package cryptography.
+of a person who may sign, in hex, or a file with a key and a name in each line; CHAIN is the end that somebody else has
+seen, such as the store at a sync: it shows whether the record was set back since. Needs Python 3.11 and the package
+cryptography.
 Exit status: 0 if all of it is signed by these keys and as it was written, else 1, and each fault in a line.
 """
 
@@ -176,7 +177,8 @@ def main(words: Sequence[str]) -> int:
         parser.add_argument(name, action="append", default=[])
     parser.add_argument("--manifest", type=Path)
     args = parser.parse_args(words)
-    keys = [(Path(key).read_text().strip() if Path(key).is_file() else key).lower() for key in args.key]
+    given = [Path(key).read_text().splitlines() if Path(key).is_file() else [key] for key in args.key]
+    keys = [line.split()[0].lower() for lines in given for line in lines if line.strip()]
     found = checked(args.record.read_bytes(), keys, args.head)
     if args.manifest:
         results = checked_manifest(args.manifest, found.entries, keys)

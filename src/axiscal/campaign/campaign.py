@@ -59,6 +59,7 @@ from axiscal.record.events import (
     Recorded,
     Skipped,
     State,
+    Stored,
     Undoable,
     Undone,
 )
@@ -76,9 +77,9 @@ def _next_places(*known: Any) -> tuple[Place, ...]:
     return next_places(*known)
 
 
-_ANSWERS = 6
-"""Kept of the same readings: their case, times, estimates while others follow and at the end, and whether they end it.
-"""
+_ANSWERS = 7
+"""Kept of the same readings: their case, times, estimates while others follow and at the end, whether they end it, and
+the signature."""
 
 
 class Campaign(Closing):
@@ -247,7 +248,15 @@ class Campaign(Closing):
         return event
 
     def finish(self, because: str | None = None) -> str:
-        """End the campaign and return why: the target that is reached, by what a report says, unless said otherwise."""
+        """End the campaign and return why: the target that is reached, by what a report says, unless said otherwise.
+
+        Raises RecordError for a record that was changed since it was signed.
+        """
+        signed = self.signed()
+        if signed is not None and not signed.holds:
+            what = "The record was changed since {person} signed it at event {number}"
+            remedy = "Go on with a copy of before; tools/check_record.py says what was changed"
+            raise RecordError(what, remedy, self.path, person=signed.by.person, number=signed.number)
         if self.state.finished is None:
             self._append(Finished(because or self.reached(ended=True) or "ended by the operator"))
         self.sign()
@@ -259,8 +268,12 @@ class Campaign(Closing):
         self._append()
 
     def signed(self) -> SignedUntil | None:
-        """Return the last signature, None without one."""
-        return signed_until(self._record.texts())
+        """Return the last signature, or the first that does not hold; None without one."""
+        return self._memo.answer(("signed", self.state.name), lambda: signed_until(self._record.texts()))
+
+    def events(self) -> tuple[Stored, ...]:
+        """Return all events, oldest first."""
+        return self._record.events()
 
     def reached(self, ended: bool = False) -> str | None:
         """Return the target that is reached, in words; None if there is none.  ended : no other readings follow"""

@@ -7,11 +7,12 @@ from typing import Annotated
 
 import typer
 
+from axiscal.campaign.evidence import signed_text
 from axiscal.campaign.possible import beginning_of, described
 from axiscal.campaign.salvaging import salvaged
 from axiscal.cli.arguments import Json, OwnRecord, RecordFile
 from axiscal.cli.printing import say_either
-from axiscal.cli.texts import opened_to_write, signed_text
+from axiscal.cli.texts import opened_to_write
 from axiscal.exceptions import NewerError
 from axiscal.language.spoken import counted, said
 from axiscal.ports.fleet.type_learning import campaign_with_sisters

@@ -110,7 +110,7 @@ class EventLog(Closing):
 
 
 class SignedUntil(NamedTuple):
-    """The last signature of a log: the number of its event, whose it is, and whether it is of what stands before it."""
+    """How far a log is signed: the number of the event, whose it is, whether every signature is of what was before."""
 
     number: int
     by: Signature
@@ -118,14 +118,17 @@ class SignedUntil(NamedTuple):
 
 
 def signed_until(texts: Sequence[ChainedText]) -> SignedUntil | None:
-    """Return the last signature of a log, None where nobody has signed."""
-    for number in range(len(texts), 0, -1):
-        row = texts[number - 1].row
+    """Return the last signature of a log, or the first that does not hold; None where nobody has signed."""
+    found = None
+    for number, text in enumerate(texts, 1):
+        row = text.row
         event = decode(row.kind, row.payload) if row.kind == "signed" else None
         if isinstance(event, Signed):
             by = Signature(*(hand_of(row.payload) or Hand("", "")), event.key, event.signature)
-            return SignedUntil(number, by, holds(_signable(row.at, texts[: number - 1]), by))
-    return None
+            found = SignedUntil(number, by, holds(_signable(row.at, texts[: number - 1]), by))
+            if not found.holds:
+                break
+    return found
 
 
 def _signable(at: str, texts: Sequence[ChainedText]) -> dict[str, object]:
