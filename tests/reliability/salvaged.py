@@ -361,10 +361,9 @@ def outcome(one: Original, damaged: bytes, folder: Path) -> Outcome:
     with Record.open(new, write=False) as record:
         standing = [reading.value for reading in record.state().readings]
     kept = _readings(new.read_bytes())
-    wrong = len(kept)
-    for theirs in (mine, rival):
-        rest = iter(theirs)
-        wrong -= sum(payload in rest for payload in kept if payload in set(theirs))  # the iterator goes on: in order
+    rest, rivals = iter(mine), set(rival)  # the iterator goes on: also what is out of its order is wrong
+    own = [payload for payload in kept if payload not in rivals]  # what parted comes last, whenever it was read
+    wrong = sum(payload not in rest for payload in own) + len(kept) - len(set(kept))
     gone = Counter([*_standing(one.lines), *(json.loads(text)["value"] for text in rival)])
     again = sum((Counter(standing) - gone).values())
     return Outcome(unreadable, beginning, len(whole), len(set(kept) & whole), wrong, again)

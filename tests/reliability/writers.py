@@ -137,7 +137,7 @@ def _on(computer: str, path: Path, start: int, entries: int) -> tuple[int, int]:
     while number < start + entries:
         try:
             with Record.open(path) as record:
-                for _ in range(chance.randrange(1, 100)):
+                for _ in range(min(chance.randrange(1, 100), start + entries - number)):
                     record.append(recorded(float(number)))
                     os.write(writing, b"%d\n" % number)
                     number += 1

@@ -24,6 +24,7 @@ from axiscal.campaign.ending import (
     Status,
     count_reached,
     out_of_reach,
+    refuse_changed,
     refuse_endless,
     refuse_finished,
     refuse_implausible,
@@ -59,7 +60,6 @@ from axiscal.record.events import (
     Recorded,
     Skipped,
     State,
-    Stored,
     Undoable,
     Undone,
 )
@@ -78,8 +78,7 @@ def _next_places(*known: Any) -> tuple[Place, ...]:
 
 
 _ANSWERS = 7
-"""Kept of the same readings: their case, times, estimates while others follow and at the end, whether they end it, and
-the signature."""
+"""Kept of the same readings: case, times, estimates while others follow and at the end, their end, the signature."""
 
 
 class Campaign(Closing):
@@ -248,15 +247,8 @@ class Campaign(Closing):
         return event
 
     def finish(self, because: str | None = None) -> str:
-        """End the campaign and return why: the target that is reached, by what a report says, unless said otherwise.
-
-        Raises RecordError for a record that was changed since it was signed.
-        """
-        signed = self.signed()
-        if signed is not None and not signed.holds:
-            what = "The record was changed since {person} signed it at event {number}"
-            remedy = "Go on with a copy of before; tools/check_record.py says what was changed"
-            raise RecordError(what, remedy, self.path, person=signed.by.person, number=signed.number)
+        """End the campaign and return why: the target that is reached, by what a report says, unless said otherwise."""
+        refuse_changed(self.signed(), self.path)
         if self.state.finished is None:
             self._append(Finished(because or self.reached(ended=True) or "ended by the operator"))
         self.sign()
@@ -268,12 +260,8 @@ class Campaign(Closing):
         self._append()
 
     def signed(self) -> SignedUntil | None:
-        """Return the last signature, or the first that does not hold; None without one."""
+        """Return the last signature, None without one."""
         return self._memo.answer(("signed", self.state.name), lambda: signed_until(self._record.texts()))
-
-    def events(self) -> tuple[Stored, ...]:
-        """Return all events, oldest first."""
-        return self._record.events()
 
     def reached(self, ended: bool = False) -> str | None:
         """Return the target that is reached, in words; None if there is none.  ended : no other readings follow"""

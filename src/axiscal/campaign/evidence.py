@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.language.spoken import counted, said
-from axiscal.record.events import fold
 from axiscal.record.signing import is_known, people_file
 
 
@@ -21,13 +20,10 @@ def signed_text(campaign: Campaign) -> str:
         by = said(unknown, by=by, key=key[:16], file=people)
     if not found.holds:
         return said("changed since it was signed at event {number} by {by}", number=found.number, by=by)
-    events = campaign.events()
-    readings = fold(events[: found.number]).readings
-    reading = readings[-1].numbered(len(readings) - 1) if readings else 0
-    signed = said("signed by {by} until reading {reading}", by=by, reading=reading)
-    if found.number == len(events):
+    signed, last = said("signed by {by} until reading {reading}", by=by, reading=found.reading), campaign.state.last
+    if found.number == last:
         return signed
-    since = counted("{count} event", "{count} events", len(events) - found.number)
+    since = counted("{count} event", "{count} events", last - found.number)
     return said("{signed}; unsigned since: {events}", signed=signed, events=since)
 
 
