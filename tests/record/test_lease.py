@@ -60,9 +60,11 @@ def test_a_lease_of_a_process_that_is_gone_is_taken_by_its_computer(path: Path, 
     lease_of(path).write_text(f"bench 0\n{2**22 + 1}\n2026-03-01 08:00 UTC\nAnna\n")
     with Record.open(path) as record:
         assert record.append(recorded(1.0)) == 2
-    lease_of(path).write_text("")  # another computer is about to write its name
-    with Record.open(path) as record, pytest.raises(RecordError, match="another computer has been writing"):
-        record.append(recorded(2.0))
+    lease_of(path).write_text("")  # a kill came before the name
+    begin = time.monotonic()
+    with Record.open(path) as record:
+        assert record.append(recorded(2.0)) == 3
+    assert 1 < time.monotonic() - begin < 6
 
 
 @pytest.mark.parametrize("at", ["lines", "older mark", "newer mark"])

@@ -49,7 +49,7 @@ def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:
         lambda: changed.many(100_000),
         bad_files.read_all,
         lambda: same_bytes.compared(long, pythons),
-        *(partial(salvaged.tried, name, 670 if long else 70) for name in salvaged.DAMAGES),
+        *(partial(salvaged.tried, name, 670 if long else 150) for name in salvaged.DAMAGES),
         lambda: forged.tried(10_000),
         lambda: store_clients.clients(5, 1200 if long else 60),
         lambda: store_clients.statements(10_000 if long else 1000),
