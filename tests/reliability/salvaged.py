@@ -408,7 +408,7 @@ def tried(name: str, count: int) -> Trial:
         f"{unreadable:,} unreadable; {back:,} of {whole:,} readings that stand whole come back ({back / whole:.2%}), "
         f"{wrong} wrong; {beginning:,} need --beginning; {again} that had been taken back stand"
     )
-    return Trial(f"records salvaged: {name} damaged", count, wrong + max(0, int(0.99 * whole) - back), detail)
+    return Trial(f"records salvaged: {name}", count, wrong + max(0, int(0.99 * whole) - back), detail)
 
 
 def outcomes_of(name: str, count: int) -> list[Outcome]:
