@@ -18,7 +18,8 @@ from fastapi import FastAPI, Query, Response
 from fastapi.responses import FileResponse
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from axiscal.exceptions import InputError
+from axiscal.answers.answer import AnswerDocument
+from axiscal.exceptions import InputError, OvertakenError
 from axiscal.web import draft, shapes
 from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
@@ -52,7 +53,9 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
     app.get("/machine.svg", include_in_schema=False)(beginning.picture)
     app.get(f"{ROOT}/start", response_model=shapes.StartShape)(beginning.start)
     app.get(f"{ROOT}/stage", response_model=shapes.StageShape)(beginning.stage)
-    app.get(f"{ROOT}/plan", response_model=shapes.PlanShape)(beginning.plan)
+    app.get(f"{ROOT}/plan", response_model=shapes.PlanShape | None)(beginning.plan)
+    app.get(f"{ROOT}/curve", response_model=shapes.CurveShape | None)(beginning.curve)
+    app.get(f"{ROOT}/rows", response_model=shapes.RowsShape)(beginning.rows)
     app.post(f"{ROOT}/draft", response_model=shapes.MachineShape)(beginning.keep)
     app.post(f"{ROOT}/open", response_model=shapes.DoneShape)(beginning.open)
     app.get(f"{ROOT}/state", response_model=shapes.StateShape)(api.state)
@@ -179,7 +182,22 @@ class _BeginningApi:
 
     async def plan(self) -> Response:
         """The plan of the draft in words; it takes seconds."""
-        return document(await self._counter.work(lambda: draft.plan(self._here)))
+        return await self._drawn_up(draft.plan)
+
+    async def curve(self) -> Response:
+        """What other minutes than those of the plan buy; it takes seconds."""
+        return await self._drawn_up(draft.curve)
+
+    async def rows(self, query: Annotated[shapes.RowsQuery, Query()]) -> Response:
+        """The rows that an instrument can show on the machine of the draft."""
+        return document(await asyncio.to_thread(draft.rows, self._here, query.instrument))
+
+    async def _drawn_up(self, made: Callable[[Path], AnswerDocument]) -> Response:
+        """Return what is made of the draft, null where a newer choice has broken it off."""
+        try:
+            return document(await self._counter.draw_up(lambda: made(self._here)))
+        except OvertakenError:
+            return Response("null", media_type="application/json")
 
     async def open(self, asked: shapes.OpenRequest) -> Response:
         """Open a campaign of the start, or begin that of the draft and open it."""

@@ -12,6 +12,7 @@ from axiscal.answers.answer_words import AnswerText
 from axiscal.campaign.possible import LONGEST_TEXT
 from axiscal.present.guide.progress import Due, Progress
 from axiscal.present.guide.question import Question
+from axiscal.present.plan_answer import BoughtAccuracy
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Note
 
@@ -97,7 +98,9 @@ class DraftShape(AnswerDocument):
     """What was chosen of a campaign that has not begun, as a person typed it; kept on the disk at every touch.
 
     screen : which is open; machine : built-in, or file : a file of a control with its text
-    travels : of linear axes, such as "600 mm"; compensated : whether a compensation is active, "" where nobody knows
+    travels : of linear axes, such as "600 mm"; switched : axes on the other side than usual, table instead of head
+    size : of its errors, as `first_files.SIZES` has them; without : rows that instruments could show and nobody wants
+    budget : of machine time, such as "90 min"; compensated : whether a compensation is active, "" where nobody knows
     virtual : whether a virtual machine is to give the readings
     """
 
@@ -106,8 +109,12 @@ class DraftShape(AnswerDocument):
     file: Annotated[str, Field(max_length=60, pattern=r"^([^./\\\x00-\x1f\x7f][^/\\\x00-\x1f\x7f]*)?$")] = ""
     text: Annotated[str, Field(max_length=48_000)] = ""
     travels: Mapping[str, Short] = {}
+    switched: Sequence[Short] = ()
+    size: Literal["new", "used", "home-made"] = "used"
     instruments: Sequence[Short] = ()
+    without: Sequence[Short] = ()
     target: Short = ""
+    budget: Short = ""
     compensated: Literal["", "no", "yes"] = ""
     virtual: bool = False
 
@@ -116,16 +123,19 @@ class MachineShape(AnswerDocument):
     """What a draft makes of a machine.
 
     faults : what is wrong, by its field ("file", "travels.X", "target", "instruments")
-    lengths : how far each linear axis travels, mm; look : what the file could not say
+    lengths : how far each linear axis travels, mm; carried : those whose table moves, not the head
+    radii : those whose display shows diameters; look : what the file could not say
     offered : the instruments that it can be read with; asks : whether it is open if a compensation is active
     """
 
-    title: str
+    title: str = ""
     faults: Mapping[str, str]
-    lengths: Mapping[str, float]
-    look: Sequence[str]
-    offered: Sequence[str]
-    asks: bool
+    lengths: Mapping[str, float] = {}
+    carried: Sequence[str] = ()
+    radii: Sequence[str] = ()
+    look: Sequence[str] = ()
+    offered: Sequence[str] = ()
+    asks: bool = False
 
 
 class BegunShape(AnswerDocument):
@@ -154,6 +164,24 @@ class StartShape(AnswerDocument):
     instruments: Mapping[str, str]
     draft: DraftShape
     machine: MachineShape
+
+
+class RowsQuery(AnswerDocument):
+    """An instrument by its name."""
+
+    instrument: Short
+
+
+class RowsShape(AnswerDocument):
+    """The rows that an instrument can show on the machine of the draft, in words by their names."""
+
+    rows: Mapping[str, str]
+
+
+class CurveShape(AnswerDocument):
+    """What minutes buy: U of the volume after each."""
+
+    marks: Sequence[BoughtAccuracy]
 
 
 class PlanShape(AnswerDocument):

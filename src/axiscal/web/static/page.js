@@ -52,6 +52,7 @@ function renderPlaces(question) {
   for (const c of moving) {
     const line = element("p", "", `${c.unit === "mm" ? "linear" : "rotary"} ${c.changed ? "changed" : ""}`);
     line.append(element("span", c.axis, "axis"), element("span", number(c.value)), element("small", c.unit));
+    if (c.diameter) line.append(element("span", `⌀ ${number(2 * c.value)}`, "side"));
     if (c.side) line.append(element("span", c.side === "+" ? `→ ${said("from below")}` : `← ${said("from above")}`, "side"));
     go.append(line);
   }

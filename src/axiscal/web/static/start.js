@@ -5,12 +5,16 @@ import { language, said, translate } from "/words.js";
 const SCREENS = ["start", "machine", "with", "plan"];
 const PATIENCE = 1000; // ms after which it is said what is being computed
 const LONGEST = 48000; // letters of a file: a control's own is shorter, and of another one its beginning tells what it is
+const OF_MACHINE = { travels: {}, switched: [], size: "used", without: [], budget: "" }; // what another machine has as usual
 let start = null; // what there is to choose from
 let draft = null; // what was chosen
 let machine = null; // what that makes of a machine
 let version = 0;
 let touched = ""; // the instrument that is drawn
 let turn = Promise.resolve();
+const rows = new Map(); // what each instrument can show, by machine and instrument
+let planned = { of: "" }; // the newest plan, and the choices that it is of
+let curve = { of: "", marks: [] }; // what minutes buy, whatever the budget
 
 translate(document.body);
 
@@ -42,6 +46,7 @@ function choose(change) {
     machine = made;
     version += 1;
     render();
+    renew();
   });
   return turn;
 }
@@ -50,13 +55,13 @@ async function go(screen) {
   const kept = choose({ screen });
   find(`${screen}-title`).focus();
   await kept;
-  if (screen === "plan") makePlan();
 }
 
 function render() {
   const faults = Object.keys(machine.faults), known = machine.title !== "";
   const travels = known && faults.every((field) => field === "target");
-  const ready = { start: true, machine: known, with: travels, plan: known && faults.length === 0 && draft.instruments.length > 0 };
+  const plan = known && faults.length === 0 && draft.instruments.length > 0;
+  const ready = { start: true, machine: known, with: travels, plan };
   for (const screen of SCREENS) show(screen, screen === draft.screen);
   for (const step of find("path").querySelectorAll("button")) {
     step.disabled = !ready[step.dataset.screen];
@@ -64,6 +69,8 @@ function render() {
   }
   renderMachine();
   renderInstruments();
+  renderShown();
+  show("coming", plan && ["with", "plan"].includes(draft.screen));
   find("machine-next").disabled = !ready.with;
   find("with-next").disabled = !ready.plan;
   drawMachine();
@@ -111,17 +118,25 @@ function renderMachine() {
   for (const field of find("travels").querySelectorAll("input")) {
     if (field !== document.activeElement) field.value = draft.travels[field.dataset.axis] ?? `${machine.lengths[field.dataset.axis]} mm`;
     field.parentElement.querySelector(".fault").textContent = machine.faults[`travels.${field.dataset.axis}`] ?? "";
+    const carries = field.parentElement.querySelector("button"), carried = machine.carried.includes(field.dataset.axis);
+    carries.textContent = carried ? said("the table moves") : said("the head moves");
+    carries.setAttribute("aria-label", `${field.dataset.axis}: ${carries.textContent}`);
   }
+  show("sizes", axes.length > 0);
+  for (const button of find("sizes").children) button.setAttribute("aria-pressed", button.dataset.size === draft.size);
   find("look").replaceChildren(...machine.look.map((words) => element("li", said("To be looked at in machine.toml: {what}", { what: words }))));
 }
 
 function travel(axis) {
-  const line = element("p", ""), label = element("label", said("travel of {axis}", { axis })), field = document.createElement("input");
+  const line = element("p", ""), field = document.createElement("input"), carries = element("button", "");
+  const label = element("label", machine.radii.includes(axis) ? said("travel of {axis}: the radius, its display shows diameters", { axis }) : said("travel of {axis}", { axis }));
   Object.assign(field, { id: `travel-${axis}`, type: "text", maxLength: 40, spellcheck: false });
   field.dataset.axis = axis;
   label.htmlFor = field.id;
   field.addEventListener("input", () => choose({ travels: { ...draft.travels, [axis]: field.value } }));
-  line.append(label, field, element("span", "", "fault"));
+  carries.type = "button";
+  carries.addEventListener("click", () => choose({ switched: toggled(draft.switched, axis) }));
+  line.append(label, field, carries, element("span", "", "fault"));
   return line;
 }
 
@@ -138,10 +153,82 @@ function renderInstruments() {
   show("compensation", machine.asks);
 }
 
+function toggled(names, name) {
+  return names.includes(name) ? names.filter((each) => each !== name) : [...names, name];
+}
+
 function touch(name) {
-  const there = draft.instruments.includes(name);
-  touched = there ? "" : name;
-  choose({ instruments: there ? draft.instruments.filter((each) => each !== name) : [...draft.instruments, name] });
+  touched = draft.instruments.includes(name) ? "" : name;
+  choose({ instruments: toggled(draft.instruments, name) });
+}
+
+// What instruments can show follows from the machine alone.
+function ofMachine(instrument) {
+  const { machine: kind, file, travels, switched, size } = draft;
+  return JSON.stringify([kind, file, travels, switched, size, instrument]);
+}
+
+function rowsOf(instrument) {
+  return rows.get(ofMachine(instrument)) ?? {};
+}
+
+// Rows to be ticked, of one kind in a line, and what other instruments would show besides, in grey.
+function renderShown() {
+  const known = Object.assign({}, ...draft.instruments.map(rowsOf)), whole = known.volume;
+  delete known.volume;
+  const kinds = Map.groupBy(Object.entries(whole ? { ...known, volume: whole } : known), ([, words]) => words.split(" ")[0]);
+  const lines = [...kinds].map(([kind, each]) => {
+    const line = element("p", "");
+    line.append(element("span", kind, "kind"), ...each.map(([name, words]) => tick(name, words, words.slice(kind.length).trim() || words)));
+    return line;
+  });
+  const before = document.activeElement?.dataset?.row;
+  find("shown").replaceChildren(...lines);
+  if (before) find("shown").querySelector(`[data-row="${before}"]`)?.focus();
+  const seen = new Set(Object.keys(known)), helps = [];
+  for (const name of machine.offered.filter((each) => !draft.instruments.includes(each))) {
+    const more = Object.entries(rowsOf(name)).filter(([row]) => !seen.has(row));
+    if (!more.length || !draft.instruments.length) continue;
+    for (const [row] of more) seen.add(row);
+    const line = element("li", ""), grouped = Map.groupBy(more.map(([, words]) => words.split(" ")), ([kind]) => kind);
+    line.append(choice(`+ ${start.instruments[name]}`, false, () => touch(name)), element("span", [...grouped].map(([kind, each]) => `${kind} ${each.map((parts) => parts.slice(1).join(" ")).join(", ")}`).join(" · ")));
+    helps.push(line);
+  }
+  find("helps").replaceChildren(...helps);
+}
+
+function tick(name, words, short) {
+  const label = element("label", ""), box = document.createElement("input");
+  Object.assign(box, { type: "checkbox", checked: !draft.without.includes(name) });
+  box.dataset.row = name;
+  box.setAttribute("aria-label", words);
+  box.addEventListener("change", () => choose({ without: toggled(draft.without, name) }));
+  label.append(box, short);
+  return label;
+}
+
+// Rows of the instruments that were touched, then the plan; of others what they would show is looked up at leisure.
+let later = 0;
+function renew() {
+  clearTimeout(later);
+  if (!["with", "plan"].includes(draft.screen) || !machine.title) return;
+  later = setTimeout(async () => {
+    for (const name of draft.instruments) await look(name);
+    if (find("coming").hidden) return;
+    await makePlan();
+    if (draft.screen === "plan") await makeCurve();
+    for (const name of machine.offered) await look(name);
+    if (draft.screen !== "plan") await makeCurve();
+  }, 250);
+}
+
+async function look(name) {
+  const of = ofMachine(name);
+  if (rows.has(of)) return;
+  const found = await call(`/rows?${new URLSearchParams({ instrument: name })}`);
+  rows.set(of, found.ok ? found.document.rows : {});
+  text("instruments-fault", found.ok || !draft.instruments.includes(name) ? "" : found.document.sentence);
+  if (of === ofMachine(name)) renderShown();
 }
 
 // The machine with its travels, and on it the instrument that was touched last.
@@ -176,22 +263,61 @@ async function waiting(work) {
   }
 }
 
+// A plan is made for each choice; one that has been overtaken by another says nothing.
 async function makePlan() {
-  const of = version;
-  find("begin").disabled = true;
-  show("first", false);
-  for (const id of ["strip", "known", "minds"]) find(id).replaceChildren();
-  renderWords([], []);
-  text("doing", said("one moment"));
-  const plan = await waiting(asked("/plan"));
-  if (plan === null || of !== version || draft.screen !== "plan") return;
+  const { screen, ...chosen } = draft, of = JSON.stringify(chosen);
+  if (planned.of !== of) {
+    find("begin").disabled = true;
+    find("coming").className = "old";
+    show("buying", false);
+    text("doing", said("one moment"));
+    const { ok, document: plan } = await waiting(call("/plan"));
+    if (plan === null) return;
+    alarm(ok ? "" : plan.sentence);
+    if (!ok) return;
+    planned = { of, plan };
+  }
+  renderPlan(planned.plan);
+}
+
+// The curve is made once for all budgets, when nothing else is asked for.
+async function makeCurve() {
+  const { screen, budget, ...timeless } = draft, of = JSON.stringify(timeless);
+  if (find("coming").hidden || planned.plan === undefined) return;
+  if (curve.of !== of) {
+    const { ok, document: bought } = await call("/curve");
+    if (!ok || bought === null) return;
+    curve = { of, marks: bought.marks };
+  }
+  renderCurve(planned.plan.answer.document.minutes);
+}
+
+function renderPlan(plan) {
+  find("coming").className = "";
   show("first", true);
   renderWords(plan.answer.first, plan.answer.rows);
   find("strip").replaceChildren(...plan.answer.document.setups.map(mounted));
   find("known").replaceChildren(...plan.answer.sentences.map((words) => element("p", words)));
   find("minds").replaceChildren(...plan.minds.map((words) => element("li", words)));
   find("begin").disabled = false;
-  find("begin").focus();
+  if (draft.screen === "plan" && [document.body, find("plan-title")].includes(document.activeElement)) find("begin").focus();
+}
+
+// What minutes buy stands on a line between marks that were planned once: a move of the slider asks nobody.
+function renderCurve(minutes) {
+  const marks = curve.marks;
+  show("buying", marks.length > 1);
+  if (marks.length < 2) return;
+  Object.assign(find("minutes"), { min: Math.ceil(marks[0].minutes), max: Math.floor(marks.at(-1).minutes) });
+  find("minutes").value = Math.round(minutes);
+  sayBought();
+}
+
+function sayBought() {
+  const minutes = Number(find("minutes").value), marks = curve.marks, n = Math.max(1, marks.findIndex((mark) => mark.minutes >= minutes));
+  const [low, high] = [marks[n - 1], marks[n]], share = Math.log(minutes / low.minutes) / Math.log(high.minutes / low.minutes);
+  const u = low.expanded_um * (high.expanded_um / low.expanded_um) ** Math.min(Math.max(share, 0), 1);
+  text("buys", said("≈ {minutes} min: U ≈ {u} µm over the volume", { minutes, u: Number(u.toPrecision(2)) }));
 }
 
 // A set-up of the plan, as wide as it has readings; its minutes are those of the end.
@@ -210,12 +336,12 @@ async function take(file) {
   const letters = (await file.slice(0, LONGEST).text()).replaceAll("\0", " ").slice(0, LONGEST);
   const name = file.name.slice(-60).replace(/^\.+/, "");
   const usual = /^\s*\[stepper_/m.test(letters) ? ["probe"] : [];
-  draft = { ...draft, file: name, text: letters, machine: "", travels: {}, instruments: usual };
+  draft = { ...draft, ...OF_MACHINE, file: name, text: letters, machine: "", instruments: usual };
   return go("machine");
 }
 
 function chooseMachine(name) {
-  choose({ machine: name, file: "", text: "", travels: {}, instruments: name === draft.machine ? draft.instruments : [] });
+  choose({ ...OF_MACHINE, machine: name, file: "", text: "", instruments: name === draft.machine ? draft.instruments : [] });
 }
 
 function anew(virtual) {
@@ -235,6 +361,9 @@ addEventListener("drop", (event) => {
 on("machine-next", "click", () => go("with"));
 on("with-next", "click", () => go("plan"));
 on("begin", "click", () => openRecord(""));
+on("minutes", "input", sayBought);
+on("minutes", "change", () => choose({ budget: `${find("minutes").value} min` }));
+for (const button of find("sizes").children) button.addEventListener("click", () => choose({ size: button.dataset.size }));
 for (const step of find("path").querySelectorAll("button")) step.addEventListener("click", () => go(step.dataset.screen));
 for (const back of document.querySelectorAll(".back")) back.addEventListener("click", () => go(SCREENS[SCREENS.indexOf(draft.screen) - 1]));
 find("target").addEventListener("input", () => choose({ target: find("target").value }));
@@ -258,5 +387,5 @@ if (start !== null) {
   }));
   renderStart();
   render();
-  if (draft.screen === "plan") makePlan();
+  renew();
 }
