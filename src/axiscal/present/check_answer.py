@@ -11,12 +11,15 @@ from pydantic import Field
 from axiscal.answers.answer import AnswerDocument, TablesChecked, finite
 from axiscal.answers.answer_words import VERDICTS, digits, wrapped
 from axiscal.answers.row_words import row_name
-from axiscal.evaluation.check import Check, Taken
+from axiscal.estimation.wrong_unit import refuse_implausible
+from axiscal.evaluation.check import Check, FoundAndLeft, Taken
 from axiscal.evaluation.datums import GUARD
 from axiscal.evaluation.table_checks import WORKS, Judgement, Verdict
+from axiscal.exceptions import InputError
 from axiscal.language.spoken import counted, later, listed, quoted, said
-from axiscal.measurement.reading import Places, approach_text, place_text, shown_pose
+from axiscal.measurement.reading import Places, Reading, approach_text, place_text, reading_unit, shown_pose
 from axiscal.numerics import Array
+from axiscal.present.guide.question import display_text, value_of
 from axiscal.units import to_unit
 
 _NEAR = 0.3
@@ -216,12 +219,68 @@ def check_plan(check: Check, places: Places) -> tuple[dict[str, object], list[st
     return {"plan": rows, "passed_over": unread, "read_again": again}, lines
 
 
+class CheckPlace(AnswerDocument):
+    """A place to read without the tables and with them.  shows : on a virtual machine what is read each time"""
+
+    setup: str
+    place: str
+    unit: str
+    shows: Sequence[str]
+
+
+def check_places(check: Check, places: Places, virtual: str) -> list[CheckPlace]:
+    """Return what a person reads, place by place.  virtual : the source of a virtual machine, "" of a real one"""
+    sides = check.asked(virtual, places) if virtual else ()
+    found = list[CheckPlace]()
+    for n, place in enumerate(places.listed(check.description.setups)):
+        setup = check.description.setup(place.setup)
+        axes, sides_of = check.description.machine.axes, {1: said("from below"), -1: said("from above")}
+        came = [f"{axes[k].name} {sides_of[place.approach[k]]}" for k in setup.moves if place.approach[k]]
+        where = listed(", ", [place_text(axes, place.pose, setup.moves), *came])
+        shows = [display_text(readings[n].values, setup) for readings in sides]
+        found.append(CheckPlace(setup=place.setup, place=where, unit=reading_unit(setup), shows=shows))
+    return found
+
+
+def typed_readings(
+    check: Check, places: Places, found: Sequence[str], left: Sequence[str], tolerance: str
+) -> tuple[FoundAndLeft, dict[str, str]]:
+    """Return the readings of both sides that a person typed, and what is wrong by its field; raises ReadingError.
+
+    found, left : in the order of places.  Fields are "found.0", "left.3", "tolerance"
+    """
+    faults, sides = dict[str, str](), dict[str, tuple[Reading, ...]]()
+    for side, texts in (("found", found), ("left", left)):
+        readings = list[Reading]()
+        for n, place in enumerate(places.listed(check.description.setups)):
+            try:
+                typed = value_of(texts[n] if n < len(texts) else "", check.description.setup(place.setup))
+            except InputError as failure:
+                faults[f"{side}.{n}"] = str(failure)
+            else:
+                value, *others = typed.tolist()
+                readings.append(Reading(place.setup, place.pose, place.approach, value, others=tuple(others)))
+        sides[side] = tuple(readings)
+    try:
+        check.allowed(tolerance)
+    except InputError as failure:
+        faults["tolerance"] = str(failure)
+    if not faults:
+        refuse_implausible(sides["found"], check.description, said("without the tables"))
+    return (sides["found"], sides["left"]), faults
+
+
 def check_screen(answer: CheckAnswer) -> list[str]:
     """Return what was judged in so few lines that a screen holds them, next to what comes next."""
-    lines = [shown for line in [*_judged(answer), *_unchecked(answer)] for shown in wrapped(line)]
+    lines = [shown for line in check_sentences(answer) for shown in wrapped(line)]
     if len(lines) <= _LINES:
         return lines
     return [*lines[: _LINES - 1], said("The rest: --details.")]
+
+
+def check_sentences(answer: CheckAnswer) -> list[str]:
+    """Return what was judged, the verdict first, and what was not checked."""
+    return [*_judged(answer), *_unchecked(answer)]
 
 
 def _judged(answer: CheckAnswer) -> list[str]:
@@ -264,8 +323,7 @@ def check_details(answer: CheckAnswer) -> list[str]:
         "be expected over the volume."
     )
     return [
-        *_judged(answer),
-        *_unchecked(answer),
+        *check_sentences(answer),
         said(proved, decision=said(_PROVED[answer.decision]), u=answer.U_um, promised=answer.expected_um),
         said(
             "Read by {person} from {source}. In force by the control: {names}.",

@@ -89,9 +89,20 @@ class Counter:
             self._open(record)
             return said("{record} is open.", record=record.name)
 
-        sentence = await self.draw_up(opened)
+        self._break_off()
+        sentence = await self.work(opened)
         self._think()
         return sentence
+
+    async def leave(self) -> None:
+        """Close the record, after the steps that are under way."""
+
+        def left() -> None:
+            self.desk.campaign.close()
+            self._desk = self._state = None
+
+        await self.work(left)
+        self._news.set()
 
     async def work(self, work: Callable[[], _Result]) -> _Result:
         """Return what a function of no record returns, on the thread of the campaign."""
@@ -99,9 +110,7 @@ class Counter:
 
     async def draw_up(self, work: Callable[[], _Result]) -> _Result:
         """Return what a function of the draft returns; raises OvertakenError where a newer one has broken it off."""
-        with self._lock:
-            if not self._drawn_up.cancel() and self._drawn_up.running() and self._at_work is not None:
-                self._interrupt(self._at_work)
+        self._break_off()
         asked = self._drawn_up = self._submitted(work)
         try:
             return await asyncio.wrap_future(asked)
@@ -172,6 +181,12 @@ class Counter:
                 "A step that a page had asked for was broken off; what had been kept of it is shown at the next start."
             )
         return "What was being computed is begun anew at the next start." if broken_off else ""
+
+    def _break_off(self) -> None:
+        """Break off what is made of the draft."""
+        with self._lock:
+            if not self._drawn_up.cancel() and self._drawn_up.running() and self._at_work is not None:
+                self._interrupt(self._at_work)
 
     @staticmethod
     def _interrupt(thread: int) -> bool:

@@ -6,7 +6,6 @@ on since, so that no reading answers another question.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Sequence
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -15,17 +14,23 @@ import numpy as np
 
 from axiscal.answers.answer import PlannedAnswer, ResultAnswer
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside, standing_answer
-from axiscal.answers.answer_words import answer_text
+from axiscal.answers.answer_words import answer_text, digits
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
-from axiscal.campaign.sources import virtual_machine
+from axiscal.campaign.sources import virtual_in, virtual_machine
 from axiscal.campaign.sources.source import SimulatedSource
-from axiscal.estimation.agreement_words import agreement_words
-from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
+from axiscal.document.durable import write_whole
+from axiscal.document.ports import ours
+from axiscal.estimation.agreement_words import agreement_words, change_words
+from axiscal.estimation.promise.agreement import Explained
+from axiscal.evaluation.check import Check, Taken
+from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError, RecordError, TableError
 from axiscal.language.spoken import decimals, said, spoken_now
-from axiscal.measurement.reading import reading_unit, shown_coordinate
+from axiscal.measurement.readers.csv_readings import filled_sheet
+from axiscal.measurement.reading import Places, reading_unit, shown_coordinate
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
+from axiscal.present.check_answer import check_answer, check_places, check_plan, check_sentences, typed_readings
 from axiscal.present.guide.progress import (
     Progress,
     SetAnew,
@@ -39,14 +44,27 @@ from axiscal.present.guide.progress import (
     take_back,
     take_note,
 )
-from axiscal.present.guide.question import SURPRISING, Question, Word, answer, asked_text
+from axiscal.present.guide.question import SURPRISING, Question, asked_text, display_text, value_of
+from axiscal.present.guide.slips import CAUSES, Cause, causes, jog, keep_as, surprise_text, try_jog
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_text
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
+from axiscal.record.signing import own_hand
+from axiscal.tables import registry
 from axiscal.units import to_unit
-from axiscal.web.shapes import AnswerShape, CostShape, ReadingShape, StateShape, TypedShape
+from axiscal.web.shapes import (
+    AnswerShape,
+    CheckedRequest,
+    CheckedShape,
+    CheckShape,
+    CostShape,
+    ReadingShape,
+    StateShape,
+    TextsShape,
+    TypedShape,
+)
 
 _LATEST = 3
 """Readings that are listed; a person looks back at no more."""
@@ -82,22 +100,6 @@ def _latest(campaign: Campaign) -> Iterator[ReadingShape]:
         )
 
 
-_VIRTUAL = re.compile(r"virtual machine (sim:\d+)")
-"""The note with which a campaign on a virtual machine begins."""
-
-
-def virtual_note(seed: int) -> str:
-    """Return what the record of a campaign says whose readings a virtual machine gives."""
-    return f"virtual machine sim:{seed}"
-
-
-def _source(campaign: Campaign) -> SimulatedSource | None:
-    """Return the virtual machine of a campaign, None on a real one."""
-    found = next((_VIRTUAL.fullmatch(note.text) for note in campaign.state.notes[:1]), None)
-    simulator = Simulator(campaign.description.machine, campaign.description.setups)
-    return None if found is None else SimulatedSource(*virtual_machine(found[1], simulator))
-
-
 Publisher = Callable[[StateShape], None]
 """Takes a new state."""
 
@@ -108,12 +110,9 @@ class SurprisingError(ReadingError):
     surprise : in standard deviations
     """
 
-    def __init__(self, surprise: float) -> None:
-        self.surprise = surprise
-        super().__init__(
-            said("It is {size} standard deviations from what is expected", size=decimals(f"{surprise:.1f}")),
-            said("Read again, or say that it is to be kept"),
-        )
+    def __init__(self, question: Question, values: Array) -> None:
+        self.surprise = question.surprise(values)
+        super().__init__(spelt(surprise_text(question, values)), said("Read again, or say what it was"))
 
 
 class Desk:
@@ -123,7 +122,7 @@ class Desk:
     """
 
     def __init__(self, campaign: Campaign, publish: Publisher) -> None:
-        self.campaign, self.publish, self._source = campaign, publish, _source(campaign)
+        self.campaign, self.publish, self._virtual = campaign, publish, virtual_in(campaign.state.notes)
         self._question: Question | None = None
         self._ended: str | None = None
         self._trouble = ""
@@ -179,33 +178,47 @@ class Desk:
         """Return what a typed text would mean for the question that is open."""
         question = self._question
         if question is None or not text.strip():
-            return TypedShape(values=[], surprise=0.0, surprising=False, sentence="")
+            return TypedShape()
         try:
-            values = self._value(text, question)
+            values = value_of(text, self.campaign.description.setup(question.setup))
         except AxiscalError as failure:
-            return TypedShape(values=[], surprise=0.0, surprising=False, sentence=str(failure))
+            return TypedShape(sentence=str(failure))
         surprise = question.surprise(values)
         shown = [float(to_unit(float(each), question.unit)) for each in values]
-        sentence = str(SurprisingError(surprise)) if surprise >= SURPRISING else ""
-        return TypedShape(values=shown, surprise=surprise, surprising=surprise >= SURPRISING, sentence=sentence)
+        if surprise < SURPRISING:
+            return TypedShape(values=shown, surprise=surprise)
+        named, sentence = causes(question, values), str(SurprisingError(question, values))
+        words = {cause: said(CAUSES[cause]) for cause in named}
+        return TypedShape(values=shown, surprise=surprise, surprising=True, sentence=sentence, causes=words)
 
-    def keep(self, after: int, text: str, *, keep: bool = False, vouch: bool = False, anew: bool = False) -> str:
-        """Keep a reading of what is asked; raises SurprisingError where nobody has confirmed a strange one."""
+    def keep(self, after: int, text: str, cause: Cause | None = None) -> str:
+        """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one."""
         self._refuse_overtaken(after)
         asked = self.campaign.open_question()
         question = self._question or Question.from_campaign(self.campaign, asked)
-        typed = self._value(text, question)
-        surprise = question.surprise(typed)
-        if surprise >= SURPRISING and not (keep or vouch or anew):
-            raise SurprisingError(surprise)
-        if anew:
-            set_anew(self.campaign, question.setup)
+        typed = value_of(text, self.campaign.description.setup(question.setup))
+        if question.surprise(typed) >= SURPRISING and cause is None:
+            raise SurprisingError(question, typed)
         before, jump = doubted(self.campaign), jump_named(self.campaign)
-        value, *others = (float(each) for each in typed)
-        kept = self.campaign.record(value, accepted=vouch, others=tuple(others))
+        kept, told = keep_as(self.campaign, question, typed, cause)
         self._before, self._jump = before, jump
         self._show()
-        return said("Kept reading {number}; it is on the disk.", number=kept.number)
+        return f"{said('Kept reading {number}; it is on the disk.', number=kept.number)} {told}".rstrip()
+
+    def jog(self, after: int, text: str, *, anyway: bool) -> str:
+        """Keep what the display shows at the test of its sign; raises ReadingError where that is wrong."""
+        self._refuse_overtaken(after)
+        return self._noted(lambda: try_jog(self.campaign, text, anyway=anyway))
+
+    def accept(self, after: int) -> str:
+        """Put right the mistake that readings name; raises RecordError where they name none."""
+        self._refuse_overtaken(after)
+        named = self._named()
+        if named is None:
+            raise RecordError(said("The readings name no mistake"), said("Go on with the readings"))
+        told = self.campaign.accept(named.mistake, self.campaign.description.setups[named.setups[0]].name)
+        self._show()
+        return said("Put right: {change}; undo takes it back.", change=change_words(told))
 
     def skip(self, after: int, reason: str, *, rest: bool = False) -> str:
         """Keep in mind that the reading asked for cannot be taken; rest : nor any other of its set-up."""
@@ -222,11 +235,16 @@ class Desk:
         """Keep a sentence in the record; who has seen the state before may still answer what is asked."""
         if self._moved_on():  # somebody else has: what is seen on a page is no longer what is asked
             self._show()
+        return self._noted(lambda: take_note(self.campaign, text))
+
+    def _noted(self, told: Callable[[], str]) -> str:
+        """Keep a note, and return a sentence of it; who has seen the state before may still answer what is asked."""
         seen = self.campaign.state.last
-        told = take_note(self.campaign, text)
-        self._alike.add(seen)
-        self._show(self._minds, noted=True)
-        return told
+        try:
+            return told()
+        finally:
+            self._alike.add(seen)
+            self._show(self._minds, noted=True)
 
     def setup_picture(self, width: float) -> str:
         """Return the set-up of the next reading, on the machine, as SVG; "" if there is none.  width : pixels"""
@@ -283,6 +301,54 @@ class Desk:
             self._show()
         return said("Ended. Report, figures and tables are in {folder}.", folder=self.results.name)
 
+    def texts(self, control: str) -> TextsShape:
+        """Return the files for a control as they were written, or made now; raises InputError, TableError."""
+        if control in self.state.tables:
+            folder = self.results / "tables" / control
+            return TextsShape(control=control, files={file.name: file.read_text() for file in sorted(folder.iterdir())})
+        known = self.campaign.estimate(ended=True)
+        offered = registry.offered(known, control)
+        if known.agreement.withheld:
+            raise TableError(agreement_words(known), said("Take readings again"))
+        return TextsShape(control=offered.controller, files={**offered.files, "README.txt": offered.readme})
+
+    def load(self, control: str, printer: str) -> str:
+        """Put the files of a control into a printer, and return what it did; raises InputError."""
+        loader = ours("ports.printers.printer_source:loader_at")(printer, control)
+        return str(loader.load(loader.accepted_text(self.texts(control).files), "axiscal"))
+
+    def check(self, control: str) -> CheckShape:
+        """Return where the tables of a control are to be checked, and by which tolerance."""
+        check, places = self._check(control)
+        lines = check_plan(check, places)[1]
+        return CheckShape(
+            sentences=[spelt(line) for line in lines],
+            tolerance=f"{digits(to_unit(check.tightest(None) or check.tables.U, 'um'))} um",
+            places=check_places(check, places, self._virtual),
+        )
+
+    def judge(self, asked: CheckedRequest) -> CheckedShape:
+        """Return what readings without the tables and with them say, or what is wrong with each by its field."""
+        check, places = self._check(asked.control)
+        readings, faults = typed_readings(check, places, asked.found, asked.left, asked.tolerance)
+        if faults:
+            return CheckedShape(faults=faults)
+        for name, each in zip(("found.csv", "left.csv"), readings, strict=True):  # as `axiscal verify` takes them
+            sheet = filled_sheet(check.description.machine.axes, each)
+            write_whole(self.campaign.path.with_name(name), sheet.encode())
+        judged = check.judged(readings, asked.tolerance)
+        answer = check_answer(judged, len(places), check.tables.U, Taken(own_hand().person, "page"))
+        return CheckedShape(verdict=answer.verdict, sentences=[spelt(line) for line in check_sentences(answer)])
+
+    def _check(self, control: str) -> tuple[Check, Places]:
+        check = Check.from_campaign(self.campaign, control)
+        return check, check.planned(tolerance=check.tightest(None))
+
+    def _named(self) -> Explained | None:
+        """Return the mistake that readings name which contradict each other, None for none."""
+        found = self.campaign.estimate().agreement
+        return found.explained[0] if found.contradicts and found.explained else None
+
     def _refuse_overtaken(self, after: int) -> None:
         if self._moved_on():
             self._show()
@@ -319,17 +385,20 @@ class Desk:
             question=self._question,
             ended=None if self._ended is None else spelt(because_text(self._ended)),
             finished=None if state.finished is None else spelt(because_text(state.finished)),
+            jog=jog(campaign),
             shows=self._shows(),
             trouble=self._trouble,
             readings=list(_latest(campaign)),
             notes=state.notes,
             due=due(campaign),
             undo=last_step(campaign)[0],
-            minds=[spelt(each) for each in [*self._minds, *contradictions(campaign)]],
+            minds=[spelt(each) for each in [*self._minds, *contradictions(campaign, command=False)]],
+            named=state.finished is None and self._named() is not None,
             asks="" if self._asks is None else spelt(self._asks.question),
             answer=None if self._answer is None or overtaken else _answer(campaign, self._answer, results),
             results=results.name if written else "",
             tables=sorted(each.name for each in (results / "tables").glob("*/")) if written else (),
+            controls=registry.controllers(),
         )
 
     def _asked(self) -> tuple[Question | None, str | None, str]:
@@ -347,11 +416,14 @@ class Desk:
     def _shows(self) -> str:
         """Return what the instrument on a virtual machine shows at the question, "" where there is none."""
         asked = self.campaign.state.pending
-        if self._source is None or self._question is None or asked is None:
+        if not self._virtual or self._question is None or asked is None:
             return ""
-        answer = self._source.read(self.campaign.request(asked))
-        shown = to_unit(np.array([answer.value, *answer.others]), self._question.unit)
-        return " ".join(decimals(f"{each:.2f}") for each in shown)
+        if (test := jog(self.campaign)) is not None:
+            return decimals(f"{test.shows:.2f}")
+        description = self.campaign.description
+        simulator = Simulator(description.machine, description.setups)
+        answer = SimulatedSource(*virtual_machine(self._virtual, simulator)).read(self.campaign.request(asked))
+        return display_text([answer.value, *answer.others], description.setup(asked.place.setup))
 
     def _next(self) -> Asked | Ended:
         """Return what is asked; another program may be asking at the same moment."""
@@ -361,10 +433,3 @@ class Desk:
             self.campaign.looked_at_again()
             self._alike.clear()
             return self.campaign.next()
-
-    def _value(self, text: str, question: Question) -> Array:
-        typed = answer(text, self.campaign.description.setup(question.setup))
-        if isinstance(typed, Word):
-            what = said('"{text}" is no reading', text=text.strip())
-            raise ReadingError(what, said("Type the number that the instrument shows"))
-        return typed

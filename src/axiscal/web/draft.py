@@ -17,6 +17,7 @@ from axiscal.answers.answer_of_campaign import results_beside
 from axiscal.answers.row_words import said_row
 from axiscal.campaign.beginning import begun_campaign
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.sources import virtual_note
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.description.first_campaign import OFFERED, UNSAID, Aim
 from axiscal.description.first_files import (
@@ -46,7 +47,6 @@ from axiscal.present.sentences import spelt
 from axiscal.record.copies import opened_log
 from axiscal.record.store import record_errors
 from axiscal.units import to_unit, within
-from axiscal.web.desk import virtual_note
 from axiscal.web.shapes import (
     AnswerShape,
     BegunShape,
@@ -164,8 +164,11 @@ def picture(here: Path, query: MachineQuery) -> str:
 
 
 def rows(here: Path, instrument: str) -> RowsShape:
-    """Return the rows that an instrument can show on the machine of the draft; raises InputError for none."""
-    shown = rows_shown(_with(_beginning(kept(here), {}), instrument))
+    """Return the rows that an instrument can show on the machine of the draft, or why it cannot be set up there."""
+    try:
+        shown = rows_shown(_with(_beginning(kept(here), {}), instrument))
+    except InputError as failure:
+        return RowsShape(fault=str(failure))
     return RowsShape(rows={row.name: said_row(row.name) for row in shown})
 
 

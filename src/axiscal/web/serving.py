@@ -25,7 +25,7 @@ from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
 from axiscal.web.guard import ROOT, Guard, document, page_application, problem
 
-_FILES = ("page.css", "elements.js", "start.js", "page.js", "pictures.js", "words.js", "icon.svg")
+_FILES = ("page.css", "elements.js", "start.js", "page.js", "after.js", "pictures.js", "words.js", "icon.svg")
 
 
 def application(counter: Counter, port: int, here: Path) -> Guard:
@@ -62,6 +62,13 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
     app.get(f"{ROOT}/typed", response_model=shapes.TypedShape)(api.typed)
     app.get(f"{ROOT}/cost", response_model=shapes.CostShape)(api.cost)
     app.post(f"{ROOT}/readings", response_model=shapes.DoneShape)(api.keep)
+    app.post(f"{ROOT}/jogs", response_model=shapes.DoneShape)(api.jog)
+    app.post(f"{ROOT}/accepts", response_model=shapes.DoneShape)(api.accept)
+    app.post(f"{ROOT}/leave", response_model=shapes.StageShape)(api.leave)
+    app.get(f"{ROOT}/texts", response_model=shapes.TextsShape)(api.texts)
+    app.post(f"{ROOT}/load", response_model=shapes.DoneShape)(api.load)
+    app.get(f"{ROOT}/check", response_model=shapes.CheckShape)(api.check)
+    app.post(f"{ROOT}/check", response_model=shapes.CheckedShape)(api.judge)
     app.post(f"{ROOT}/skips", response_model=shapes.DoneShape)(api.skip)
     app.post(f"{ROOT}/notes", response_model=shapes.DoneShape)(api.note)
     app.post(f"{ROOT}/zeros", response_model=shapes.DoneShape)(api.set_anew)
@@ -98,8 +105,11 @@ class _Api:
 
     async def keep(self, asked: shapes.KeepRequest) -> Response:
         """Keep a reading of what is asked."""
-        how = {"keep": asked.keep, "vouch": asked.vouch, "anew": asked.anew}
-        return await self._done(lambda desk: desk.keep(asked.after, asked.text, **how))
+        return await self._done(lambda desk: desk.keep(asked.after, asked.text, asked.cause))
+
+    async def jog(self, asked: shapes.JogRequest) -> Response:
+        """Keep what the display shows at the test of its sign."""
+        return await self._done(lambda desk: desk.jog(asked.after, asked.text, anyway=asked.anyway))
 
     async def skip(self, asked: shapes.SkipRequest) -> Response:
         """Note that the reading asked for cannot be taken."""
@@ -135,15 +145,37 @@ class _Api:
 
     async def tables(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
         """The tables of a control as one file."""
-        desk, packed = self._counter.desk, io.BytesIO()
-        if query.control not in desk.state.tables:
-            return problem(404, "missing", "There are no such tables yet")
-        folder = desk.results / "tables" / query.control
+        made, packed = await self._counter.ask(lambda desk: desk.texts(query.control)), io.BytesIO()
         with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-            for file in sorted(folder.rglob("*")):
-                archive.write(file, file.relative_to(folder.parent))
-        headers = {"Content-Disposition": f'attachment; filename="{query.control}.zip"'}
+            for name, text in made.files.items():
+                archive.writestr(f"{made.control}/{name}", text)
+        headers = {"Content-Disposition": f'attachment; filename="{made.control}.zip"'}
         return Response(packed.getvalue(), media_type="application/zip", headers=headers)
+
+    async def texts(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
+        """The tables of a control as texts to copy."""
+        return document(await self._counter.ask(lambda desk: desk.texts(query.control)))
+
+    async def load(self, asked: shapes.LoadRequest) -> Response:
+        """Put the tables into a printer."""
+        return await self._done(lambda desk: desk.load(asked.control, asked.printer))
+
+    async def check(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
+        """Where the tables of a control are to be checked."""
+        return document(await self._counter.ask(lambda desk: desk.check(query.control)))
+
+    async def judge(self, asked: shapes.CheckedRequest) -> Response:
+        """What readings without the tables and with them say."""
+        return document(await self._counter.ask(lambda desk: desk.judge(asked)))
+
+    async def accept(self, asked: shapes.StepRequest) -> Response:
+        """Put right the mistake that readings name."""
+        return await self._done(lambda desk: desk.accept(asked.after))
+
+    async def leave(self) -> Response:
+        """Close the record, and show the start again."""
+        await self._counter.leave()
+        return document(shapes.StageShape(stage=""))
 
     def _result(self, name: str, headers: Mapping[str, str]) -> Response:
         desk = self._counter.desk

@@ -10,8 +10,10 @@ from pydantic import Field
 from axiscal.answers.answer import AnswerDocument, PlannedAnswer, ResultAnswer
 from axiscal.answers.answer_words import AnswerText
 from axiscal.campaign.possible import LONGEST_TEXT
+from axiscal.present.check_answer import CheckPlace
 from axiscal.present.guide.progress import Due, Progress
 from axiscal.present.guide.question import Question
+from axiscal.present.guide.slips import Cause, Jog
 from axiscal.present.plan_answer import BoughtAccuracy
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Note
@@ -37,13 +39,12 @@ class ReadingShape(AnswerDocument):
 class AnswerShape(AnswerDocument):
     """The result, or before the first reading the plan, in words as every screen has it, and as their document.
 
-    first : the first line in parts; rows : heading and cells; commands : what to do next
+    first : the first line in parts; rows : heading and cells
     """
 
     first: list[str]
     rows: list[list[str]]
     sentences: list[str]
-    commands: list[str]
     document: ResultAnswer | PlannedAnswer
 
     @classmethod
@@ -53,7 +54,6 @@ class AnswerShape(AnswerDocument):
             first=[spelt(part) for part in text.first.parts],
             rows=[[spelt(cell) for cell in row] for row in text.rows],
             sentences=[spelt(sentence) for sentence in text.sentences],
-            commands=text.commands,
             document=document,
         )
 
@@ -61,9 +61,12 @@ class AnswerShape(AnswerDocument):
 class StateShape(AnswerDocument):
     """All that the page shows. `last` names the state of the record, `version` this document.
 
-    minds : what to mind about the last reading; asks : whether a zero was set anew before some reading, "" for nothing
+    minds : what to mind about the last reading; named : whether it names a mistake that can be put right
+    asks : whether a zero was set anew before some reading, "" for nothing
+    jog : the test with which the mounting begins, null where it is done
     shows : what the instrument on a virtual machine shows at the question, "" on a real one
     answer : null until it is known for the first time; tables : the controls that there are tables for, once it ended
+    controls : all that tables can be made for
     """
 
     document: Literal["axiscal-page/1"] = "axiscal-page/1"
@@ -75,6 +78,7 @@ class StateShape(AnswerDocument):
     question: Question | None
     ended: str | None
     finished: str | None
+    jog: Jog | None
     shows: str
     trouble: str
     readings: list[ReadingShape]
@@ -82,16 +86,55 @@ class StateShape(AnswerDocument):
     due: Due
     undo: str
     minds: list[str]
+    named: bool
     asks: str
     answer: AnswerShape | None
     results: str
     tables: Sequence[str]
+    controls: Sequence[str]
 
 
 class TablesQuery(AnswerDocument):
     """The tables of a control."""
 
     control: Short
+
+
+class LoadRequest(TablesQuery):
+    """The printer that is to take them: moonraker:HOST or duet:HOST."""
+
+    printer: Short
+
+
+class TextsShape(AnswerDocument):
+    """The files for a control, by name."""
+
+    control: str
+    files: Mapping[str, str]
+
+
+class CheckShape(AnswerDocument):
+    """A check of loaded tables: what is read and why, in words; tolerance : the largest deviation, as text"""
+
+    sentences: Sequence[str]
+    tolerance: str
+    places: Sequence[CheckPlace]
+
+
+class CheckedRequest(TablesQuery):
+    """Readings of a check as they are typed, in the order of its places, without the tables and with them."""
+
+    tolerance: Short
+    found: Annotated[Sequence[Short], Field(max_length=500)]
+    left: Annotated[Sequence[Short], Field(max_length=500)]
+
+
+class CheckedShape(AnswerDocument):
+    """What a check says; faults : what is wrong, by its field ("tolerance", "found.0", "left.0")."""
+
+    verdict: str = ""
+    sentences: Sequence[str] = ()
+    faults: Mapping[str, str] = {}
 
 
 class DraftShape(AnswerDocument):
@@ -173,9 +216,13 @@ class RowsQuery(AnswerDocument):
 
 
 class RowsShape(AnswerDocument):
-    """The rows that an instrument can show on the machine of the draft, in words by their names."""
+    """The rows that an instrument can show on the machine of the draft, in words by their names.
 
-    rows: Mapping[str, str]
+    fault : why it cannot be set up there
+    """
+
+    rows: Mapping[str, str] = {}
+    fault: str = ""
 
 
 class CurveShape(AnswerDocument):
@@ -258,14 +305,18 @@ class StepRequest(AnswerDocument):
 class KeepRequest(StepRequest):
     """A reading as it is typed: "-1,7", "0.0021 mm", three numbers in one line; by default in the unit of the question.
 
-    keep : keep it although it surprises; vouch : and believe it, however much the others contradict it
-    anew : keep it, the zero was set anew before it
+    cause : what was behind it where it surprises
     """
 
     text: Annotated[str, Field(max_length=LONGEST_TEXT)]
-    keep: bool = False
-    vouch: bool = False
-    anew: bool = False
+    cause: Cause | None = None
+
+
+class JogRequest(StepRequest):
+    """What the display shows at the test of its sign, as it is typed; anyway : go on although that is wrong."""
+
+    text: Annotated[str, Field(max_length=LONGEST_TEXT)]
+    anyway: bool = False
 
 
 class AnewRequest(StepRequest):
@@ -288,12 +339,16 @@ class NoteRequest(AnswerDocument):
 
 
 class TypedShape(AnswerDocument):
-    """What a typed text means: its values in the unit of the question, how surprising; what there is to say of it."""
+    """What a typed text means: its values in the unit of the question, how surprising; what there is to say of it.
 
-    values: list[float]
-    surprise: float
-    surprising: bool
-    sentence: str
+    causes : what may be behind a surprise, in words
+    """
+
+    values: Sequence[float] = ()
+    surprise: float = 0.0
+    surprising: bool = False
+    sentence: str = ""
+    causes: Mapping[Cause, str] = {}
 
 
 class DoneShape(AnswerDocument):

@@ -140,12 +140,15 @@ def open_temperature(campaign: Campaign) -> bool:
     return asked is not None and lacks_temperature(described.setup(asked.place.setup), described.machine)
 
 
-def contradictions(campaign: Campaign) -> list[str]:
-    """Return what is to be said of readings that contradict each other; nothing where they agree, or at the end."""
+def contradictions(campaign: Campaign, *, command: bool = True) -> list[str]:
+    """Return what is to be said of readings that contradict each other; nothing where they agree, or at the end.
+
+    command : whether the one that puts it right is said besides
+    """
     if campaign.state.finished is not None:
         return []
     known = campaign.estimate()
-    return [agreement_words(known, campaign.path)] if known.agreement.contradicts else []
+    return [agreement_words(known, campaign.path if command else None)] if known.agreement.contradicts else []
 
 
 def _shown(campaign: Campaign, index: int) -> str:

@@ -21,7 +21,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import block
 from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ReadingError
-from axiscal.language.spoken import counted, said
+from axiscal.language.spoken import counted, decimals, said
 from axiscal.machine import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
@@ -81,6 +81,20 @@ def answer(text: str, setup: Setup) -> Array | Word:
             part = found[0].replace(",", ".").replace("−", "-") + unit
         values.append(parse_quantity(part, dimension))
     return np.array(values)
+
+
+def value_of(text: str, setup: Setup) -> Array:
+    """Return a reading that was typed, (k,) m or rad; raises ReadingError, also for a word."""
+    typed = answer(text, setup)
+    if isinstance(typed, Word):
+        what = said('"{text}" is no reading', text=text.strip())
+        raise ReadingError(what, said("Type the number that the instrument shows"))
+    return typed
+
+
+def display_text(values: Sequence[float], setup: Setup) -> str:
+    """Return what a display shows of a reading.  values : m or rad"""
+    return " ".join(decimals(f"{each:.2f}") for each in to_unit(np.array(values), reading_unit(setup)))
 
 
 def degrees(text: str) -> str:

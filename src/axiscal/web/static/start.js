@@ -1,18 +1,19 @@
 // From nothing to the first reading: one question a screen; every touch is kept on the disk.
-import { call, element, find, on, renderWords, show, text } from "/elements.js";
+import { call, element, find, on, renderWords, show, text, waiting } from "/elements.js";
 import { language, said, translate } from "/words.js";
 
 const SCREENS = ["start", "machine", "with", "plan"];
-const PATIENCE = 1000; // ms after which it is said what is being computed
 const LONGEST = 48000; // letters of a file: a control's own is shorter, and of another one its beginning tells what it is
 const OF_MACHINE = { travels: {}, switched: [], size: "used", without: [], budget: "" }; // what another machine has as usual
 let start = null; // what there is to choose from
 let draft = null; // what was chosen
 let machine = null; // what that makes of a machine
 let version = 0;
+let leaving = false; // a campaign is being opened: nothing more is asked about the draft
 let touched = ""; // the instrument that is drawn
 let turn = Promise.resolve();
 const rows = new Map(); // what each instrument can show, by machine and instrument
+const faults = new Map(); // why it cannot be set up there
 let planned = { of: "" }; // the newest plan, and the choices that it is of
 let curve = { of: "", marks: [] }; // what minutes buy, whatever the budget
 
@@ -58,9 +59,9 @@ async function go(screen) {
 }
 
 function render() {
-  const faults = Object.keys(machine.faults), known = machine.title !== "";
-  const travels = known && faults.every((field) => field === "target");
-  const plan = known && faults.length === 0 && draft.instruments.length > 0;
+  const wrong = Object.keys(machine.faults), known = machine.title !== "";
+  const travels = known && wrong.every((field) => field === "target");
+  const plan = known && wrong.length === 0 && draft.instruments.length > 0;
   const ready = { start: true, machine: known, with: travels, plan };
   for (const screen of SCREENS) show(screen, screen === draft.screen);
   for (const step of find("path").querySelectorAll("button")) {
@@ -70,6 +71,7 @@ function render() {
   renderMachine();
   renderInstruments();
   renderShown();
+  text("instruments-fault", draft.instruments.map((name) => faults.get(ofMachine(name)) ?? "").join(" ").trim());
   show("coming", plan && ["with", "plan"].includes(draft.screen));
   find("machine-next").disabled = !ready.with;
   find("with-next").disabled = !ready.plan;
@@ -207,28 +209,27 @@ function tick(name, words, short) {
   return label;
 }
 
-// Rows of the instruments that were touched, then the plan; of others what they would show is looked up at leisure.
+// Rows of the instruments that were touched, then the plan; what others would show, and what minutes buy, at leisure.
 let later = 0;
 function renew() {
   clearTimeout(later);
   if (!["with", "plan"].includes(draft.screen) || !machine.title) return;
   later = setTimeout(async () => {
-    for (const name of draft.instruments) await look(name);
-    if (find("coming").hidden) return;
-    await makePlan();
-    if (draft.screen === "plan") await makeCurve();
-    for (const name of machine.offered) await look(name);
-    if (draft.screen !== "plan") await makeCurve();
+    const of = version, around = () => [...machine.offered].map((name) => () => look(name));
+    const steps = [...draft.instruments.map((name) => () => look(name)), makePlan];
+    steps.push(...(draft.screen === "plan" ? [makeCurve, ...around()] : [...around(), makeCurve]));
+    for (const step of steps) if (of === version && !leaving) await step();
   }, 250);
 }
 
 async function look(name) {
   const of = ofMachine(name);
   if (rows.has(of)) return;
+  rows.set(of, {}); // asked for once
   const found = await call(`/rows?${new URLSearchParams({ instrument: name })}`);
-  rows.set(of, found.ok ? found.document.rows : {});
-  text("instruments-fault", found.ok || !draft.instruments.includes(name) ? "" : found.document.sentence);
-  if (of === ofMachine(name)) renderShown();
+  rows.set(of, found.document.rows ?? {});
+  faults.set(of, found.document.fault ?? found.document.sentence);
+  if (of === ofMachine(name)) render();
 }
 
 // The machine with its travels, and on it the instrument that was touched last.
@@ -244,27 +245,14 @@ function drawMachine() {
 
 // A campaign that is here, or that of the draft, which begins.
 async function openRecord(record) {
-  find("begin").disabled = true;
+  find("begin").disabled = leaving = true;
   if (await waiting(asked("/open", { record })) !== null) location.assign("/");
-  else find("begin").disabled = false;
-}
-
-// What is being computed is said from the second second on.
-async function waiting(work) {
-  const look = setInterval(async () => {
-    const { document: now } = await call("/stage");
-    text("doing", [said("one moment"), now.stage].filter((words) => words).join(": "));
-  }, PATIENCE);
-  try {
-    return await work;
-  } finally {
-    clearInterval(look);
-    text("doing", "");
-  }
+  else find("begin").disabled = leaving = false;
 }
 
 // A plan is made for each choice; one that has been overtaken by another says nothing.
 async function makePlan() {
+  if (find("coming").hidden) return;
   const { screen, ...chosen } = draft, of = JSON.stringify(chosen);
   if (planned.of !== of) {
     find("begin").disabled = true;
