@@ -97,11 +97,11 @@ class Counter:
     async def leave(self) -> None:
         """Close the record, after the steps that are under way."""
 
-        def left() -> None:
+        def closed() -> None:
             self.desk.campaign.close()
             self._desk = self._state = None
 
-        await self.work(left)
+        await self.work(closed)
         self._news.set()
 
     async def work(self, work: Callable[[], _Result]) -> _Result:

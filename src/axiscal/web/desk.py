@@ -301,7 +301,7 @@ class Desk:
             self._show()
         return said("Ended. Report, figures and tables are in {folder}.", folder=self.results.name)
 
-    def texts(self, control: str) -> TextsShape:
+    def table_texts(self, control: str) -> TextsShape:
         """Return the files for a control as they were written, or made now; raises InputError, TableError."""
         if control in self.state.tables:
             folder = self.results / "tables" / control
@@ -312,10 +312,10 @@ class Desk:
             raise TableError(agreement_words(known), said("Take readings again"))
         return TextsShape(control=offered.controller, files={**offered.files, "README.txt": offered.readme})
 
-    def load(self, control: str, printer: str) -> str:
+    def put_into(self, control: str, printer: str) -> str:
         """Put the files of a control into a printer, and return what it did; raises InputError."""
         loader = ours("ports.printers.printer_source:loader_at")(printer, control)
-        return str(loader.load(loader.accepted_text(self.texts(control).files), "axiscal"))
+        return str(loader.load(loader.accepted_text(self.table_texts(control).files), "axiscal"))
 
     def check(self, control: str) -> CheckShape:
         """Return where the tables of a control are to be checked, and by which tolerance."""

@@ -163,7 +163,7 @@ def picture(here: Path, query: MachineQuery) -> str:
     return setup_picture(setup_scene(campaign, campaign.setups[0], ()), query.width)
 
 
-def rows(here: Path, instrument: str) -> RowsShape:
+def shown_rows(here: Path, instrument: str) -> RowsShape:
     """Return the rows that an instrument can show on the machine of the draft, or why it cannot be set up there."""
     try:
         shown = rows_shown(_with(_beginning(kept(here), {}), instrument))

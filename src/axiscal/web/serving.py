@@ -55,7 +55,7 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
     app.get(f"{ROOT}/stage", response_model=shapes.StageShape)(beginning.stage)
     app.get(f"{ROOT}/plan", response_model=shapes.PlanShape | None)(beginning.plan)
     app.get(f"{ROOT}/curve", response_model=shapes.CurveShape | None)(beginning.curve)
-    app.get(f"{ROOT}/rows", response_model=shapes.RowsShape)(beginning.rows)
+    app.get(f"{ROOT}/rows", response_model=shapes.RowsShape)(beginning.shown_rows)
     app.post(f"{ROOT}/draft", response_model=shapes.MachineShape)(beginning.keep)
     app.post(f"{ROOT}/open", response_model=shapes.DoneShape)(beginning.open)
     app.get(f"{ROOT}/state", response_model=shapes.StateShape)(api.state)
@@ -65,8 +65,8 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
     app.post(f"{ROOT}/jogs", response_model=shapes.DoneShape)(api.jog)
     app.post(f"{ROOT}/accepts", response_model=shapes.DoneShape)(api.accept)
     app.post(f"{ROOT}/leave", response_model=shapes.StageShape)(api.leave)
-    app.get(f"{ROOT}/texts", response_model=shapes.TextsShape)(api.texts)
-    app.post(f"{ROOT}/load", response_model=shapes.DoneShape)(api.load)
+    app.get(f"{ROOT}/texts", response_model=shapes.TextsShape)(api.table_texts)
+    app.post(f"{ROOT}/load", response_model=shapes.DoneShape)(api.put_into)
     app.get(f"{ROOT}/check", response_model=shapes.CheckShape)(api.check)
     app.post(f"{ROOT}/check", response_model=shapes.CheckedShape)(api.judge)
     app.post(f"{ROOT}/skips", response_model=shapes.DoneShape)(api.skip)
@@ -145,20 +145,20 @@ class _Api:
 
     async def tables(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
         """The tables of a control as one file."""
-        made, packed = await self._counter.ask(lambda desk: desk.texts(query.control)), io.BytesIO()
+        made, packed = await self._counter.ask(lambda desk: desk.table_texts(query.control)), io.BytesIO()
         with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
             for name, text in made.files.items():
                 archive.writestr(f"{made.control}/{name}", text)
         headers = {"Content-Disposition": f'attachment; filename="{made.control}.zip"'}
         return Response(packed.getvalue(), media_type="application/zip", headers=headers)
 
-    async def texts(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
+    async def table_texts(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
         """The tables of a control as texts to copy."""
-        return document(await self._counter.ask(lambda desk: desk.texts(query.control)))
+        return document(await self._counter.ask(lambda desk: desk.table_texts(query.control)))
 
-    async def load(self, asked: shapes.LoadRequest) -> Response:
+    async def put_into(self, asked: shapes.LoadRequest) -> Response:
         """Put the tables into a printer."""
-        return await self._done(lambda desk: desk.load(asked.control, asked.printer))
+        return await self._done(lambda desk: desk.put_into(asked.control, asked.printer))
 
     async def check(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
         """Where the tables of a control are to be checked."""
@@ -220,9 +220,9 @@ class _BeginningApi:
         """What other minutes than those of the plan buy; it takes seconds."""
         return await self._drawn_up(draft.curve)
 
-    async def rows(self, query: Annotated[shapes.RowsQuery, Query()]) -> Response:
+    async def shown_rows(self, query: Annotated[shapes.RowsQuery, Query()]) -> Response:
         """The rows that an instrument can show on the machine of the draft."""
-        return document(await asyncio.to_thread(draft.rows, self._here, query.instrument))
+        return document(await asyncio.to_thread(draft.shown_rows, self._here, query.instrument))
 
     async def _drawn_up(self, made: Callable[[Path], AnswerDocument]) -> Response:
         """Return what is made of the draft, null where a newer choice has broken it off."""
