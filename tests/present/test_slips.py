@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.description.first_campaign import Aim
+from axiscal.description.first_campaign import Purpose
 from axiscal.description.first_files import (
     SIZES,
     first_described,
@@ -113,7 +113,7 @@ def test_a_cause_that_explains_nothing_is_refused(campaign: Campaign) -> None:
 def test_an_instrument_shows_the_rows_that_endless_readings_would_measure(
     instrument: str, shown: str, hidden: str
 ) -> None:
-    rows = {row.name for row in rows_shown(first_described(of_builtin("router"), [instrument], Aim()))}
+    rows = {row.name for row in rows_shown(first_described(of_builtin("router"), [instrument], Purpose()))}
     assert {shown, "volume"} <= rows
     assert hidden not in rows
 

@@ -17,7 +17,7 @@ import typer
 from axiscal.answers.answer_words import WIDTH
 from axiscal.cli.printing import ask, complain, say, say_document
 from axiscal.description.campaign_schema import SCHEMAS
-from axiscal.description.first_campaign import OFFERED, Aim
+from axiscal.description.first_campaign import OFFERED, Purpose
 from axiscal.description.first_files import (
     Beginning,
     first_described,
@@ -97,7 +97,7 @@ def init(
             begun = _with_probe(begun)
         wanted = said("How well is the tool point to be known, such as 20 um? Enter for as good as it gets")
         made = partial(first_files, begun, names)
-        files = _answered(wanted, (), lambda text: made(Aim(text))) if target is None else made(Aim(target))
+        files = _answered(wanted, (), lambda text: made(Purpose(text))) if target is None else made(Purpose(target))
     except EOFError:
         raise DescriptionError("Nobody answered", "Give --machine or --from, --instrument and --target") from None
     write_files(folder, files.texts)
@@ -126,7 +126,7 @@ def _built_in(machine: str | None) -> Beginning:
 def _instruments(begun: Beginning) -> list[str]:
     def offered(text: str) -> list[str]:
         names = instruments_of(text) or [_INSTRUMENT]
-        first_described(begun, names, Aim())  # refuses those that it has none for
+        first_described(begun, names, Purpose())  # refuses those that it has none for
         return names
 
     known = offered_words()

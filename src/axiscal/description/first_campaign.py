@@ -42,7 +42,7 @@ UNSAID_OFFSET = '# offset = ["-33 mm", "-46 mm", "0 mm"]'
 """The same, where nobody knows where the probe stands."""
 
 
-class Aim(NamedTuple):
+class Purpose(NamedTuple):
     """What a first campaign is for.
 
     target : the expanded uncertainty wanted, "" for as good as the set-ups make it
@@ -55,7 +55,9 @@ class Aim(NamedTuple):
     budget: str = ""
 
 
-def first_campaign(machine: Machine, source: str, instruments: Sequence[str], aim: Aim, active: str = UNSAID) -> str:
+def first_campaign(
+    machine: Machine, source: str, instruments: Sequence[str], purpose: Purpose, active: str = UNSAID
+) -> str:
     """Return the text of a campaign file.
 
     source : how the file names the machine
@@ -64,7 +66,7 @@ def first_campaign(machine: Machine, source: str, instruments: Sequence[str], ai
     Raises DescriptionError where a machine has no linear axis that an instrument could be read along.
     """
     values = {"machine": machine, "source": source, "instruments": list(instruments)}
-    head = templates().get_template("campaign.jinja").render(values, **aim._asdict(), active=active)
+    head = templates().get_template("campaign.jinja").render(values, **purpose._asdict(), active=active)
     offered = [name for name in instruments if name != "dial" or "square" not in instruments]
     setups = [text for name in offered for text in OFFERED[name].setups(machine)]
     if not setups:

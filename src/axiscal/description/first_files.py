@@ -14,10 +14,11 @@ from typing import NamedTuple
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.campaign_schema import SCHEMAS
-from axiscal.description.first_campaign import OFFERED, UNSAID, UNSAID_OFFSET, Aim, first_campaign, templates
+from axiscal.description.first_campaign import OFFERED, UNSAID, UNSAID_OFFSET, Purpose, first_campaign, templates
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import IniMachine, machine_of
 from axiscal.description.printer_file import is_printer_file, read_printer
+from axiscal.description.screws import screws_text
 from axiscal.document.durable import write_whole
 from axiscal.document.quoting import shown, toml_value
 from axiscal.exceptions import DescriptionError, InputError, RecordError
@@ -35,12 +36,14 @@ class Beginning:
 
     text : of machine.toml; active : the line of campaign.toml on compensation; look : what could not be read
     beside : how far a probe stands beside the tool point along x and y, m; None where nobody said
+    screws : the lines of campaign.toml on those under the bed, "" where there are none
     """
 
     text: str
     active: str = UNSAID
     look: tuple[str, ...] = ()
     beside: Beside | None = None
+    screws: str = ""
 
 
 class FirstFiles(NamedTuple):
@@ -132,6 +135,7 @@ def of_printer(file: Path, chain: str | None = None) -> Beginning:
         f"# From {file.name} of Klipper; errors as printers usually have them.\n\n{text}",
         look=tuple(look),
         beside=found.beside,
+        screws=screws_text(found.thread, found.screws) if found.screws else "",
     )
 
 
@@ -232,7 +236,7 @@ def _active(found: IniMachine, file: Path, folder: Path) -> str:
     return f"compensation_active = [{path}]   # tables or backlash of joint {joints}: new tables go on top of them"
 
 
-def first_described(begun: Beginning, instruments: Sequence[str], aim: Aim) -> CampaignDescription:
+def first_described(begun: Beginning, instruments: Sequence[str], purpose: Purpose) -> CampaignDescription:
     """Return the campaign of a new calibration.
 
     instruments : of OFFERED
@@ -242,19 +246,21 @@ def first_described(begun: Beginning, instruments: Sequence[str], aim: Aim) -> C
         raise DescriptionError(
             "No instrument was named", "Name one or more of {known}", known=", ".join(offered_words())
         )
-    if aim.target:
-        parse_quantity(aim.target, "length")
+    if purpose.target:
+        parse_quantity(purpose.target, "length")
     machine = _with_stylus(begun.text) if "sphere" in instruments else begun.text
-    text = first_campaign(machine_from_text(machine), "machine.toml", instruments, aim, begun.active)
+    text = first_campaign(machine_from_text(machine), "machine.toml", instruments, purpose, begun.active)
     if begun.beside is not None:
         x, y = (format_quantity(each, "mm", 6) for each in begun.beside)
         text = text.replace(UNSAID_OFFSET, f'offset = ["{x}", "{y}", "0 mm"]', 1)
+    if "probe" in instruments:
+        text += begun.screws
     return campaign_from_texts(text, said("campaign.toml (not written)"), machine, "machine.toml")
 
 
-def first_files(begun: Beginning, instruments: Sequence[str], aim: Aim) -> FirstFiles:
+def first_files(begun: Beginning, instruments: Sequence[str], purpose: Purpose) -> FirstFiles:
     """Return the files of a new calibration; arguments as of `first_described`."""
-    described = first_described(begun, instruments, aim)
+    described = first_described(begun, instruments, purpose)
     texts = {
         "machine.toml": f"#:schema ./machine.schema.json\n{described.machine.text.rstrip()}\n",
         "campaign.toml": described.text,

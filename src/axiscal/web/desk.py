@@ -6,68 +6,62 @@ on since, so that no reading answers another question.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from datetime import datetime, timedelta
+from collections.abc import Callable, Sequence
 from pathlib import Path
-
-import numpy as np
 
 from axiscal.answers.answer import PlannedAnswer, ResultAnswer
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside, standing_answer
-from axiscal.answers.answer_words import answer_text, digits
+from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.campaign.sources import virtual_in, virtual_machine
 from axiscal.campaign.sources.source import SimulatedSource
-from axiscal.document.durable import write_whole
-from axiscal.document.ports import ours
 from axiscal.estimation.agreement_words import agreement_words, change_words
 from axiscal.estimation.promise.agreement import Explained
-from axiscal.evaluation.check import Check, Taken
-from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError, RecordError, TableError
+from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError, RecordError
 from axiscal.language.spoken import decimals, said, spoken_now
-from axiscal.measurement.readers.csv_readings import filled_sheet
-from axiscal.measurement.reading import Places, reading_unit, shown_coordinate
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.present.check_answer import check_answer, check_places, check_plan, check_sentences, typed_readings
 from axiscal.present.guide.progress import (
+    Named,
     Progress,
-    SetAnew,
+    confirmed,
     contradictions,
     doubted,
     due,
-    jump_named,
     last_step,
+    latest,
+    named_now,
     others_doubted,
     set_anew,
     take_back,
     take_note,
 )
-from axiscal.present.guide.question import SURPRISING, Question, asked_text, display_text, value_of
-from axiscal.present.guide.slips import CAUSES, Cause, causes, jog, keep_as, surprise_text, try_jog
+from axiscal.present.guide.question import SURPRISING, Question, asked_text, stands
+from axiscal.present.guide.slips import (
+    CAUSES,
+    Cause,
+    causes,
+    display_text,
+    jog,
+    keep_as,
+    surprise_text,
+    try_jog,
+    value_of,
+)
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_text
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
-from axiscal.record.signing import own_hand
 from axiscal.tables import registry
 from axiscal.units import to_unit
 from axiscal.web.shapes import (
     AnswerShape,
-    CheckedRequest,
-    CheckedShape,
-    CheckShape,
     CostShape,
-    ReadingShape,
     StateShape,
-    TextsShape,
     TypedShape,
 )
-
-_LATEST = 3
-"""Readings that are listed; a person looks back at no more."""
 
 
 def _answer(campaign: Campaign, answer: ResultAnswer | PlannedAnswer, results: Path) -> AnswerShape:
@@ -75,29 +69,9 @@ def _answer(campaign: Campaign, answer: ResultAnswer | PlannedAnswer, results: P
     if isinstance(answer, PlannedAnswer):
         text = plan_text(answer, campaign.path.name)
     else:
-        agreement = agreement_words(campaign.so_far()) if answer.compared else ""
+        agreement = agreement_words(campaign.so_far()) if answer.readings else ""
         text = answer_text(answer, agreement, campaign.path.name, results.name)
     return AnswerShape.of(text, answer)
-
-
-def _latest(campaign: Campaign) -> Iterator[ReadingShape]:
-    """Yield the last readings, the latest first, each where its axes stood that move: "X 120.5, C 30"."""
-    doubted = {doubt.reading for doubt in campaign.estimate().outliers}
-    begun, axes = datetime.fromisoformat(campaign.begun), campaign.description.machine.axes
-    for index, reading in list(enumerate(campaign.state.readings))[: -_LATEST - 1 : -1]:
-        setup, seconds = campaign.description.setup(reading.setup), reading.time
-        unit, moved = reading_unit(setup), [(axes[k], reading.pose[k]) for k in setup.moves]
-        moved.sort(key=lambda each: (each[0].rotary, each[0].name))
-        stood = (f"{axis.name} {round(shown_coordinate(at, axis), 3) + 0.0:.9g}" for axis, at in moved)
-        yield ReadingShape(
-            number=reading.numbered(index),
-            setup=reading.setup,
-            place=", ".join(stood),
-            values=to_unit(np.array(reading.values), unit).tolist(),
-            unit=unit,
-            at="" if seconds is None else (begun + timedelta(seconds=seconds)).isoformat(timespec="milliseconds"),
-            doubted=index in doubted,
-        )
 
 
 Publisher = Callable[[StateShape], None]
@@ -122,7 +96,7 @@ class Desk:
     """
 
     def __init__(self, campaign: Campaign, publish: Publisher) -> None:
-        self.campaign, self.publish, self._virtual = campaign, publish, virtual_in(campaign.state.notes)
+        self.campaign, self.publish, self.virtual = campaign, publish, virtual_in(campaign.state.notes)
         self._question: Question | None = None
         self._ended: str | None = None
         self._trouble = ""
@@ -130,8 +104,8 @@ class Desk:
         self._answer: ResultAnswer | PlannedAnswer | None = None
         self._answers: object = None  # the readings and the end that it is about
         self._before: frozenset[int] | None = None
-        self._jump: SetAnew | None = None
-        self._asks: SetAnew | None = None
+        self._named: Named | None = None
+        self._asks: Named | None = None
         self._version = 0
         self._alike: set[int] = set()
         self.state = self._renewed()
@@ -158,7 +132,7 @@ class Desk:
     def think(self) -> None:
         """Do what the next question need not wait for: second thoughts on the last reading, and the answer."""
         minds = [*self._minds, *([] if self._before is None else others_doubted(self.campaign, self._before))]
-        if self._before is not None and (named := jump_named(self.campaign)) != self._jump:
+        if self._before is not None and (named := named_now(self.campaign)) != self._named:
             self._asks = named
         new_question, self._before = self._asks is not None and not self.state.asks, None
         self.campaign.estimate()  # the next reading is compared with it
@@ -180,7 +154,7 @@ class Desk:
         if question is None or not text.strip():
             return TypedShape()
         try:
-            values = value_of(text, self.campaign.description.setup(question.setup))
+            values = self._value(text, question)
         except AxiscalError as failure:
             return TypedShape(sentence=str(failure))
         surprise = question.surprise(values)
@@ -196,12 +170,12 @@ class Desk:
         self._refuse_overtaken(after)
         asked = self.campaign.open_question()
         question = self._question or Question.from_campaign(self.campaign, asked)
-        typed = value_of(text, self.campaign.description.setup(question.setup))
+        typed = self._value(text, question)
         if question.surprise(typed) >= SURPRISING and cause is None:
             raise SurprisingError(question, typed)
-        before, jump = doubted(self.campaign), jump_named(self.campaign)
+        before, jump = doubted(self.campaign), named_now(self.campaign)
         kept, told = keep_as(self.campaign, question, typed, cause)
-        self._before, self._jump = before, jump
+        self._before, self._named = before, jump
         self._show()
         return f"{said('Kept reading {number}; it is on the disk.', number=kept.number)} {told}".rstrip()
 
@@ -213,7 +187,7 @@ class Desk:
     def accept(self, after: int) -> str:
         """Put right the mistake that readings name; raises RecordError where they name none."""
         self._refuse_overtaken(after)
-        named = self._named()
+        named = self._explained()
         if named is None:
             raise RecordError(said("The readings name no mistake"), said("Go on with the readings"))
         told = self.campaign.accept(named.mistake, self.campaign.description.setups[named.setups[0]].name)
@@ -264,7 +238,7 @@ class Desk:
         """Keep that a zero was set anew before the next reading.  asked : before the one that the page asks about"""
         self._refuse_overtaken(after)
         named = self._asks if asked else None
-        told = set_anew(self.campaign, *(() if named is None else named[:2]))
+        told = set_anew(self.campaign) if named is None else confirmed(self.campaign, named)
         self._show()
         return told
 
@@ -301,50 +275,7 @@ class Desk:
             self._show()
         return said("Ended. Report, figures and tables are in {folder}.", folder=self.results.name)
 
-    def table_texts(self, control: str) -> TextsShape:
-        """Return the files for a control as they were written, or made now; raises InputError, TableError."""
-        if control in self.state.tables:
-            folder = self.results / "tables" / control
-            return TextsShape(control=control, files={file.name: file.read_text() for file in sorted(folder.iterdir())})
-        known = self.campaign.estimate(ended=True)
-        offered = registry.offered(known, control)
-        if known.agreement.withheld:
-            raise TableError(agreement_words(known), said("Take readings again"))
-        return TextsShape(control=offered.controller, files={**offered.files, "README.txt": offered.readme})
-
-    def put_into(self, control: str, printer: str) -> str:
-        """Put the files of a control into a printer, and return what it did; raises InputError."""
-        loader = ours("ports.printers.printer_source:loader_at")(printer, control)
-        return str(loader.load(loader.accepted_text(self.table_texts(control).files), "axiscal"))
-
-    def check(self, control: str) -> CheckShape:
-        """Return where the tables of a control are to be checked, and by which tolerance."""
-        check, places = self._check(control)
-        lines = check_plan(check, places)[1]
-        return CheckShape(
-            sentences=[spelt(line) for line in lines],
-            tolerance=f"{digits(to_unit(check.tightest(None) or check.tables.U, 'um'))} um",
-            places=check_places(check, places, self._virtual),
-        )
-
-    def judge(self, asked: CheckedRequest) -> CheckedShape:
-        """Return what readings without the tables and with them say, or what is wrong with each by its field."""
-        check, places = self._check(asked.control)
-        readings, faults = typed_readings(check, places, asked.found, asked.left, asked.tolerance)
-        if faults:
-            return CheckedShape(faults=faults)
-        for name, each in zip(("found.csv", "left.csv"), readings, strict=True):  # as `axiscal verify` takes them
-            sheet = filled_sheet(check.description.machine.axes, each)
-            write_whole(self.campaign.path.with_name(name), sheet.encode())
-        judged = check.judged(readings, asked.tolerance)
-        answer = check_answer(judged, len(places), check.tables.U, Taken(own_hand().person, "page"))
-        return CheckedShape(verdict=answer.verdict, sentences=[spelt(line) for line in check_sentences(answer)])
-
-    def _check(self, control: str) -> tuple[Check, Places]:
-        check = Check.from_campaign(self.campaign, control)
-        return check, check.planned(tolerance=check.tightest(None))
-
-    def _named(self) -> Explained | None:
+    def _explained(self) -> Explained | None:
         """Return the mistake that readings name which contradict each other, None for none."""
         found = self.campaign.estimate().agreement
         return found.explained[0] if found.contradicts and found.explained else None
@@ -388,12 +319,12 @@ class Desk:
             jog=jog(campaign),
             shows=self._shows(),
             trouble=self._trouble,
-            readings=list(_latest(campaign)),
+            readings=list(latest(campaign)),
             notes=state.notes,
             due=due(campaign),
             undo=last_step(campaign)[0],
             minds=[spelt(each) for each in [*self._minds, *contradictions(campaign, command=False)]],
-            named=state.finished is None and self._named() is not None,
+            named=state.finished is None and self._explained() is not None,
             asks="" if self._asks is None else spelt(self._asks.question),
             answer=None if self._answer is None or overtaken else _answer(campaign, self._answer, results),
             results=results.name if written else "",
@@ -416,13 +347,13 @@ class Desk:
     def _shows(self) -> str:
         """Return what the instrument on a virtual machine shows at the question, "" where there is none."""
         asked = self.campaign.state.pending
-        if not self._virtual or self._question is None or asked is None:
+        if not self.virtual or self._question is None or asked is None:
             return ""
         if (test := jog(self.campaign)) is not None:
             return decimals(f"{test.shows:.2f}")
         description = self.campaign.description
         simulator = Simulator(description.machine, description.setups)
-        answer = SimulatedSource(*virtual_machine(self._virtual, simulator)).read(self.campaign.request(asked))
+        answer = SimulatedSource(*virtual_machine(self.virtual, simulator)).read(self.campaign.request(asked))
         return display_text([answer.value, *answer.others], description.setup(asked.place.setup))
 
     def _next(self) -> Asked | Ended:
@@ -433,3 +364,6 @@ class Desk:
             self.campaign.looked_at_again()
             self._alike.clear()
             return self.campaign.next()
+
+    def _value(self, text: str, question: Question) -> Array:
+        return value_of(text, self.campaign.description.setup(question.setup), stands(self.campaign))

@@ -19,7 +19,7 @@ from axiscal.campaign.beginning import begun_campaign
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import virtual_note
 from axiscal.description.campaign import CampaignDescription, read_campaign
-from axiscal.description.first_campaign import OFFERED, UNSAID, Aim
+from axiscal.description.first_campaign import OFFERED, UNSAID, Purpose
 from axiscal.description.first_files import (
     SIZES,
     Beginning,
@@ -181,7 +181,7 @@ def curve(here: Path) -> CurveShape:
 def _with(begun: Beginning, instrument: str) -> CampaignDescription:
     if instrument not in OFFERED:
         raise DescriptionError("There is no such instrument", "Known are {known}", known=", ".join(OFFERED))
-    return first_described(begun, [instrument], Aim())
+    return first_described(begun, [instrument], Purpose())
 
 
 def _planned(here: Path) -> Campaign:
@@ -196,7 +196,7 @@ def _planned(here: Path) -> Campaign:
     wants = [name for name in wants if name not in draft.without]
     if shown and not wants:
         raise DescriptionError("Nothing is to be known", "Tick a row at least")
-    files = first_files(begun, draft.instruments, Aim(target, wants, draft.budget))
+    files = first_files(begun, draft.instruments, Purpose(target, wants, draft.budget))
     chosen = draft.model_copy(update={"screen": "start"}).model_dump_json().encode()
     record, made = next(folder.glob("*.axiscal"), None), folder / _OF_PLAN
     if record is not None and made.exists() and made.read_bytes() == chosen:

@@ -20,7 +20,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from axiscal.answers.answer import AnswerDocument
 from axiscal.exceptions import InputError, OvertakenError
-from axiscal.web import draft, shapes
+from axiscal.web import after_end, draft, shapes
 from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
 from axiscal.web.guard import ROOT, Guard, document, page_application, problem
@@ -145,7 +145,7 @@ class _Api:
 
     async def tables(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
         """The tables of a control as one file."""
-        made, packed = await self._counter.ask(lambda desk: desk.table_texts(query.control)), io.BytesIO()
+        made, packed = await self._counter.ask(lambda desk: after_end.table_texts(desk, query.control)), io.BytesIO()
         with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
             for name, text in made.files.items():
                 archive.writestr(f"{made.control}/{name}", text)
@@ -154,19 +154,19 @@ class _Api:
 
     async def table_texts(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
         """The tables of a control as texts to copy."""
-        return document(await self._counter.ask(lambda desk: desk.table_texts(query.control)))
+        return document(await self._counter.ask(lambda desk: after_end.table_texts(desk, query.control)))
 
     async def put_into(self, asked: shapes.LoadRequest) -> Response:
         """Put the tables into a printer."""
-        return await self._done(lambda desk: desk.put_into(asked.control, asked.printer))
+        return await self._done(lambda desk: after_end.put_into(desk, asked.control, asked.printer))
 
     async def check(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
         """Where the tables of a control are to be checked."""
-        return document(await self._counter.ask(lambda desk: desk.check(query.control)))
+        return document(await self._counter.ask(lambda desk: after_end.check(desk, query.control)))
 
     async def judge(self, asked: shapes.CheckedRequest) -> Response:
         """What readings without the tables and with them say."""
-        return document(await self._counter.ask(lambda desk: desk.judge(asked)))
+        return document(await self._counter.ask(lambda desk: after_end.judge(desk, asked)))
 
     async def accept(self, asked: shapes.StepRequest) -> Response:
         """Put right the mistake that readings name."""

@@ -10,8 +10,8 @@ from pydantic import Field
 from axiscal.answers.answer import AnswerDocument, PlannedAnswer, ResultAnswer
 from axiscal.answers.answer_words import AnswerText
 from axiscal.campaign.possible import LONGEST_TEXT
-from axiscal.present.check_answer import CheckPlace
-from axiscal.present.guide.progress import Due, Progress
+from axiscal.present.guide.checking import CheckPlace
+from axiscal.present.guide.progress import Due, KeptReading, Progress
 from axiscal.present.guide.question import Question
 from axiscal.present.guide.slips import Cause, Jog
 from axiscal.present.plan_answer import BoughtAccuracy
@@ -22,18 +22,6 @@ LONGEST = 25.0
 """s that a request may wait for news: less than what programs between us and a browser would take for a fault."""
 After = Annotated[int, Field(ge=0, description="`last` of the state that is answered; 409 if it has changed")]
 Short = Annotated[str, Field(max_length=LONGEST_TEXT)]
-
-
-class ReadingShape(AnswerDocument):
-    """A reading that is kept: where, what, when (ISO 8601, UTC; "" where nobody knows), and whether it is doubted."""
-
-    number: int
-    setup: str
-    place: str
-    values: list[float]
-    unit: str
-    at: str
-    doubted: bool
 
 
 class AnswerShape(AnswerDocument):
@@ -81,7 +69,7 @@ class StateShape(AnswerDocument):
     jog: Jog | None
     shows: str
     trouble: str
-    readings: list[ReadingShape]
+    readings: list[KeptReading]
     notes: Sequence[Note]
     due: Due
     undo: str

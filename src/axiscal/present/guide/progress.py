@@ -7,18 +7,22 @@ Words say what `undo` would take back or has taken back, and which readings are 
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
 from typing import Literal, NamedTuple
+
+import numpy as np
 
 from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import floor_of, known_to
-from axiscal.estimation.agreement_words import acceptance, agreement_words, change_words, jump_question
+from axiscal.estimation.agreement_words import acceptance, agreement_words, change_words, question
 from axiscal.estimation.judged import Doubt
+from axiscal.estimation.promise.agreement import ASKED, Mistake
 from axiscal.language.spoken import counted, decimals, said
-from axiscal.measurement.reading import reading_text, reading_unit
+from axiscal.measurement.reading import reading_text, reading_unit, shown_coordinate
 from axiscal.planning.promise import foreseen, rejected
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted
@@ -99,22 +103,31 @@ def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
     return minds
 
 
-class SetAnew(NamedTuple):
-    """A zero that may have been set anew: of which set-up, before which reading, and what a person is asked."""
+class Named(NamedTuple):
+    """What a person is asked about at once: a mistake of `ASKED`, of which set-up, from which reading on."""
 
+    mistake: Mistake
     setup: str
     number: int
     question: str
 
 
-def jump_named(campaign: Campaign) -> SetAnew | None:
-    """Return the likeliest jump of a zero that the readings name now."""
+def named_now(campaign: Campaign) -> Named | None:
+    """Return the likeliest zero that was set anew, or instrument that is stuck, which the readings name now."""
     known = campaign.estimate()
     for each in known.agreement.explained:
-        if each.mistake == "jump":
+        if each.mistake in ASKED:
             event = acceptance(each, known)
-            return SetAnew(event.setups[0], event.reading, jump_question(known, each))
+            return Named(each.mistake, event.setups[0], event.reading, question(known, each))
     return None
+
+
+def confirmed(campaign: Campaign, named: Named) -> str:
+    """Keep that a mistake is there which the readings name, and return a sentence of it."""
+    if named.mistake == "jump":
+        return set_anew(campaign, named.setup, named.number)
+    change = change_words(campaign.accept(named.mistake, named.setup))
+    return said("Kept: {change}; undo takes it back.", change=change)
 
 
 def set_anew(campaign: Campaign, setup: str | None = None, before: int | None = None) -> str:
@@ -241,3 +254,39 @@ def due(campaign: Campaign) -> Due:
     first = next((n for n, place in enumerate(places) if place in read), None)
     until = None if first is None else to_unit(campaign.seconds(places[:first]) - campaign.seconds(), "min")
     return Due(temperature_degc=warm, minutes_ago=ago, ask=asked, marker_minutes=until)
+
+
+_LATEST = 3
+"""Readings that are listed; a person looks back at no more."""
+
+
+class KeptReading(AnswerDocument):
+    """A reading that is kept: where, what, when (ISO 8601, UTC; "" where nobody knows), and whether it is doubted."""
+
+    number: int
+    setup: str
+    place: str
+    values: list[float]
+    unit: str
+    at: str
+    doubted: bool
+
+
+def latest(campaign: Campaign) -> Iterator[KeptReading]:
+    """Yield the last readings, the latest first, each where its axes stood that move: "X 120.5, C 30"."""
+    doubted = {doubt.reading for doubt in campaign.estimate().outliers}
+    begun, axes = datetime.fromisoformat(campaign.begun), campaign.description.machine.axes
+    for index, reading in list(enumerate(campaign.state.readings))[: -_LATEST - 1 : -1]:
+        setup, seconds = campaign.description.setup(reading.setup), reading.time
+        unit, moved = reading_unit(setup), [(axes[k], reading.pose[k]) for k in setup.moves]
+        moved.sort(key=lambda each: (each[0].rotary, each[0].name))
+        stood = (f"{axis.name} {round(shown_coordinate(at, axis), 3) + 0.0:.9g}" for axis, at in moved)
+        yield KeptReading(
+            number=reading.numbered(index),
+            setup=reading.setup,
+            place=", ".join(stood),
+            values=to_unit(np.array(reading.values), unit).tolist(),
+            unit=unit,
+            at="" if seconds is None else (begun + timedelta(seconds=seconds)).isoformat(timespec="milliseconds"),
+            doubted=index in doubted,
+        )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -11,13 +12,14 @@ from axiscal.answers.answer import AnswerDocument
 from axiscal.answers.answer_words import digits
 from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import ReadingError
-from axiscal.language.spoken import later, put, said
+from axiscal.language.spoken import decimals, later, put, said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading, reading_unit
+from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import set_anew
-from axiscal.present.guide.question import SURPRISING, Question, value_of
+from axiscal.present.guide.question import SURPRISING, Question, Stands, Word, answer
 from axiscal.units import to_unit
 
 _STEP = 1e-4
@@ -54,6 +56,20 @@ class Jog(AnswerDocument):
     sentence: str
     shows: float
     unit: str
+
+
+def value_of(text: str, setup: Setup, stands: Stands | None = None) -> Array:
+    """Return a reading that was typed, (k,) m or rad, as `answer` does; raises ReadingError, also for a word."""
+    typed = answer(text, setup, stands)
+    if isinstance(typed, Word):
+        what = said('"{text}" is no reading', text=text.strip())
+        raise ReadingError(what, said("Type the number that the instrument shows"))
+    return typed
+
+
+def display_text(values: Sequence[float], setup: Setup) -> str:
+    """Return what a display shows of a reading.  values : m or rad"""
+    return " ".join(decimals(f"{each:.2f}") for each in to_unit(np.array(values), reading_unit(setup)))
 
 
 def surprise_text(question: Question, values: Array) -> str:
