@@ -176,12 +176,11 @@ function rowsOf(instrument) {
 
 // Rows to be ticked, of one kind in a line, and what other instruments would show besides, in grey.
 function renderShown() {
-  const known = Object.assign({}, ...draft.instruments.map(rowsOf)), whole = known.volume;
-  delete known.volume;
-  const kinds = Map.groupBy(Object.entries(whole ? { ...known, volume: whole } : known), ([, words]) => words.split(" ")[0]);
+  const { volume, ...others } = Object.assign({}, ...draft.instruments.map(rowsOf)), known = volume ? { ...others, volume } : others;
+  const kinds = Map.groupBy(Object.entries(known), ([, words]) => words.split(" ")[0]);
   const lines = [...kinds].map(([kind, each]) => {
     const line = element("p", "");
-    line.append(element("span", kind, "kind"), ...each.map(([name, words]) => tick(name, words, words.slice(kind.length).trim() || words)));
+    line.append(element("span", each[0][1] === kind ? "" : kind, "kind"), ...each.map(([name, words]) => tick(name, words, words.slice(kind.length).trim() || words)));
     return line;
   });
   const before = document.activeElement?.dataset?.row;
