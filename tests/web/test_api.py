@@ -87,6 +87,8 @@ def test_the_tables_of_a_control_are_one_file(page: Served) -> None:
     assert page.state()["tables"] == ["linuxcnc"]
     with zipfile.ZipFile(io.BytesIO(tables("linuxcnc").body)) as archive:
         assert archive.read("linuxcnc/X.comp") == b"0 0 0\n"
+    refused = page.call("load", control="klipper", printer="linuxcnc.local").document["sentence"]
+    assert "'linuxcnc.local' is no printer" in refused
     for other in ("..", "linuxcnc/..", "%2e%2e", ""):
         assert tables(other).status == 422
 

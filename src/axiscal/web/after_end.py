@@ -6,6 +6,7 @@ from axiscal.answers.answer_words import digits
 from axiscal.document.durable import write_whole
 from axiscal.document.ports import ours
 from axiscal.estimation.agreement_words import agreement_words
+from axiscal.estimation.estimation import Estimation
 from axiscal.evaluation.check import Check, Taken
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import said
@@ -16,6 +17,7 @@ from axiscal.present.guide.checking import check_places, typed_readings
 from axiscal.present.sentences import spelt
 from axiscal.record.signing import own_hand
 from axiscal.tables import registry
+from axiscal.tables.exporter import ExportOptions, informed
 from axiscal.units import to_unit
 from axiscal.web.desk import Desk
 from axiscal.web.shapes import CheckedRequest, CheckedShape, CheckShape, TextsShape
@@ -26,17 +28,24 @@ def table_texts(desk: Desk, control: str) -> TextsShape:
     if control in desk.state.tables:
         folder = desk.results / "tables" / control
         return TextsShape(control=control, files={file.name: file.read_text() for file in sorted(folder.iterdir())})
+    offered = registry.offered(_standing(desk), control)
+    return TextsShape(control=offered.controller, files={**offered.files, "README.txt": offered.readme})
+
+
+def _standing(desk: Desk) -> Estimation:
+    """Return what is known at the end; raises TableError where readings contradict each other."""
     known = desk.campaign.estimate(ended=True)
-    offered = registry.offered(known, control)
     if known.agreement.withheld:
         raise TableError(agreement_words(known), said("Take readings again"))
-    return TextsShape(control=offered.controller, files={**offered.files, "README.txt": offered.readme})
+    return known
 
 
 def put_into(desk: Desk, control: str, printer: str) -> str:
     """Put the files of a control into a printer, and return what it did; raises InputError."""
-    loader = ours("ports.printers.printer_source:loader_at")(printer, control)
-    return str(loader.load(loader.accepted_text(table_texts(desk, control).files), "axiscal"))
+    loader, known = ours("ports.printers.printer_source:loader_at")(printer, control), _standing(desk)
+    options = informed(ExportOptions(zero=loader.zero()), known.case.description, control)
+    files = registry.export(known.estimate(), control, options).files
+    return str(loader.load(loader.accepted_text(files), options.name))
 
 
 def check(desk: Desk, control: str) -> CheckShape:
