@@ -14,7 +14,7 @@ from axiscal.description.first_files import (
     first_described,
     of_builtin,
     with_carriers,
-    with_sizes,
+    with_errors_times,
 )
 from axiscal.exceptions import ReadingError
 from axiscal.machine import machine_from_text
@@ -121,7 +121,7 @@ def test_an_instrument_shows_the_rows_that_endless_readings_would_measure(
 def test_a_switched_axis_moves_next_to_the_bed_and_sizes_follow() -> None:
     mill = of_builtin("three-axis-mill")
     assert [axis.name + "'" * axis.workpiece_side for axis in machine_from_text(mill.text).axes] == ["X'", "Y'", "Z"]
-    other = machine_from_text(with_sizes(with_carriers(mill, ["X", "Z"]), SIZES["home-made"]).text)
+    other = machine_from_text(with_errors_times(with_carriers(mill, ["X", "Z"]), SIZES["home-made"]).text)
     assert [axis.name + "'" * axis.workpiece_side for axis in other.axes] == ["Y'", "Z'", "X"]
     sizes = {entry.name: entry.std for entry in other.errors}
     assert sizes["EXX"] == pytest.approx(30e-6)

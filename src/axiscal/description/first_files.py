@@ -193,7 +193,7 @@ SIZES = {"new": 0.5, "used": 1.0, "home-made": 3.0}
 """Sizes of errors beside those of a built-in machine; readings teach the sizes, so that a rough factor does."""
 
 
-def with_sizes(begun: Beginning, factor: float) -> Beginning:
+def with_errors_times(begun: Beginning, factor: float) -> Beginning:
     """Return a machine whose errors are so many times as large."""
     size = re.compile(r'\b(std|rest) = "([\d.]+) ')
     return replace(begun, text=size.sub(lambda found: f'{found[1]} = "{factor * float(found[2]):.3g} ', begun.text))
@@ -248,14 +248,18 @@ def first_described(begun: Beginning, instruments: Sequence[str], purpose: Purpo
         )
     if purpose.target:
         parse_quantity(purpose.target, "length")
-    machine = _with_stylus(begun.text) if "sphere" in instruments else begun.text
+    machine = _with_sizes(begun.text, instruments)
     text = first_campaign(machine_from_text(machine), "machine.toml", instruments, purpose, begun.active)
     if begun.beside is not None:
         x, y = (format_quantity(each, "mm", 6) for each in begun.beside)
         text = text.replace(UNSAID_OFFSET, f'offset = ["{x}", "{y}", "0 mm"]', 1)
     if "probe" in instruments:
         text += begun.screws
-    return campaign_from_texts(text, said("campaign.toml (not written)"), machine, "machine.toml")
+    try:
+        return campaign_from_texts(text, "campaign.toml", machine, "machine.toml")
+    except InputError as fault:  # it stands in a file that nobody has
+        what = "What is usual of {instruments} cannot be read on this machine: {fault}"
+        raise DescriptionError(what, fault.remedy, instruments=", ".join(instruments), fault=fault.what) from None
 
 
 def first_files(begun: Beginning, instruments: Sequence[str], purpose: Purpose) -> FirstFiles:
@@ -269,13 +273,17 @@ def first_files(begun: Beginning, instruments: Sequence[str], purpose: Purpose) 
     return FirstFiles(texts, len(described.setups))
 
 
-def _with_stylus(machine: str) -> str:
-    """Return the text of a machine with the ball of a stylus, where it says of none."""
-    if machine_from_text(machine).stylus > 0:
-        return machine
-    return machine.replace(
-        "[tool]\n", '[tool]\nstylus = "6 mm"                # CHECK: diameter of the ball of the stylus\n', 1
-    )
+_HEAD = 'head = ["130 mm", "130 mm"]    # CHECK: diameter and height of the spindle nose with what carries it'
+_STYLUS = """stylus = "6 mm"                # CHECK: diameter of the ball of the stylus
+reach = "50 mm"                # CHECK: how far the stylus stands free below the body of the probe"""
+
+
+def _with_sizes(machine: str, instruments: Sequence[str]) -> str:
+    """Return the text of a machine with stylus and spindle nose, where it says nothing of them and balls are read."""
+    known = machine_from_text(machine)
+    lacking = [_STYLUS] if "sphere" in instruments and known.stylus <= 0 else []
+    lacking += [_HEAD] if not known.head and {"sphere", "ballbar"} & set(instruments) else []
+    return machine.replace("[tool]\n", "\n".join(["[tool]", *lacking, ""]), 1)
 
 
 def write_files(folder: Path, texts: Mapping[str, str]) -> None:

@@ -30,7 +30,7 @@ from axiscal.description.first_files import (
     of_text,
     offered_words,
     with_carriers,
-    with_sizes,
+    with_errors_times,
     with_travels,
     write_files,
 )
@@ -232,7 +232,7 @@ def _beginning(draft: DraftShape, faults: dict[str, InputError]) -> Beginning:
                 faults[f"travels.{axis}"] = failure
     if draft.compensated and begun.active == UNSAID:
         begun = replace(begun, active=_ACTIVE[draft.compensated])
-    return with_travels(with_carriers(with_sizes(begun, SIZES[draft.size]), draft.switched), lengths)
+    return with_travels(with_carriers(with_errors_times(begun, SIZES[draft.size]), draft.switched), lengths)
 
 
 def _length(text: str, unit: str, least: float = _SHORTEST) -> str:
