@@ -131,7 +131,10 @@ class Desk:
 
     def think(self) -> None:
         """Do what the next question need not wait for: second thoughts on the last reading, and the answer."""
-        minds = [*self._minds, *([] if self._before is None else others_doubted(self.campaign, self._before))]
+        minds = [
+            *self._minds,
+            *([] if self._before is None else others_doubted(self.campaign, self._before, command=False)),
+        ]
         if self._before is not None and (named := named_now(self.campaign)) != self._named:
             self._asks = named
         new_question, self._before = self._asks is not None and not self.state.asks, None

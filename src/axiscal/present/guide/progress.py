@@ -80,10 +80,10 @@ def last_doubt(campaign: Campaign) -> Doubt | None:
     return next((doubt for doubt in campaign.estimate().outliers if doubt.reading == last), None)
 
 
-def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
+def others_doubted(campaign: Campaign, before: frozenset[int], *, command: bool = True) -> list[str]:
     """Return sentences about what the last reading changed: earlier readings doubted or believed, and its own surprise.
 
-    before : what was doubted before it
+    before : what was doubted before it; command : whether the option is said that keeps it all the same
     """
     last, now, known = len(campaign.state.readings) - 1, doubted(campaign), campaign.estimate()
     doubtful = "with this one, {reading}, is no longer relied on. Read there again."
@@ -93,7 +93,8 @@ def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
     size = (surprise.chi_square / surprise.degrees) ** 0.5
     if doubt is not None:
         refused = "{why}. It is not used: take it back and read there again. If it is right, record it with --accept."
-        minds.append(said(refused, why=known.objection_to(doubt)))
+        kept = "{why}. It is not used: take it back and read there again. If it is right, keep it as really so."
+        minds.append(said(refused if command else kept, why=known.objection_to(doubt)))
     elif not campaign.state.readings[last].accepted and size >= _SURPRISING:
         strange = (
             "it is {size} standard deviations from what was expected. It is believed so far; take it back and read "
