@@ -42,6 +42,8 @@ MACHINES = {
     "printer-gantry": (_ALL, 60),
     "three-axis-mill": (_ALL, 60),
     "portal-mill": (_ALL, 60),
+    "router": (_ALL, 60),
+    "lathe": (_LENGTH.format("x") + _LENGTH.format("z") + _ANGLE.format("y"), 40),
     "dmu60": (_ALL, 60),
 }
 """Set-ups and number of readings for each built-in machine."""

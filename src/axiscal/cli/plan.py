@@ -138,7 +138,8 @@ def plan(
         machine, setups = case.description.machine, case.description.setups
         count = len(write_programs(machine, setups, placed(case, proposal.plan), gcode, out, log))
         written.append(f"{out} ({count} files, README.txt there)")
-    buys = bought(case, proposal, candidates) if details or json else ()
+    plan = proposal.plan
+    buys = bought(case, plan.places, plan.seconds, candidates) if details or json else ()
     answer = plan_answer(case, proposal, limits, buys, ends=ends)
     if details and limits.accurate:
         with suppress(PlanError):

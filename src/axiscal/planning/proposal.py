@@ -19,7 +19,7 @@ from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import listed, put, said
-from axiscal.measurement.reading import Place, reading_unit
+from axiscal.measurement.reading import Place, Places, reading_unit
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics.threads import one_thread
@@ -227,12 +227,11 @@ class Bought(NamedTuple):
 
 
 @one_thread()
-def bought(case: Case, proposal: Proposal, candidates: int) -> tuple[Bought, ...]:
+def bought(case: Case, places: Places, seconds: float, candidates: int = CANDIDATES) -> tuple[Bought, ...]:
     """Return what half the time of a plan, its own and twice as much buy; none where it has no readings.
 
-    candidates : places that the plan was chosen from
+    places, seconds : of the plan; candidates : places that it was chosen from
     """
-    places, seconds = proposal.plan.places, proposal.plan.seconds
     task = posed(case, case.knowledge, candidates=candidates).coarse
     setups = tuple(np.unique(places.setups).tolist())
     found = list[Bought]()
