@@ -14,7 +14,7 @@ and plans. `estimate` takes readings to curves, deviations and tables. For whoev
   `ErrorModel`.
 - An instrument sees linear combinations of them (`Setup`, `Observation`).
 - A `Belief` is what is known of them. `Knowledge` is both together, and readings sharpen it.
-- `best_step` is the reading that would sharpen it most.
+- `axiscal_core.Case.next` is the reading that would sharpen it most.
 
 `Campaign` does all of it and keeps a record; `Simulator` makes virtual machines to try it on. Inside everything
 is metres, radians and seconds. The names below are loaded when they are first used; all others are imported from where
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from axiscal.measurement.setup import Setup
     from axiscal.measurement.simulation import Simulator
     from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline
-    from axiscal.planning.step.best_step import best_step
     from axiscal.python.estimated import Curve, estimate
     from axiscal.python.measured_case import Case, setup
 
@@ -54,7 +53,6 @@ __all__ = [
     "Observation",
     "Setup",
     "Simulator",
-    "best_step",
     "estimate",
     "load_machine",
     "read_campaign",
@@ -74,7 +72,6 @@ _HOMES = {
     "Observation": "measurement.observation",
     "Setup": "measurement.setup",
     "Simulator": "measurement.simulation",
-    "best_step": "planning.step.best_step",
     "estimate": "python.estimated",
     "load_machine": "machine.description",
     "read_campaign": "description.campaign",
@@ -83,11 +80,23 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> object:
+    if name == "best_step":
+        return _best_step()
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     found: object = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
     globals()[name] = found
     return found
+
+
+def _best_step() -> object:
+    """Return the exact step of the core, which has the name for one more version."""
+    from warnings import warn
+
+    from axiscal_core import Case as Core
+
+    warn("axiscal.best_step is axiscal_core.Case.next, which takes a case", DeprecationWarning, stacklevel=3)
+    return Core.next
 
 
 def __dir__() -> list[str]:

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from axiscal_core.normal import Normal
 from axiscal_core.refusals import Array, InputError, finite, whole, within
-from axiscal_core.roots import largest
+from axiscal_core.roots import largest, node_count
 from axiscal_core.splines import Spline, distances, matern, natural
 from axiscal_core.units import Quantity, quantities, si
 
@@ -84,7 +84,7 @@ class Curve:
             reach = rows @ covariance
             return np.einsum("mi,ij,mj->m", reach, weight, reach), variance + np.sum(reach * rows, axis=1)
 
-        found = largest(forms, self.spline.knots, 2 * _CUBIC)
+        found = largest(forms, self.spline.knots, node_count(2 * _CUBIC))
         assert found is not None, "a spline is a cubic between its knots"
         return found[0]
 

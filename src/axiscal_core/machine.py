@@ -95,9 +95,13 @@ class Machine:
         """Return the nominal chain.  poses : (m, q)"""
         return chain(self.axes, poses, self.tool, self.held)
 
-    def rows(self, poses: Array, sides: Array | None = None) -> Rows:
-        """Return H.  poses : (m, q); sides : (m, q), from where each axis came: +1, -1, 0 where nobody knows"""
-        frames, shape = self.frames(poses), (len(poses), 3, self.size)
+    def rows(self, poses: Array, sides: Array | None = None, nominal: Frames | None = None) -> Rows:
+        """Return H.
+
+        poses : (m, q); sides : (m, q), from where each axis came: +1, -1, 0 where nobody knows
+        nominal : the frames there, where they are known
+        """
+        frames, shape = nominal or self.frames(poses), (len(poses), 3, self.size)
         result = Rows(np.zeros(shape), np.zeros(shape))
         alike = dict[tuple[int, float, int], Array]()  # most errors of an axis have the same knots
         for term, columns in zip(self.terms, self.columns, strict=True):
@@ -113,9 +117,11 @@ class Machine:
                     out[:, :, columns] = part
         return result
 
-    def levers(self, poses: Array, sides: Array | None = None) -> tuple[Array, Array]:
+    def levers(
+        self, poses: Array, sides: Array | None = None, nominal: Frames | None = None
+    ) -> tuple[Array, Array]:  # fmt: skip
         """Return what a unit of each curve's value does to displacement and rotation of the tool, (curves, m, 3)."""
-        frames = self.frames(poses)
+        frames = nominal or self.frames(poses)
         moved, turned = np.zeros((2, len(self.curves), len(poses), 3))
         for i, (_, term) in enumerate(self.curves):
             sided = self._sided(term, sides, len(poses))[:, None]

@@ -129,7 +129,7 @@ def evaluated(
     state = State(case, wanted, joined(every) if every else None)
     spread = case.volume.root @ state.covariance @ case.volume.root.T
     bound = None
-    if bounded and wanted.function is None:
+    if bounded and wanted.function is None and len(found):
         tried = case.numbers(case.lattice() + found)
         bound = lower_bound(State(case, wanted, before).covariance, wanted.root, tried, len(found))
     rms = float(np.sqrt(np.trace(spread)))
@@ -251,8 +251,8 @@ class _Search:
                 others = [*before, *numbers[:j], *numbers[j + 1 :]]
                 state = State(self.case, self.goal, joined(others) if others else None)
                 start = float(state.gains(places[j])[0])
-                there, gains = climbed(state, places[j], rounds=7, shrink=0.35)
-                gained += (float(gains[0]) - start) / max(state.value, 1e-300)
+                there, gain = climbed(state, places[j])
+                gained += (gain - start) / max(state.value, 1e-300)
                 places[j], numbers[j] = there, self.case.numbers(there)
             if gained < 1e-4:
                 break

@@ -47,10 +47,10 @@ PREPARED = """
 from axiscal.description.campaign import read_campaign
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.step.best_step import best_step
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.planning.next_readings import posed
+from axiscal.measurement.reading import Reading
 from axiscal.planning.proposal import proposed
 
 case = case_of(read_campaign("campaign.toml"))
@@ -141,8 +141,8 @@ def test_the_library_plans_with_one_thread(tmp_path: Path) -> None:
     script = f"""
 {PREPARED}
 knowledge = Knowledge(case.observation, case.prior)
-step = best_step(knowledge, task.root, task.lattice)
-knowledge.read([step.reading(case.observation, 1e-6)])
+place = task.lattice.single(0)
+knowledge.read([Reading("probe", tuple(place.poses[0]), tuple(place.approaches[0]), 1e-6)])
 make_plan(task, Limits(readings=3))
 proposed(case, Limits(readings=3), 50)
 print(outside, threads())

@@ -97,8 +97,8 @@ def test_forms_bring_the_plain_gain(axis: int, nest: bool) -> None:
     for setup in (0, 1):
         line = Places.of_setup(setup, np.tile(poses, (9, 1)), np.tile(approaches, (9, 1)))
         line.poses[:, axis] = positions
-        above, below = asked.state.scorer().gain_forms(setup, line.poses, line.approaches)
-        np.testing.assert_allclose(above / below, _gains(asked, line), rtol=1e-6)
+        gains = asked.state.scorer().gains_at(setup, line.poses, line.approaches)
+        np.testing.assert_allclose(gains, _gains(asked, line), rtol=1e-6)
 
 
 def test_the_state_after_readings_is_the_dense_one() -> None:

@@ -9,9 +9,9 @@ from axiscal.measurement.reading import Places
 from axiscal.planning.gains import candidate_rows, covariance
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance, ReadNumbers, RunningAccuracy, after_each
-from axiscal.planning.gains.gain import joint_gains
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Task
+from axiscal_core.state import joint_gains
 from tests.generators.designs import levered, random_poses, read, splines
 from tests.planning.test_three_values import mixed
 

@@ -28,13 +28,13 @@ from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline, Spline, even_knots
-from axiscal.numerics.line import largest_along
 from axiscal.present.delivery import write_files
 from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, line_trace
 from axiscal.python.measured_case import FILL, HEIGHT, LINE, Case, NotebookPicture, Quantity, html_table, si
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.units import format_quantity, to_unit
+from axiscal_core.roots import largest
 
 _NODES = 7
 """N and D of a reading's gain are squares of cubics between two knots, of degree 6 (B&H eq. 23)."""
@@ -88,14 +88,16 @@ class Curve:
 
     def next(self, noise: Quantity) -> float:
         """Return where a reading lets the mean variance over the travel fall most, exactly (B&H eq. 27), m or rad."""
-        knots, factor = self.spline.knots, self.belief.factor
+        factor = self.belief.factor
         weighted, variance = self._weight @ factor, si(noise, "length") ** 2
 
         def forms(places: Array) -> tuple[Array, Array]:
-            along = self.spline.rows(places[:, 0]) @ factor
+            along = self.spline.rows(places) @ factor
             return np.sum((along @ weighted.T) ** 2, axis=1), variance + np.sum(along**2, axis=1)
 
-        return largest_along(forms, np.column_stack([knots[:-1], knots[1:]]), _NODES)[0]
+        found = largest(forms, self.spline.knots, _NODES)
+        assert found is not None, "a spline is a cubic between its knots"
+        return found[0]
 
     def read(self, t: Quantity, value: Quantity, noise: Quantity) -> Self:
         """Return the curve after a reading at t; raises ShapeError for one of an estimate, which has its readings.

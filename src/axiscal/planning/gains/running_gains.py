@@ -24,7 +24,8 @@ from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import take_off
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance, LowRank, ReadNumbers
-from axiscal.planning.gains.gain import Scorer, joint_gains
+from axiscal.planning.gains.gain import Scorer
+from axiscal_core.state import joint_gains
 
 _SMALLEST = 1e-9
 """Share of the noise of a reading that counts as left of it where nothing is: no division by nought."""
