@@ -14,11 +14,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import numpy as np
 
 import axiscal_core as ac
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits
+from axiscal_core.threads import one_thread
 from benchmarks.cases import alone, five_axis, stacked
 from benchmarks.peers.problems import CASES, CriterionName, Stacked
 

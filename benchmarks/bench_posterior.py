@@ -34,8 +34,8 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
 from axiscal.present.demo import measured_truth
+from axiscal_core.threads import one_thread
 
 T = TypeVar("T")
 _SEED = 2005

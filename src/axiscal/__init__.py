@@ -34,9 +34,9 @@ if TYPE_CHECKING:
     from axiscal.measurement.observation import Observation
     from axiscal.measurement.setup import Setup
     from axiscal.measurement.simulation import Simulator
-    from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline
     from axiscal.python.estimated import Curve, estimate
     from axiscal.python.measured_case import Case, setup
+    from axiscal_core.splines import Constant, CyclicSpline, NaturalSpline
 
 __version__ = "0.1.0"
 
@@ -60,22 +60,22 @@ __all__ = [
 ]
 
 _HOMES = {
-    "Belief": "estimation.belief",
-    "Campaign": "campaign.campaign",
-    "Case": "python.measured_case",
-    "Constant": "numerics.cubic",
-    "Curve": "python.estimated",
-    "CyclicSpline": "numerics.cubic",
-    "ErrorModel": "errors.model",
-    "Knowledge": "estimation.knowledge",
-    "NaturalSpline": "numerics.cubic",
-    "Observation": "measurement.observation",
-    "Setup": "measurement.setup",
-    "Simulator": "measurement.simulation",
-    "estimate": "python.estimated",
-    "load_machine": "machine.description",
-    "read_campaign": "description.campaign",
-    "setup": "python.measured_case",
+    "Belief": "axiscal.estimation.belief",
+    "Campaign": "axiscal.campaign.campaign",
+    "Case": "axiscal.python.measured_case",
+    "Constant": "axiscal_core.splines",
+    "Curve": "axiscal.python.estimated",
+    "CyclicSpline": "axiscal_core.splines",
+    "ErrorModel": "axiscal.errors.model",
+    "Knowledge": "axiscal.estimation.knowledge",
+    "NaturalSpline": "axiscal_core.splines",
+    "Observation": "axiscal.measurement.observation",
+    "Setup": "axiscal.measurement.setup",
+    "Simulator": "axiscal.measurement.simulation",
+    "estimate": "axiscal.python.estimated",
+    "load_machine": "axiscal.machine.description",
+    "read_campaign": "axiscal.description.campaign",
+    "setup": "axiscal.python.measured_case",
 }
 
 
@@ -84,7 +84,7 @@ def __getattr__(name: str) -> object:
         return _best_step()
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    found: object = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    found: object = getattr(import_module(_HOMES[name]), name)
     globals()[name] = found
     return found
 

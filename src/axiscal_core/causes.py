@@ -13,8 +13,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from axiscal_core.errors import Curved
-from axiscal_core.model import CELLS, Model, Numbers
+from axiscal_core.errors import CELLS, Curved
+from axiscal_core.model import Model, Numbers
 from axiscal_core.places import Places
 from axiscal_core.refusals import Array
 from axiscal_core.sizes import Kind

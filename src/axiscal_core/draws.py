@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal_core.points import even_points
 from axiscal_core.problem import Given, Problem
 from axiscal_core.refusals import Array
-from axiscal_core.splines import even_points
 
 _COUNT = 64  # with 512 the RMS of six golden campaigns is 0.93 to 1.17 times as large
 _EACH = 16  # one draw of so many is of the prior: the far tail has its own witness

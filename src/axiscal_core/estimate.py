@@ -17,7 +17,7 @@ _ROUNDS = 20  # of Gauss and Newton: who needs more has described another set-up
 _LINEAR = 0.01  # noises
 
 
-@one_thread
+@one_thread()
 def estimated(case: Model, readings: Readings) -> Known:
     """Return what readings make known."""
     case.values(readings, "Case.estimate")

@@ -208,7 +208,7 @@ def sight(
 
 def _spread(term: Curved, poses: Array) -> Array:
     """Return the standard deviation of a curve and its rest before any reading, (m,)."""
-    rows = term.spline(poses[:, term.at])
+    rows = term.spline.rows(poses[:, term.at])
     return np.asarray(np.sqrt(np.sum(rows @ term.covariance() * rows, axis=1) + term.rest**2))
 
 

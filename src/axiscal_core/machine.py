@@ -103,12 +103,12 @@ class Machine:
         """
         frames, shape = nominal or self.frames(poses), (len(poses), 3, self.size)
         result = Rows(np.zeros(shape), np.zeros(shape))
-        alike = dict[tuple[int, float, int], Array]()  # most errors of an axis have the same knots
+        alike = dict[tuple[int, int, bytes], Array]()  # most errors of an axis have the same knots
         for term, columns in zip(self.terms, self.columns, strict=True):
             if isinstance(term, Curved):
-                key = term.at, float(term.spline.knots[-1]), term.spline.size
+                key = term.at, term.spline.size, term.spline.knots.tobytes()
                 if key not in alike:
-                    alike[key] = term.spline(poses[:, term.at])
+                    alike[key] = term.spline.rows(poses[:, term.at])
                 values = alike[key] * self._sided(term, sides, len(poses))[:, None]
                 for out, lever in zip(result, self._lever(term, frames, poses), strict=True):
                     out[:, :, columns] = lever[:, :, None] * values[:, None, :]

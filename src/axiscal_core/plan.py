@@ -65,7 +65,7 @@ class Plan:
         return f"<Plan of {len(self)} readings, {self.minutes:.1f} min: {self.rms:.3g} m RMS over the volume>"
 
 
-@one_thread
+@one_thread()
 def planned(
     case: Model, readings: int | None, minutes: float | None, rms: Quantity | None, criterion: Criterion,
     candidates: Places | int, after: Readings | Places | None, keep: Places | None,
@@ -115,7 +115,7 @@ def _told(case: Model, search: _Search, places: Places, after: Readings | Places
     return Plan(sorted_places, found.J, found.rms, found.U, found.minutes, np.array(course))
 
 
-@one_thread
+@one_thread()
 def evaluated(
     case: Model, places: Places | Readings, after: Readings | Places | None, criterion: Criterion | Goal,
     bounded: bool = True,

@@ -26,8 +26,9 @@ from numpy.typing import NDArray
 
 from axiscal_core.climb import Climb
 from axiscal_core.criterion import Criterion, goal
+from axiscal_core.errors import ASIDE, CELLS
 from axiscal_core.instrument import Instrument
-from axiscal_core.model import ASIDE, CELLS, Model
+from axiscal_core.model import Model
 from axiscal_core.places import Places, Readings
 from axiscal_core.refusals import Array
 from axiscal_core.roots import Forms, largest, node_count
@@ -52,7 +53,7 @@ _SIEVES = (_Sieve(240, 0.5, 1), _Sieve(120, 0.7, 2), _Sieve(40, 0.8, 40), _Sieve
 """How hard to look, so that no narrow ridge is missed: those that pass the last sieve are climbed to the top."""
 
 
-@one_thread
+@one_thread()
 def best_step(case: Model, after: Readings | Places | None, criterion: Criterion) -> Places:
     """Return the one reading that serves most (B&H eq. 37)."""
     wanted = goal(criterion, case.machine, case.volume, "Case.next")
@@ -210,13 +211,8 @@ def _peaks(gains: Array) -> NDArray[np.intp]:
 def _knots(case: Model, k: int) -> Array:
     """Return the knots of all curves along an axis, (b,) within its travel."""
     low, high = case.machine.axes[k].travel
-    parts = [np.array([low, high])]
-    for _, term in case.machine.curves:
-        if term.at == k:
-            first, last = term.spline.knots[[0, -1]]
-            turns = np.arange(np.ceil((high - first) / (last - first))) if term.error.period is not None else [0.0]
-            parts += [term.spline.knots + turn * (last - first) for turn in turns]
-    return _within(np.concatenate(parts), low, high)
+    knots = [term.spline.knots for _, term in case.machine.curves if term.at == k]
+    return _within(np.concatenate([[low, high], *knots]), low, high)
 
 
 def _parted(knots: Array, parts: int) -> Array:

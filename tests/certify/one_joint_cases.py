@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import CyclicSpline, NaturalSpline
 from axiscal_core.roots import largest
+from axiscal_core.splines import CyclicSpline, NaturalSpline
 from tests.certify.one_joint import SLACK, GainPolynomials, Problem, certified_best_gain
 from tests.generators.forms import gain_forms
 

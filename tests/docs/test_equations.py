@@ -24,8 +24,8 @@ from axiscal.machine.kinematics import tool_motion
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import CyclicSpline, NaturalSpline, quadrature, spacing_limit
 from axiscal_core.roots import largest
+from axiscal_core.splines import CyclicSpline, NaturalSpline, quadrature, spacing_limit
 from tests.generators.forms import gain_forms
 from tests.generators.splines import bending, power_maps
 

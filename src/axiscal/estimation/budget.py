@@ -22,7 +22,7 @@ from axiscal.estimation.promise.causes import Contribution
 from axiscal.estimation.promise.posterior import Drawn
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 
 _PASSING: dict[Kind, str] = {"drift": "drift", "cycle": "drift", "growth": "growth", "way": "way"}
 

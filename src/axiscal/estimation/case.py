@@ -32,8 +32,9 @@ from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import rows_at
 from axiscal.measurement.setup import About, Setup, Unknown
 from axiscal.measurement.travel import reading_seconds, way_seconds
-from axiscal.numerics import Array, even_points
+from axiscal.numerics import Array
 from axiscal.numerics.remembered import Itself, Memo
+from axiscal_core.points import even_points
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAYS = 1e-8

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.numerics import Array
-from axiscal.numerics.threads import hold_loaded_libraries
+from axiscal_core.threads import hold_loaded_libraries
 
 _COLUMNS = 32
 """Of a QR at a time; twice or half as many take as long."""

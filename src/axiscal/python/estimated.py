@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from axiscal.description.file_readings import file_readings
 from axiscal.document.ports import ours
 from axiscal.errors.model import ErrorFunction
-from axiscal.errors.prior import matern
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.estimate import in_detail
@@ -27,7 +26,6 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import NaturalSpline, Spline, even_knots
 from axiscal.present.delivery import write_files
 from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, line_trace
 from axiscal.python.measured_case import FILL, HEIGHT, LINE, Case, NotebookPicture, Quantity, html_table, si
@@ -35,6 +33,7 @@ from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.units import format_quantity, to_unit
 from axiscal_core.roots import largest
+from axiscal_core.splines import NaturalSpline, Spline, even_knots, matern
 
 _NODES = 7
 """N and D of a reading's gain are squares of cubics between two knots, of degree 6 (B&H eq. 23)."""

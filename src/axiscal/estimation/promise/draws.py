@@ -24,9 +24,10 @@ from axiscal.description.usual import Sizes
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.spaces import Given, Slope
 from axiscal.estimation.promise.unknowns import Space, space_of
-from axiscal.numerics import Array, even_points
+from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import normal_quantile, normal_share
 from axiscal.numerics.gaussian import settled
+from axiscal_core.points import even_points
 
 COUNT = 64
 """With 64 the RMS was 0.69 to 1.17 of that of 512 draws, with 32 down to 0.66 (120 to 900 readings)."""

@@ -40,7 +40,7 @@ from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.spaces import Sources
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 
 _UNSURE = 0.01
 """Probability below which a size is not so small: of what is said never to be reached."""

@@ -14,8 +14,9 @@ from axiscal.errors.model import ErrorModel
 from axiscal.measurement.candidates import knot_lattice, raster_positions
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup
-from axiscal.numerics import Array, even_points
+from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
+from axiscal_core.points import even_points
 
 _PER_INTERVAL = 8
 _ADDS_UP = 1e-12

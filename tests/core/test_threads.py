@@ -11,7 +11,7 @@ import pytest
 TWO_THREADS = """
 import numpy as np
 from threadpoolctl import ThreadpoolController
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 
 def threads():
     return sorted({library.num_threads for library in ThreadpoolController().select(user_api="blas").lib_controllers})
@@ -119,7 +119,7 @@ print(threads())
 def test_every_command_computes_with_one_thread(tmp_path: Path) -> None:
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)
     script = """
-import axiscal.numerics.cubic
+import axiscal_core.splines
 from axiscal.cli.app import run
 for command in (
     "machine check three-axis-mill",
