@@ -29,11 +29,10 @@ from axiscal_core.splines import (
     matern,
     ramp,
 )
+from axiscal_core.theta import Sure
 from axiscal_core.units import Quantity, quantities, si
 
 Kind = Literal["motion", "reversal", "location"]
-Sure = Literal["roughly", "well", "exactly"]
-"""How well stated sizes are known: to a factor of 3, of 1.5, exactly."""
 COMPONENTS = "XYZABC"
 _NAME = re.compile(
     r"(?:E(?P<component>[XYZABC])(?P<axis>.+?)(?P<reversal>_reversal)?|(?P<place>[XYZABC])0(?P<of>.+?))(?:_pitch)?"

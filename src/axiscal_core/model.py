@@ -14,13 +14,14 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from axiscal_core.criterion import Goal, volume
-from axiscal_core.errors import ASIDE, CELLS, Sure
+from axiscal_core.errors import ASIDE, CELLS
 from axiscal_core.instrument import Instrument, refuse_what_is_not_analytic, sight
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
 from axiscal_core.places import Places, Readings
 from axiscal_core.points import even_points
 from axiscal_core.refusals import Array, InputError, one_of, whole
+from axiscal_core.theta import Sure
 from axiscal_core.units import quantities, si
 
 CANDIDATES = 800

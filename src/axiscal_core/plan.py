@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from axiscal_core.bound import lower_bound
 from axiscal_core.criterion import Criterion, Goal, goal
+from axiscal_core.from_scipy import chi_square_quantile
 from axiscal_core.model import Model, Numbers
 from axiscal_core.places import Places, Readings
 from axiscal_core.refusals import Array, InputError, whole, within
@@ -138,13 +139,11 @@ def evaluated(
 
 def expanded(spread: Array) -> float:
     """Return what the RMS of a normal of this covariance exceeds in 5 % (a χ² as broad: Welch and Satterthwaite)."""
-    from scipy.special import gammaincinv
-
     total, square = float(np.trace(spread)), float(np.sum(spread**2))
     if total <= 0:
         return 0.0
-    half = total**2 / square / 2
-    return float(np.sqrt(total * gammaincinv(half, _SHARE) / half))
+    degrees = np.array([total**2 / square])
+    return float(np.sqrt(total * chi_square_quantile(degrees, _SHARE) / degrees)[0])
 
 
 def minutes_of(case: Model, places: Places) -> float:

@@ -82,7 +82,7 @@ except ValueError:
 
 def test_a_library_that_is_loaded_behind_a_door_is_held_as_well(tmp_path: Path) -> None:
     script = """
-from axiscal.numerics.from_scipy import solution
+from axiscal_core.from_scipy import solution
 import sys
 with one_thread():
     assert "scipy.linalg" not in sys.modules

@@ -25,9 +25,9 @@ from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry, Kind
 from axiscal.machine.kinematics import Frames, SmallMotions, frames
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import unique_root
 from axiscal.numerics.repeated import Segments
 from axiscal.numerics.rigid import cross
+from axiscal_core.eigen import unique_root
 from axiscal_core.errors import ASIDE, CELLS
 from axiscal_core.splines import Repeated, Spline
 

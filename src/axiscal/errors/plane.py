@@ -21,7 +21,7 @@ from axiscal.errors import prior
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry, Kind, PlaneEntry
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import settled
+from axiscal_core.eigen import settled
 from axiscal_core.errors import ASIDE, CELLS
 from axiscal_core.splines import Spline, distances, matern_by_length
 

@@ -24,7 +24,6 @@ from axiscal.measurement.charts.room import Chart, has_room
 from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import lowest
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.gains.gain import Scorer
@@ -32,6 +31,7 @@ from axiscal.planning.gains.running_gains import Allowed, Scores
 from axiscal.planning.plan.task import Clock, Patience, work_of_climb
 from axiscal.planning.step.ground import ground_of
 from axiscal_core.climb import Climb
+from axiscal_core.from_scipy import lowest
 from axiscal_core.ties import ALIKE, first_best, ranked
 
 _STEP = 1e-6
