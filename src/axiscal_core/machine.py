@@ -138,14 +138,14 @@ class Machine:
     def _lever(self, term: Curved, frames: Frames, poses: Array) -> tuple[Array, Array]:
         """Return what a unit of the value does, (m, 3) each."""
         k, axis = term.at, self.axes[term.at]
-        along = frames.turn[k][:, :, term.error.component % 3]
-        still, sign = np.zeros_like(along), -1.0 if axis.on_workpiece else 1.0
+        along = frames.rotations[k][:, :, term.error.component % 3]
+        still, sign = np.zeros_like(along), -1.0 if axis.workpiece_side else 1.0
         if term.error.kind == "location" and not axis.rotary:
             # the direction of travel is tilted: the carriage goes where it goes, and turns nothing
-            return np.cross(along, frames.turn[k] @ axis.direction) * poses[:, k, None], still
+            return np.cross(along, frames.rotations[k] @ axis.direction) * poses[:, k, None], still
         if term.error.component < 3:
             return sign * along, still
-        return sign * np.cross(along, frames.tcp - frames.origin[k]), sign * along
+        return sign * np.cross(along, frames.tcp - frames.origins[k]), sign * along
 
     def _moved(self, term: Basis, frames: Frames, poses: Array) -> tuple[Array, Array]:
         """Return what a basis of one's own does, (m, 3, n) each."""
@@ -153,9 +153,9 @@ class Machine:
         if term.frame == "tool":
             return frames.tool @ rows[:, :3], frames.tool @ rows[:, 3:]
         k = self.names.index(term.frame)
-        sign = -1.0 if self.axes[k].on_workpiece else 1.0
-        shift, turn = sign * frames.turn[k] @ rows[:, :3], sign * frames.turn[k] @ rows[:, 3:]
-        return shift + np.cross(turn, (frames.tcp - frames.origin[k])[:, :, None], axis=1), turn
+        sign = -1.0 if self.axes[k].workpiece_side else 1.0
+        shift, turn = sign * frames.rotations[k] @ rows[:, :3], sign * frames.rotations[k] @ rows[:, 3:]
+        return shift + np.cross(turn, (frames.tcp - frames.origins[k])[:, :, None], axis=1), turn
 
     def _sided(self, term: Curved, sides: Array | None, count: int) -> Array:
         """Return by what the side counts, (m,): a reversal is the difference of both, so half of it from each."""

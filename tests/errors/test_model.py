@@ -12,7 +12,8 @@ from axiscal.errors.volume import deviation_of, deviations_of, levers_at
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import tool_motion
-from axiscal.numerics import Array, rigid
+from axiscal.numerics import Array
+from axiscal_core import rigid
 from axiscal_core.splines import Constant, CyclicSpline, NaturalSpline, matern
 from tests.generators.machines import random_machine, random_poses, twin_derivative
 

@@ -23,12 +23,13 @@ from axiscal.errors import prior
 from axiscal.errors.plane import PlaneError, plane_error
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry, Kind
-from axiscal.machine.kinematics import Frames, SmallMotions, frames
+from axiscal.machine.kinematics import SmallMotions, frames
 from axiscal.numerics import Array
 from axiscal.numerics.repeated import Segments
-from axiscal.numerics.rigid import cross
+from axiscal_core.axes import Frames
 from axiscal_core.eigen import unique_root
 from axiscal_core.errors import ASIDE, CELLS
+from axiscal_core.rigid import cross
 from axiscal_core.splines import Repeated, Spline
 
 
