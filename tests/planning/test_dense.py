@@ -18,6 +18,7 @@ from axiscal.planning.gains.running_gains import ReadingColumns, Scores
 from axiscal.planning.plan.task import Task
 from tests.generators import dense_gains as dense
 from tests.generators.designs import levered, random_poses, read
+from tests.generators.forms import gains_of
 from tests.planning.test_three_values import mixed
 
 ZEROS = tuple(Unknown(f"zero_{axis}", 1e-4) for axis in "xyz")
@@ -77,7 +78,7 @@ def test_every_fast_way_brings_the_plain_gain(seed: int, nest: bool) -> None:
     asked = _asked(seed, nest)
     places = asked.lattice.within(np.arange(0, 60, 7))
     expected = _gains(asked, places)
-    np.testing.assert_allclose(asked.state.scorer().gains(places), expected, rtol=1e-6)
+    np.testing.assert_allclose(gains_of(asked.state.scorer(), places), expected, rtol=1e-6)
     for i in range(len(places)):
         entered, change = asked.state.entered(places.single(i))
         assert change.gain == pytest.approx(expected[i], rel=1e-6)

@@ -18,6 +18,7 @@ from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.next_readings import root_of
 from axiscal.planning.plan.exchange import climb_from
 from axiscal.planning.step.ground import ground_of, places_along
+from tests.generators.forms import gains_of
 from tests.generators.kinematics import in_travel, tip
 from tests.generators.texts import campaign_text, setup_text
 
@@ -116,4 +117,4 @@ def test_a_raster_keeps_to_its_steps() -> None:
     climb.uphill()
     swivels = np.degrees(climb.readings[0][:, 1])
     np.testing.assert_allclose(swivels / 10, np.round(swivels / 10), atol=1e-9)
-    assert np.all(climb.gains >= scorer.gains(lattice)[:2])
+    assert np.all(climb.gains >= gains_of(scorer, lattice)[:2])

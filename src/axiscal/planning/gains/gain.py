@@ -12,12 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.measurement.observation import JointRows, Observation
-from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal_core.state import joint_gains
-
-_BLOCK = 4096
-"""Rows made at once: of memory, not of the result."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -56,13 +52,3 @@ class Scorer:
     def gains_at(self, setup: int, poses: Array, approaches: Array) -> Array:
         """Return the gain at poses, (m,).  poses, approaches : (m, q)."""
         return joint_gains(*self.split_all(self.observation.numbers(setup, poses, approaches)))
-
-    def gains(self, lattice: Places) -> Array:
-        """Return the gain of every candidate, (m,), block by block."""
-        result = np.empty(len(lattice))
-        for setup in np.unique(lattice.setups):
-            mine = np.flatnonzero(lattice.setups == setup)
-            for start in range(0, len(mine), _BLOCK):
-                block = mine[start : start + _BLOCK]
-                result[block] = self.gains_at(int(setup), lattice.poses[block], lattice.approaches[block])
-        return result
