@@ -15,6 +15,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Anyway, Json, RecordFile, Template
 from axiscal.cli.printing import say, say_document
+from axiscal.cli.rewriting import PROGRAM, Rewriting
 from axiscal.document.file import bounded_content
 from axiscal.document.ports import ours
 from axiscal.estimation.agreement_words import agreement_words
@@ -26,6 +27,7 @@ from axiscal.present.findings import findings
 from axiscal.present.result_set import result_set, write_manifest
 from axiscal.present.summarising import record_state
 from axiscal.tables import registry
+from axiscal.tables.bump import bumped
 from axiscal.tables.exporter import ExportOptions, informed
 from axiscal.tables.loaded import read_old
 from axiscal.tables.offer import Export, effect_sentence
@@ -70,6 +72,9 @@ def export(
         ),
     ] = None,
     flip: Annotated[bool, typer.Option("--flip", help="The control takes the values with the other sign.")] = False,
+    probe_sign: Annotated[
+        bool, typer.Option("--probe-sign", help="Only a bump of 10 um, whose two readings tell the sign of the tables.")
+    ] = False,
     pivots: Annotated[
         bool, typer.Option("--pivots", help="linuxcnc: put where rotary axes lie into xyzac- or xyzbc-trt-kins.")
     ] = False,
@@ -98,6 +103,20 @@ def export(
             help="klipper: moonraker:HOST, reprapfirmware: duet:HOST; the height map is put into it and is in force.",
         ),
     ] = None,
+    program: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="program: a part program, rewritten for a control without tables."),
+    ] = None,
+    origin: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PLACE",
+            help="program: where X, Y and Z of the machine stand at its zero, with the tool in.",
+        ),
+    ] = None,
+    chord: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help='program: how exactly its ways are held; default "0.2 um".')
+    ] = None,
     anyway: Anyway = False,
     json: Json = False,
 ) -> None:
@@ -114,10 +133,11 @@ def export(
       axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
       axiscal export mill.axiscal --to linuxcnc --on-top-of machine.ini --out tables
       axiscal export bed.axiscal --to klipper --load moonraker:voron.local --out mesh
+      axiscal export router.axiscal --to program --program part.ngc --origin "120 mm, 80 mm, -60 mm" --out corrected
     """
 
     if to == "list":
-        say("\n".join(registry.controllers()))
+        say("\n".join([*registry.controllers(), PROGRAM]))
         return
     to = registry.named(to)
     options = ExportOptions(
@@ -135,7 +155,13 @@ def export(
         old_files=read_old(on_top_of or ()),
     )
     others = {"--coordinates": coordinates, "--ini": ini, "--load": load}
-    registry.refuse_untaken(to, [*(name for name, value in others.items() if value is not None), *options.given])
+    given = [*(name for name, value in others.items() if value is not None), *options.given]
+    wanted = {"--program": program, "--origin": origin, "--chord": chord}
+    if to == PROGRAM:
+        Rewriting.asked(program, origin, chord, unit, given).write(record, out, anyway, json)
+        return
+    given += [name for name, value in wanted.items() if value is not None]
+    registry.refuse_untaken(to, given)
     loader = None if load is None else ours("ports.printers.printer_source:loader_at")(load, to)
     if loader is not None and zero is None:
         options = replace(options, zero=loader.zero())
@@ -149,7 +175,9 @@ def export(
         options = replace(options, origin=record_state(campaign).hash)
         into = None if ini is None else ours("ports.linuxcnc.configuring:export_into")
         estimate = estimation.estimate()
+        estimate, bump = bumped(estimate, to, registry.exporter(to).unstated) if probe_sign else (estimate, "")
         offered = registry.export(estimate, to, options) if into is None else into(ini, estimate, options)
+        offered = replace(offered, readme=f"{bump}\n{offered.readme}") if bump else offered
         if estimation.agreement.withheld and not anyway:
             remedy = "Take readings again, or write the files all the same with --anyway"
             raise TableError(agreement_words(estimation, record), remedy, record)
@@ -169,7 +197,11 @@ def export(
             last[said("Next")] = [then, f"axiscal verify {quote(str(record))} --to {to}{made_from}"]
         if not offered.worth:
             last[said("Next")] = [said("do not load these files: they leave no less error than there is")]
-        found = wrapped(effect_sentence(said("All files together"), offered.effect, offered.unknown, offered.U), 4)
+        found = (
+            wrapped(bump, 4)
+            if bump
+            else wrapped(effect_sentence(said("All files together"), offered.effect, offered.unknown, offered.U), 4)
+        )
         if offered.idle:
             found += wrapped(said("The files do not move {axes}.", axes=joined(offered.idle)), 4)
         say("\n".join([*found, *ending(last)]))

@@ -21,6 +21,7 @@ from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, turns
+from axiscal.measurement.instrument import LENGTH
 from axiscal.measurement.instruments.distance import RADIUS
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.observation import unknowns_at
@@ -118,7 +119,8 @@ class SiteReader:
 
     def _line(self, ends: tuple[Vector, Vector]) -> Site:
         step, park = self._table.raster.get("along", 0.0), self._park()
-        line = Line.between_ends(self._room(None), np.array(ends), park, step, self._overrun())
+        overrun = 0.0 if self._table.instrument == LENGTH else self._overrun()  # nobody says how its ends are met
+        line = Line.between_ends(self._room(None), np.array(ends), park, step, overrun)
         poses = line.poses(np.array([[0.0], [line.coordinates[0].high]]))
         for end, there in enumerate(line.feasible(poses)):
             if not there:
@@ -234,12 +236,12 @@ class SiteReader:
         steps = tuple(self._step(self._machine.axes[k].name) for k in turning)
         self._refuse_one_place(turning, steps)
         coordinates = turns(self._machine, turning, steps)
-        park, room = self._park(turning), self._room(artefact)
+        park, free, at = self._park(turning), np.array(artefact.free), artefact.points
         contact: Contact = "held" if self._table.instrument == "rtest" else "retracted"
         back = 0.0 if contact == "held" else self._table.retract or RETRACT
-        free, touching = np.array(artefact.free), (back, self._coming(), self._touching(artefact))
+        touching = back, self._coming(), self._touching(artefact)
         each = tuple(
-            Held(room, np.array(artefact.balls[i].place), free, artefact.cone, turning, park, coordinates, *touching)
+            Held(self._room(artefact, i), at[i], free, artefact.cone, turning, park, coordinates, *touching)
             for i in balls
         )
         chart: Chart = each[0] if len(each) == 1 and turning else Balls(each)
@@ -348,8 +350,8 @@ class SiteReader:
                     remedy = "Give a smaller step, or leave {axis} out of moves"
                     raise DescriptionError(what, remedy, text=format_quantity(step, axis.unit), axis=axis.name)
 
-    def _room(self, artefact: Artefact | None) -> Room:
-        return Room.with_boxes(self._machine, () if artefact is None else artefact.keep_out)
+    def _room(self, artefact: Artefact | None, *touching: int) -> Room:
+        return Room.among(self._machine, artefact, touching)
 
 
 def lacking(machine: Machine, pose: Array) -> str:
