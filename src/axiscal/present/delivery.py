@@ -119,6 +119,7 @@ def introduced(offered: Export, warnings: Sequence[str], agreement: str, record:
     agreement : whether the readings agree, "" before the first
     """
     origin = "" if record is None else f"From the record {record.file} at event {record.event}: {record.hash}\n"
+    origin += "" if record is None or not record.signed else f"{record.signed}\n"
     before = origin + (f"{agreement}.\n" if agreement else "")
     text = offered.readme.replace("\nThese files hold ", f"\n{before}These files hold ", 1)
     if warnings:

@@ -18,6 +18,7 @@ from axiscal.answers.answer import ResultAnswer, TablesChecked
 from axiscal.answers.answer_of_campaign import answer_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text, reaches
+from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import CampaignDescription, Equipment
 from axiscal.description.type_b import Distribution
@@ -271,7 +272,7 @@ def _checksums(campaign: Campaign) -> dict[str, str]:
 
 def record_state(campaign: Campaign) -> RecordState:
     """Return from which state of which record figures and tables are made."""
-    return RecordState(campaign.path.name, campaign.state.last, campaign.state.name)
+    return RecordState(campaign.path.name, campaign.state.last, campaign.state.name, evidence_words(campaign))
 
 
 def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:

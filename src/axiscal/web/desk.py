@@ -18,6 +18,7 @@ from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, result
 from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
+from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.sources import virtual_machine
 from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.estimation.agreement_words import agreement_words
@@ -59,7 +60,7 @@ def _answer(campaign: Campaign, answer: ResultAnswer | PlannedAnswer, results: P
         text = plan_text(answer, campaign.path.name)
     else:
         agreement = agreement_words(campaign.so_far()) if answer.readings else ""
-        text = answer_text(answer, agreement, campaign.path.name, results.name)
+        text = answer_text(answer, agreement, campaign.path.name, results.name, evidence_words(campaign))
     return AnswerShape.of(text, answer)
 
 
