@@ -18,8 +18,8 @@ from pathlib import Path
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.machine import load_machine
-from axiscal.numerics.threads import one_thread
 from axiscal.web.desk import Desk
+from axiscal_core.threads import one_thread
 
 READINGS = 62
 

@@ -22,7 +22,7 @@ from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import InputError
 from axiscal.measurement.reading import Reading
-from axiscal.numerics import even_points
+from axiscal_core.points import even_points
 from tests.commands import Command
 
 _EVERY_LINE = 'directions = ["z"]'

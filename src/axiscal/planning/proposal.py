@@ -22,7 +22,6 @@ from axiscal.language.spoken import listed, put, said
 from axiscal.measurement.reading import Place, Places, reading_unit
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.travel import reading_seconds
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.bound.lower_bound import prove
 from axiscal.planning.bound.relaxation import Relaxation
 from axiscal.planning.enough import enough, reached
@@ -38,6 +37,7 @@ from axiscal.planning.plan.tour import retoured
 from axiscal.planning.promise import asked, foreseen
 from axiscal.planning.step.ground import regions
 from axiscal.units import format_quantity, said_quantity, to_unit
+from axiscal_core.threads import one_thread
 
 _NAMED = 3
 """Sentences that are read; the others would repeat them."""

@@ -33,7 +33,6 @@ from axiscal.estimation.known_rows import known_rows
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Place, shown_approach, shown_pose
 from axiscal.measurement.reading_rows import blank_readings, places_of
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.helping import helping_setups
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.plan import Plan
@@ -41,6 +40,7 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import Blank, alike, blank_problem, unseen_parts
 from axiscal.planning.proposal import Bought, Proposal, bought
 from axiscal.units import to_unit
+from axiscal_core.threads import one_thread
 
 _MOSTLY, _NOUGHT = 0.5, 1e-30
 """Of the variance; no division by nought."""

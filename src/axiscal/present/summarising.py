@@ -46,7 +46,6 @@ from axiscal.measurement.reading import (
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
-from axiscal.numerics.ties import ALIKE, ranked
 from axiscal.present.curves import constants, curves
 from axiscal.present.drawn_by_standards import ball_bar_circles, positioning_curves
 from axiscal.present.findings import findings, observability
@@ -66,6 +65,7 @@ from axiscal.present.summary import (
 from axiscal.present.volume_error import bent_volume, planes, volume_error
 from axiscal.tables.offer import Export
 from axiscal.units import said_quantity, to_unit
+from axiscal_core.ties import ALIKE, ranked
 
 _FEWEST_TARGETS, _FEWEST_RUNS = 5, 2
 """ISO 230-2 asks for five targets at least; a standard deviation needs two runs."""

@@ -19,9 +19,9 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.language.spoken import said, speaking, spoken_now
 from axiscal.language.stages import Listener, Stage, listening, stage_text
-from axiscal.numerics.threads import one_thread
 from axiscal.web import shapes
 from axiscal.web.desk import Desk
+from axiscal_core.threads import one_thread
 
 _NEARLY = 0.5
 """s that work which is nearly done is waited for."""
