@@ -55,7 +55,7 @@ def test_the_record_says_where_the_probe_stood(tmp_path: Path) -> None:
     campaign, cfg = described(JOB, tmp_path / "job"), tmp_path / "printer.cfg"
     cfg.write_text(MESH)
     assert given("data", "estimate", campaign, cfg, "--out", tmp_path / "out").status == 0
-    record = (tmp_path / "out" / "campaign.axiscal").read_text()
+    record = (tmp_path / "out" / "campaign.axiscal").read_text(errors="replace")
     assert r"offset = [\"7.5 mm\", \"-28 mm\", \"0 mm\"]" in record
 
 

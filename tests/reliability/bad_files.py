@@ -128,7 +128,7 @@ WAYS: Mapping[str, Callable[[bytes], bytes]] = {
     "twice": lambda good: good + good,
     "NUL": _in_the_middle(b"\0"),
     "not UTF-8": _in_the_middle(b"\xc4\xa7\xff\xfe"),
-    "UTF-16": lambda good: good.decode().encode("utf-16"),
+    "UTF-16": lambda good: good.decode(errors="replace").encode("utf-16"),
     "GBK": lambda good: good.replace(b"m", "钻".encode("gbk"), 1),
     "escape": _in_the_middle(b"\x1b[31m"),
     "not a number": _number(b"nan"),

@@ -17,7 +17,7 @@ def signed_text(campaign: Campaign) -> str:
     if not is_known(key):
         people = people_file()
         unknown = "{by}, whose key {key} is not in {file}" if people.exists() else "{by}, key {key}"
-        by = said(unknown, by=by, key=key[:16], file=people)
+        by = said(unknown, by=by, key=key[:16], file=people.name)
     if not found.holds:
         return said("changed since it was signed at event {number} by {by}", number=found.number, by=by)
     signed, last = said("signed by {by} until reading {reading}", by=by, reading=found.reading), campaign.state.last
