@@ -30,6 +30,7 @@ from axiscal.machine.entry import ErrorEntry, PlaneEntry, Sure, side_name
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import normal_quantile, normal_share
 
 SURE: dict[Sure, float] = {"roughly": 3.0, "well": 1.5, "exactly": 1.0}
 """The factor within which stated size and length are known."""
@@ -142,6 +143,10 @@ _ROOTS: frozenset[Kind] = frozenset({"scale", "reversal", "drift", "cycle", "gro
 """Kinds whose stated size is a root mean square: one number, or one afternoon, tells of them."""
 
 
+TEACH_LENGTHS = 10
+"""Readings below which no length counts as learnt: a smooth estimate of fewer misses less on beds of many owners."""
+
+
 class Size(NamedTuple):
     """One size: a factor exp(θ) on what all its owners state.
 
@@ -155,9 +160,13 @@ class Size(NamedTuple):
 
 @dataclass(frozen=True)
 class Sizes:
-    """All sizes that vary, in the order of θ."""
+    """All sizes that vary, in the order of θ.
+
+    few : readings are too few to teach a length; each then comes from the longer half of what it may be
+    """
 
     of: tuple[Size, ...]
+    few: bool = False
 
     def __len__(self) -> int:
         return len(self.of)
@@ -184,6 +193,15 @@ class Sizes:
         """x of the sizes as stated, (k,)."""
         return np.array([size.spread if size.kind in _ROOTS else 0.0 for size in self.of])
 
+    def taught_by(self, readings: int) -> Sizes:
+        """Return the sizes as so many readings can teach them."""
+        return replace(self, few=readings < TEACH_LENGTHS)
+
+    @cached_property
+    def _held(self) -> NDArray[np.intp]:
+        """The lengths that come from their longer half."""
+        return np.array([i for i, size in enumerate(self.of) if self.few and size.kind == "length"], dtype=np.intp)
+
     @cached_property
     def _largest(self) -> Array:
         """The largest θ of each size, (k,)."""
@@ -191,9 +209,13 @@ class Sizes:
 
     def theta(self, x: Array) -> tuple[Array, Array]:
         """Return θ and dθ/dx, (..., k) each.  x : (..., k)"""
-        theta = self.spreads * (x - self.stated)
+        apart, slope = x - self.stated, np.ones_like(x)
+        below = apart[..., self._held]
+        apart[..., self._held] = longer = -normal_quantile(normal_share(-below) / 2)
+        slope[..., self._held] = np.exp((longer**2 - below**2) / 2) / 2
+        theta = self.spreads * apart
         within = (theta > -_FARTHEST) & (theta < self._largest)
-        return np.clip(theta, -_FARTHEST, self._largest), np.where(within, self.spreads, 0.0)
+        return np.clip(theta, -_FARTHEST, self._largest), np.where(within, self.spreads * slope, 0.0)
 
 
 NONE_VARY = Sizes(())

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -16,11 +16,9 @@ from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.estimation.known_rows import refuse_unmade
-from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import listed, put, said
-from axiscal.measurement.reading import Place, reading_unit
-from axiscal.measurement.reading_rows import blank_readings
+from axiscal.measurement.reading import Places, reading_unit
 from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.bound.lower_bound import prove
@@ -29,11 +27,11 @@ from axiscal.planning.enough import enough, reached
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.helping import helping_setups, helping_words
-from axiscal.planning.next_readings import CANDIDATES, first_places, planned_places, posed, reaching
-from axiscal.planning.other_readings import columns_of, with_checks, with_rooms
+from axiscal.planning.next_readings import CANDIDATES, posed, reaching
+from axiscal.planning.other_readings import columns_of, with_rooms
 from axiscal.planning.plan.plan import Plan, judged
 from axiscal.planning.plan.run import first_seconds
-from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.plan.tour import retoured
 from axiscal.planning.promise import asked, foreseen
 from axiscal.planning.step.ground import regions
@@ -50,8 +48,9 @@ MOST = 1000
 MOST_CANDIDATES = 500_000
 _ABSURD = 100
 """So many times more time than a plan can fill is a slip; any factor between that of a long day and a year would do."""
-_SHARES = (0.5, 1.0, 2.0)
-"""Of the time of a plan, for which it is said what they buy."""
+Mark = Literal["half", "asked", "double"]
+_SHARES: dict[float, Mark | None] = {0.25: None, 0.5: "half", 0.75: None, 1.0: "asked", 1.5: None, 2.0: "double"}
+"""Of the time of a plan, for which it is said what they buy, with those that are marked."""
 _INSTANT = 1e-3
 """Seconds of a reading that is said to take no time."""
 
@@ -189,58 +188,33 @@ def proposed(
     refuse_unmade(case)
     task = posed(case, case.knowledge, candidates=candidates)
     heeded = enough(case, limits)
-    if places := first_places(case, task, heeded):
-        places += _after(case, task, heeded, places)
-    else:
-        places = reaching(case, task, limits, heeded)
+    places = reaching(case, task, limits, heeded)
     plan = judged(task, heeded, columns_of(case, places), bounded)
     return Proposal(replace(plan, checks=frozenset(i for i, place in enumerate(places) if place.check)))
 
 
-def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...]) -> tuple[Place, ...]:
-    """Return the readings that follow on the first ones, whatever these show."""
-    readings = blank_readings(case.description.setups, first)
-    count = None if limits.readings is None else limits.readings - len(first)
-    if count == 0:
-        return ()
-    spent = timed(case, readings).seconds
-    left = replace(limits, readings=count, budget=None if limits.budget is None else max(limits.budget - spent, 0.0))
-    then = posed(case, case.knowledge.read(readings), readings=readings, candidates=len(task.lattice))
-    try:
-        return with_checks(
-            case,
-            then,
-            left,
-            readings,
-            (),
-            lambda within, _: planned_places(case, then, within, readings, believed=readings),
-        )
-    except PlanError:  # there is no time for another
-        return ()
-
-
 class Bought(NamedTuple):
-    """What some time buys: s, and U of the volume after it, m."""
+    """What some time buys: s, and U of the volume after it, m.  mark : which share of the plan's time it is"""
 
     seconds: float
     expanded: float
+    mark: Mark | None
 
 
 @one_thread()
-def bought(case: Case, proposal: Proposal, candidates: int) -> tuple[Bought, ...]:
-    """Return what half the time of a plan, its own and twice as much buy; none where it has no readings.
+def bought(case: Case, places: Places, seconds: float, candidates: int) -> tuple[Bought, ...]:
+    """Return what a quarter of the time of a plan up to twice as much buys; none where it has no readings.
 
-    candidates : places that the plan was chosen from
+    places, seconds : the readings of the plan in their order, and its time; candidates : that it was chosen from
     """
-    places, seconds = proposal.plan.places, proposal.plan.seconds
     task = posed(case, case.knowledge, candidates=candidates).coarse
     setups = tuple(np.unique(places.setups).tolist())
     found = list[Bought]()
-    for share in _SHARES if len(places) else ():
+    for share, mark in _SHARES.items() if len(places) else ():
         limits = Limits(budget=share * seconds)
         each = places if share == 1.0 else retoured(task, limits, setups, places, 0.0)
         known = foreseen(case, (), with_rooms(case, each))
-        found.append(Bought(limits.budget or 0.0, expanded(case.yardstick, known.belief).space))
+        found.append(Bought(share * seconds, expanded(case.yardstick, known.belief).space, mark))
     return tuple(found)
 
 

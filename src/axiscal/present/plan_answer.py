@@ -12,6 +12,7 @@ from pydantic import Field
 from axiscal.answers.answer import (
     Aim,
     AnswerDocument,
+    BoughtAccuracy,
     LargestCause,
     NextStep,
     PlannedAnswer,
@@ -31,15 +32,15 @@ from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_rows
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.reading import Place, shown_approach, shown_pose
+from axiscal.measurement.reading import Place, Places, shown_approach, shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.helping import helping_setups
-from axiscal.planning.next_readings import placed
+from axiscal.planning.next_readings import CANDIDATES, placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import Blank, alike, blank_problem, unseen_parts
-from axiscal.planning.proposal import Bought, Proposal
+from axiscal.planning.proposal import Proposal, bought
 from axiscal.units import to_unit
 
 _MOSTLY, _NOUGHT = 0.5, 1e-30
@@ -66,25 +67,17 @@ class PlanPoint(AnswerDocument):
     check: bool = Field(False, exclude_if=lambda check: not check)
 
 
-class BoughtAccuracy(AnswerDocument):
-    """What some minutes buy: U of the volume after them."""
-
-    minutes: float
-    expanded_um: float
-
-
 class PlanAnswer(PlannedAnswer):
     """A plan in full.
 
     `points`, `J`, `rms_um`, `worst_um` and `ratio` leave out what no reading shows, such as the error of a wavelength
-    units : of the axes; bought : what half the minutes, these, and twice as many buy
+    units : of the axes
     certain_minutes : of a plan for the same target if all that is stated were exact, and nothing else went wrong
     ratio : of the mean variances that the two RMS figures are the roots of; of J where the criterion is another one
     """
 
     kind: Literal["axiscal-plan/1"] = Field("axiscal-plan/1", alias="schema")
     certain_minutes: float | None = None
-    bought: Sequence[BoughtAccuracy] = ()
     criterion: str
     points: Sequence[PlanPoint]
     units: Mapping[str, str]
@@ -104,11 +97,11 @@ class PlanAnswer(PlannedAnswer):
 
 @one_thread()
 def plan_answer(
-    case: Case, proposal: Proposal, limits: Limits, buys: Sequence[Bought] = (), *, ends: bool = True
+    case: Case, proposal: Proposal, limits: Limits, buys: Sequence[BoughtAccuracy] = (), *, ends: bool = True
 ) -> PlanAnswer:
     """Return the document of a plan that was made within limits.
 
-    buys : what other minutes buy; ends : whether the campaign says when it ends
+    buys : of `minutes_buy`; ends : whether the campaign says when it ends
     """
     plan, places = proposal.plan, placed(case, proposal.plan)
     bound = bound_rms_um(case, plan)
@@ -116,11 +109,7 @@ def plan_answer(
     begin: list[StepCode] = ["start"] if ends else ["target", "start"]
     answer = _planned(case, places, lambda count: plan.readings[count - 1].seconds if count else 0.0, limits, begin)
     return PlanAnswer(
-        **dict(answer),
-        bought=[
-            BoughtAccuracy(minutes=to_unit(each.seconds, "min"), expanded_um=to_unit(each.expanded, "um"))
-            for each in buys
-        ],
+        **{**dict(answer), "bought": buys},
         criterion=case.description.target.criterion,
         points=list(_points(case, places, plan)),
         units={axis.name: axis.unit for axis in case.description.machine.axes},
@@ -137,6 +126,14 @@ def plan_answer(
         bound_holds_for=_holds_for(proposal),
         proof_gap_percent=None if proposal.gap is None else finite(_gap_percent(case, proposal)),
     )
+
+
+def minutes_buy(case: Case, places: Places, seconds: float, candidates: int = CANDIDATES) -> list[BoughtAccuracy]:
+    """Return the curve of what minutes buy; arguments as for `bought`."""
+    return [
+        BoughtAccuracy(minutes=to_unit(each.seconds, "min"), expanded_um=to_unit(each.expanded, "um"), mark=each.mark)
+        for each in bought(case, places, seconds, candidates)
+    ]
 
 
 @one_thread()

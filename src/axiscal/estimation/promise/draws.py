@@ -124,7 +124,8 @@ def _valued(found: Given | None, x: Array) -> float:
 
 def as_stated(space: Space) -> Given:
     """Return everything at the sizes as stated."""
-    found = space.given(np.zeros(len(space.problem.sizes)))
+    sizes = space.problem.sizes
+    found = space.given(sizes.theta(sizes.stated)[0])
     assert found is not None, "a covariance with noise is positive definite"
     return found
 

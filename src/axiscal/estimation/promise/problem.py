@@ -177,6 +177,7 @@ def problem(
     observation : before any cell is visited; sizes : that vary
     usual : with what readings alone usually suffer, else with what is stated of it
     """
+    sizes = sizes.taught_by(len(readings))
     places = places_of(observation.setups, readings)
     reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
     causes = contributions(observation, places, [each.values for each in readings], usual)

@@ -28,6 +28,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.bernstein import Forms, largest_ratio, patches
 from axiscal.numerics.threads import one_thread
 from axiscal.numerics.ties import scattered
+from axiscal.planning.bound.boxes import by_boxes
 from axiscal.planning.bound.certificate import Dual, groups, rank_bound, zeros_each, zeros_of
 from axiscal.planning.bound.relaxation import Relaxation
 from axiscal.planning.gains.candidate_rows import Pool
@@ -234,6 +235,9 @@ def prove(
     everywhere = [(setup, region) for setup in setups for region in regions(state.observation, setup)]
     if not count:
         return Proof(Bound(state.value, True), 0.0)
+    if all(len(region.degree) == 1 for _, region in everywhere):
+        enclosed = by_boxes(state, everywhere, places, gap)
+        return Proof(Bound(enclosed.value, True), enclosed.best / max(enclosed.value, _NOUGHT) - 1)
     best, closed, reached, numbers = 0.0, 0.0, np.inf, most_numbers(state, setups, count)
     open_ones: list[float] = []
     lattice = _begun(state, lattice, places)
