@@ -11,7 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from axiscal.campaign.campaign import Campaign
+from axiscal.exceptions import AxiscalError
 from axiscal.numerics import Array
+from axiscal.present.guide.question import Stands, Word, answer
 from tests.generators.texts import artefact_text, campaign_text, machine_text, setup_text
 from tests.zoo.running import given, rows_of
 
@@ -113,3 +116,26 @@ def test_what_was_found_is_whole_and_of_a_ball(tmp_path: Path, columns: str, set
     told = given("data", "estimate", path, tmp_path / "r.csv", "--out", tmp_path / "out")
     assert told.status == 1
     assert says in " ".join(told.err.split())
+
+
+def test_what_the_control_found_is_typed_as_it_prints_it(tmp_path: Path) -> None:
+    printed = np.round(found(), 4)
+    turn, (x, y, z) = TURNS[3], printed[3]
+    estimated(tmp_path, FOUND, printed)
+    with Campaign.open(tmp_path / "out" / "campaign.axiscal", write=False) as told:
+        wanted = next(each for each in told.state.readings if each.pose[0] == pytest.approx(np.radians(turn)))
+    record = tmp_path / "typed.axiscal"
+    assert given("step", "start", campaign(tmp_path), record).status == 0
+    done = given(
+        "step", "record", record, f"found {x} {y} {z}", "--at", f"C={turn} deg", "--setup", "touch", "--approach", "C+"
+    )
+    assert done.status == 0, done
+    with Campaign.open(record, write=False) as kept:
+        (reading,) = kept.state.readings
+        setup, at = kept.description.setup("touch"), Stands(kept.description.machine, reading.pose)
+        prompted = answer(f"found {x}; {y}; {z}", setup, at)
+        with pytest.raises(AxiscalError, match="2 values"):
+            answer("found 1 2", setup, at)
+    assert reading.values == pytest.approx(wanted.values, abs=1e-12)
+    assert not isinstance(prompted, Word)
+    assert prompted.tolist() == pytest.approx(list(wanted.values), abs=1e-12)

@@ -74,7 +74,11 @@ def test_people_type_its_names(package: Path, tmp_path: Path, command: Command) 
     gauge = tmp_path / "gauge.txt"
     gauge.write_text("ACME GAUGE 2\nEXX\n" + "".join(f"{x} + {x / 100}\n" for x in range(0, 600, 50)))
     assert run(["estimate", str(campaign), str(gauge), "--out", str(tmp_path / "read")]) == 0
-    assert command("export", out / "campaign.axiscal", "--to", "list").printed.split() == [*CONTROLLERS, "acme"]
+    assert command("export", out / "campaign.axiscal", "--to", "list").printed.split() == [
+        *CONTROLLERS,
+        "acme",
+        "program",
+    ]
 
 
 def test_a_sign_that_is_wrong_is_seen(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -47,6 +47,12 @@ def known(
 
 MEANT = [
     (
+        Explained("stuck", 9.0, (0, 1), 3),
+        Accepted("stuck", ("laser", "other"), 14),
+        'values of "laser", "other" that repeat the one before, from reading 14 on, are left out',
+        "from reading 14 on, values repeat what was shown before. If the instrument is stuck, read there again",
+    ),
+    (
         Explained("jump", 9.0, (1,), 3),
         Accepted("jump", ("other",), 14, name="other, before reading 14"),
         'the readings of "other" before reading 14 have a zero of their own',

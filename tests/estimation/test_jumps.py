@@ -1,31 +1,24 @@
-"""A zero that jumps is weighed as the dense density says, and named on machines that no model drew.
-
-The foreign truths are sums of waves and a sag, written here and in no other place.
-"""
+"""A zero that jumps is weighed as the dense density says, and named on machines that no model drew.."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.agreement_words import agreement_words
-from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.promise.jumps import jumped, suspects, ways_of
 from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.promise.problem import Problem
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from tests.generators.dense_posterior import Dense, log_density
+from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings
 from tests.generators.problems import asked, sized
-from tests.generators.texts import machine_text, setup_text
 
 JUMPS = 30.0, 1e3, 3e4
 
@@ -109,49 +102,6 @@ def test_a_ball_that_moves_is_a_jump_and_none_of_its_readings_is_bad(since: int)
     assert set(sorted_out(slips).bad) == {1, 5, 9}
 
 
-MACHINE = machine_text(
-    "w-X'-b-Z-t", {"X": (0, 600), "Z": (0, 400)},
-    {
-        "EZX": 'std = "4 um", knots = 13, length = "150 mm", rest = "0.2 um"',
-        "EXX": 'std = "10 um", knots = 13, length = "150 mm", rest = "0.4 um"',
-        "EXX_reversal": 'std = "3 um"',
-    },
-)  # fmt: skip
-DIAL = setup_text("dial", "straightedge", direction="z", moves=["X"], noise="1 um", approach="both")
-LASER = setup_text("laser", "interferometer", direction="x", moves=["X"], noise="0.3 um", approach="both")
-
-
-@cache
-def _case(setup: str) -> Case:
-    text = f'machine = "m"\n[target]\nreadings = 40\n{setup}'
-    return case_of(campaign_from_texts(text, "c.toml", MACHINE, "m"))
-
-
-def _readings(setup: str, count: int, seed: int, size: float = 10e-6) -> list[Reading]:
-    """Return readings in four passes, two of few, of a sag and two waves of a root mean square size, m."""
-    case, rng = _case(setup), np.random.default_rng(seed)
-    passes = np.array_split(np.arange(count), 4 if count >= 12 else 2)
-    along = [np.sort(rng.uniform(0.05, 0.55, len(each)))[:: 1 if i % 2 == 0 else -1] for i, each in enumerate(passes)]
-    x: Array = np.round(np.concatenate(along).astype(float), 3)
-    side = np.repeat([1, -1, 1, -1][: len(passes)], [len(a) for a in along])
-    a, phase = rng.normal(size=3), rng.uniform(0, 6.28, 2)
-
-    def truth(at: Array) -> Array:
-        waves = a[1] * np.sin(at / 0.095 + phase[0]) + 0.5 * a[2] * np.sin(at / 0.06 + phase[1])
-        return np.asarray(a[0] * (at / 0.6) ** 2 + waves)
-
-    shape = truth(np.linspace(0.05, 0.55, 99))
-    noise = case.description.setups[0].noise
-    values = size * truth(x) / shape.std() + noise * rng.normal(size=count)
-    if setup is LASER:
-        values += 1.5e-6 * side
-    park = case.description.setups[0].park
-    return [
-        Reading(case.description.setups[0].name, (float(at), *park[1:]), (int(way), 0), float(value), number=i + 1)
-        for i, (at, way, value) in enumerate(zip(x, side, values - values[0], strict=True))
-    ]
-
-
 def _stepped(readings: Sequence[Reading], before: int, by: float) -> list[Reading]:
     return [replace(each, value=each.value + by * (i >= before)) for i, each in enumerate(readings)]
 
@@ -164,9 +114,9 @@ def _named(known: Estimation) -> list[tuple[str, int]]:
 @pytest.mark.parametrize(("count", "before"), [(28, 13), (18, 10), (15, 6), (9, 5)])
 def test_a_zero_set_anew_by_140_um_is_named_where_it_was_and_never_agrees(setup: str, count: int, before: int) -> None:
     for seed in range(3):
-        right = _readings(setup, count, seed)
-        assert _named(estimated(_case(setup), right)) == []
-        known = estimated(_case(setup), _stepped(right, before, 140e-6))
+        right = foreign_readings(setup, count, seed)
+        assert _named(estimated(foreign_case(setup), right)) == []
+        known = estimated(foreign_case(setup), _stepped(right, before, 140e-6))
         assert _named(known) == [("jump", before)]
         assert known.agreement.contradicts or count == 9  # of few readings odds of 20 to 1000 are a question
         assert f"before reading {before + 1}" in agreement_words(known)
@@ -176,15 +126,15 @@ def test_a_zero_set_anew_by_140_um_is_named_where_it_was_and_never_agrees(setup:
 @pytest.mark.parametrize("by", [-2.5e-3, 1e-3, 60e-6])
 def test_a_step_of_any_size_is_a_step(by: float) -> None:
     """Also one by which half of the readings seem to be of another unit."""
-    known = estimated(_case(DIAL), _stepped(_readings(DIAL, 18, 1), 9, by))
+    known = estimated(foreign_case(DIAL), _stepped(foreign_readings(DIAL, 18, 1), 9, by))
     assert _named(known) == [("jump", 9)]
     assert not known.left_out
 
 
 def test_a_step_is_named_beside_a_bad_reading() -> None:
-    readings = _stepped(_readings(DIAL, 18, 1), 9, 140e-6)
+    readings = _stepped(foreign_readings(DIAL, 18, 1), 9, 140e-6)
     readings[3] = replace(readings[3], value=readings[3].value + 300e-6)
-    assert _named(estimated(_case(DIAL), readings)) == [("jump", 9)]
+    assert _named(estimated(foreign_case(DIAL), readings)) == [("jump", 9)]
 
 
 @pytest.mark.long
@@ -194,6 +144,6 @@ def test_of_a_hundred_right_records_none_has_a_jump(times: float) -> None:
     found = 0
     for seed in range(100):
         setup, count = (DIAL, LASER)[seed % 2], (9, 15, 18, 28)[seed // 2 % 4]
-        readings = _readings(setup, count, 1000 + seed, times * (4e-6 if setup is DIAL else 10e-6))
-        found += len(_named(estimated(_case(setup), readings)))
+        readings = foreign_readings(setup, count, 1000 + seed, times * (4e-6 if setup is DIAL else 10e-6))
+        found += len(_named(estimated(foreign_case(setup), readings)))
     assert found <= 1

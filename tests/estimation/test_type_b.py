@@ -114,7 +114,7 @@ def _shown(row: TypeB) -> str:
     unit = row.unit if row.unit != "mm/m" else "%"
     size = 100 * row.size if unit == "%" else float(to_unit(row.size, unit))
     longer = f" + {row.longer * 1e6:g} um/m" if row.longer else ""
-    instruments = "any length" if len(row.instruments) == 5 else ", ".join(row.instruments)
+    instruments = "any length" if len(row.instruments) == 6 else ", ".join(row.instruments)
     least = f", at least {row.least * 1e6:g} um" if row.least else ""
     default = f"{size:.3g} {unit}{longer}{least}"
     return f"| {' | '.join((row.name, instruments, default, row.distribution, row.shared, row.source))} |"

@@ -73,6 +73,12 @@ def _points(found: DrawnMap, form: str) -> str:
     return "".join(form.format(x=x, y=y, z=z) for (x, y), z in found.probed().items())
 
 
+def _linear(found: DrawnMap) -> str:
+    head = "Recv: Bed Height Topography:\n   +--- BACK --+\n L |    (+)    | R\n   O-- FRONT --+\n (0,0)\n"
+    rows = "".join(f"Recv:  {row}\n" for row in _rows(found, "nan", " ", "{:+.5f}")[::-1])
+    return f"{head}{rows}\nRecv: Eqn coefficients: a: 0.00100000 b: -0.00020000 d: 0.10000000\n"
+
+
 def _bcnc(found: DrawnMap) -> str:
     sides = (f"{side[0]:g} {side[-1]:g} {len(side)}\n" for side in (found.x, found.y))
     return "".join([*sides, "-1 5 100\n\n\n", _points(found, "{x:g} {y:g} {z:g}\n")])
@@ -133,6 +139,11 @@ FORMS: Mapping[str, Callable[[DrawnMap], str]] = {
     "a Marlin map (M421, M503)": lambda found: _nodes(found, "echo:  G29 W"),
     "a Marlin map (M421, M503), as G-code": lambda found: _nodes(found, "N7 M421", " ; from a slicer"),
     "probed points of Marlin (G29 V4)": lambda found: _points(found, "Recv: Bed X: {x:.3f} Y: {y:.3f} Z: {z:.3f}\n"),
+    "a linear map of Marlin (G29 T)": _linear,
+    "probed points of the Klipper console": lambda found: _points(found, "// probe at {x:.3f},{y:.3f} is z={z:.6f}\n"),
+    "probed points of the Klipper console, since 2025": lambda found: _points(
+        found, "14:02:11  // probe: at {x:.3f},{y:.3f} bed will contact at z={z:.6f}\n"
+    ),
     "a bCNC probe file": _bcnc,
     "a Candle height map": _candle,
     "an OpenCNCPilot height map": _xml,

@@ -32,7 +32,7 @@ CIRCLE = "angle_deg;direction;deviation_um\n" + "".join(
 TEXTS = {form: MAPS[0].text(form) for form in FORMS} | {
     "a positioning test (.rtl)": RTL,
     "an angular test (.rta)": RTL.replace(": rtl", ": rta"),
-    "a straightness test (.rts)": RTL.replace(": rtl", ": rts"),
+    "a straightness test (.rts)": RTL.replace(": rtl", ": rts\nUnits: um"),
     "a level survey": SURVEY,
     "a circular test (ISO 230-4)": CIRCLE,
     "a test of one axis, a column a run": "Pos;1+;1-\n0;0,5;-1,0\n10;1,5;0,0\n",
@@ -107,7 +107,11 @@ def test_a_map_that_is_turned_upside_down_stays_as_it_is(tmp_path: Path, form: s
     assert heights(read(tmp_path, "\n".join(lines), MAPS[1])) == pytest.approx(MAPS[1].probed(), abs=1e-9)
 
 
-BARE = [form for form in FORMS if form.startswith("a Marlin map") or "CSV" in form or "console" in form]
+BARE = [
+    form
+    for form in FORMS
+    if form.startswith("a Marlin map") or "CSV" in form or "linear" in form or "mesh of the" in form
+]
 
 
 @pytest.mark.parametrize("form", BARE)
@@ -195,6 +199,8 @@ NO_USE = {
     "a mesh of the Klipper console": ("// Mesh X,Y", "// Mesh Leveling Probed Z positions:\n// Mesh X,Y", "2 maps"),
     "a UBL map": (" 3 |", " 4 |", "row 4 stands here twice"),
     "probed points of Marlin (G29 V4)": ("Z: ", "Z: 0 E: 0.2 ", "is not X, Y and Z"),
+    "probed points of the Klipper console": (" is z=", " is z=0.1 z=", "is not X, Y and Z"),
+    "a linear map of Marlin (G29 T)": (" (0,0)", "Bed Height Topography:", "there are 2 maps"),
     "a Marlin map (M420 V)": ("Send: M420 V", "Bilinear Leveling Grid:\nSend: M420 V", "there are 2 maps"),
     "a Marlin map (M421, M503)": ("I1 J1", "I1 J1 Q2", "says no height of a point"),
     "an OpenCNCPilot height map": ("SizeX", 'ZOffset="0.3" SizeX', "ZOffset is not known"),
@@ -327,7 +333,19 @@ def test_a_straightness_test_is_without_its_line(tmp_path: Path) -> None:
     rows = "".join(f"1 {number} {y:.6f}\n" for number, y in enumerate(bent + 0.1 * at + 3.0, 1))
     targets = " ".join(f"{each:.3f}" for each in at)
     text = f"HEADER::\nFile type : rts\nTARGET DATA::\nTarget-count: 9\nTargets: {targets}\nDEVIATIONS::\n{rows}EOF::\n"
-    figures = evaluate(positioning_test(read(tmp_path, text))).figures
+    with pytest.raises(ReadingError, match=r"does not name the unit of its deviations\. Say it: --unit um"):
+        read(tmp_path, text)
+    named = [text.replace("rts\n", f"rts\n{unit}\n") for unit in ("Units: um", "Deviation units : \N{MICRO SIGN}m")]
+    read_as = [read(tmp_path, each) for each in named] + [read(tmp_path, text, unit="um")]
+    assert len({tuple(one.value for one in each.found.readings) for each in read_as}) == 1
+    assert read(tmp_path, text, unit="mm").found.readings[0].value == pytest.approx(
+        1e3 * read_as[0].found.readings[0].value
+    )
+    with pytest.raises(ReadingError, match="line 3: furlong is no unit of a straightness"):
+        read(tmp_path, text.replace("rts\n", "rts\nUnits: furlong\n"))
+    with pytest.raises(ReadingError, match="line 3: the header names its unit, and --unit names another"):
+        read(tmp_path, named[0], unit="mm")
+    figures = evaluate(positioning_test(read_as[0])).figures
     assert 1e6 * figures["E_up"] == pytest.approx(np.ptp(bent - np.polyval(np.polyfit(at, bent, 1), at)), abs=1e-5)
 
 
@@ -336,3 +354,14 @@ def test_a_table_of_readings_may_have_semicolons_and_inches(tmp_path: Path) -> N
     (reading,) = read(tmp_path, text).found.readings
     assert (reading.setup, reading.approach) == ("+probe; long", {"X": -1})
     assert (reading.position["X"], reading.value) == pytest.approx((0.0381, 2.54e-6))
+
+
+def test_klipper_prints_where_its_nozzle_stood_and_since_2025_where_the_bed_is_met(tmp_path: Path) -> None:
+    probe = setup_text("probe", "probe", direction="z", moves=["X", "Y"], offset=["-33 mm", "-46 mm", "0 mm"])
+    campaign = campaign_from_texts(campaign_text("bed", probe), "c.toml", BED, "bed")
+    texts = "// probe at 133.000,96.000 is z=0.125000\n", "// probe: at 100.000,50.000 bed will contact at z=0.125000\n"
+    for text in texts:
+        path = tmp_path / "console.txt"
+        path.write_text(f"Send: PROBE\n{text}// Result is z=0.125000\nok\n")
+        found = recognised(path, Around(campaign.machine.axes, campaign.setups))
+        assert heights(found) == pytest.approx({(100.0, 50.0): 0.125})

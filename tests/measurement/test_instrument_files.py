@@ -99,7 +99,8 @@ def test_a_rtl_file_is_a_positioning_test(tmp_path: Path, encoding: str, ends: s
 
 
 @pytest.mark.parametrize(
-    ("kind", "test", "unit", "value"), [("rta", "angular", "arcsec", 1.9e-3), ("RTS", "straightness", "um", 1.9e-6)]
+    ("kind", "test", "unit", "value"),
+    [("rta", "angular", "arcsec", 1.9e-3), ("RTS\nUnits: um", "straightness", "um", 1.9e-6)],
 )
 def test_files_of_the_same_form_are_other_tests(tmp_path: Path, kind: str, test: str, unit: str, value: float) -> None:
     read = recognised(_file(tmp_path, RTL.replace("File type  : rtl", f"File type  : {kind}")))

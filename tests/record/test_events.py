@@ -46,6 +46,7 @@ accepted = (
     st.builds(Accepted, st.just("jump"), st.tuples(st.text()), st.integers(1, 99), name=st.text(min_size=1))
     | st.builds(Accepted, st.sampled_from(["sign", "unit"]), st.tuples(st.text()), factor=factors)
     | st.builds(Accepted, st.just("shifted"), st.tuples(st.text()), factor=st.sampled_from([1.0, -1.0]))
+    | st.builds(Accepted, st.just("stuck"), st.lists(st.text(), min_size=1, unique=True).map(tuple), st.integers(1, 99))
     | st.builds(Accepted, st.just("swapped"), st.lists(st.text(), min_size=2, max_size=2, unique=True).map(tuple))
 )
 continued = st.builds(Continued, st.text())
@@ -202,6 +203,7 @@ def test_what_is_behind_sees_readings_without_the_mistake(mistake: Accepted, exp
     [
         '{"mistake":"guess","setups":["a"],"reading":0,"factor":1.0,"name":""}',
         '{"mistake":"sign","setups":[],"reading":0,"factor":-1.0,"name":""}',
+        '{"mistake":"stuck","setups":[],"reading":3,"factor":1.0,"name":""}',
         '{"mistake":"swapped","setups":["a","a"],"reading":0,"factor":1.0,"name":""}',
         '{"mistake":"unit","setups":["a"],"reading":0,"factor":0.0,"name":""}',
         '{"mistake":"unit","setups":["a"],"reading":0,"factor":1e300,"name":""}',

@@ -1,4 +1,4 @@
-"""Seven slips of people who read an axis."""
+"""Slips of people who read an axis, and of what they read it by."""
 
 from __future__ import annotations
 
@@ -71,7 +71,20 @@ def wrong_row(visits: Visits, values: Array) -> tuple[Visits, Array]:
     return Visits(x, visits.sides), values
 
 
+def stuck(visits: Visits, values: Array) -> tuple[Visits, Array]:
+    """Read by a laser that shows the same from the ninth reading on."""
+    return visits, np.where(np.arange(len(values)) >= 8, values[8], values)
+
+
+def repeating(visits: Visits, values: Array) -> tuple[Visits, Array]:
+    """Read by a laser that shows its last value again at each third reading."""
+    shown = np.arange(len(values))
+    return visits, values[np.where(shown % 3 == 2, shown - 1, shown)]
+
+
 SLIPS = (
+    Animal("slip: stuck", LASER.job, made(stuck), r"\bstuck", quick=True, asked=True),
+    Animal("slip: repeating", LASER.job, made(repeating), r"\bstuck|repeat", asked=True),
     Animal("slip: unit, mm for um", LASER.job, made(unit), r"\bunit|in mm|1000 times", quick=True, asked=True),
     Animal("slip: sign of one reading", LASER.job, made(sign), r"left out|does not agree|\bsign\b", quick=True),
     Animal("slip: two readings swapped", LASER.job, made(swapped), r"left out|does not agree|swapped|exchanged"),

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
 from axiscal.description.target import Kind
 from axiscal.exceptions import SummaryError
@@ -232,6 +232,14 @@ class TablesChecked(AnswerDocument):
     verdict: Literal["pass", "fail", "undecided"]
 
 
+class ScrewTurn(AnswerDocument):
+    """A screw under the bed.  turns : clockwise from above, U : of them, 95 %"""
+
+    screw: str
+    turns: float
+    U: float
+
+
 class ResultAnswer(AnswerDocument):
     """aims : what is asked for, the accuracies of the volume first
 
@@ -242,6 +250,7 @@ class ResultAnswer(AnswerDocument):
     checked : None where nobody has checked the tables
     offset : um, 95 %, by which U grows for each 100 mm beside the line that was read; None where the volume is known
     checks : readings drawn at random; as_promised : of these
+    screws : under the bed, all but the first, which stays; left out where nobody states them
     """
 
     verdict: Verdict
@@ -261,3 +270,4 @@ class ResultAnswer(AnswerDocument):
     steps: Sequence[NextStep]
     checked: TablesChecked | None = None
     offset: float | None = None
+    screws: Sequence[ScrewTurn] = Field(default=(), exclude_if=lambda screws: not screws)

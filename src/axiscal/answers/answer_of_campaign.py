@@ -31,6 +31,7 @@ from axiscal.answers.answer import (
     number,
 )
 from axiscal.answers.answer_words import digits
+from axiscal.answers.bed_screws import screw_turns
 from axiscal.answers.row_words import row_name
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import count_reached
@@ -218,6 +219,7 @@ def answer_of(
         withheld=withheld,
         steps=list(_steps(campaign, known, verdict, best_control(rows, list(controls)), written)),
         offset=None if offset is None else _digits(to_unit(offset, "um")),
+        screws=[] if withheld else screw_turns(known),
     )
 
 

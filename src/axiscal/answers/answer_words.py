@@ -21,7 +21,14 @@ from axiscal.answers.answer import (
     TablesChecked,
     Verdict,
 )
-from axiscal.answers.row_words import row_names, said_row, signed_text, signs_sentence, warmth_sentence
+from axiscal.answers.row_words import (
+    row_names,
+    said_row,
+    screws_sentence,
+    signed_text,
+    signs_sentence,
+    warmth_sentence,
+)
 from axiscal.language.spoken import counted, ending, joined, later, listed, put, said
 from axiscal.tables.registry import exporter
 
@@ -44,6 +51,8 @@ _ENDS: dict[Verdict, str] = {
     "contradict": later("READINGS CONTRADICT"),
     "nothing": later("NO READINGS YET"),
 }
+_UNUSED = later("NOT MEASURED")
+"""Where none of the readings is used."""
 VERDICTS = {"pass": later("PASS"), "fail": later("FAIL"), "undecided": later("UNDECIDED")}
 _AIMS = {
     "rms": later("{volume} RMS {now} of {limit} {unit}"),
@@ -84,7 +93,14 @@ def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str 
     """
     groups = measured_rows(answer, ROOM)
     spare = ["", ""] if cut else [signs_sentence(groups), warmth_sentence(answer.rows)]  # a terminal may have no room
-    found = [*spare, _agreement(answer, agreement), _unmeasured(answer, cut), _beside(answer), _checked(answer.checked)]
+    found = [
+        *spare,
+        _agreement(answer, agreement),
+        _unmeasured(answer, cut),
+        _beside(answer),
+        screws_sentence(answer.screws),
+        _checked(answer.checked),
+    ]
     return AnswerText(
         _first_line(answer),
         table_lines(groups, controls_of(groups)) if groups else [],
@@ -101,7 +117,7 @@ def _first_line(answer: ResultAnswer) -> FirstLine:
             "{count} MORE READING, {coming} MIN", "{count} MORE READINGS, {coming} MIN", answer.more, coming=coming
         )
     else:
-        verdict = said(_ENDS[answer.verdict])
+        verdict = said(_ENDS[answer.verdict] if answer.compared or not answer.readings else _UNUSED)
     taken = counted("{count} reading", "{count} readings", answer.readings)
     minutes = minutes_text(answer.minutes)
     time = said("{minutes} min" if answer.clocked else "{minutes} min by the plan", minutes=minutes)
@@ -197,7 +213,7 @@ def by_kind(rows: Sequence[_Row]) -> list[list[_Row]]:
 
 def _agreement(answer: ResultAnswer, words: str) -> str:
     """Return how many readings agree, "" before the first.  words : sentence where they contradict or are not used"""
-    if not answer.compared:
+    if not answer.readings:
         return ""
     if answer.verdict == "contradict" or answer.left_out:
         return put("{words}.", words=words)

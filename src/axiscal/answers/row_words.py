@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from axiscal.answers.answer import AnswerLine, AnswerRow, PlannedRow, SignedNumber
+from axiscal.answers.answer import AnswerLine, AnswerRow, PlannedRow, ScrewTurn, SignedNumber
 from axiscal.description.target import Kind
 from axiscal.language.spoken import later, listed, put, said
 
@@ -103,3 +103,25 @@ def _places(size: float) -> int:
         return 0
     power = math.floor(math.log10(abs(size)))
     return int(abs(size) < 10 ** (power + 1) * _TWO) - power
+
+
+def screws_sentence(screws: Sequence[ScrewTurn]) -> str:
+    """Return how far to turn the screws under a bed, as Klipper says it: CW hours:minutes of a clock; "" for none."""
+    if not screws:
+        return ""
+    each = [
+        put(
+            "{screw} {way} {turns} ± {most}",
+            screw=screw.screw,
+            way="CW" if screw.turns >= 0 else "CCW",
+            turns=_clock(abs(screw.turns)),
+            most=_clock(screw.U),
+        )
+        for screw in screws
+    ]
+    return said("Bed screws, in turns as hours:minutes: {each}; the first one stays.", each=listed(", ", each))
+
+
+def _clock(turns: float) -> str:
+    hours, minutes = divmod(round(60 * turns), 60)
+    return f"{hours:02d}:{minutes:02d}"

@@ -15,6 +15,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Anyway, Json, RecordFile, Template
 from axiscal.cli.printing import say, say_document
+from axiscal.cli.rewriting import PROGRAM, Rewriting
 from axiscal.document.file import bounded_content
 from axiscal.document.ports import ours
 from axiscal.estimation.agreement_words import agreement_words
@@ -98,6 +99,20 @@ def export(
             help="klipper: moonraker:HOST, reprapfirmware: duet:HOST; the height map is put into it and is in force.",
         ),
     ] = None,
+    program: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="program: a part program, rewritten for a control without tables."),
+    ] = None,
+    origin: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PLACE",
+            help="program: where X, Y and Z of the machine stand at its zero, with the tool in.",
+        ),
+    ] = None,
+    chord: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help='program: how exactly its ways are held; default "0.2 um".')
+    ] = None,
     anyway: Anyway = False,
     json: Json = False,
 ) -> None:
@@ -114,10 +129,11 @@ def export(
       axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
       axiscal export mill.axiscal --to linuxcnc --on-top-of machine.ini --out tables
       axiscal export bed.axiscal --to klipper --load moonraker:voron.local --out mesh
+      axiscal export router.axiscal --to program --program part.ngc --origin "120 mm, 80 mm, -60 mm" --out corrected
     """
 
     if to == "list":
-        say("\n".join(registry.controllers()))
+        say("\n".join([*registry.controllers(), PROGRAM]))
         return
     to = registry.named(to)
     options = ExportOptions(
@@ -135,7 +151,13 @@ def export(
         old_files=read_old(on_top_of or ()),
     )
     others = {"--coordinates": coordinates, "--ini": ini, "--load": load}
-    registry.refuse_untaken(to, [*(name for name, value in others.items() if value is not None), *options.given])
+    given = [*(name for name, value in others.items() if value is not None), *options.given]
+    wanted = {"--program": program, "--origin": origin, "--chord": chord}
+    if to == PROGRAM:
+        Rewriting.asked(program, origin, chord, unit, given).write(record, out, anyway, json)
+        return
+    given += [name for name, value in wanted.items() if value is not None]
+    registry.refuse_untaken(to, given)
     loader = None if load is None else ours("ports.printers.printer_source:loader_at")(load, to)
     if loader is not None and zero is None:
         options = replace(options, zero=loader.zero())

@@ -27,9 +27,10 @@ from axiscal.language.spoken import counted, decimals, said, speaking, spoken_no
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import (
     Progress,
+    confirmed,
     contradictions,
     doubted,
-    jump_named,
+    named_now,
     open_temperature,
     others_doubted,
     set_anew,
@@ -46,6 +47,7 @@ from axiscal.present.guide.question import (
     coordinates_text,
     degrees,
     question_text,
+    stands,
 )
 from axiscal.present.result_set import RECORD
 from axiscal.present.summarising import Extras
@@ -93,7 +95,9 @@ class Prompt:
 
     def _asked(self, prompt: str, question: Question, *, standing: bool) -> _Then:
         setup = self.campaign.description.setup(question.setup)
-        return self._until_done(lambda: self._heed(answer(ask(prompt), setup), question, standing))
+        return self._until_done(
+            lambda: self._heed(answer(ask(prompt), setup, stands(self.campaign)), question, standing)
+        )
 
     def _warmed(self) -> _Then:
         """Ask how warm the scale is; Enter is that nobody has measured it."""
@@ -158,16 +162,16 @@ class Prompt:
             vouched = word == "v"
             if word == "a":
                 say(f"  {set_anew(self.campaign, question.setup)}")
-        before, jump = doubted(self.campaign), jump_named(self.campaign)
+        before, told = doubted(self.campaign), named_now(self.campaign)
         value, *others = (float(each) for each in typed)
         kept = self.campaign.record(value, accepted=vouched, others=tuple(others))
         at = coordinates_text(question.places, moves=True) or said('set-up "{setup}"', setup=question.setup)
         say("  " + said("kept reading {number} at {place}; it is on the disk", number=kept.number, place=at))
-        minds, named = others_doubted(self.campaign, before), jump_named(self.campaign)
-        if named is not None and named != jump:
+        minds, named = others_doubted(self.campaign, before), named_now(self.campaign)
+        if named is not None and named != told:
             say(f"  {named.question}")
             if _is_yes(said("Type yes if so, Enter if not:")):
-                say(f"  {set_anew(self.campaign, named.setup, named.number)}")
+                say(f"  {confirmed(self.campaign, named)}")
                 minds = []
         for sentence in [*minds, *contradictions(self.campaign)]:
             say("  " + said("Mind: {sentence}", sentence=sentence))
@@ -249,6 +253,7 @@ def help_text() -> str:
     rows = (
         ("-1.7", said("keep a reading, in the unit that is shown; a decimal comma does as well")),
         ("0.0021 mm", said("keep a reading in another unit")),
+        (said("found X Y Z"), said("where the axes stood with the ball found, in mm")),
         ("Enter", said("show the question again")),
         (undo, said("take back the last reading or skip")),
         (f"{skip} {because}", said("the reading cannot be taken")),

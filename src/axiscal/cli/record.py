@@ -25,7 +25,7 @@ from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose
 from axiscal.measurement.setup import Setup
 from axiscal.present.guide.progress import contradictions, doubted, last_doubt, others_doubted
-from axiscal.present.guide.question import asked_text, value_texts
+from axiscal.present.guide.question import Stands, asked_text, found_at, value_texts
 from axiscal.units import format_quantity, parse_quantity, to_unit
 
 _ASK = later("Ask for the next one: axiscal step next {record}")
@@ -92,7 +92,9 @@ def record(
             place = Place(chosen.name, pose, placed_approach(chosen, machine, _directions(approach or "")))
         mounted = campaign.description.setup(place.setup)
         dimension = INSTRUMENTS[mounted.instrument].model.reads
-        number, *others = (parse_quantity(part, dimension) for part in value_texts(text, mounted))
+        met = found_at(text, mounted, Stands(campaign.description.machine, place.pose))
+        parts = value_texts(text, mounted) if met is None else []
+        number, *others = [parse_quantity(part, dimension) for part in parts] if met is None else met.tolist()
         noise = None if std is None else parse_quantity(std, dimension)
         before = doubted(campaign)
         left = _left(campaign, place)

@@ -28,7 +28,9 @@ def accept(
     record: RecordFile,
     cause: Annotated[
         str | None,
-        typer.Argument(metavar="CAUSE", help="jump, sign, unit, swapped, shifted or frame; without it: what is named."),
+        typer.Argument(
+            metavar="CAUSE", help="jump, sign, unit, swapped, shifted, stuck or frame; without it: what is named."
+        ),
     ] = None,
     setup: Annotated[str | None, typer.Option(metavar="NAME", help="Whose readings, where several are named.")] = None,
     before: Annotated[

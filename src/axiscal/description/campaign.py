@@ -16,7 +16,8 @@ from pydantic import Field
 
 from axiscal.description.artefacts import read_artefacts
 from axiscal.description.campaign_schema import CampaignTable, ReportTable, SistersTable
-from axiscal.description.setups import at_each_place, read_setups
+from axiscal.description.screws import BedScrews
+from axiscal.description.setups import each_alone, read_setups
 from axiscal.description.sites import Surroundings
 from axiscal.description.stated_type_b import REFERENCE, Unsourced, refers_to_20, unsourced
 from axiscal.description.target import Target, read_target
@@ -59,7 +60,7 @@ def read_particulars(table: CampaignTable, machine: Machine) -> Particulars:
     """Return who measured with what."""
     built = tomllib.loads(machine.text)
     of_machine = {key: str(built.get(key, "")) for key in ("maker", "serial")}
-    mounted = [each for one in table.setups for each in at_each_place(one)]
+    mounted = [each for one in table.setups for each in each_alone(one)]
     said = mounted, table.artefacts
     setups, artefacts = ({each.name: Equipment(each.serial, each.certificate) for each in tables} for tables in said)
     return Particulars(**table.report.model_dump(), **of_machine, setups=setups, artefacts=artefacts)
@@ -89,6 +90,7 @@ class CampaignDescription:
     usual_doubts : what nothing is stated of is doubted as is usual: zeros wander, the tool is not quite as stated
     controls : those whose files a finished campaign gets, the first one first
     unsourced : what is stated of the tool without a source, and does not count
+    screws : under the bed of a printer; None where nobody states them
     """
 
     machine: Machine
@@ -108,6 +110,7 @@ class CampaignDescription:
     doubt: float | None = None
     controls: tuple[str, ...] = ("linuxcnc",)
     unsourced: tuple[Unsourced, ...] = ()
+    screws: BedScrews | None = None
 
     @property
     def unsaid_offsets(self) -> list[str]:
@@ -262,6 +265,7 @@ def _described(
         doubt=None if table.sisters is None else table.sisters.doubt,
         controls=tuple(dict.fromkeys(table.controls)),
         unsourced=tools,
+        screws=None if table.screws is None else table.screws.screws(),
     )
 
 

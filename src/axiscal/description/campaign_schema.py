@@ -39,6 +39,7 @@ from axiscal.description.fields import (
     line_ends,
     plane_ways,
 )
+from axiscal.description.screws import ScrewsTable
 from axiscal.description.target import TargetTable
 from axiscal.description.type_b import type_b_names
 from axiscal.document import Length, QuantityText, meant, shown
@@ -236,6 +237,9 @@ class SetupTable(Table):
         None, examples=['[["0 mm", "0 mm", "0 mm"], […]]']
     )
     length: Bar | None = Field(None, examples=['"150 mm"'])
+    lengths: dict[str, Annotated[tuple[Vector, Vector], ReadAs(list[Spot], line_ends)]] = Field(
+        default={}, examples=['{ low = [["0 mm", "0 mm", "0 mm"], ["100 mm", "0 mm", "0 mm"]] }']
+    )
     stroke: Annotated[float, ReadAs(Length, _stroke, by=True)] | None = Field(None, examples=['"1 mm"'])
     plane: Annotated[tuple[Vector, Vector], ReadAs(str | list[str | list[float | int]], plane_ways)] | None = Field(
         None, examples=['"xy"']
@@ -343,6 +347,7 @@ class CampaignTable(Table):
     )
     programs: ProgramsTable = Field(default_factory=lambda: ProgramsTable.model_validate({}))
     report: ReportTable = Field(default_factory=lambda: ReportTable.model_validate({}))
+    screws: ScrewsTable | None = Field(None, examples=['{ thread = "CW-M4", places = {…} }'])
     setups: list[SetupTable] = Field(examples=["[…]"])
 
 

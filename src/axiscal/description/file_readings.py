@@ -6,7 +6,8 @@ import math
 from pathlib import Path
 
 from axiscal.description.campaign import CampaignDescription, with_offset
-from axiscal.description.placed_readings import placed_readings, setup_of
+from axiscal.description.placed_readings import placed_readings
+from axiscal.description.setup_of_reading import setup_of
 from axiscal.exceptions import InputError, ReadingError
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.reading import Reading

@@ -17,6 +17,7 @@ from axiscal.description.first_campaign import OFFERED, UNSAID, UNSAID_OFFSET, f
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import IniMachine, machine_of
 from axiscal.description.printer_file import is_printer_file, read_printer
+from axiscal.description.screws import screws_text
 from axiscal.document.durable import write_whole
 from axiscal.document.quoting import shown, toml_value
 from axiscal.exceptions import DescriptionError, RecordError
@@ -34,12 +35,14 @@ class Beginning:
 
     text : of machine.toml; active : the line of campaign.toml on compensation; look : what could not be read
     beside : how far a probe stands beside the tool point along x and y, m; None where nobody said
+    screws : the lines of campaign.toml on those under the bed, "" where there are none
     """
 
     text: str
     active: str = UNSAID
     look: tuple[str, ...] = ()
     beside: Beside | None = None
+    screws: str = ""
 
 
 class FirstFiles(NamedTuple):
@@ -131,6 +134,7 @@ def of_printer(file: Path, chain: str | None = None) -> Beginning:
         f"# From {file.name} of Klipper; errors as printers usually have them.\n\n{text}",
         look=tuple(look),
         beside=found.beside,
+        screws=screws_text(found.thread, found.screws) if found.screws else "",
     )
 
 
@@ -213,6 +217,8 @@ def first_files(begun: Beginning, instruments: Sequence[str], target: str) -> Fi
     if begun.beside is not None:
         x, y = (format_quantity(each, "mm", 6) for each in begun.beside)
         text = text.replace(UNSAID_OFFSET, f'offset = ["{x}", "{y}", "0 mm"]', 1)
+    if "probe" in instruments:
+        text += begun.screws
     setups = len(campaign_from_texts(text, said("campaign.toml (not written)"), machine, "machine.toml").setups)
     texts = {
         "machine.toml": f"#:schema ./machine.schema.json\n{machine.rstrip()}\n",

@@ -273,6 +273,10 @@ def build_of(ini: IniFile, letters: Sequence[str], doubled: Sequence[str], unit:
         return IniBuild(chain, known and pins.clear, name, unit, against, places)
     what = "{name} is no chain of axes that can be read here"
     remedy = "Write machine.toml by hand; trivkins, xyzac-trt-kins, xyzbc-trt-kins, maxkins and 5axiskins are read"
+    if name in _PARALLEL:
+        remedy = "docs/scope.md says what to use instead"
+    elif name in _ROBOTS:
+        remedy = "docs/robots.md says how a robot is described"
     place = (ini.path, None) if stated is None else (stated.file, stated.line)
     raise DescriptionError(what, remedy, *place, name=name)
 
@@ -327,6 +331,9 @@ def _pins(ini: IniFile, module: str) -> _Pins:
     return _Pins(values, not any(_PLACES.fullmatch(pin) for pin in said.keys() - values.keys()))
 
 
+_PARALLEL = ("genhexkins", "lineardeltakins", "rotarydeltakins", "tripodkins", "pentakins")
+_ROBOTS = ("scarakins", "pumakins", "genserkins")
+"""Kinematics modules of LinuxCNC 2.9 (kins(9))."""
 _PLACES = re.compile(r"[xyz]-rot-point|[xyz]-offset|pivot-length|conventional-directions")
 """Pins that say where axes turn, or which way."""
 

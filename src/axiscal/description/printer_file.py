@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from axiscal.description.ini_file import IniFile, IniValue
 from axiscal.measurement.readers.probe_offset import Beside, offset_in
 from axiscal.measurement.readers.text_file import read_text
+from axiscal.units import from_unit
 
 _SECTION = re.compile(r"\[\s*([^\]]+?)\s*\].*")
 _KEY = re.compile(r"(\w+)\s*[:=]\s*(.*)")
@@ -21,6 +22,10 @@ _CHAINS = {
 """Of kinematics: the bed of most goes up and down under a gantry, that of the others slides to and fro."""
 
 
+_MOST_SCREWS = 8
+"""More than any bed has."""
+
+
 @dataclass(frozen=True, slots=True)
 class PrinterFile:
     """What a printer.cfg says.
@@ -28,6 +33,7 @@ class PrinterFile:
     travels : lower and upper end of X, Y and Z, mm; that of Z begins at the bed
     speeds, accelerations : mm/s and mm/s² of the axes of which it says any
     beside : how far the probe stands beside the nozzle, m; None where no section says it
+    thread, screws : under the bed, as Klipper names it, and where they are, m; "" and none where no section says it
     """
 
     kinematics: str
@@ -36,6 +42,8 @@ class PrinterFile:
     speeds: dict[str, float]
     accelerations: dict[str, float]
     beside: Beside | None
+    thread: str = ""
+    screws: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def is_printer_file(path: Path) -> bool:
@@ -50,7 +58,8 @@ def read_printer(path: Path) -> PrinterFile:
     read = _sections(path, lines)
     stated = read.needed("printer", "kinematics", "corexy")
     if stated.text not in _CHAINS:
-        what, remedy = "kinematics: {name} has no axes X, Y and Z that move by themselves", "Known are {known}"
+        what = "kinematics: {name} has no axes X, Y and Z that move by themselves"
+        remedy = "Known are {known}; docs/scope.md says what to use instead"
         raise stated.fail(what, remedy, name=stated.text, known=", ".join(_CHAINS))
     travels = {axis: _travel(read, f"stepper_{axis.lower()}") for axis in "XYZ"}
     travels["Z"] = (max(travels["Z"][0], 0.0), travels["Z"][1])  # below the bed a probe only looks for it
@@ -64,7 +73,30 @@ def read_printer(path: Path) -> PrinterFile:
         for of in ("velocity", "accel")
     )
     beside = offset_in("\n".join(lines))
-    return PrinterFile(stated.text, _CHAINS[stated.text], travels, speeds, accelerations, beside)
+    thread, screws = _screws(read, beside)
+    build = stated.text, _CHAINS[stated.text]
+    return PrinterFile(*build, travels, speeds, accelerations, beside, thread, screws)
+
+
+def _screws(read: IniFile, beside: Beside | None) -> tuple[str, Mapping[str, tuple[float, float]]]:
+    """Return thread and places of the screws under the bed: below the probe in screws_tilt_adjust, else the nozzle.
+
+    Raises DescriptionError with the line of what is no place.
+    """
+    section = next((each for each in ("screws_tilt_adjust", "bed_screws") if read.get(each, "screw1")), "")
+    numbered = range(1, _MOST_SCREWS + 1) if section else range(0)
+    aside = beside if beside and section == "screws_tilt_adjust" else (0.0, 0.0)
+    places = dict[str, tuple[float, float]]()
+    for number in numbered:
+        stated, named = read.get(section, f"screw{number}"), read.get(section, f"screw{number}_name")
+        if stated is None:
+            break
+        x, y = (part.strip() for part in f"{stated.text},".split(",")[:2])
+        at = [IniValue(text, stated.file, stated.line).number(f"screw{number}") for text in (x, y)]
+        name = f"screw {number}" if named is None else named.text.replace('"', "")
+        places[name] = from_unit(at[0], "mm") + aside[0], from_unit(at[1], "mm") + aside[1]
+    thread = read.get(section, "screw_thread")
+    return "CW-M3" if thread is None else thread.text, places if len(places) > 2 else {}
 
 
 def _sections(path: Path, lines: Sequence[str]) -> IniFile:

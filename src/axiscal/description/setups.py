@@ -23,7 +23,7 @@ from axiscal.document import Document, meant, shown
 from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
-from axiscal.measurement.instrument import INSTRUMENTS, PRINTER_PROBE, Instrument, model_of
+from axiscal.measurement.instrument import INSTRUMENTS, LENGTH, PRINTER_PROBE, Instrument, model_of
 from axiscal.measurement.instruments.displacement import SQUARE, Displacement
 from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.instruments.kind import TOOL, Rotation
@@ -47,15 +47,25 @@ def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, 
             at = partial(document.placed, "setups", number)
             if table.choose_from is not None:
                 _refuse_choice(table, table.choose_from, at)
-            setups += [_Reader(each, around, at).setup() for each in at_each_place(table)]
+            _refuse_lengths(table, at)
+            setups += [_Reader(each, around, at).setup() for each in each_alone(table)]
     with faults.noted():
         _refuse_same_name(setups, document)
     faults.refuse()
     return tuple(setups)
 
 
-def at_each_place(table: SetupTable) -> list[SetupTable]:
-    """Return a set-up at each place from which a plan may choose, called by it, in mm; itself without a choice."""
+def each_alone(table: SetupTable) -> list[SetupTable]:
+    """Return a set-up at each place from which a plan may choose, called by it, in mm, or for each length; else itself.
+
+    A length is read at its two ends, from a zero of its own: the noise of each is its noise divided by the root of two.
+    """
+    if table.lengths:
+        noise = INSTRUMENTS[table.instrument].noise if table.noise is None else table.noise
+        alike = {"lengths": {}, "noise": noise / math.sqrt(2.0)}
+        named = ((f"{table.name} {name}", ends) for name, ends in table.lengths.items())
+        steps = (alike | {"name": name, "along": ends, "raster": {"along": math.dist(*ends)}} for name, ends in named)
+        return [table.model_copy(update=each) for each in steps]
     if table.choose_from is None:
         return [table]
     key, tables = "station" if table.artefact is None else "at", list[SetupTable]()
@@ -64,6 +74,27 @@ def at_each_place(table: SetupTable) -> list[SetupTable]:
         name = f"{table.name} at {where}"
         tables.append(table.model_copy(update={"name": name, key: place, "mounted": table.mounted + number}))
     return tables
+
+
+def _refuse_lengths(table: SetupTable, at: At) -> None:
+    """Raise DescriptionError for lengths of another instrument, and for a gauge that has none or something beside."""
+    gauge, beside = table.instrument == LENGTH, ("direction", "moves", "along", "raster", "approach")
+    remedy = (
+        'Write lengths = {{ low = [["0 mm", "0 mm", "0 mm"], ["100 mm", "0 mm", "0 mm"]] }}, in the workpiece frame'
+    )
+    if gauge and not table.lengths:
+        with at("instrument"):
+            raise DescriptionError(
+                "it is not said between which places the {instrument} lies", remedy, instrument=LENGTH
+            )
+    if table.lengths and not gauge:
+        with at("lengths"):
+            raise DescriptionError("lengths are those of a {instrument}", "Take lengths out", instrument=LENGTH)
+    for key in beside if gauge else ():
+        if key in table.model_fields_set:
+            with at(key):
+                what = "a length goes from its first end to its second"
+                raise DescriptionError(what, "Take {key} out", key=key)
 
 
 def _refuse_choice(table: SetupTable, places: Sequence[Vector], at: At) -> None:

@@ -21,6 +21,7 @@ from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, turns
+from axiscal.measurement.instrument import LENGTH
 from axiscal.measurement.instruments.distance import RADIUS
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.observation import unknowns_at
@@ -118,7 +119,8 @@ class SiteReader:
 
     def _line(self, ends: tuple[Vector, Vector]) -> Site:
         step, park = self._table.raster.get("along", 0.0), self._park()
-        line = Line.between_ends(self._room(None), np.array(ends), park, step, self._overrun())
+        overrun = 0.0 if self._table.instrument == LENGTH else self._overrun()  # nobody says how its ends are met
+        line = Line.between_ends(self._room(None), np.array(ends), park, step, overrun)
         poses = line.poses(np.array([[0.0], [line.coordinates[0].high]]))
         for end, there in enumerate(line.feasible(poses)):
             if not there:

@@ -17,7 +17,7 @@ from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine import Machine
 from axiscal.measurement.artefact import Artefact
-from axiscal.measurement.instrument import INSTRUMENTS, Instrument, model_of
+from axiscal.measurement.instrument import INSTRUMENTS, LENGTH, Instrument, model_of
 from axiscal.measurement.instruments.kind import CARRIED, TOOL, TRUED, Nominal
 from axiscal.measurement.setup import STEEL, SaidOfDrift, Setup, Unknown, Vector
 from axiscal.units import format_quantity
@@ -95,7 +95,7 @@ def refers_to_20(table: CampaignTable, artefacts: Mapping[str, Artefact], docume
 
 def _against_length(setup: SetupTable, artefacts: Mapping[str, Artefact]) -> bool:
     artefact = artefacts.get(setup.artefact or "")
-    return setup.instrument in WITH_LIGHT or (artefact is not None and artefact.calibrated is not None)
+    return setup.instrument in (*WITH_LIGHT, LENGTH) or (artefact is not None and artefact.calibrated is not None)
 
 
 def material_of(

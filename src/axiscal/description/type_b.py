@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from axiscal.measurement.instrument import LENGTH
 from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.setup import Setup
@@ -150,7 +151,9 @@ def _bowed(read: Read, size: float) -> Array:
 
 def _against_length(setup: Setup) -> bool:
     """Whether a set-up compares positions with a length: a wavelength, or balls that are calibrated."""
-    return setup.instrument in WITH_LIGHT or (setup.artefact is not None and setup.artefact.calibrated is not None)
+    return setup.instrument in (*WITH_LIGHT, LENGTH) or (
+        setup.artefact is not None and setup.artefact.calibrated is not None
+    )
 
 
 def _warm(setup: Setup, cause: str, measured: bool | None = None) -> bool:
@@ -162,7 +165,7 @@ def _warm(setup: Setup, cause: str, measured: bool | None = None) -> bool:
     return not (grown and (cause in stated or not stated))
 
 
-_ALL_LENGTHS = (*WITH_LIGHT, "rtest", "sphere")
+_ALL_LENGTHS = (*WITH_LIGHT, LENGTH, "rtest", "sphere")
 _ASSUMED = "assumption"
 _REFRACTION = "1 ppm/K of 0.5 K, 0.27 ppm/hPa of 2 hPa (Birch and Downs 1994; the room is an assumption)"
 _EXPANDS = "steel, 11.7 um/m/K; ISO 1, ISO/TR 230-9"
@@ -181,6 +184,9 @@ TYPE_B = (
     TypeB(
         "scale", ("interferometer",), "normal", 1e-6, "um/m",
         "no certificate; a free red helium-neon laser is known to 1.5 ppm (Stone et al. 2009)", "instrument", _by_light,
+    ),
+    TypeB(
+        "scale", (LENGTH,), "normal", 20e-6, "um/m", "assumption; a gauge block has 1 um/m", "instrument", _scaled,
     ),
     TypeB("air", WITH_LIGHT, "normal", _OF_AIR, "um/m", _REFRACTION, "machine", _by_light),
     TypeB(

@@ -25,8 +25,11 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
     record : its path, where the command that accepts the likeliest one is said besides
     """
     found = known.agreement
+    if known.readings and not found.count:
+        what = "0 of {count} readings are used: each is farther off than what is stated allows. Check unit and place"
+        return said(what, count=len(known.readings))
     count = said("{agreeing} of {count} readings agree with the others", agreeing=found.agreeing, count=found.count)
-    asked = [jump_question(known, each) for each in found.explained if each.mistake == "jump"]
+    asked = [question(known, each) for each in found.explained]
     if not found.contradicts and asked:
         odds = f"{found.explained[0].odds:.0f}"
         return said("{count}. {asked} ({odds} : 1)", count=count, asked=asked[0], odds=odds)
@@ -85,6 +88,9 @@ def mistake_words(each: Explained, known: Estimation) -> str:
         if each.reading >= 0:
             what = "from {reading} on, values are {factor:.4g} times what they should be. Check the display's unit"
         return said(what, setup=names[0], factor=each.factor, reading=known.name_of(each.reading))
+    if each.mistake == "stuck":
+        what = "from {reading} on, values repeat what was shown before. If the instrument is stuck, read there again"
+        return said(what, reading=known.name_of(each.reading))
     if each.mistake == "shifted":
         return said('the values of "{setup}" belong to the place before or after. Check their order', setup=names[0])
     if each.mistake == "frame":
@@ -96,10 +102,13 @@ def mistake_words(each: Explained, known: Estimation) -> str:
     return said('the values of "{setup}" and "{other}" are swapped', setup=names[0], other=names[1])
 
 
-def jump_question(known: Estimation, jump: Explained) -> str:
-    """Return what a person is asked about a jump."""
-    setup, reading = known.stated.description.setups[jump.setups[0]], known.readings[jump.reading]
-    number = reading.numbered(jump.reading)
+def question(known: Estimation, named: Explained) -> str:
+    """Return what a person is asked about a jump, or about an instrument that may be stuck."""
+    setup, reading = known.stated.description.setups[named.setups[0]], known.readings[named.reading]
+    number = reading.numbered(named.reading)
+    if named.mistake == "stuck":
+        what = 'From reading {number} on "{setup}" shows again what it showed before. Is it stuck?'
+        return said(what, setup=setup.name, number=number)
     if setup.artefact is not None:
         what = 'Was "{artefact}" moved in "{setup}" before reading {number}?'
         return said(what, artefact=setup.artefact.name, setup=setup.name, number=number)
@@ -214,6 +223,10 @@ def change_words(accepted: Accepted) -> str:
         return said(what, setup=name, number=accepted.reading)
     if accepted.mistake == "swapped":
         return said('"{setup}" and "{other}" exchange their values', setup=name, other=accepted.setups[1])
+    if accepted.mistake == "stuck":
+        names = listed(", ", [quoted(each) for each in accepted.setups])
+        what = "values of {setups} that repeat the one before, from reading {number} on, are left out"
+        return said(what, setups=names, number=accepted.reading)
     if accepted.mistake == "frame":
         return said('the values of "{setup}" so far are turned from the machine to the workpiece', setup=name)
     if accepted.mistake != "shifted":

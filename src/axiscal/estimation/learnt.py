@@ -9,6 +9,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.promise.agreement import Framed, Turned
 from axiscal.estimation.promise.posterior import Posterior, Sorted, sorted_out
 from axiscal.estimation.promise.problem import Problem, problem
+from axiscal.estimation.promise.stuck import Repeats, repeats
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.distance import Nest
 from axiscal.measurement.reading import Reading
@@ -32,9 +33,9 @@ def posed(case: Case, readings: Sequence[Reading]) -> Problem:
     return problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
 
 
-def other_ways(case: Case, readings: Sequence[Reading]) -> tuple[Iterator[Turned], Iterator[Framed]]:
-    """Return the readings as problems if they were read otherwise than said; none is made before it is asked for."""
-    return turned(case, readings), framed(case, readings)
+def other_ways(case: Case, readings: Sequence[Reading]) -> tuple[Iterator[Turned], Iterator[Framed], Iterator[Repeats]]:
+    """Return the readings if they were read otherwise than said; nothing is made before it is asked for."""
+    return turned(case, readings), framed(case, readings), repeats(case.description.setups, readings)
 
 
 def framed(case: Case, readings: Sequence[Reading]) -> Iterator[Framed]:

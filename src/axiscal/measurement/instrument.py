@@ -42,7 +42,12 @@ _CUP, _TRACED, _THREE = _open(SHIFTS, 1e-4), _open(SHIFTS, 5e-3), _open(ZEROS, 1
 _LASER, _GAUGE, _INCLINED = ((5e-6 / 3600, 3e-6 / 3600), (10e-6 / 3600, 3e-6 / 3600), (2e-6 / 3600, 2e-6 / 3600))
 """Drifts by the hour, as a rule and where all is warm: see the sources and assumptions below."""
 _ZERO = Unknown("zero", 1e-3)
+_LOOSE = Unknown("zero", 1e-2)
+"""Of a length: where it lies says nothing, and no printer is off by a centimetre."""
 _SLOPE = Unknown("slope", 1e-3)
+
+LENGTH = "gauge"
+"""A length between two places: a gauge block, a step gauge, a bar of two balls, a ruler, or calipers on a workpiece."""
 
 INSTRUMENTS: Mapping[str, Instrument] = MappingProxyType(
     {
@@ -51,6 +56,7 @@ INSTRUMENTS: Mapping[str, Instrument] = MappingProxyType(
             Instrument("interferometer", Displacement(), 0.3e-6, (_ZERO,), 1800.0, 1.0, 3.0, _LASER),
             Instrument("indicator", Displacement(), 1.0e-6, (_ZERO,), 600.0, 1.0, 5.0, _GAUGE),
             Instrument("probe", Displacement(), 1.0e-6, (_ZERO,), 600.0, 0.5, 6.0, _GAUGE),
+            Instrument(LENGTH, Displacement(), 20e-6, (_LOOSE,), 120.0, 0.0, 20.0, (0.0, 0.0)),
             Instrument("straightedge", Displacement(), 1.0e-6, (_ZERO, _SLOPE), 1200.0, 1.0, 5.0, _GAUGE),
             Instrument("level", Rotation(), 2.0e-6, (_ZERO,), 300.0, 5.0, 5.0, _INCLINED),
             Instrument("autocollimator", Rotation(), 0.5e-6, (_ZERO,), 1800.0, 1.0, 3.0, _INCLINED),
@@ -67,7 +73,8 @@ INSTRUMENTS: Mapping[str, Instrument] = MappingProxyType(
 """The indicator is a dial or lever gauge; the straightedge is read by an indicator and lies at an unknown angle; the
 level is an electronic one; a sphere is touched from all sides by a probe in the spindle, and mounted ball by ball; the
 tracer is a length-only interferometer that follows the tool from a station nobody knows well. What carries a ball or a
-mirror in the spindle is known to a tenth of a millimetre (an assumption).
+mirror in the spindle is known to a tenth of a millimetre (an assumption). The noise of a length is that of calipers up
+to 150 mm, whose maximum permissible error is 20 um as a rule.
 
 Drifts: of a laser 1 ppm/K of 0.2 m of dead path at 1 K/h, 0.2 um/h (user's guides of HP 5528A and Agilent 5530), and of
 the machine 5 um/h, an assumption; of what touches 10 um/h in the first hour after power-up or a spindle run and 3 um/h

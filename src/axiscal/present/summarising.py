@@ -237,7 +237,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         record=record_state(campaign),
         agreement=estimation.agreement,
         checks=estimation.checks,
-        agreement_words=agreement_words(estimation) if estimation.agreement.count else "",
+        agreement_words=agreement_words(estimation) if estimation.readings else "",
         mistakes=[
             (each.mistake, each.odds, [names[k] for k in each.setups], mistake_words(each, estimation))
             for each in estimation.agreement.explained

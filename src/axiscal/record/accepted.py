@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,8 +17,8 @@ from axiscal.measurement.reading import Reading
 class Accepted:
     """A mistake of `estimation.promise.agreement` that a person accepted or, of a jump, told.
 
-    mistake : jump, sign, unit, swapped, shifted or frame; setups : whose readings
-    reading : number of the first one behind a jump or in another unit, 0 for all; behind a jump it may not be taken yet
+    mistake : jump, sign, unit, swapped, shifted, stuck or frame; setups : whose readings
+    reading : number of the first one behind a jump, in another unit or stuck, 0 for all; behind a jump perhaps to come
     name : of the set-up that those before a jump then belong to
     factor : the values are multiplied by it; of shifted ones, 1 to the place behind and −1 to the place before
     """
@@ -98,6 +99,12 @@ def _shifted(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepte
     }
 
 
+def _stuck(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
+    pairs = [pair for each in mine for pair in pairwise(each)]
+    late = [(before, i) for before, i in pairs if readings[i].numbered(i) >= accepted.reading]
+    return {i: None for before, i in late if readings[i].values == readings[before].values}
+
+
 def _with_value_of(reading: Reading, other: Reading) -> Reading:
     if len(reading.values) != len(other.values):
         raise ValueError("readings of one value and of three cannot be exchanged")
@@ -110,6 +117,7 @@ MISTAKES: Mapping[str, Callable[[Sequence[Reading], Sequence[Sequence[int]], Acc
     "unit": _times,
     "swapped": _swapped,
     "shifted": _shifted,
+    "stuck": _stuck,
 }
 """Mistakes that need nothing but the readings."""
 KNOWN = (*MISTAKES, "frame")

@@ -156,7 +156,8 @@ _LARGEST_FACTOR = 1e4
 def _accepted(fields: Mapping[str, Any]) -> Accepted:
     mistake, name = _is(str, fields["mistake"]), _is(str, fields["name"])
     setups, factor = tuple(_is(str, each) for each in fields["setups"]), _number(fields["factor"])
-    if mistake not in KNOWN or len(setups) != 1 + (mistake == "swapped") or len(set(setups)) != len(setups):
+    count = max(len(setups), 1) if mistake == "stuck" else 1 + (mistake == "swapped")
+    if mistake not in KNOWN or len(setups) != count or len(set(setups)) != len(setups):
         raise ValueError(f"{mistake!r} of {len(setups)} set-ups is no mistake that can be put right")
     if not 1 / _LARGEST_FACTOR < abs(factor) < _LARGEST_FACTOR or (mistake == "shifted" and abs(factor) != 1):
         raise ValueError(f"{factor:g} is no factor of a mistake")

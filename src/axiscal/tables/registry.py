@@ -67,7 +67,7 @@ def refuse_untaken(controller: str, given: Sequence[str]) -> None:
     made = exporter(controller)
     for option in given:
         if option not in made.takes:
-            takers = joined([name for name in CONTROLLERS if option in exporter(name).takes])
+            takers = joined([name for name in CONTROLLERS if option in exporter(name).takes]) or "program"
             what, remedy = "{controller} does not take {option}", made.instead.get(option, _OTHERS)
             raise TableError(what, remedy, controller=controller, option=option, takers=takers)
 

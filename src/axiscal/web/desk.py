@@ -27,19 +27,20 @@ from axiscal.measurement.reading import reading_unit, shown_coordinate
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import (
+    Named,
     Progress,
-    SetAnew,
+    confirmed,
     contradictions,
     doubted,
     due,
-    jump_named,
     last_step,
+    named_now,
     others_doubted,
     set_anew,
     take_back,
     take_note,
 )
-from axiscal.present.guide.question import SURPRISING, Question, Word, answer, asked_text
+from axiscal.present.guide.question import SURPRISING, Question, Word, answer, asked_text, stands
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_text
@@ -57,7 +58,7 @@ def _answer(campaign: Campaign, answer: ResultAnswer | PlannedAnswer, results: P
     if isinstance(answer, PlannedAnswer):
         text = plan_text(answer, campaign.path.name)
     else:
-        agreement = agreement_words(campaign.so_far()) if answer.compared else ""
+        agreement = agreement_words(campaign.so_far()) if answer.readings else ""
         text = answer_text(answer, agreement, campaign.path.name, results.name)
     return AnswerShape.of(text, answer)
 
@@ -131,8 +132,8 @@ class Desk:
         self._answer: ResultAnswer | PlannedAnswer | None = None
         self._answers: object = None  # the readings and the end that it is about
         self._before: frozenset[int] | None = None
-        self._jump: SetAnew | None = None
-        self._asks: SetAnew | None = None
+        self._named: Named | None = None
+        self._asks: Named | None = None
         self._version = 0
         self._alike: set[int] = set()
         self.state = self._renewed()
@@ -159,7 +160,7 @@ class Desk:
     def think(self) -> None:
         """Do what the next question need not wait for: second thoughts on the last reading, and the answer."""
         minds = [*self._minds, *([] if self._before is None else others_doubted(self.campaign, self._before))]
-        if self._before is not None and (named := jump_named(self.campaign)) != self._jump:
+        if self._before is not None and (named := named_now(self.campaign)) != self._named:
             self._asks = named
         new_question, self._before = self._asks is not None and not self.state.asks, None
         self.campaign.estimate()  # the next reading is compared with it
@@ -200,10 +201,10 @@ class Desk:
             raise SurprisingError(surprise)
         if anew:
             set_anew(self.campaign, question.setup)
-        before, jump = doubted(self.campaign), jump_named(self.campaign)
+        before, jump = doubted(self.campaign), named_now(self.campaign)
         value, *others = (float(each) for each in typed)
         kept = self.campaign.record(value, accepted=vouch, others=tuple(others))
-        self._before, self._jump = before, jump
+        self._before, self._named = before, jump
         self._show()
         return said("Kept reading {number}; it is on the disk.", number=kept.number)
 
@@ -246,7 +247,7 @@ class Desk:
         """Keep that a zero was set anew before the next reading.  asked : before the one that the page asks about"""
         self._refuse_overtaken(after)
         named = self._asks if asked else None
-        told = set_anew(self.campaign, *(() if named is None else named[:2]))
+        told = set_anew(self.campaign) if named is None else confirmed(self.campaign, named)
         self._show()
         return told
 
@@ -363,7 +364,7 @@ class Desk:
             return self.campaign.next()
 
     def _value(self, text: str, question: Question) -> Array:
-        typed = answer(text, self.campaign.description.setup(question.setup))
+        typed = answer(text, self.campaign.description.setup(question.setup), stands(self.campaign))
         if isinstance(typed, Word):
             what = said('"{text}" is no reading', text=text.strip())
             raise ReadingError(what, said("Type the number that the instrument shows"))

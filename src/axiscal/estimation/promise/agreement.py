@@ -3,12 +3,13 @@
 Each reading is left out and expected from the others: z² per number has mean 1, c² is its mean. With Q = yᵀK⁻¹y,
 readings agree no better with probability p = Σ w P(χ²_m ≥ Q_θ). Bonferroni gives another p for the largest |z|. The
 result prints twice the smaller of both. It is at most the binomial probability of as many bad ones, if more than a
-fifth of the readings is left out. Below 0.001 the readings contradict. A mistake does one of these:
+fifth of the readings is left out, and 0 if all are. Below 0.001 the readings contradict. A mistake does one of these:
 - It turns y into y' = T y: values with the wrong sign, two set-ups swapped, places shifted by one, another unit from
   some reading on, values along the machine's x, y, z instead of the workpiece's. Sizes that are learnt hide the last
   two, so these are sought at the sizes as stated.
 - It turns K into that of a machine with an axis that counts the other way.
 - It adds columns: a zero that jumps, as `jumps` finds it.
+- It takes rows away: an instrument that is stuck, as `stuck` finds it.
 
     gain = ½ (yᵀK⁻¹y − y'ᵀK⁻¹y') + log |det T|
 
@@ -56,7 +57,9 @@ _INCH = 25.4
 _FACTORS = (1000.0, 1 / 1000.0, _INCH, 1 / _INCH)
 """By definition: mm for um, and inches for mm."""
 
-Mistake = Literal["jump", "sign", "unit", "swapped", "shifted", "frame", "direction", "place"]
+Mistake = Literal["jump", "sign", "unit", "swapped", "shifted", "stuck", "frame", "direction", "place"]
+ASKED = ("jump", "stuck")
+"""Mistakes that a person is asked about where the readings agree."""
 _DESCRIBED = ("direction", "place")
 """Mistakes of a file, not of readings."""
 
@@ -70,7 +73,7 @@ class Explained(NamedTuple):
     """A mistake that explains readings that contradict.
 
     log_odds : beside no mistake; setups : whose readings
-    reading : index of the first that is wrong, for a jump and for a unit that changed
+    reading : index of the first that is wrong, for a jump, a unit that changed, and an instrument that is stuck
     factor : by which values are too large or too small, for a unit; axes : that count the other way
     """
 
@@ -184,18 +187,19 @@ def agreement(
     turned: Iterable[Turned] = (),
     framed: Iterable[Framed] = (),
     every: tuple[Problem, Weighed] | None = None,
-    jumps: Sequence[Tried] = (),
+    told: Sequence[Tried] = (),
 ) -> Agreement:
     """Return how readings agree.
 
     problem : of the readings that count; z : (r,) of each of them, left out; left_out : how many others do not count
     turned : the same problem if some axes count the other way; made only where the readings contradict
     framed : the same problem if values of a set-up are in the machine's frame; made only where sizes as stated do
-    every : with the readings that are left out, where these are several; jumps : that readings tell
+    every : with the readings that are left out, where these are several
+    told : jumps that readings tell, and what an instrument was stuck at
     """
     count = len(z)
     if not count:
-        return NOTHING_READ
+        return Agreement(0, 0, 1.0, 0.0) if left_out else NOTHING_READ
     numbers = len(problem.values) / count
     largest = count * chi_square_tail(numbers, float(np.max(z**2)) * numbers)
     p = min(1.0, 2 * min(tail_of(problem, found), largest))
@@ -203,14 +207,14 @@ def agreement(
         p = min(p, binomial_tail(left_out, count + left_out, BAD_SHARE))
     whole, weighed = every or (problem, found)
     stated = chi_square_tail(len(whole.values), weighed.drawn.stated.misfit)
-    tried = [*jumps]
+    tried = [*told]
     if stated < CONTRADICTS:  # sizes that are learnt hide another unit, and another frame
         tried += [*_units(whole, weighed), *_in_frames(problem, found, framed)]
     if p < CONTRADICTS:
         tried += [*_turned(problem, found), *_against(problem, found, turned)]
     named = _explained(tried) if tried else []
     p = min([p, *(1 / (1 + each.odds) for each in named)])
-    named = named if p < CONTRADICTS else [each for each in named if each.mistake == "jump"]
+    named = named if p < CONTRADICTS else [each for each in named if each.mistake in ASKED]
     described = named[0] if named and named[0].mistake in _DESCRIBED else None
     explained = () if described else tuple(each for each in named if each.mistake not in _DESCRIBED)
     return Agreement(count, int(np.sum(z <= AGREES)), float(np.mean(z**2)), p, explained, described)

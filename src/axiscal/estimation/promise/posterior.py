@@ -38,6 +38,7 @@ from axiscal.estimation.promise.jumps import jumped, likelier
 from axiscal.estimation.promise.left_out import LeftOut, left_out, with_stated
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.spaces import Sources
+from axiscal.estimation.promise.stuck import Repeats, stuck
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
@@ -155,11 +156,15 @@ class Sorted:
 
     @one_thread()
     def posterior(
-        self, turned: Iterable[Turned] = (), framed: Iterable[Framed] = (), volume: Array | None = None
+        self,
+        turned: Iterable[Turned] = (),
+        framed: Iterable[Framed] = (),
+        repeated: Iterable[Repeats] = (),
+        volume: Array | None = None,
     ) -> Posterior:
         """Return the posterior.
 
-        turned, framed : as for `agreement`
+        turned, framed : as for `agreement`; repeated : as for `stuck`
         volume : G (e, e) of errors z, where zᵀG z is the mean square of the deviation over the volume
         """
         mine, found, left = self.mine.problem, self.mine.found, self.mine.left
@@ -172,7 +177,8 @@ class Sorted:
         every = (self.problem, sized(self.problem)) if out >= SEVERAL else None
         others = ((axes, other.only(kept)) for axes, other in turned)
         frames = ((setup, other.only(kept)) for setup, other in framed)
-        agreed = agreement(mine, found, z, out, others, frames, every, self.jumps)
+        told = (*self.jumps, *stuck(mine, found, repeated))
+        agreed = agreement(mine, found, z, out, others, frames, every, told)
         known = dict(zip(self.problem.cells, cells.tolist(), strict=True))
         of_sizes = self.sizes, _surely(mine, found), found.effective
         drawn = tuple(Drawn(each.problem, each.found.thetas, each.found.weights / len(judged)) for each in judged)

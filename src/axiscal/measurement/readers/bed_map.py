@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 from pathlib import Path
@@ -21,6 +21,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import joined
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
 from axiscal.measurement.readers.text_file import TextFile, read_text
+from axiscal.measurement.setup import Vector
 from axiscal.units import from_unit
 
 Rows = list[tuple[int, list[str]]]
@@ -31,7 +32,10 @@ _RECTANGLE, _ROUND = re.compile(r"\[bed_mesh\]"), re.compile(r"\s*mesh_radius\s*
 _OPTION = re.compile(r"([a-z_]+)\s*[=:]\s*(.*)")
 _OF_MESH = re.compile(r"version|points|[xy]_count|mesh_[xy]_pps|algo|tension|(min|max)_[xy]")
 _OF_STATUS = ("bed_mesh", "probed_matrix", "profiles")
-_CONSOLE = "Mesh Leveling Probed Z positions:"
+_CONSOLE = re.compile("Mesh Leveling Probed Z positions:")
+_AT_NOZZLE = re.compile(r"probe at ([^\s,]+),([^\s,]+) is z=(\S+)(.*)")
+_AT_BED = re.compile(r"probe: at ([^\s,]+),([^\s,]+) bed will contact at z=(\S+)(.*)")
+"""What Klipper prints of each touch, until 2025 and since."""
 _TIME = r"(?:[\d-]{10} )?\d\d?:\d\d(?::\d\d)?(?:[.,]\d+)?\s*(?:[AP]M\s*)?(?:- )?"
 _LOG = re.compile(rf"^\s*(?:{_TIME})?(?:Recv:|<<<|>>>|[<>])?\s*(?:echo:|//)?\s*")
 _NUMBER = re.compile(r"[-+]?[\d.]+(?:e[-+]?\d+)?|nan")
@@ -141,11 +145,6 @@ def is_moonraker(file: TextFile) -> bool:
     return first.lstrip().startswith("{") and any(f'"{key}"' in line for line in file.lines for key in _OF_STATUS)
 
 
-def is_console(file: TextFile) -> bool:
-    """Return whether a line is that by which BED_MESH_OUTPUT begins."""
-    return any(_CONSOLE in line for line in file.lines)
-
-
 def _profiles(file: TextFile) -> dict[int, str]:
     """Return the names of the meshes by their lines."""
     return {number: begin[1] for number, line in enumerate(file.lines, 1) if (begin := _BLOCK.match(line))}
@@ -240,15 +239,45 @@ def _sequence(value: object) -> list[Any]:
 
 def console(file: TextFile, around: Around) -> Found:
     """Return the readings of what BED_MESH_OUTPUT printed, rows along y; raises ReadingError."""
-    begins = [number for number, line in enumerate(file.lines, 1) if _CONSOLE in line]
-    refuse_others(file, begins)
-    rows = Rows()
-    for number, text in (each for each in told_lines(file) if each[0] > begins[0]):
-        if not text or not all(map(_NUMBER.fullmatch, text.split())):
-            break
-        rows.append((number, text.split()))
-    found = without_places(file, rows, begins[0], around)
+    found = without_places(file, *rows_below(file, _CONSOLE), around)
     return found.readings(found.filled())
+
+
+def rows_below(file: TextFile, title: re.Pattern[str]) -> tuple[Rows, int]:
+    """Return the first lines of nothing but numbers below a title, and its line; raises ReadingError for two maps."""
+    begin, below = below_title(file, title)
+    rows = Rows()
+    for number, text in below:
+        if text and all(map(_NUMBER.fullmatch, text.split())):
+            rows.append((number, text.split()))
+        elif rows:
+            break
+    return rows, begin
+
+
+def klipper_probed(file: TextFile, around: Around) -> Found:
+    """Return the readings of points that Klipper printed; raises ReadingError.
+
+    Older versions print where the nozzle stood: the probe stands beside it as the set-up says.
+    """
+    aside = next((setup.offset for setup in around.setups if setup.offset is not None), None) or (0.0, 0.0, 0.0)
+    pattern = _AT_BED if telling(_AT_BED)(file) else _AT_NOZZLE
+    return points_of(file, pattern, aside if pattern is _AT_NOZZLE else (0.0, 0.0, 0.0))
+
+
+def points_of(file: TextFile, pattern: re.Pattern[str], aside: Vector = (0.0, 0.0, 0.0)) -> Found:
+    """Return the readings of lines with X, Y, Z and nothing behind; raises ReadingError.  aside : of each place, m"""
+    found, count, line = list[RawReading](), 0, 1
+    for line, text in told_lines(file):
+        if point := pattern.match(text):
+            if point[4].strip():
+                raise file.fail("{text!r} is not X, Y and Z", "give the lines as printed", line, text=text[:60])
+            x, y = (
+                file.length(each, "place", line) + off for each, off in zip(point.groups()[:2], aside, strict=False)
+            )
+            found += height(file, x, y, point[3], line)
+            count += 1
+    return probed_of(file, found, count, line)
 
 
 def told_lines(file: TextFile) -> Iterator[tuple[int, str]]:
@@ -257,11 +286,23 @@ def told_lines(file: TextFile) -> Iterator[tuple[int, str]]:
         yield number, _LOG.sub("", line).rstrip()
 
 
-def refuse_others(file: TextFile, begins: Sequence[int]) -> None:
-    """Raise ReadingError where a file has more than one map.  begins : their lines"""
+def telling(*patterns: re.Pattern[str]) -> Callable[[TextFile], bool]:
+    """Return what tells whether a line of a file begins with one of some patterns."""
+    return lambda file: any(pattern.match(text) for _, text in told_lines(file) for pattern in patterns)
+
+
+def below_title(file: TextFile, title: re.Pattern[str]) -> tuple[int, list[tuple[int, str]]]:
+    """Return the line of a title, and the numbered lines below it; raises ReadingError for more than one map."""
+    lines = list(told_lines(file))
+    begins = [number for number, text in lines if title.match(text)]
     if len(begins) > 1:
         what = "there are {count} maps in this file"
         raise file.fail(what, "keep the one that is to count", begins[1], count=len(begins))
+    return begins[0], lines[begins[0] :]
+
+
+is_console, is_klipper_probed = telling(_CONSOLE), telling(_AT_NOZZLE, _AT_BED)
+"""Whether a line is that by which BED_MESH_OUTPUT begins, or a point that Klipper probed."""
 
 
 def without_places(file: TextFile, rows: Rows, line: int, around: Around) -> NodeGrid:

@@ -2,7 +2,7 @@
 
 `value_x_um,value_y_um,value_z_um` for an instrument that reads three directions, along those of the workpiece, or
 `found_x_mm,found_y_mm,found_z_mm`, where the machine's axes stood; `value_1_um` and so on for tracers that read at
-once.
+once; `length_mm` for the length between two places, as it is.
 Positions may be left out (a parked axis); `value_urad` or `value_arcsec` for angles.  No machine is known here: who
 does know it checks the names of set-ups and axes, and whether a position lies within the travel.
 """
@@ -46,6 +46,8 @@ _THREE = ("value_x", "value_y", "value_z")
 _MET = ("found_x", "found_y", "found_z")
 _STATIONS = tuple(f"value_{number}" for number in range(1, MOST + 1))
 """Columns of tracers that read at once."""
+_VALUES = ("value", "length", _THREE[0], _MET[0], _STATIONS[0])
+"""One of these each line has."""
 _HIGHEST = 10**6
 """Of a number of a reading: whoever writes more has slipped."""
 FOUND = ("less_expected", "surprise", "used", "rms_um", "minutes")
@@ -57,7 +59,7 @@ _LAYOUT = {
     "time": TEXT,
     "check": TEXT,
     **dict.fromkeys(("value", "std", *_THREE, *_STATIONS), LENGTHS + ANGLES),
-    **dict.fromkeys(_MET, LENGTHS),
+    **dict.fromkeys((*_MET, "length"), LENGTHS),
     "rms": LENGTHS,
     **dict.fromkeys((name for name in FOUND if name != "rms_um"), TEXT),
 }
@@ -81,6 +83,7 @@ class RawReading:
         the second station and on
     by_station : the values are one from each station
     met : the values are the machine's X, Y, Z with the tool point where it found a ball, m
+    whole : the value is not a deviation but the length between the two places of its set-up
     test : of one axis, or of a circle, that the reading belongs to; None for none
     run : of a test
     check : its place was drawn at random
@@ -106,6 +109,7 @@ class RawReading:
     number: int | None = None
     by_station: bool = False
     met: bool = False
+    whole: bool = False
     test: Test | None = None
     run: int = 0
     check: bool = False
@@ -159,7 +163,7 @@ def table_readings(file: TextFile, around: Around) -> Found:
     table, bare = table_of(file, header), around.bare
     table.allow(_LAYOUT | axis_layout(table))
     setup = next(iter(table.all_of("setup")), None) if bare else table.one_of("setup", "setup")
-    if not any(table.all_of(first) for first in ("value", _THREE[0], _MET[0], _STATIONS[0])):
+    if not any(table.all_of(first) for first in _VALUES):
         table.one_of("value", "value_um")
     used = next(iter(table.all_of("used")), None)
     table = replace(table, rows=tuple(row for row in table.rows if used is None or row.text(used) != "no"))
@@ -200,9 +204,7 @@ def _reading(table: CsvTable, row: Row, setup: str, bare: bool) -> RawReading:
     three = [row.only_filled(table.all_of(stem)) for stem in _THREE]
     met = [row.only_filled(table.all_of(stem)) for stem in _MET]
     stations = [row.only_filled(table.all_of(stem)) for stem in _STATIONS]
-    column = row.only_filled(
-        [*table.all_of("value"), *(c for first in (_THREE, _MET, _STATIONS) for c in table.all_of(first[0]))]
-    )
+    column = row.only_filled([column for first in _VALUES for column in table.all_of(first)])
     if column is None:
         raise row.fail("the line has no value", "write the deviation that was read, or take out the line")
     if not (setup or bare):
@@ -220,7 +222,7 @@ def _reading(table: CsvTable, row: Row, setup: str, bare: bool) -> RawReading:
         what = "a station between others has no value"
         others = _beside(row, stations, 1, what, "fill value_1, value_2 and so on, one for each station")
     raw = RawReading(setup, position, approach, value, std, column.dimension, row.line, others)
-    return replace(raw, by_station=by_station, met=column is met[0])
+    return replace(raw, by_station=by_station, met=column is met[0], whole=column in table.all_of("length"))
 
 
 def _beside(row: Row, columns: Sequence[Column | None], least: int, what: str, remedy: str) -> tuple[float, ...]:

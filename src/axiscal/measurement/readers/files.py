@@ -46,15 +46,19 @@ class Format(NamedTuple):
 FORMATS = (
     Format(later("a positioning test (.rtl)"), lambda file: renishaw.file_type(file) == "rtl", renishaw.laser_test),
     Format(later("an angular test (.rta)"), lambda file: renishaw.file_type(file) == "rta", renishaw.laser_test),
-    Format(later("a straightness test (.rts)"), lambda file: renishaw.file_type(file) == "rts", renishaw.laser_test),
+    Format(
+        later("a straightness test (.rts)"), lambda file: renishaw.file_type(file) == "rts", renishaw.laser_test, True
+    ),
     Format(later("a file of laser software"), lambda file: renishaw.file_type(file) is not None, renishaw.laser_test),
     Format(later("a level survey"), level_survey.is_survey, level_survey.survey_readings),
     Format(later("a RepRapFirmware map"), bed_map.is_height_map, bed_map.height_map),
     Format(later("a Klipper mesh"), bed_map.is_mesh, bed_map.mesh),
     Format(later("a Moonraker mesh"), bed_map.is_moonraker, bed_map.moonraker),
     Format(later("a mesh of the Klipper console"), bed_map.is_console, bed_map.console),
+    Format(later("probed points of the Klipper console"), bed_map.is_klipper_probed, bed_map.klipper_probed),
     Format(later("a UBL map"), marlin_map.is_topography, marlin_map.topography),
     Format(later("probed points of Marlin (G29 V4)"), marlin_map.is_probed, marlin_map.probed),
+    Format(later("a linear map of Marlin (G29 T)"), marlin_map.is_linear, marlin_map.linear),
     Format(later("a Marlin map (M420 V)"), marlin_map.is_printed, marlin_map.printed),
     Format(later("a Marlin map (M421, M503)"), marlin_map.is_nodes, marlin_map.nodes),
     Format(later("an OpenCNCPilot height map"), point_lists.is_xml, point_lists.xml, True),

@@ -1,4 +1,4 @@
-"""Bed maps as Marlin prints them: topography of UBL, grids of M420 V, nodes of M421 and M503, points of G29 V4.
+"""Bed maps as Marlin prints them: topographies, grids of M420 V, nodes of M421 and M503, points of G29 V4.
 
 Lines of a terminal's log around the map do not count. Cells that nobody probed are `.`, `=====` or NAN, and nodes that
 no line sets where the set-up says how many there are.
@@ -9,12 +9,22 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from axiscal.measurement.readers.bed_map import Rows, grid, height, probed_of, refuse_others, told_lines, without_places
-from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
+from axiscal.measurement.readers.bed_map import (
+    Rows,
+    below_title,
+    grid,
+    points_of,
+    rows_below,
+    telling,
+    told_lines,
+    without_places,
+)
+from axiscal.measurement.readers.csv_readings import Around, Found
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import from_unit
 
-_TOPOGRAPHY = "Bed Topography Report"
+_TOPOGRAPHY = re.compile("Bed Topography Report")
+_LINEAR = re.compile("Bed Height Topography:")
 _PRINTED = re.compile(r"Bilinear Leveling Grid:|Measured points:")
 _LABELLED = re.compile(r"(\d{1,3}) ?\|(.*)")
 _CORNER = re.compile(r"\(\s*(-?[\d.]+),\s*(-?[\d.]+)\)")
@@ -28,35 +38,20 @@ _BUILT = re.compile(r"; mesh from X (\S+) to (\S+) and Y (\S+) to (\S+)")
 _WHOLE = "copy the whole map as Marlin printed it"
 
 
-def is_topography(file: TextFile) -> bool:
-    """Return whether a line begins the topography of UBL (M420 V, G29 T)."""
-    return any(_TOPOGRAPHY in line for line in file.lines)
-
-
-def is_probed(file: TextFile) -> bool:
-    """Return whether there are lines of G29 V4."""
-    return any(_POINT.match(text) for _, text in told_lines(file))
-
-
-def is_printed(file: TextFile) -> bool:
-    """Return whether a line begins a grid of M420 V."""
-    return any(_PRINTED.search(line) for line in file.lines)
-
-
-def is_nodes(file: TextFile) -> bool:
-    """Return whether a line sets a node: M421, or G29 W and G29 S3 of a report of M503."""
-    return any(_NODE.match(text) for _, text in told_lines(file))
+is_topography, is_linear, is_printed = telling(_TOPOGRAPHY), telling(_LINEAR), telling(_PRINTED)
+"""Whether a line begins the topography of UBL (M420 V, G29 T), that of a level plane, or a grid of M420 V."""
+is_probed, is_nodes = telling(_POINT), telling(_NODE)
+"""Whether there are lines of G29 V4, or that set a node: M421, or G29 W and G29 S3 of a report of M503."""
 
 
 def topography(file: TextFile, around: Around) -> Found:
     """Return the readings of a topography: its corners are printed, or the set-up states them; raises ReadingError."""
-    begins = [number for number, line in enumerate(file.lines, 1) if _TOPOGRAPHY in line]
-    refuse_others(file, begins)
-    if "CSV" in file.lines[begins[0] - 1]:
-        lines = [(number, line) for number, line in enumerate(file.lines[begins[0] :], begins[0] + 1) if "\t" in line]
-        return without_places(file, [(n, line.split()) for n, line in reversed(lines)], begins[0], around).readings()
+    begin, below = below_title(file, _TOPOGRAPHY)
+    if "CSV" in file.lines[begin - 1]:
+        lines = [(number, text.split()) for number, text in below if "\t" in text]
+        return without_places(file, lines[::-1], begin, around).readings()
     rows, corners = dict[int, tuple[int, list[str]]](), list[tuple[str, str]]()
-    for number, text in (each for each in told_lines(file) if each[0] > begins[0]):
+    for number, text in below:
         if row := _LABELLED.match(text):
             if int(row[1]) in rows:
                 raise file.fail("row {row} stands here twice", _WHOLE, number, row=row[1])
@@ -65,28 +60,27 @@ def topography(file: TextFile, around: Around) -> Found:
     if len(corners) != 4 or rows.keys() != set(range(len(rows))) or not rows:
         what = "the map has {rows} rows that follow each other from 0 on, and {corners} of 4 corners"
         whole = next((count for count in range(len(rows) + 1) if count not in rows), 0)
-        raise file.fail(what, _WHOLE, begins[0], rows=whole, corners=len(corners))
+        raise file.fail(what, _WHOLE, begin, rows=whole, corners=len(corners))
     keys = {"x_count": str(len(rows[0][1])), "y_count": str(len(rows))}
     for side, letter in enumerate("xy"):
-        ends = sorted((corner[side] for corner in corners), key=lambda end: file.number(end, "corner", begins[0]))
+        ends = sorted((corner[side] for corner in corners), key=lambda end: file.number(end, "corner", begin))
         if ends[0] != ends[1] or ends[2] != ends[3]:
-            raise file.fail("the corners are those of no rectangle", _WHOLE, begins[0])
+            raise file.fail("the corners are those of no rectangle", _WHOLE, begin)
         keys |= {f"min_{letter}": ends[0], f"max_{letter}": ends[-1]}
-    return grid(file, keys, [rows[j] for j in range(len(rows))], begins[0]).readings()
+    return grid(file, keys, [rows[j] for j in range(len(rows))], begin).readings()
 
 
 def printed(file: TextFile, around: Around) -> Found:
     """Return the readings of the grid of M420 V, the first row along y; raises ReadingError."""
-    begins = [number for number, line in enumerate(file.lines, 1) if _PRINTED.search(line)]
-    refuse_others(file, begins)
+    begin, below = below_title(file, _PRINTED)
     rows = Rows()
-    for number, text in told_lines(file):
-        row = _NUMBERED.fullmatch(text) if number > begins[0] else None
+    for number, text in below:
+        row = _NUMBERED.fullmatch(text)
         if row and int(row[1]) == len(rows) and not re.fullmatch(r"[\d\s]+", text):
             rows.append((number, row[2].split()))
         elif rows:
             break
-    return without_places(file, rows, begins[0], around).readings()
+    return without_places(file, rows, begin, around).readings()
 
 
 def nodes(file: TextFile, around: Around) -> Found:
@@ -129,12 +123,10 @@ def nodes(file: TextFile, around: Around) -> Found:
 
 def probed(file: TextFile, around: Around) -> Found:
     """Return the readings of lines of G29 V4; raises ReadingError."""
-    found, count, line = list[RawReading](), 0, 1
-    for line, text in told_lines(file):
-        if point := _POINT.match(text):
-            if point[4].strip():
-                raise file.fail("{text!r} is not X, Y and Z", "give the lines as printed", line, text=text[:60])
-            x, y = (file.length(each, "place", line) for each in point.groups()[:2])
-            found += height(file, x, y, point[3], line)
-            count += 1
-    return probed_of(file, found, count, line)
+    return points_of(file, _POINT)
+
+
+def linear(file: TextFile, around: Around) -> Found:
+    """Return the readings of that topography, from their mean, the last row first; raises ReadingError."""
+    rows, begins = rows_below(file, _LINEAR)
+    return without_places(file, rows[::-1], begins, around).readings()

@@ -1,7 +1,8 @@
 """Renishaw `.rtl`, `.rta`, `.rts`: tests of positioning, angle and straightness of laser software, `NAME::` a section.
 
 Targets wrap over lines, indices count from 1, odd runs go up and even runs down unless the flags say that all go up.
-The file names no units: targets are in mm, deviations in um, and angles in mm/m (one is 206.26 arcsec).
+Targets are in mm, positions in um, and angles in mm/m (one is 206.26 arcsec). Straightness is in the unit that a line
+`Units: um` of the header names, else `--unit`: programs export it in um and in mm.
 """
 
 from __future__ import annotations
@@ -20,9 +21,18 @@ _ONE_WAY = "1"
 _KINDS: dict[str, tuple[Test, str]] = {
     "rtl": ("positioning", "um"),
     "rta": ("angular", "mm/m"),
-    "rts": ("straightness", "um"),
+    "rts": ("straightness", ""),
 }
-"""By `File type`: which test, and the unit of its deviations."""
+"""By `File type`: which test, and the unit of its deviations, "" where the file says it."""
+_UNITS = re.compile(r"(?:deviation )?units?\s*:\s*(.*?)\s*", re.IGNORECASE)
+_LENGTHS = {
+    "um": "um",
+    "\N{MICRO SIGN}m": "um",
+    "\N{GREEK SMALL LETTER MU}m": "um",
+    "microns": "um",
+    "mm": "mm",
+    "in": "in",
+}
 _TYPE = re.compile(r"file type\s*:\s*(.*?)\s*", re.IGNORECASE)
 _OF_TARGETS = ("filetype", "target-count", "targets", "flags")
 _NUMBER = re.compile(r"[0-9]{1,6}")
@@ -45,6 +55,7 @@ def laser_test(file: TextFile, around: Around) -> Found:
         what, known = "files of type {kind} are not known", ", ".join(_KINDS)
         raise file.fail(what, "known are {known}", 2, kind=str(kind)[:40], known=known)
     test, unit = _KINDS[kind]
+    unit = unit or _stated_unit(file)
     dimension: Literal["length", "angle"] = "angle" if test == "angular" else "length"
     targets, one_way = _targets(file, _section(file, sections, "TARGET DATA"))
     lines = _section(file, sections, "DEVIATIONS")
@@ -58,6 +69,21 @@ def laser_test(file: TextFile, around: Around) -> Found:
     found = distinct(file, rows)
     _refuse_cut(file, sections, found)
     return Found(found)
+
+
+def _stated_unit(file: TextFile) -> str:
+    """Return the unit of lengths that the header names, or who reads it; raises ReadingError where nobody does."""
+    found = [(number, each[1]) for number, line in enumerate(file.lines, 1) if (each := _UNITS.fullmatch(line.strip()))]
+    for number, text in found:
+        if text.lower() not in _LENGTHS:
+            raise file.fail("{text} is no unit of a straightness", "known are um, mm and in", number, text=text[:20])
+        if file.unit:
+            raise file.fail("the header names its unit, and --unit names another", "leave --unit out", number)
+        return _LENGTHS[text.lower()]
+    if not file.unit:
+        remedy = "say it: --unit um, or --unit mm"
+        raise file.fail("a straightness test (.rts) does not name the unit of its deviations", remedy, 2)
+    return file.unit
 
 
 def _sections(file: TextFile) -> Iterator[tuple[str, _Lines]]:

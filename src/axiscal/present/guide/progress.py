@@ -15,8 +15,9 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import floor_of, known_to
-from axiscal.estimation.agreement_words import acceptance, agreement_words, change_words, jump_question
+from axiscal.estimation.agreement_words import acceptance, agreement_words, change_words, question
 from axiscal.estimation.judged import Doubt
+from axiscal.estimation.promise.agreement import ASKED, Mistake
 from axiscal.language.spoken import counted, decimals, said
 from axiscal.measurement.reading import reading_text, reading_unit
 from axiscal.planning.promise import foreseen, rejected
@@ -99,22 +100,31 @@ def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
     return minds
 
 
-class SetAnew(NamedTuple):
-    """A zero that may have been set anew: of which set-up, before which reading, and what a person is asked."""
+class Named(NamedTuple):
+    """What a person is asked about at once: a mistake of `ASKED`, of which set-up, from which reading on."""
 
+    mistake: Mistake
     setup: str
     number: int
     question: str
 
 
-def jump_named(campaign: Campaign) -> SetAnew | None:
-    """Return the likeliest jump of a zero that the readings name now."""
+def named_now(campaign: Campaign) -> Named | None:
+    """Return the likeliest zero that was set anew, or instrument that is stuck, which the readings name now."""
     known = campaign.estimate()
     for each in known.agreement.explained:
-        if each.mistake == "jump":
+        if each.mistake in ASKED:
             event = acceptance(each, known)
-            return SetAnew(event.setups[0], event.reading, jump_question(known, each))
+            return Named(each.mistake, event.setups[0], event.reading, question(known, each))
     return None
+
+
+def confirmed(campaign: Campaign, named: Named) -> str:
+    """Keep that a mistake is there which the readings name, and return a sentence of it."""
+    if named.mistake == "jump":
+        return set_anew(campaign, named.setup, named.number)
+    change = change_words(campaign.accept(named.mistake, named.setup))
+    return said("Kept: {change}; undo takes it back.", change=change)
 
 
 def set_anew(campaign: Campaign, setup: str | None = None, before: int | None = None) -> str:

@@ -21,13 +21,22 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import block
 from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ReadingError
-from axiscal.language.spoken import counted, said
+from axiscal.language.spoken import counted, later, said
 from axiscal.machine import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
-from axiscal.measurement.reading import Place, direction_text, place_text, reading_unit, shown_coordinate, value_names
+from axiscal.measurement.reading import (
+    Place,
+    direction_text,
+    place_text,
+    reading_unit,
+    refuse_other_values,
+    shown_coordinate,
+    value_names,
+)
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Setup, Vector
+from axiscal.measurement.touched import off_ball
 from axiscal.numerics import Array
 from axiscal.record.events import Asked
 from axiscal.units import parse_quantity, to_unit
@@ -47,6 +56,20 @@ class Word:
     text: str = ""
 
 
+class Stands(NamedTuple):
+    """pose : (q,) m or rad, where the machine stands as it was asked to"""
+
+    machine: Machine
+    pose: tuple[float, ...]
+
+
+def stands(campaign: Campaign) -> Stands | None:
+    """Return where the machine stands for the reading that is asked for, None where none is."""
+    asked = campaign.state.pending
+    return None if asked is None else Stands(campaign.description.machine, asked.place.pose)
+
+
+_FOUND = later("found")  # before the places of X, Y, Z at which a ball was met
 ACTIONS = ("undo", "skip", "note", "leave", "stop", "pause", "help", "anew", "more")
 """What can be typed instead of a reading; `more` once a target is reached."""
 _SHORT = {"u": "undo", "s": "skip", "n": "note", "l": "leave", "a": "anew", "q": "pause", "p": "pause", "?": "help"}
@@ -59,10 +82,11 @@ def action(word: str) -> str | None:
     return known.get(word.lower()) if word else ""
 
 
-def answer(text: str, setup: Setup) -> Array | Word:
+def answer(text: str, setup: Setup, stands: Stands | None = None) -> Array | Word:
     """Return what was typed, (k,) m or rad of a reading; raises ReadingError or UnitError.
 
-    A number is in the unit of the set-up where none is said.
+    stands : the machine and the pose (q,) that was asked for, by which `found X Y Z` is a reading
+    A number is in the unit of the set-up where none is said, a place that was found in mm.
     Decimals come after a point or a comma. Three values are parted by blanks, semicolons or commas with a blank.
     """
     word, _, rest = text.strip().partition(" ")
@@ -70,17 +94,36 @@ def answer(text: str, setup: Setup) -> Array | Word:
         return Word("show")
     if (wanted := action(word)) is not None:
         return Word(wanted, rest.strip())
+    if stands is not None and (met := found_at(text, setup, stands)) is not None:
+        return met
     if word[0].isalpha():
         what = said('"{text}" is no reading and no word known here', text=text.strip())
         raise ReadingError(what, said("Type ? for what can be typed"))
     values, dimension = list[float](), INSTRUMENTS[setup.instrument].model.reads
     for part in value_texts(text.strip(), setup):
-        found = _PLAIN.match(part)
-        if found is not None:
-            unit = part[found.end() :].strip() or reading_unit(setup)
-            part = found[0].replace(",", ".").replace("−", "-") + unit
-        values.append(parse_quantity(part, dimension))
+        values.append(parse_quantity(_with_unit(part, reading_unit(setup)), dimension))
     return np.array(values)
+
+
+def found_at(text: str, setup: Setup, stands: Stands) -> Array | None:
+    """Return the reading, (3,) m, of `found X Y Z`, where the machine's axes stood with a ball found; None of another.
+
+    Raises ReadingError or UnitError.
+    """
+    word, _, places = text.strip().partition(" ")
+    if word.lower() not in (_FOUND, said(_FOUND).lower()):
+        return None
+    refuse_other_values(setup, len("XYZ"))
+    met = [parse_quantity(_with_unit(part, "mm"), "length") for part in value_texts(places, setup)]
+    return np.array(off_ball(stands.machine, setup, np.array(stands.pose), met))
+
+
+def _with_unit(text: str, unit: str) -> str:
+    """Return a number with a decimal point and its unit, which is `unit` where none is said; another text as it is."""
+    found = _PLAIN.match(text)
+    if found is None:
+        return text
+    return found[0].replace(",", ".").replace("−", "-") + (text[found.end() :].strip() or unit)
 
 
 def degrees(text: str) -> str:

@@ -272,6 +272,7 @@ DRAWN: Mapping[str, Callable[[MountedSetup], Iterator[Part]]] = {
     "interferometer": _interferometer,
     "indicator": _indicator,
     "probe": _probe,
+    "gauge": _indicator,
     "straightedge": _straightedge,
     "level": _level,
     "autocollimator": _autocollimator,

@@ -1,0 +1,122 @@
+"""Which set-up of a campaign a reading of a file belongs to, where the file names it, and where it names none."""
+
+from __future__ import annotations
+
+from axiscal.description.campaign import CampaignDescription
+from axiscal.exceptions import ReadingError
+from axiscal.language.spoken import joined, later
+from axiscal.machine import Machine
+from axiscal.machine.axis import letter_direction
+from axiscal.machine.entry import parse_error_name
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.readers.csv_readings import RawReading
+from axiscal.measurement.setup import Setup
+from axiscal.units import format_quantity
+
+_ALONG = 1 - 1e-9
+"""Rounding of a unit vector that points along an axis."""
+_SAME = 1e-6
+"""m, to which two bases are one: nobody measures them better."""
+
+
+def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:
+    """Return the set-up of a reading, and −1 where it reads against the error that the file names."""
+    if row.setup:
+        return campaign.setup(row.setup), 1
+    if row.test is not None:
+        return _tested(row, campaign), 1
+    if not row.error:
+        return _only_setup(campaign), 1
+    if row.error == "slope":
+        return _levelled(row, campaign), 1
+    component = 2 if row.error == "z" else parse_error_name(row.error).component % 3
+    moving = {campaign.machine.index(name) for name in row.position}
+    fitting = [
+        setup
+        for setup in campaign.setups
+        if moving <= set(setup.moves)
+        and INSTRUMENTS[setup.instrument].model.reads == row.dimension
+        and abs(setup.direction[component]) > _ALONG
+    ]
+    if len(fitting) != 1:
+        what = "no set-up reads a length along {axis} while {moving} moves"
+        if row.dimension == "angle":
+            what = "no set-up reads a rotation about {axis} while {moving} moves"
+        if fitting:
+            what = "several set-ups read a length along {axis} while {moving} moves"
+            if row.dimension == "angle":
+                what = "several set-ups read a rotation about {axis} while {moving} moves"
+        remedy = "Describe exactly one set-up for it, or give READINGS.csv with a column setup"
+        raise ReadingError(what, remedy, axis="xyz"[component], moving=", ".join(row.position))
+    return fitting[0], 1 if fitting[0].direction[component] > 0 else -1
+
+
+def _levelled(row: RawReading, campaign: CampaignDescription) -> Setup:
+    """Return the set-up of a level survey that names none: the one whose level is moved along that axis."""
+    (axis,) = row.position
+    moving = (campaign.machine.index(axis),)
+    fitting = [s for s in campaign.setups if s.moves == moving and INSTRUMENTS[s.instrument].model.reads == "angle"]
+    fitting = [s for s in fitting if len(fitting) == 1 or _same_base(row, s)]
+    if len(fitting) != 1:
+        what = "several set-ups of this campaign read an angle while only {axis} moves"
+        what = what if fitting else "no set-up of this campaign read an angle while only {axis} moves"
+        raise ReadingError(what, "Say which it was, in a line # setup = name, or describe one", axis=axis)
+    return fitting[0]
+
+
+def _same_base(row: RawReading, setup: Setup) -> bool:
+    if row.base is None or setup.base is None:
+        return row.base is setup.base
+    return abs(row.base - setup.base) <= _SAME
+
+
+def refuse_other_base(row: RawReading, setup: Setup) -> None:
+    """Raise ReadingError where a level stood on another base than its set-up states."""
+    if row.base is not None and not _same_base(row, setup):
+        what = 'the level stood on a base of {base}, and that of "{setup}" has a base of {own}'
+        if setup.base is None:
+            what = 'the level stood on a base of {base}, and that of "{setup}" rides on what moves'
+        base, own = (format_quantity(each or 0.0, "mm", 6) for each in (row.base, setup.base))
+        remedy = "Let # base in the file and base in the campaign be the same"
+        raise ReadingError(what, remedy, base=base, setup=setup.name, own=own)
+
+
+_ASKS = {
+    "positioning": later(
+        "a test of positioning needs a set-up that moves one axis, linear for mm and rotary for deg, and reads along it"
+    ),
+    "angular": later("an angular test needs a set-up that moves one linear axis and reads an angle"),
+    "straightness": later("a test of straightness needs a set-up that moves one linear axis and reads across it"),
+    "circle": later("a circular test names no axes: its figures are those of `axiscal data iso230`"),
+}
+_ASIDE = 0.1
+"""Of a direction, along an axis: less is across it."""
+
+
+def _tested(row: RawReading, campaign: CampaignDescription) -> Setup:
+    """Return the only set-up that reads what a test reads; raises ReadingError for none, and for several."""
+    fitting = [setup for setup in campaign.setups if _reads_test(row, setup, campaign.machine)]
+    if len(fitting) == 1:
+        return fitting[0]
+    what, names = _ASKS[row.test or "circle"], joined([each.name for each in fitting])
+    what = "several set-ups read what this test reads: {names}" if fitting else what
+    remedy = "Give the columns setup and X_mm, or a campaign of the one set-up that was tested"
+    raise ReadingError(what, remedy, names=names)
+
+
+def _reads_test(row: RawReading, setup: Setup, machine: Machine) -> bool:
+    axis, reads = machine.axes[setup.moves[0]], INSTRUMENTS[setup.instrument].model.reads
+    if len(setup.moves) != 1 or reads != row.dimension or row.test == "circle":
+        return False
+    across = abs(setup.direction[letter_direction(axis.letter)]) < _ASIDE
+    fits = reads == "angle" or across == (row.test == "straightness")
+    return fits and axis.rotary == (row.target_dimension == "angle")
+
+
+def _only_setup(campaign: CampaignDescription) -> Setup:
+    """Return the set-up of readings that name none."""
+    setup = campaign.setups[0]
+    if len(campaign.setups) > 1 or len(setup.moves) > 1:
+        what = "the readings name neither set-up nor axis, and the campaign has more than one of them"
+        raise ReadingError(what, "Give the columns setup and X_mm, or a campaign of one set-up with one moving axis")
+    return setup

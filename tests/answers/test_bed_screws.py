@@ -1,0 +1,106 @@
+"""Screws under a bed: a tilted map becomes turns of each, in the words of Klipper."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.docs.result import faults
+from tests.zoo.answers import Answer
+from tests.zoo.running import given
+
+PRINTER = """[printer]
+kinematics: corexy
+[stepper_x]
+position_max: 300
+[stepper_y]
+position_max: 300
+[stepper_z]
+position_max: 300
+[probe]
+x_offset: -33
+y_offset: -46
+"""
+TILTED = """[screws_tilt_adjust]
+screw1: 63, 76
+screw1_name: front left
+screw2: 303, 76
+screw2_name: front right
+screw3: 183, 316
+screw_thread: CCW-M5
+"""
+PLAIN = """[bed_screws]
+screw1: 30, 30
+screw2: 270, 30 # under the probe's cable
+screw3: 270, 270
+screw3_name: rear "right"
+screw4: 30, 270
+"""
+PLACES = [20.0 + 57.5 * k for k in range(5)]
+
+
+def begun(folder: Path, screws: str) -> str:
+    """Return the campaign that init writes for a printer with such screws."""
+    (folder / "printer.cfg").write_text(PRINTER + screws)
+    wanted = ("--from", folder / "printer.cfg", "--instrument", "probe", "--target", "60 um")
+    assert given("init", folder / "bed", *wanted).status == 0
+    return (folder / "bed" / "campaign.toml").read_text(encoding="utf-8")
+
+
+def answer_of_map(folder: Path, campaign: str, x_slope: float, y_slope: float) -> Answer:
+    """Return the answer to a map of a tilted bed, mm in mm."""
+    rows = [f"probe,{x},{y},{-1000 * (x_slope * x + y_slope * y):.3f}" for x in PLACES for y in PLACES]
+    (folder / "map.csv").write_text("\n".join(["setup,X_mm,Y_mm,value_um", *rows]))
+    text = campaign.replace("# compensation_active", "compensation_active = false #")
+    (folder / "bed" / "campaign.toml").write_text(text, encoding="utf-8")
+    command = ("data", "estimate", folder / "bed" / "campaign.toml", folder / "map.csv", "--out", folder / "out")
+    return Answer(folder / "out", given(*command))
+
+
+def test_screws_are_turned_until_the_plane_of_the_map_is_level(tmp_path: Path) -> None:
+    campaign = begun(tmp_path, TILTED)
+    assert '"front left" = ["30 mm", "30 mm"]' in campaign  # where the probe is, not the nozzle
+    assert 'thread = "CCW-M5"' in campaign
+    answer = answer_of_map(tmp_path, campaign, 0.002, -0.001)
+    right, back = answer.result["answer"]["screws"]
+    assert (right["screw"], back["screw"]) == ("front right", "screw 3")
+    assert right["turns"] == pytest.approx(0.002 * 240 / 0.8, abs=right["U"])  # too high; clockwise lowers it
+    assert back["turns"] == pytest.approx((0.002 * 120 - 0.001 * 240) / 0.8, abs=back["U"])
+    assert 0 < right["U"] < 0.1
+    assert faults(answer.result) == []
+    assert "front right CW 00:3" in answer.text.replace("\n", " ")
+
+
+@pytest.mark.long
+def test_screws_of_which_the_thread_is_not_said_are_m3_below_the_nozzle(tmp_path: Path) -> None:
+    campaign = begun(tmp_path, PLAIN)
+    assert 'thread = "CW-M3"' in campaign
+    assert '"screw 2" = ["270 mm", "30 mm"], "rear right" = ["270 mm", "270 mm"]' in campaign
+    answer = answer_of_map(tmp_path, campaign, 0.0, 0.0005)
+    assert [each["turns"] for each in answer.result["answer"]["screws"]] == pytest.approx([0, -0.24, -0.24], abs=0.05)
+
+
+@pytest.mark.long
+def test_a_printer_without_screws_has_none_and_its_answer_no_word_of_them(tmp_path: Path) -> None:
+    campaign = begun(tmp_path, "")
+    assert "screws" not in campaign
+    answer = answer_of_map(tmp_path, campaign, 0.001, 0.0)
+    assert "screws" not in answer.result["answer"]
+    assert "Bed screws" not in answer.text
+
+
+@pytest.mark.parametrize(
+    ("screws", "says"),
+    [
+        ('thread = "M4"\nplaces = { a = ["0 mm", "0 mm"] }', "no thread of a bed screw"),
+        (
+            'thread = "CW-M4"\nplaces = { a = ["0 mm", "0 mm"], b = ["9 mm", "9 mm"], c = ["18 mm", "18 mm"] }',
+            "no plane",
+        ),
+        ('thread = "CW-M4"\nplaces = { a = ["0 mm"] }', "no place on the bed"),
+    ],
+)
+def test_screws_that_hold_no_bed_are_refused(tmp_path: Path, screws: str, says: str) -> None:
+    campaign = begun(tmp_path, "")
+    answer_of_map(tmp_path, f"{campaign}\n[screws]\n{screws}\n", 0.0, 0.0).outcome.refused(says, "campaign.toml, line")

@@ -1,0 +1,109 @@
+"""An instrument that is stuck is weighed as the dense density says, and named; what a coarse display repeats is not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import comb, log
+
+import numpy as np
+import pytest
+
+from axiscal.estimation.agreement_words import acceptance, agreement_words, change_words
+from axiscal.estimation.estimate import estimated
+from axiscal.estimation.promise.draws import sized as weighed
+from axiscal.estimation.promise.stuck import Repeats, repeats, stuck
+from axiscal.measurement.reading import Reading
+from axiscal.record.accepted import put_right
+from tests.generators.dense_posterior import Dense, log_density
+from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings
+from tests.generators.problems import asked, sized
+
+
+def _shown(readings: Sequence[Reading], step: float) -> list[Reading]:
+    """Return what a display of a step shows, m."""
+    return [replace(each, value=round(each.value / step) * step) for each in readings]
+
+
+def _stuck(readings: Sequence[Reading], first: int) -> list[Reading]:
+    """Return readings of an instrument that shows the same from the one of index `first` on."""
+    return [replace(each, value=readings[min(i, first)].value) for i, each in enumerate(readings)]
+
+
+def _named(setup: str, readings: Sequence[Reading]) -> list[tuple[str, int]]:
+    found = estimated(foreign_case(setup), readings).agreement.explained
+    return [(each.mistake, each.reading) for each in found]
+
+
+def test_the_odds_of_exact_sizes_are_those_of_the_dense_density() -> None:
+    problem, again, step = sized(asked("axis", 9, 5), ()), np.array([3, 4, 5, 6]), 2e-8
+    some = np.isin(problem.reading, again)
+    causes = problem.type_b[:, problem.judging]
+    covariance = Dense(problem).covariance(np.zeros(len(problem.sizes))) + causes @ causes.T
+    zero = np.zeros(len(problem.values))
+    whole = log_density(problem.values, zero, covariance)
+    rest = log_density(problem.values[~some], zero[~some], covariance[np.ix_(~some, ~some)])
+    density = whole - rest - 0.5 * len(again) * log(2 * np.pi)
+    odds = log(0.01 / 7) - density - float(np.sum(np.log(step / problem.noise[some])))
+    repeated = Repeats((0,), again, {0: step}, log(7.0))
+    (found,) = stuck(problem, weighed(problem), [repeated])
+    assert found.mistake[2:4] == ((0,), 3)
+    assert found.mistake.log_odds == pytest.approx(odds, abs=0.05)
+
+
+@pytest.mark.parametrize("setup", [DIAL, LASER], ids=["dial", "laser"])
+def test_a_stuck_instrument_is_named_from_its_first_repeat_on_and_accepted(setup: str) -> None:
+    readings = _stuck(_shown(foreign_readings(setup, 18, 3, 20e-6), 1e-6), 8)
+    known = estimated(foreign_case(setup), readings)
+    assert [(each.mistake, each.reading) for each in known.agreement.explained] == [("stuck", 9)]
+    assert "If the instrument is stuck" in agreement_words(known)
+    accepted = acceptance(known.agreement.explained[0], known)
+    assert put_right(readings, accepted) == readings[:9]
+    assert (
+        change_words(accepted)
+        == f'values of "{readings[0].setup}" that repeat the one before, from reading 10 on, are left out'
+    )
+    assert not estimated(foreign_case(setup), readings[:9]).agreement.explained
+
+
+def test_a_probe_that_repeats_each_third_value_is_named() -> None:
+    right = _shown(foreign_readings(LASER, 28, 1), 1e-7)
+    readings = [replace(each, value=right[i - 1].value) if i % 3 == 2 else each for i, each in enumerate(right)]
+    assert ("stuck", 2) in _named(LASER, readings)
+
+
+def test_somebody_who_vouches_for_equal_values_is_believed() -> None:
+    readings = _stuck(_shown(foreign_readings(LASER, 18, 3), 1e-6), 8)
+    assert not [
+        name for name, _ in _named(LASER, [replace(each, accepted=True) for each in readings]) if name == "stuck"
+    ]
+
+
+def test_patterns_are_counted_as_they_are() -> None:
+    """Two set-ups of three and two values, all equal: one pattern of each count is as likely as another."""
+    case = foreign_case(LASER)
+    readings = _stuck(_shown(foreign_readings(LASER, 12, 3), 1e-6), 8)
+    found = list(repeats(case.description.setups, readings))
+    equal = {each.readings.size: each.log_places for each in found}
+    assert equal == {3: pytest.approx(log(12 * comb(11, 3)))}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("step", [1e-7, 1e-6, 5e-6])
+def test_of_a_hundred_right_records_none_is_stuck(step: float) -> None:
+    """Of machines a tenth to twice as large as stated; 5 um are steps five times and more than what noise is stated."""
+    found = 0
+    for seed in range(100):
+        setup, count = (DIAL, LASER)[seed % 2], (9, 15, 18, 28)[seed // 2 % 4]
+        size = (0.1, 0.5, 2.0)[seed % 3] * (4e-6 if setup is DIAL else 10e-6)
+        readings = _shown(foreign_readings(setup, count, 3000 + seed, size), step)
+        found += any(name == "stuck" for name, _ in _named(setup, readings))
+    assert found <= 1
+
+
+def test_readings_none_of_which_is_used_are_no_agreement_and_leave_no_uncertainty() -> None:
+    """They were taken for readings that nothing contradicts, and the machine was called measured."""
+    readings = [replace(each, value=0.9 + 0.1 * i) for i, each in enumerate(foreign_readings(LASER, 9, 3))]
+    known = estimated(foreign_case(LASER), readings)
+    assert (known.agreement.count, known.agreement.withheld) == (0, True)
+    assert agreement_words(known).startswith("0 of 9 readings are used: ")

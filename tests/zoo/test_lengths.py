@@ -1,0 +1,84 @@
+"""Lengths between two places: a printed square becomes a skew, a ruler a slope; their truths nobody drew."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.zoo.answers import Answer
+from tests.zoo.running import given
+
+SQUARE = """machine = "printer-gantry"
+controls = ["marlin"]
+compensation_active = false
+[target]
+wants = ["squareness XY"]
+[[setups]]
+name = "square"
+instrument = "gauge"
+"""
+CORNERS = {"A": (30, 30), "B": (270, 30), "C": (270, 270), "D": (30, 270)}
+SKEW = 0.00396
+
+
+def _place(x: float, y: float) -> str:
+    return f'["{x} mm", "{y} mm", "0 mm"]'
+
+
+def _printed(name: str) -> float:
+    """Return a side or diagonal as calipers read it: Y leans towards X, mm."""
+    (x, y), (u, v) = (CORNERS[letter] for letter in name)
+    return round(math.hypot(u - x + SKEW * (v - y), v - y), 2)
+
+
+def test_a_printed_square_becomes_a_skew(tmp_path: Path) -> None:
+    names = ("AC", "BD", "AD")
+    ends = ", ".join(f"{name} = [{', '.join(_place(*CORNERS[letter]) for letter in name)}]" for name in names)
+    (tmp_path / "square.toml").write_text(f"{SQUARE}lengths = {{ {ends} }}\n")
+    rows = [f"square {name},{_printed(name)}" for name in names]
+    (tmp_path / "lengths.csv").write_text("\n".join(["setup,length_mm", *rows]))
+    out = tmp_path / "out"
+    answer = Answer(out, given("data", "estimate", tmp_path / "square.toml", tmp_path / "lengths.csv", "--out", out))
+    assert answer.outcome.status == 0, answer.text
+    (found,) = answer.result["rows"][0]["signed"]
+    assert abs(found["value"] + 1e6 * SKEW) < found["U"] < 1000
+    factor = float(re.findall(r"M852 I([-\d.]+)", (out / "tables" / "marlin" / "axiscal.gcode").read_text())[0])
+    assert 0.8 * SKEW < factor < SKEW
+
+
+def test_a_ruler_shows_how_much_a_scale_is_longer(tmp_path: Path) -> None:
+    marks = range(100, 1001, 100)
+    ends = ", ".join(f'm{x} = [["0 mm", "0 mm", "0 mm"], ["{x} mm", "0 mm", "0 mm"]]' for x in marks)
+    text = 'machine = "one-axis"\ncompensation_active = false\n[target]\nU = "20 um"\n[[setups]]\nname = "ruler"\n'
+    text += f'instrument = "gauge"\nnoise = "2 um"\ntype_b = {{ scale = "1 um/m" }}\nlengths = {{ {ends} }}\n'
+    (tmp_path / "ruler.toml").write_text(text)
+    rows = [f"ruler m{x},{x * (1 + 20e-6):.4f}" for x in marks]
+    (tmp_path / "lengths.csv").write_text("\n".join(["setup,length_mm", *rows]))
+    command = ("data", "estimate", tmp_path / "ruler.toml", tmp_path / "lengths.csv", "--out", tmp_path / "out")
+    answer = Answer(tmp_path / "out", given(*command))
+    where, values = answer.axis_table("X")
+    slope = np.polyfit(where, values.mean(axis=0), 1)[0]
+    assert slope == pytest.approx(0.02, abs=0.003)  # um/mm
+
+
+SPAN = 'lengths = { b = [["0 mm", "0 mm", "0 mm"], ["9 mm", "0 mm", "0 mm"]] }'
+BEGIN = 'machine = "one-axis"\ncompensation_active = false\n[target]\nU = "20 um"\n[[setups]]\nname = "a"\n'
+
+
+@pytest.mark.parametrize(
+    ("setup", "row", "says"),
+    [
+        ('instrument = "gauge"', "a,100", "between which places the gauge lies"),
+        (f'instrument = "probe"\n{SPAN}', "a b,9", "lengths are those of a gauge"),
+        (f'instrument = "gauge"\nmoves = ["X"]\n{SPAN}', "a b,9", "setups[1].moves: a length goes from its first end"),
+        ('instrument = "indicator"\ndirection = "x"', "a,100", '"a" names none'),
+    ],
+)
+def test_a_length_without_two_places_is_refused(tmp_path: Path, setup: str, row: str, says: str) -> None:
+    (tmp_path / "a.toml").write_text(f"{BEGIN}{setup}\n")
+    (tmp_path / "a.csv").write_text(f"setup,length_mm\n{row}\n")
+    given("data", "estimate", tmp_path / "a.toml", tmp_path / "a.csv", "--out", tmp_path / "out").refused(says)
