@@ -29,6 +29,7 @@ from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import CANDIDATES, posed, reaching
 from axiscal.planning.other_readings import columns_of, with_rooms
+from axiscal.planning.plan.exchange import relocated
 from axiscal.planning.plan.plan import Plan, judged
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import Limits
@@ -231,5 +232,6 @@ def proven(case: Case, proposal: Proposal, candidates: int, gap: float) -> Propo
     gap : share of J at which to stop.  Raises PlanError.
     """
     task = posed(case, case.knowledge, candidates=candidates)
-    proof = prove(task.state, task.lattice, proposal.plan.places, gap)
+    best = relocated([task.state], proposal.plan.places)  # a plan for all likely sizes is not the best for these
+    proof = prove(task.state, task.lattice, best, gap)
     return Proposal(replace(proposal.plan, bound=proof.bound), proof.gap)

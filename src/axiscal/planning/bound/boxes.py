@@ -23,7 +23,6 @@ from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import bernstein
 from axiscal.planning.gains.covariance import Covariance, informed
-from axiscal.planning.plan.exchange import relocated
 from axiscal.planning.step.ground import Region
 
 _CELLS = 200
@@ -132,7 +131,7 @@ def by_boxes(state: Covariance, everywhere: Sequence[tuple[int, Region]], places
     gap : share of J to stop at
     """
     line, count = _Line(state, everywhere), len(places)
-    known = state.after_readings(relocated([state], places)).value
+    known = state.after_readings(places).value
     enough, cells, number = known / (1 + gap), len(line.rows), count_from()
     apart = (np.arange(cells) - line.nearest(state, places)[:, None]) / (_SPREAD * cells)
     begun = _Box(np.zeros(count, dtype=np.intp), np.full(count, cells - 1), np.exp(-(apart**2) / 2))
