@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -111,7 +113,7 @@ def test_few_readings_teach_no_length(count: int) -> None:
 
 
 def _theta_of(shares: Array, few: bool) -> Array:
-    sizes = _case().sizes.taught_by(TEACH_LENGTHS - few)
+    sizes = replace(_case().sizes, few=few)
     x = np.tile(shares[:, None], len(sizes))
     theta, slope = sizes.theta(x)
     index = [size.kind for size in sizes.of].index("length")

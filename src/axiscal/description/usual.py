@@ -160,10 +160,7 @@ class Size(NamedTuple):
 
 @dataclass(frozen=True)
 class Sizes:
-    """All sizes that vary, in the order of θ.
-
-    few : readings are too few to teach a length; each then comes from the longer half of what it may be
-    """
+    """All sizes that vary, in the order of θ.  few : too few readings teach lengths, which are of their longer half"""
 
     of: tuple[Size, ...]
     few: bool = False
@@ -193,15 +190,6 @@ class Sizes:
         """x of the sizes as stated, (k,)."""
         return np.array([size.spread if size.kind in _ROOTS else 0.0 for size in self.of])
 
-    def taught_by(self, readings: int) -> Sizes:
-        """Return the sizes as so many readings can teach them."""
-        return replace(self, few=readings < TEACH_LENGTHS)
-
-    @cached_property
-    def _held(self) -> NDArray[np.intp]:
-        """The lengths that come from their longer half."""
-        return np.array([i for i, size in enumerate(self.of) if self.few and size.kind == "length"], dtype=np.intp)
-
     @cached_property
     def _largest(self) -> Array:
         """The largest θ of each size, (k,)."""
@@ -210,9 +198,10 @@ class Sizes:
     def theta(self, x: Array) -> tuple[Array, Array]:
         """Return θ and dθ/dx, (..., k) each.  x : (..., k)"""
         apart, slope = x - self.stated, np.ones_like(x)
-        below = apart[..., self._held]
-        apart[..., self._held] = longer = -normal_quantile(normal_share(-below) / 2)
-        slope[..., self._held] = np.exp((longer**2 - below**2) / 2) / 2
+        held = [i for i, size in enumerate(self.of) if self.few and size.kind == "length"]
+        below = apart[..., held]
+        apart[..., held] = longer = -normal_quantile(normal_share(-below) / 2)
+        slope[..., held] = np.exp((longer**2 - below**2) / 2) / 2
         theta = self.spreads * apart
         within = (theta > -_FARTHEST) & (theta < self._largest)
         return np.clip(theta, -_FARTHEST, self._largest), np.where(within, self.spreads * slope, 0.0)
