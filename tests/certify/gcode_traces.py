@@ -100,7 +100,13 @@ _AXES = rf"((?:[A-Z]{_NUMBER} )+)"
 _IN_BRACKETS, _AFTER_SEMICOLON = rf"\(({_COMMENT})\)", rf"; ({_COMMENT})"
 _SECONDS = r"(\d+\.\d+)"
 _MODAL = "G21 G90 G94 G17 G40 G49 G80"
-LINUXCNC = Form((f"G8 {_MODAL}", "M5 M9", "G61"), ("M2",), _IN_BRACKETS, rf"G53 G1 {_AXES}F(\d+)", f"G4 P{_SECONDS}")
+LINUXCNC = Form(
+    (f"G8 {_MODAL}", "M5 M9", "G61"),
+    ("M2",),
+    rf"\((?:MSG, )?({_COMMENT})\)",
+    rf"G53 G1 {_AXES}F(\d+)",
+    f"G4 P{_SECONDS}",
+)
 """G53 with G1 in every block; G4 P in seconds."""
 ISG = Form(
     (r"%AXISCAL[1-9]\d*", "#TRAFO OFF", "G71 G90 G94 G17 G40 G53 G60 D0", "G20", "G52", "M5 M9"),
@@ -113,7 +119,7 @@ ISG = Form(
 SINUMERIK = Form(
     ("TRAFOOF", "G710 G90 G94 G17 G40 G60 D0", "DIAMOF", "TRANS", "M5 M9", r"FGROUP\([A-Z0-9,]+\)"),
     ("M30",),
-    _AFTER_SEMICOLON,
+    rf"(?:; |MSG\(\")({_COMMENT})(?:\"\))?",
     rf"G1 SUPA ((?:[A-Z](?:\d=)?{_NUMBER} )+)F(\d+)",
     f"G4 F{_SECONDS}",
 )
@@ -258,7 +264,7 @@ def _event(call: str, name: str, rest: str, ending: bool) -> Iterator[Event]:
         yield Wait(float(rest))
     elif call == "PROGRAM_STOP()":
         yield Halt()
-    elif name == "COMMENT":
+    elif name in ("COMMENT", "MESSAGE"):
         yield from _mark(rest.strip('"'))
     elif name in {"SET_G5X_OFFSET", "SET_G92_OFFSET", "USE_TOOL_LENGTH_OFFSET"}:
         assert set(re.findall(r"\d+\.\d+", rest)) == {"0.0000"}, call

@@ -172,6 +172,21 @@ def test_a_file_that_cannot_be_written_is_named_by_its_own_name(tmp_path: Path) 
     assert caught.value.filename == str(tmp_path / "tables" / "X.csv")
 
 
+def test_a_bump_is_exported_and_its_readings_say_how_to_export(record: Path, tmp_path: Path, command: Command) -> None:
+    done = command("export", record, "--to", "isg", "--probe-sign", "--out", tmp_path / "bump")
+    readme = (tmp_path / "bump" / "README.txt").read_text()
+    assert readme.startswith("TWO READINGS TELL THE SIGN. Let X come from below")
+    assert "TWO READINGS TELL THE SIGN" in done.out
+    as_assumed = command("verify", record, "--to", "isg", "--bump", "-9.6 um").out
+    assert "As assumed." in as_assumed
+    assert "--flip" not in as_assumed
+    other = command("verify", record, "--to", "isg", "--bump", "10.3 um").out
+    assert "other way round" in other
+    assert "--to isg --flip" in other
+    assert "by 1 um" in command("verify", record, "--to", "isg", "--bump", "1 um").refusal
+    assert "states which way" in command("export", record, "--to", "linuxcnc", "--probe-sign").refusal
+
+
 def test_the_joints_of_a_gantry_can_be_named_as_in_its_ini_file(record: Path, tmp_path: Path, command: Command) -> None:
     """XYYZ: the same files as with the numbers of each joint."""
     export = ["export", str(record), "--to", "linuxcnc", "--out"]

@@ -16,6 +16,7 @@ from tests.certify.gcode_traces import interpreter
 from tests.controls import duet, klipper_host, live_printer, marlin
 from tests.controls.fetched import MissingError, run
 from tests.controls.known import BED, OWN, PLANE, SQUARE, STRAIGHT, TRAVELS, TURNS, Known, Row, known
+from tests.controls.samples import counted
 from tests.linuxcnc.lab import available, can_load
 from tests.linuxcnc.virtual import LinuxcncMachine
 
@@ -118,6 +119,14 @@ def linuxcnc_volumetric() -> Row:
     return _on_linuxcnc("linuxcnc-volumetric", "axiscal_vcomp in the servo thread", machine)
 
 
+def linuxcnc_samples() -> Row:
+    """Every sample configuration of the LinuxCNC that is installed, from its INI to tables or to a reason."""
+    found = counted()
+    total, ended = sum(found.values()), found["loaded"] + found["refused"]
+    ran = f"{total} samples: {found['loaded']} loaded, {found['refused']} refused"
+    return Row("linuxcnc samples", debian(), ran, 100 * (total - ended) / total)
+
+
 def _on_linuxcnc(controller: str, ran: str, machine: Known) -> Row:
     if not available():
         raise MissingError("linuxcnc-uspace is not installed")
@@ -139,6 +148,7 @@ def debian() -> str:
 CONTROLS: Mapping[str, Callable[[], Row]] = {
     "linuxcnc": linuxcnc,
     "linuxcnc-volumetric": linuxcnc_volumetric,
+    "linuxcnc-samples": linuxcnc_samples,
     "rs274": rs274,
     "klipper": klipper,
     "klipper-volumetric": klipper_volumetric,

@@ -112,7 +112,7 @@ def test_joints_are_numbered_as_the_kinematics_do(
     tmp_path: Path, kinematics: str, moving: str, joints: Mapping[str, int]
 ) -> None:
     """As kins(9) says: Debian's lathes of two axes have the sections JOINT_0 and JOINT_2."""
-    text = SMALL.replace("trivkins", kinematics).replace("X Y Z\n", f"{moving}\n")
+    text = SMALL.replace("trivkins", kinematics).replace("X Y Z\n", f"{moving}\n").replace("JOINTS = 3", "JOINTS = 6")
     read = found(tmp_path, text)
     assert {axis.letter: axis.joints for axis in read.axes} == {name: (n,) for name, n in joints.items()}
 
@@ -152,7 +152,9 @@ def test_a_swivelling_head_over_a_turning_table(tmp_path: Path, hal: str, agains
 
 def test_hal_files_that_are_not_there_set_no_pivot_and_one_that_cannot_be_read_is_named(tmp_path: Path) -> None:
     axes = "".join(f"[AXIS_{letter}]\nMIN_LIMIT = -90\nMAX_LIMIT = 90\n" for letter in "BC")
-    text = SMALL.replace("trivkins", "5axiskins").replace("X Y Z", "X Y Z B C") + axes
+    text = (
+        SMALL.replace("trivkins", "5axiskins").replace("X Y Z", "X Y Z B C").replace("JOINTS = 3", "JOINTS = 5") + axes
+    )
     hal = "[HAL]\nHALFILE = LIB:basic_sim.tcl\nHALFILE = other.hal\nHALFILE =\n"
     assert not found(tmp_path, text + hal).build.sure
     (tmp_path / "other.hal").write_text("\n" * (MOST_LINES + 1))

@@ -32,11 +32,14 @@ class PrintedAxis:
 
 @dataclass(frozen=True)
 class PrintedMachine:
-    """axes : from the workpiece to the tool; tool, tool_radius : m"""
+    """axes : from the workpiece to the tool; tool, tool_radius, stylus, reach, head : m"""
 
     axes: tuple[PrintedAxis, ...]
     tool: float
     tool_radius: float
+    stylus: float
+    reach: float
+    head: tuple[float, ...]
 
     def index(self, name: str) -> int:
         """Return the place of an axis in a pose."""
@@ -54,7 +57,14 @@ def printed_machine(text: str) -> PrintedMachine:
     names = [link for link in links if link not in ("w", "b", "t", "") and not link.startswith("(")]
     tool = tables.get("tool", {})
     axes = tuple(_axis(name, tables["axes"][name]) for name in names)
-    return PrintedMachine(axes, number(tool.get("length", "0 mm")), number(tool.get("radius", "40 mm")))
+    return PrintedMachine(
+        axes,
+        tool=number(tool.get("length", "0 mm")),
+        tool_radius=number(tool.get("radius", "40 mm")),
+        stylus=number(tool.get("stylus", "0 mm")),
+        reach=number(tool.get("reach", "50 mm")),
+        head=tuple(map(number, tool.get("head", ()))),
+    )
 
 
 def _axis(name: str, table: dict[str, Any]) -> PrintedAxis:

@@ -16,6 +16,7 @@ from tests.generators.kinematics import in_travel, stem, tip
 from tests.generators.printed_machine import number
 from tests.generators.program_ways import STEP, Reader
 from tests.generators.said_places import Said, spot
+from tests.generators.solids import filled, solids
 
 _SAG = 1e-5
 """m: a bar of 1 mm stroke may be shorter by a hundredth of it in the middle of a chord."""
@@ -106,15 +107,12 @@ class WaysSaid:
             assert np.linalg.norm(at + up * along - ball) >= _BESIDE, (name, pose)
 
     def keeps_out(self, pose: Array) -> None:
-        """Assert that the tool, a cylinder from its tip to the spindle, is in no box."""
+        """Assert that tool, holder and nose are in no box."""
         boxes = [_sides(box) for box in self._artefact.get("keep_out", [])]
-        if not boxes:
-            return
-        at, along = tip(self._machine, pose), stem(self._machine, pose)
-        line = at + np.linspace(0.0, self._machine.tool, 200)[:, None] * along
-        for box in boxes:
-            wide = box + self._machine.tool_radius * np.array([-1.0, 1.0])
-            assert not np.any(np.all((line > wide[:, 0] + 1e-6) & (line < wide[:, 1] - 1e-6), axis=1)), pose
+        for solid in solids(self._machine).values() if boxes else ():
+            points = filled(self._machine, pose, solid)
+            for box in boxes:
+                assert not np.any(np.all((points > box[:, 0] + 1e-6) & (points < box[:, 1] - 1e-6), axis=1)), pose
 
 
 def _sides(box: Mapping[str, Any]) -> Array:

@@ -240,7 +240,7 @@ def test_a_table_beside_it_is_a_fault() -> None:
 
 REFUSALS: dict[str, tuple[tuple[str, str], str, str]] = {
     "unit": (("", ""), "in", "the file is in mm, LINEAR_UNITS is inch"),
-    "joints": (("joints 4 -1", "joints 4 5"), "mm", "the file is for 6 joints, JOINTS is 5"),
+    "joints": (("joints 4 -1", "joints 4 5"), "mm", "the file has joint 5, JOINTS is 5"),
     "axes": (("axis C z", "axis B z"), "mm", "the file has joint 4 for B, COORDINATES is XYZAC"),
     "checksum": (("campaign none", "campaign nine"), "mm", "the checksum is wrong"),
 }

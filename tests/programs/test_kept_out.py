@@ -65,6 +65,11 @@ def a_box(rng: np.random.Generator) -> str:
     return "{ " + ", ".join(f'{axis} = ["{a:.1f} mm", "{b:.1f} mm"]' for axis, a, b in pairs) + " }"
 
 
+def moves(text: str) -> list[str]:
+    """Return the lines of a program without what its head says."""
+    return [line for line in text.splitlines() if "KEPT OUT" not in line]
+
+
 def hits(instrument: str, box: str, machine: str, places: list[Place], text: str, controller: str) -> bool:
     """Return whether the tests' own kinematics see a pose of a program with the tool in the box."""
     said = Said(TEXT.format(instrument=instrument, box=box, machine=machine), printed_machine(SOURCES[machine]))
@@ -104,7 +109,7 @@ def test_programs_beside_boxes_keep_out_are_routed_or_refused(machine: str, inst
             found.add((before, "refused", "kept out" in str(refused)))
             continue
         assert not hits(instrument, box, machine, places, program.text, controller), (seed, box, places)
-        found.add((before, "written", program.text == careless.text))
+        found.add((before, "written", moves(program.text) == moves(careless.text)))
     assert (False, "written", True) in found
     assert instrument == "sphere" or any(before for before, _, _ in found), "no way ran into a box that was not seen"
     assert not {each for each in found if each[1:] == ("refused", False)}
@@ -117,7 +122,7 @@ def test_a_way_is_free_where_no_fine_sample_of_it_meets_a_box() -> None:
     found: list[tuple[bool, bool]] = []
     for _ in range(120):
         corner = rng.uniform(-0.3, 0.1, 3)
-        room = Room.with_boxes(machine, [tuple(zip(corner, corner + rng.uniform(0.02, 0.2, 3), strict=True))])
+        room = Room(machine, np.stack([corner, corner + rng.uniform(0.02, 0.2, 3)], axis=1)[None])
         start = rng.uniform(low, high)
         stop = np.where(rotary == (rng.random() < 0.5), rng.uniform(low, high), start)
         shares: Array = np.linspace(0, 1, 2001)[:, None]
@@ -151,27 +156,26 @@ approach = "both"
         return programs(campaign.machine, campaign.setups, places, dialect("sinumerik"))[0].text
 
     places = places_of(campaign_from_texts(text.format(box=FAR), "c.toml", source, "machine.toml"), 3, 0)
-    assert program(FAR, places) == program('{ x = ["-900 mm", "-890 mm"] }', places)
+    assert moves(program(FAR, places)) == moves(program('{ x = ["-900 mm", "-890 mm"] }', places))
     with pytest.raises(ProgramError, match="kept out"):
         program('{ x = ["295 mm", "305 mm"], z = ["-60 mm", "900 mm"] }', places)
 
 
 def test_a_way_into_a_box_is_refused_with_the_reading_it_leads_to() -> None:
     machine = load_machine("dmu60")
-    (setup,) = described("sphere", FAR, "dmu60").setups
+    box = '{ x = ["0 mm", "100 mm"], y = ["-100 mm", "100 mm"], z = ["-500 mm", "500 mm"] }'
+    (setup,) = described("rtest", box, "dmu60").setups
     scales = [AxisScale.of(axis, 4) for axis in machine.axes]
     x, y, z = (machine.index(name) for name in "XYZ")
-    box = ((0.0, 0.1), (-0.1, 0.1), (-0.5, 0.5))
-    kept = Room.with_boxes(machine, [box])
     start = {k: Decimal(0) for k in range(len(machine.axes))} | {x: Decimal(-200), z: Decimal(0)}
     through, around = Move({x: Decimal(200)}, 500, 1.0), Move({y: Decimal(200)}, 500, 1.0)
     reached = Arrival(ReadingTarget(4, (), (), ()))
     begun = Move(start, 500, 1.0)
-    refuse_kept_out(kept, setup, scales, [begun, around, reached])
-    with pytest.raises(ProgramError, match=r'the way to reading 4 of the set-up "s" leads into .* of "ball"'):
-        refuse_kept_out(kept, setup, scales, [begun, through, reached])
+    refuse_kept_out(machine, setup, {4: 0}, scales, [begun, around, reached])
+    with pytest.raises(ProgramError, match=r'the way to reading 4 of the set-up "s" leads into "ball"'):
+        refuse_kept_out(machine, setup, {4: 0}, scales, [begun, through, reached])
     with pytest.raises(ProgramError, match="the way from the last reading"):
-        refuse_kept_out(kept, setup, scales, [begun, reached, through])
+        refuse_kept_out(machine, setup, {4: 0}, scales, [begun, reached, through])
 
 
 def test_a_sphere_is_not_asked_for_where_the_tool_drawn_back_meets_a_box() -> None:

@@ -66,11 +66,12 @@ def test_a_program_for_linuxcnc() -> None:
         "(READINGS 1 TO 2)",
         "(MACHINE COORDINATES IN MM AND DEG)",
         "(ORDER OF MOVES X THEN C)",
-        "(PRESS START WHEN THE WAY TO THE START IS CLEAR)",
+        "(NOTHING STANDS IN THE WAY)",
+        "(MSG, PRESS START WHEN THE WAY TO THE START IS CLEAR)",
         "M0",
         "G53 G1 X99.0000 F6000",
         "G53 G1 C0.0000 F5400",
-        "(MOUNT AND ZERO THE INSTRUMENT THEN PRESS START)",
+        "(MSG, MOUNT AND ZERO THE INSTRUMENT THEN PRESS START)",
         "M0",
         "G53 G1 X99.0000 F6000",
         "G53 G1 C0.0000 F5400",
@@ -447,7 +448,7 @@ SPOILT = {
     "a spindle": ("M2\n", "M3\nM2\n"),
     "a comment that says more": ("(READINGS", "(PROBEOPEN) G0 X0 (READINGS"),
     "inches": ("G21", "G20"),
-    "a stop less": ("(MOUNT AND ZERO THE INSTRUMENT THEN PRESS START)\nM0\n", ""),
+    "a stop less": ("(MSG, MOUNT AND ZERO THE INSTRUMENT THEN PRESS START)\nM0\n", ""),
 }
 
 

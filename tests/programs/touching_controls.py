@@ -126,7 +126,7 @@ def run_sinumerik(text: str, beside: Mapping[str, str], machine: TouchingMachine
             known = (
                 r"DEF INT AXERR|TRAFOOF|DIAMOF|TRANS|G710 .*|M5 M9|FGROUP\(.*\)|M0|; .*|G4 F.*|IF AXERR<>0 GOTOF AXFULL"
             )
-            known += r"|\w+: MSG\(.*\)"
+            known += r"|(\w+: )?MSG\(.*\)"
             assert re.fullmatch(known, line), line
     return machine.log
 

@@ -99,9 +99,8 @@ def test_a_control_that_counts_from_one_takes_no_axis_of_the_number_zero(control
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_the_readme_of_each_format_that_can_flip_says_when(controller: str) -> None:
     readme = export(known("small")[0], controller, OPTIONS.get(controller, ExportOptions())).readme
-    assert ("where the error has doubled, export again with --flip." in readme) is (
-        "--flip" in exporter(controller).takes
-    )
+    assert ("if it is the other way round, export with --flip." in readme) is ("--flip" in exporter(controller).takes)
+    assert bool(exporter(controller).unstated) is ("--flip" in exporter(controller).takes)
 
 
 def test_a_sinumerik_without_cec_tables_refuses_to_turn_them() -> None:

@@ -65,7 +65,7 @@ def trunnion(low: float) -> Machine:
     ],
 )
 def test_what_cannot_be_taken_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
-    path = ini(tmp_path, "XYZC")
+    path = ini(tmp_path, "XYZA")
     assert options_of(configured(path), ExportOptions()).unit == "mm"
     path.write_text(path.read_text().replace(old, new))
     with pytest.raises(InputError, match=message):

@@ -149,8 +149,10 @@ def test_an_axis_has_one_number_in_controls_without_joints() -> None:
         ExportOptions(numbers={"X": (1, 2)}).numbered(THREE)
 
 
-@pytest.mark.parametrize("controller", ["isg", "linuxcnc-volumetric"])
-@pytest.mark.parametrize(("machine", "names"), [(LATHE, "X, Z"), (TAILSTOCK, "X, Z, W")])
+@pytest.mark.parametrize(
+    ("controller", "machine", "names"),
+    [("isg", LATHE, "X, Z"), ("isg", TAILSTOCK, "X, Z, W"), ("linuxcnc-volumetric", TAILSTOCK, "X, Z, W")],
+)
 def test_the_error_in_space_needs_a_linear_axis_along_each_direction(
     controller: str, machine: Machine, names: str
 ) -> None:

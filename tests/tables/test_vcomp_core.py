@@ -28,6 +28,15 @@ from tests.tables.core_library import NEEDS_GCC, Core
 pytestmark = NEEDS_GCC
 CHAINS = [seed for seed in range(400) if {"X", "Y", "Z"} <= {axis.name for axis in random_machine(seed).axes}][:6]
 """Random chains with three linear axes: rotary ones on both sides of the bed, off centre, and between linear ones."""
+LATHE = {
+    "EXX": "20 um",
+    "EZZ": "20 um",
+    "EXZ": "15 um",
+    "EYX": "15 um",
+    "B0Z": "0.2 mrad",
+    "EBZ": "60 urad",
+    "ECC": "30 urad",
+}
 UNITS = {"mm": 1e3, "in": 1e3 / 25.4}
 
 
@@ -110,6 +119,36 @@ def test_the_reader_adds_what_the_core_adds(core: Core, seed: int) -> None:
         assert np.mean(good) > 0.8
         expected = vcomp_applying.correction(replace(read(text), tool=tool), joints[good], ways[good])
         held("reader against core", np.max(np.abs(expected - added[good])), 1e-9, "mm or deg")
+
+
+@pytest.mark.parametrize("chain", ["w-b-Z-X-t", "w-C'-b-Z-X-t"])
+def test_two_linear_axes_take_away_what_lies_in_their_plane(core: Core, chain: str) -> None:
+    """Of a lathe, with and without a spindle that is an axis: what is left leads out of the plane of X and Z."""
+    travels = {"X": (0, 150), "Z": (-400, 0), "C": (0, 360)}
+    own = {name: std for name, std in LATHE.items() if "C" in chain or name != "ECC"}
+    model = ErrorModel(machine_from_text(machine_text(chain, {k: v for k, v in travels.items() if k in chain}, own)))
+    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(1).standard_normal(model.size)
+    estimate = Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+    text = text_of(estimate)
+    low, high = np.array(estimate.box).T
+    poses = np.random.default_rng(2).uniform(low, high, (500, len(low)))
+    ways = np.ones_like(poses)
+    assert core.load(text.encode())[0] is None
+    added, faults, _ = core.correct(shown(estimate, poses), ways, read(text).tool, once=True)
+    assert not np.any(faults)
+    expected = vcomp_applying.whole_control(model, mean)(poses, ways)
+    np.testing.assert_allclose(
+        core.correct(shown(estimate, poses), ways, read(text).tool)[0], shown(estimate, expected), atol=1e-9
+    )
+    at, left = frames(estimate.machine, poses), model.rows(poses, ways) @ mean
+    for k, axis in enumerate(estimate.machine.axes):
+        along = at.rotations[k] @ np.array(axis.direction)
+        lever = np.cross(along, at.tcp - at.origins[k]) * np.pi / 180 if axis.rotary else along / UNITS["mm"]
+        left = left + added[:, k, None] * lever
+    left = left if "C" in chain else left - vcomp_applying.at_zero(model, mean)
+    linear = [at.rotations[k] @ np.array(a.direction) for k, a in enumerate(estimate.machine.axes) if not a.rotary]
+    for along in linear:
+        held("left in the plane of the axes", 1e6 * np.max(np.abs(np.sum(left * along, axis=1))), 1e-6, "um")
 
 
 def test_linear_axes_that_do_not_span_space_are_a_fault(core: Core) -> None:

@@ -27,6 +27,7 @@ from axiscal.present.findings import findings
 from axiscal.present.result_set import result_set, write_manifest
 from axiscal.present.summarising import record_state
 from axiscal.tables import registry
+from axiscal.tables.bump import bumped
 from axiscal.tables.exporter import ExportOptions, informed
 from axiscal.tables.loaded import read_old
 from axiscal.tables.offer import Export, effect_sentence
@@ -71,6 +72,9 @@ def export(
         ),
     ] = None,
     flip: Annotated[bool, typer.Option("--flip", help="The control takes the values with the other sign.")] = False,
+    probe_sign: Annotated[
+        bool, typer.Option("--probe-sign", help="Only a bump of 10 um, whose two readings tell the sign of the tables.")
+    ] = False,
     pivots: Annotated[
         bool, typer.Option("--pivots", help="linuxcnc: put where rotary axes lie into xyzac- or xyzbc-trt-kins.")
     ] = False,
@@ -171,7 +175,9 @@ def export(
         options = replace(options, origin=record_state(campaign).hash)
         into = None if ini is None else ours("ports.linuxcnc.configuring:export_into")
         estimate = estimation.estimate()
+        estimate, bump = bumped(estimate, to, registry.exporter(to).unstated) if probe_sign else (estimate, "")
         offered = registry.export(estimate, to, options) if into is None else into(ini, estimate, options)
+        offered = replace(offered, readme=f"{bump}\n{offered.readme}") if bump else offered
         if estimation.agreement.withheld and not anyway:
             remedy = "Take readings again, or write the files all the same with --anyway"
             raise TableError(agreement_words(estimation, record), remedy, record)
@@ -191,7 +197,11 @@ def export(
             last[said("Next")] = [then, f"axiscal verify {quote(str(record))} --to {to}{made_from}"]
         if not offered.worth:
             last[said("Next")] = [said("do not load these files: they leave no less error than there is")]
-        found = wrapped(effect_sentence(said("All files together"), offered.effect, offered.unknown, offered.U), 4)
+        found = (
+            wrapped(bump, 4)
+            if bump
+            else wrapped(effect_sentence(said("All files together"), offered.effect, offered.unknown, offered.U), 4)
+        )
         if offered.idle:
             found += wrapped(said("The files do not move {axes}.", axes=joined(offered.idle)), 4)
         say("\n".join([*found, *ending(last)]))

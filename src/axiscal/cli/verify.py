@@ -24,8 +24,9 @@ from axiscal.measurement.reading import Places
 from axiscal.present.check_answer import check_answer, check_details, check_plan, check_screen
 from axiscal.record.signing import own_hand
 from axiscal.tables import registry
+from axiscal.tables.bump import other_way
 from axiscal.tables.exporter import ExportOptions
-from axiscal.units import to_unit
+from axiscal.units import parse_quantity, to_unit
 
 
 def verify(
@@ -47,6 +48,12 @@ def verify(
         ),
     ] = None,
     template: Template = None,
+    bump: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LENGTH", help="What the bump of `export --probe-sign` moved: which sign has the control?"
+        ),
+    ] = None,
     points: Annotated[
         int | None,
         typer.Option(
@@ -87,6 +94,9 @@ def verify(
       axiscal verify mill.axiscal --to linuxcnc-volumetric --source linuxcnc-live --found found.csv --left left.csv
     """
 
+    if bump is not None:
+        _say_sign(record, to, bump)
+        return
     if (found is None) != (left is None):
         raise typer.BadParameter(said("give --found and --left together, or neither to get a plan"))
     if found is not None and left is not None and found.absolute() == left.absolute():
@@ -149,6 +159,16 @@ def verify(
         due = f"axiscal shop due {shlex.quote(str(record.parent))}"
         coming = [due] if answer.verdict == "pass" else [*loading, f"{again} --plan check.csv"]
         say("\n".join([*check_screen(answer), *ending({said("Next"): coming})]))
+
+
+def _say_sign(record: Path, to: str | None, bump: str) -> None:
+    """Say which way a control takes its tables, and how they are exported then.  bump : what it moved the tool by"""
+    if to is None:
+        raise typer.BadParameter(said("--bump is of one control: name it, --to CONTROLLER"))
+    other = other_way(parse_quantity(bump, "length"))
+    found = said("The control takes its tables the other way round.") if other else said("As assumed.")
+    again = f"axiscal export {shlex.quote(str(record))} --to {shlex.quote(to)}{' --flip' if other else ''}"
+    say("\n".join([found, *ending({said("Next"): [again]})]))
 
 
 _PROBES = {"linuxcnc-live": "sphere", "moonraker": "probe"}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import combinations, product, starmap
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -14,6 +14,8 @@ from axiscal.language.spoken import later
 from axiscal.machine import Axis, Machine
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import frames
+from axiscal.measurement.bodies import CLEAR, parts
+from axiscal.measurement.touched import Cycle
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 
@@ -23,6 +25,10 @@ if TYPE_CHECKING:
 _ROOM, _FEWEST, _FULL = 30e-3, 25e-3, 90e-3
 """m beside a ball, for its touches and to put it down by eye; the arm of a cross that is worth turning, and of one that
 has room for a second ball on each."""
+_DIAMETER = 25e-3
+"""m, of each ball, as the templates say."""
+_WRITTEN = 1e-3
+"""m: places are written in whole millimetres."""
 _DEPTH = 50e-3
 """m of the travel of Z that heights of balls leave free: below the lowest, and over the highest for its touches and the
 first run above it."""
@@ -59,7 +65,12 @@ def first_campaign(machine: Machine, source: str, instruments: Sequence[str], ta
     setups = [text for name in offered for text in OFFERED[name].setups(machine)]
     if not setups:
         what = "Nothing of {instruments} can be offered for {machine}"
-        remedy = "Write the set-ups by hand, as docs/campaign.md shows"
+        if "sphere" in instruments:
+            what = (
+                "Nothing of {instruments} can be offered for {machine}: balls need X, Y and Z, with room for a board "
+                "or a rotary axis that turns one, and [tool] has to get between them"
+            )
+        remedy = "Name another instrument, such as a dial, or write the set-ups by hand, as docs/campaign.md shows"
         raise DescriptionError(what, remedy, instruments=", ".join(instruments), machine=machine.name)
     return "".join([head, *setups])
 
@@ -173,7 +184,29 @@ def _spheres(machine: Machine) -> Iterator[str]:
     about = next((axis.origin for axis in rotary if axis.letter == "C"), None)
     if about is not None:
         centre[:2] = about[:2]
-    yield _setups().spheres({name: centre + reach * np.array(each) for name, each in shares.items()}, rotary)
+    balls = _lowered(machine, {name: reach * np.array(each) for name, each in shares.items()})
+    balls = balls or {"one": reach * np.array(shares["low"])}  # no tool gets between three: one of them tells much
+    yield _setups().spheres({name: centre + each for name, each in balls.items()}, rotary)
+
+
+def _lowered(machine: Machine, balls: Mapping[str, Array]) -> dict[str, Array]:
+    """Return balls as high as leaves room for tool, holder and nose at each of them; none where no height does.
+
+    A part that comes over the post of another ball, turned by right angles, has to begin above that; no post is higher
+    than the nose at the lowest ball, for nobody says how wide the machine is behind it.
+    """
+    places, cycle = np.array([*balls.values()]), Cycle((_DIAMETER + machine.stylus) / 2)
+    aside, top = cycle.radius + cycle.clear + cycle.back, _DIAMETER / 2 + CLEAR + _WRITTEN
+    apart = np.abs(places[:, None, :2] - places[None, :, :2]).max(axis=2)
+    rise, low = places[None, :, 2] - places[:, None, 2], float(places[:, 2].min())
+    share = min(1.0, (machine.tool - top) / max(float(rise.max()), _WRITTEN))
+    for part in parts(machine):
+        over = (apart < aside + part.radius + top) & (rise > 0)
+        share = min(share, float(np.min((part.start - top) / np.where(over, rise, 1.0), where=over, initial=1.0)))
+    level = np.any((apart < aside + parts(machine)[0].radius + top) & ~np.eye(len(places), dtype=bool))
+    if share < 0 or level:
+        return {}
+    return {name: at * [1, 1, 0] + [0, 0, low + share * (at[2] - low)] for name, at in balls.items()}
 
 
 def _board(machine: Machine) -> Iterator[str]:
@@ -190,7 +223,10 @@ def _board(machine: Machine) -> Iterator[str]:
         return
     setups, lift = _setups(), min(2 * arm, max(z - _DEPTH, 0.0))
     every = _CROSS if arm >= _FULL else _CROSS[:4]
-    balls = {name: np.array(each) * [arm, arm, lift] for name, *each in every}
+    crosses = ({name: np.array(at) * [arm, arm, lift] for name, *at in some} for some in (every, _CROSS[:4]))
+    balls = next(filter(None, (_lowered(machine, cross) for cross in crosses)), None)
+    if balls is None:
+        return
     yield setups.board(balls, axes["Z"].travel[1] - axes["Z"].overrun)
     centre = _middle(machine, Z=axes["Z"].travel[0] + _ROOM / 3)
     aside = np.array([x / 2, y / 2, 0.0]) - [arm + _ROOM, arm + _ROOM, 0.0]

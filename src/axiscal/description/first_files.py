@@ -20,7 +20,7 @@ from axiscal.description.printer_file import is_printer_file, read_printer
 from axiscal.description.screws import screws_text
 from axiscal.document.durable import write_whole
 from axiscal.document.quoting import shown, toml_value
-from axiscal.exceptions import DescriptionError, RecordError
+from axiscal.exceptions import DescriptionError, InputError, RecordError
 from axiscal.language.spoken import LANGUAGES, later, said, speaking
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.axis import letter_direction
@@ -212,14 +212,18 @@ def first_files(begun: Beginning, instruments: Sequence[str], target: str) -> Fi
         )
     if target:
         parse_quantity(target, "length")
-    machine = _with_stylus(begun.text) if "sphere" in instruments else begun.text
+    machine = _with_sizes(begun.text, instruments)
     text = first_campaign(machine_from_text(machine), "machine.toml", instruments, target, begun.active)
     if begun.beside is not None:
         x, y = (format_quantity(each, "mm", 6) for each in begun.beside)
         text = text.replace(UNSAID_OFFSET, f'offset = ["{x}", "{y}", "0 mm"]', 1)
     if "probe" in instruments:
         text += begun.screws
-    setups = len(campaign_from_texts(text, said("campaign.toml (not written)"), machine, "machine.toml").setups)
+    try:
+        setups = len(campaign_from_texts(text, "campaign.toml", machine, "machine.toml").setups)
+    except InputError as fault:  # it stands in a file that nobody has
+        what = "What is usual of {instruments} cannot be read on this machine: {fault}"
+        raise DescriptionError(what, fault.remedy, instruments=", ".join(instruments), fault=fault.what) from None
     texts = {
         "machine.toml": f"#:schema ./machine.schema.json\n{machine.rstrip()}\n",
         "campaign.toml": text,
@@ -228,13 +232,17 @@ def first_files(begun: Beginning, instruments: Sequence[str], target: str) -> Fi
     return FirstFiles(texts, setups)
 
 
-def _with_stylus(machine: str) -> str:
-    """Return the text of a machine with the ball of a stylus, where it says of none."""
-    if machine_from_text(machine).stylus > 0:
-        return machine
-    return machine.replace(
-        "[tool]\n", '[tool]\nstylus = "6 mm"                # CHECK: diameter of the ball of the stylus\n', 1
-    )
+_HEAD = 'head = ["130 mm", "130 mm"]    # CHECK: diameter and height of the spindle nose with what carries it'
+_STYLUS = """stylus = "6 mm"                # CHECK: diameter of the ball of the stylus
+reach = "50 mm"                # CHECK: how far the stylus stands free below the body of the probe"""
+
+
+def _with_sizes(machine: str, instruments: Sequence[str]) -> str:
+    """Return the text of a machine with stylus and spindle nose, where it says nothing of them and balls are read."""
+    known = machine_from_text(machine)
+    lacking = [_STYLUS] if "sphere" in instruments and known.stylus <= 0 else []
+    lacking += [_HEAD] if not known.head and {"sphere", "ballbar"} & set(instruments) else []
+    return machine.replace("[tool]\n", "\n".join(["[tool]", *lacking, ""]), 1)
 
 
 def write_files(folder: Path, texts: Mapping[str, str]) -> None:

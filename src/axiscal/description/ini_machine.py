@@ -131,7 +131,14 @@ def _joints(ini: IniFile) -> dict[str, tuple[int, ...]]:
     if len(axes) > _MOST:
         remedy = "Describe those that are to be calibrated by hand"
         raise named.fail("{letters} are more than {most} axes", remedy, letters="".join(axes), most=_MOST)
-    return {axis: tuple(n for n, each in enumerate(letters) if each == axis) for axis in axes}
+    found = {axis: tuple(n for n, each in enumerate(letters) if each == axis) for axis in axes}
+    count = ini.get("KINS", "JOINTS")
+    for axis, numbers in found.items():
+        if count is not None and max(numbers) >= count.number("JOINTS"):
+            what = "JOINTS is {count}, and joint {joint} moves {axis}"
+            remedy = "Write as many as the kinematics have, as LinuxCNC needs them to start"
+            raise count.fail(what, remedy, count=count.text, joint=max(numbers), axis=axis)
+    return found
 
 
 def _unit(ini: IniFile, key: str, known: Mapping[str, str], usual: str) -> str:
@@ -259,6 +266,11 @@ def build_of(ini: IniFile, letters: Sequence[str], doubled: Sequence[str], unit:
     stated = ini.get("KINS", "KINEMATICS")
     name = stated.text.split()[0] if stated is not None and stated.text else "trivkins"
     linear, rotary = [each for each in letters if each not in "ABC"], [each for each in letters if each in "ABC"]
+    place = (ini.path, None) if stated is None else (stated.file, stated.line)
+    if set(linear) - {"Z"} == {"X", "Y", "U", "V"}:
+        what = "{axes} are two towers that hold a wire or a bar between them, and no chain from workpiece to tool"
+        remedy = "Describe one of them by hand, and calibrate each for itself"
+        raise DescriptionError(what, remedy, *place, axes=" ".join(linear))
     if name in ("trivkins", "gantrykins"):
         chain = _plain(linear, rotary, doubled)
         return IniBuild(chain, False, name, unit, origins=dict.fromkeys(rotary, (0.0, 0.0, 0.0)))
@@ -277,7 +289,6 @@ def build_of(ini: IniFile, letters: Sequence[str], doubled: Sequence[str], unit:
         remedy = "docs/scope.md says what to use instead"
     elif name in _ROBOTS:
         remedy = "docs/robots.md says how a robot is described"
-    place = (ini.path, None) if stated is None else (stated.file, stated.line)
     raise DescriptionError(what, remedy, *place, name=name)
 
 

@@ -79,8 +79,8 @@ def _nearest(machine: Machine, part: Chart) -> str:
     axis = int(short[best].argmax())
     if short[best, axis] <= 0:
         what = (
-            "In every pose the tool is against a stem, in what is to be kept out, or without room to draw back: look "
-            "at free, cone, keep_out, retract and the travels"
+            "In every pose tool, holder or spindle nose meet a stem, the post of another ball or what is to be kept "
+            "out, or there is no room to draw back: look at free, cone, keep_out, retract, [tool] and the travels"
         )
         return said(what)
     lack = format_quantity(float(short[best, axis] * (high - low)[axis]), machine.axes[axis].unit, 3)

@@ -236,12 +236,12 @@ class SiteReader:
         steps = tuple(self._step(self._machine.axes[k].name) for k in turning)
         self._refuse_one_place(turning, steps)
         coordinates = turns(self._machine, turning, steps)
-        park, room = self._park(turning), self._room(artefact)
+        park, free, at = self._park(turning), np.array(artefact.free), artefact.points
         contact: Contact = "held" if self._table.instrument == "rtest" else "retracted"
         back = 0.0 if contact == "held" else self._table.retract or RETRACT
-        free, touching = np.array(artefact.free), (back, self._coming(), self._touching(artefact))
+        touching = back, self._coming(), self._touching(artefact)
         each = tuple(
-            Held(room, np.array(artefact.balls[i].place), free, artefact.cone, turning, park, coordinates, *touching)
+            Held(self._room(artefact, i), at[i], free, artefact.cone, turning, park, coordinates, *touching)
             for i in balls
         )
         chart: Chart = each[0] if len(each) == 1 and turning else Balls(each)
@@ -350,8 +350,8 @@ class SiteReader:
                     remedy = "Give a smaller step, or leave {axis} out of moves"
                     raise DescriptionError(what, remedy, text=format_quantity(step, axis.unit), axis=axis.name)
 
-    def _room(self, artefact: Artefact | None) -> Room:
-        return Room.with_boxes(self._machine, () if artefact is None else artefact.keep_out)
+    def _room(self, artefact: Artefact | None, *touching: int) -> Room:
+        return Room.among(self._machine, artefact, touching)
 
 
 def lacking(machine: Machine, pose: Array) -> str:

@@ -31,8 +31,10 @@ LEAST_OVERRUN = 1e-5
 """m or rad."""
 LARGEST_OVERRUN = 0.25
 """Share of the travel."""
-_TOOL = {"length": 10.0, "radius": 1.0, "stylus": 0.1}
+_TOOL = {"length": 10.0, "radius": 1.0, "stylus": 0.1, "reach": 1.0}
 """m, at most."""
+_LEAST_HEAD, _LARGEST_HEAD = 1e-3, 2.0
+"""m, of the spindle nose: less is a slip."""
 _FAR = 1000 * math.tau
 """rad; no control counts the turns of an axis further."""
 
@@ -43,11 +45,13 @@ def _described(document: Document, fine_knots: bool = True) -> Machine:
     tool = Stated(document, tables.tool, ("tool",))
     name = faults.tried(_name, document, tables.name)
     axes = _axes(document, tables, faults)
+    stated = tables.tool.head is not None
+    head = faults.tried(tool.each, "head", "length", _LEAST_HEAD, _LARGEST_HEAD) if stated else None
     sizes = {key: faults.tried(tool.within, key, "length", 0.0, most) for key, most in _TOOL.items()}
     known = {axis.name: axis for axis in axes}
     curves, planes = read_errors(document, tables.errors, known, set(tables.axes), faults)
     faults.refuse()
-    length, radius, stylus = (size or 0.0 for size in sizes.values())
+    length, radius, stylus, reach = (size or 0.0 for size in sizes.values())
     curves = as_fine_as_is_cheap(curves, known) if fine_knots else curves
     return Machine(
         name=name or "",
@@ -59,6 +63,8 @@ def _described(document: Document, fine_knots: bool = True) -> Machine:
         planes=planes,
         tool_radius=radius,
         stylus=stylus,
+        reach=reach,
+        head=head or (),
         fine_knots=fine_knots,
     )
 
@@ -282,7 +288,8 @@ class Machine:
     """A machine as described by its owner.
 
     axes : in the order of the chain, from the workpiece to the tool; tool : length of the tool, m
-    tool_radius : m, of the cylinder from the tip of the tool to the spindle, which enters nothing that is kept out
+    tool_radius : m, of tool and holder, up to the spindle nose; reach : m, how far a stylus stands free below them
+    head : diameter and height of the nose with what carries it, m; none where nobody says
     errors : one entry per error of one axis that is not taken to be zero; text : the TOML it came from
     planes : one entry per error of two axes together; stylus : diameter of the ball at the end of a probe, m, or 0
     fine_knots : knots of which nothing is said are as close as is cheap; in records of before they were not
@@ -297,6 +304,8 @@ class Machine:
     planes: tuple[PlaneEntry, ...] = ()
     tool_radius: float = TOOL_RADIUS
     stylus: float = 0.0
+    reach: float = 0.05
+    head: tuple[float, ...] = ()
     fine_knots: bool = True
 
     def index(self, axis_name: str) -> int:

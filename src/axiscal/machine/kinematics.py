@@ -48,7 +48,7 @@ def tip_at(machine: Machine, poses: Array, points: Array) -> Array:
     at = frames(machine, result)
     ways = np.stack([at.rotations[k] @ np.array(machine.axes[k].direction) for k in axes], axis=2)
     away = points - at.tcp
-    result[:, axes] = _solved(ways, away)
+    result[:, axes] = solved(ways, away)
     off = np.linalg.norm(np.einsum("mij,mj->mi", ways, result[:, axes]) - away, axis=1)
     result[off > _REACHED] = np.nan
     return result
@@ -60,7 +60,7 @@ def drawn_back(machine: Machine, poses: Array, far: float) -> Array:
     return tip_at(machine, poses, at.tcp + far * at.stem)
 
 
-def _solved(ways: Array, away: Array) -> Array:
+def solved(ways: Array, away: Array) -> Array:
     """Return the travels that add up to the ways, or come nearest, (m, k).  ways : (m, 3, k); away : (m, 3)."""
     if ways.shape[2] == 3 and np.all(np.abs(np.linalg.det(ways)) > _FLAT):
         return np.asarray(np.linalg.solve(ways, away[:, :, None])[:, :, 0], dtype=np.float64)

@@ -50,6 +50,8 @@ class ToolTable(_Table):
     length: QuantityText = Field("0 mm", examples=['"120 mm"'])
     radius: QuantityText = Field("40 mm", examples=['"31.5 mm"'])
     stylus: QuantityText = Field("0 mm", examples=['"6 mm"'])
+    reach: QuantityText = Field("50 mm", examples=['"50 mm"'])
+    head: tuple[QuantityText, QuantityText] | None = Field(None, examples=['["130 mm", "130 mm"]'])
 
 
 class AxisTable(_Table):

@@ -66,6 +66,7 @@ class Dialect:
     move : a straight move in machine coordinates; dwell : a wait, {s} seconds or {ms} whole milliseconds
     stop : halts until somebody presses start; proof : checked after it for each axis, from {first} and {second} on
     pause : halts while the tool point is held; comment : a line of its own, of plain words {text}
+    screen : the same on the operator's screen, where a comment is not seen there
     tip_on : makes X Y Z those of the tool point on the workpiece, {tool} its length and {to} where it is
     tip_off : makes them those of the machine again, {to} where its axes are; tip_move : moves the tool point straight,
     rotary axes in step; tip_needs : which mode and zero that needs, for the head; tip_notes : what must be known of it
@@ -96,6 +97,7 @@ class Dialect:
     proof: str | None = None
     pause: Lines = ("M0",)
     comment: str = "({text})"
+    screen: str | None = None
     axes: str = f"[{LETTERS}]"
     decimals: int = 4
     longest_name: int = 24

@@ -268,6 +268,7 @@ _LINUXCNC_TOUCH = (
 LINUXCNC = Dialect(
     title="LinuxCNC",
     suffix="ngc",
+    screen="(MSG, {text})",
     notes=(
         "Tried on LinuxCNC's own interpreter (rs274), not on a machine.",
         "Coordinates are in mm (G21) and deg, whatever LINEAR_UNITS says: tried with mm and with inch.",
@@ -319,6 +320,7 @@ SINUMERIK = Dialect(
     move="G1 SUPA {to} F{feed}",
     dwell=("G4 F{s:.3f}",),  # it does not touch the feed of moves
     comment="; {text}",
+    screen='MSG("{text}")',
     axes=f"[{LETTERS}]|[XYZUVW][1-9]",  # A2= to C7= are directions of the tool there
     tip_on=("G500", "D1", "TRAORI", "ORIMKS ORIAXES"),
     tip_off=("TRAFOOF", "D0"),

@@ -1,6 +1,6 @@
 """Two ways to drive along poses in touch: the control holds the tool point, or slides go straight together.
 
-A proof that every way of a program, as the control goes it, stays out of the bodies to be kept out.
+A proof that on every way of a program, as the control goes it, tool, holder and nose stay out of what stands there.
 
 On a straight way of the axes a place of the tool goes at most as far as slides and turns carry it. Each turn counts at
 the longest lever of the chain. With a held tool point this point and the turns of the tool set the limit. Pieces of a
@@ -22,6 +22,7 @@ from axiscal.exceptions import ProgramError
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames, tip_at
+from axiscal.measurement.bodies import lever
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import path_seconds
@@ -49,7 +50,7 @@ def free(room: Room, start: Array, stop: Array) -> bool:
 def free_held(room: Room, start: Array, stop: Array) -> bool:
     """Return whether the tool point can go straight while the rotary axes turn evenly, from pose to pose."""
     tips, rotary = frames(room.machine, np.stack([start, stop])).tcp, [axis.rotary for axis in room.machine.axes]
-    far = float(np.linalg.norm(tips[1] - tips[0])) + float(np.abs(stop - start)[rotary].sum()) * room.machine.tool
+    far = float(np.linalg.norm(tips[1] - tips[0])) + float(np.abs(stop - start)[rotary].sum()) * lever(room.machine)
     return _proven(room, held_way(room.machine, start, stop), far)
 
 
@@ -58,7 +59,7 @@ def _lever(machine: Machine, poses: Array) -> float:
     at = frames(machine, poses)
     corners = np.concatenate([at.origins, at.tcp[None]])
     links = np.linalg.norm(np.diff(corners, axis=0), axis=2).sum(axis=0)
-    return float(links.max()) + machine.tool
+    return float(links.max()) + lever(machine)
 
 
 def _proven(room: Room, poses: Poses, far: float) -> bool:
@@ -88,13 +89,16 @@ def held_way(machine: Machine, start: Array, stop: Array) -> Poses:
     return lambda shares: tip_at(machine, turned(shares), along(shares))
 
 
-def refuse_kept_out(room: Room, setup: Setup, scales: Sequence[AxisScale], run: Sequence[Step]) -> None:
-    """Raise ProgramError for the first way of a program that leads into what is to be kept out.
+def refuse_kept_out(
+    machine: Machine, setup: Setup, balls: Mapping[int, int], scales: Sequence[AxisScale], run: Sequence[Step]
+) -> None:
+    """Raise ProgramError for the first way of a program that leads into what stands there.
 
+    balls : by the number of each reading, the one that it touches
     Ways on which it is not known where every axis is, before all of them have been sent somewhere, are not looked at.
     """
     pending = False
-    for step, clear in zip(run, _free_ways(room, scales, run), strict=True):
+    for step, clear in zip(run, _free_ways(machine, setup, balls, scales, run), strict=True):
         pending = pending or not clear
         if isinstance(step, Arrival) and pending:
             raise _hit(setup, said("the way to reading {number}", number=step.target.number))
@@ -103,21 +107,40 @@ def refuse_kept_out(room: Room, setup: Setup, scales: Sequence[AxisScale], run: 
 
 
 def _hit(setup: Setup, way: str) -> ProgramError:
-    what, artefact = "{way} of the set-up {setup} leads into what is to be kept out", ""
-    if setup.artefact is not None:
-        what = "{way} of the set-up {setup} leads into what is to be kept out of {artefact}"
-        artefact = shown(setup.artefact.name)
+    what = "{way} of the set-up {setup} leads into {artefact}: into a ball, a post, or what is to be kept out"
     remedy = (
-        "Say what goes clear before others move (--clearance), read the place from another side, or move the artefact"
+        "Say what goes clear before others move (--clearance), read the place from another side, move the artefact, or "
+        "correct length, reach, radius and head in [tool]"
     )
+    artefact = shown(setup.artefact.name if setup.artefact else "")
     return ProgramError(what, remedy, way=way, setup=shown(setup.name), artefact=artefact)
 
 
-def _free_ways(room: Room, scales: Sequence[AxisScale], run: Sequence[Step]) -> Iterator[bool]:
+def _rooms(machine: Machine, setup: Setup, balls: Mapping[int, int], run: Sequence[Step]) -> Iterator[Room]:
+    """Yield the room of each step: the tool may come to the ball of the reading before it, and of the one after it."""
+    behind, ahead = list[int](), [balls[step.target.number] for step in run if isinstance(step, Arrival) and balls]
+    room = None
+    for step in run:
+        if isinstance(step, Arrival) and balls:
+            behind, ahead, room = ahead[:1], ahead[1:], None
+        room = room or Room.among(machine, setup.artefact, {*behind, *ahead[:1]}, setup.contact != "retracted")
+        yield room
+
+
+def ways_free(
+    machine: Machine, setup: Setup, balls: Mapping[int, int], scales: Sequence[AxisScale], run: Sequence[Step]
+) -> bool:
+    """Return whether all ways are free on which it is known where every axis is; arguments as of `refuse_kept_out`."""
+    return all(_free_ways(machine, setup, balls, scales, run))
+
+
+def _free_ways(
+    machine: Machine, setup: Setup, balls: Mapping[int, int], scales: Sequence[AxisScale], run: Sequence[Step]
+) -> Iterator[bool]:
     """Yield of each step whether its way is free."""
     names = [scale.axis.name for scale in scales]
     at, tip = np.full(len(scales), np.nan), dict[str, float]()
-    for step in run:
+    for step, room in zip(run, _rooms(machine, setup, balls, run), strict=True):
         before = at.copy()
         match step:
             case Hold():
@@ -128,11 +151,11 @@ def _free_ways(room: Room, scales: Sequence[AxisScale], run: Sequence[Step]) -> 
                 tip |= _metres([(name, text) for name, text in step.to if name in tip])
                 _send(at, {k: to[name] for k, name in enumerate(names) if scales[k].axis.rotary and name in to}, scales)
                 at = tip_at(room.machine, at[None], np.array([[tip[name] for name in "XYZ"]]))[0]
-                yield free_held(room, before, at)
+                yield not room.occupied or free_held(room, before, at)
             case Move() | Release():
                 _send(at, step.to if isinstance(step, Move) else {names.index(n): text for n, text in step.at}, scales)
                 known = np.all(np.isfinite(before)) and not np.all(before == at)
-                yield not known or free(room, before, at)
+                yield not (known and room.occupied) or free(room, before, at)
             case _:
                 yield True
 

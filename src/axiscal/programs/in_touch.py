@@ -18,7 +18,7 @@ import numpy as np
 from axiscal.document import shown
 from axiscal.exceptions import ProgramError, TravelError
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import drawn_back
+from axiscal.machine.kinematics import drawn_back, frames
 from axiscal.machine.motion import LARGEST_TURN
 from axiscal.measurement.charts.room import KNOWN, Chart, Room, starts_of_ways
 from axiscal.measurement.reading import Place
@@ -28,6 +28,7 @@ from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
 from axiscal.programs.gliding import SlideDriver, Way, free, free_held
 from axiscal.programs.scale import Decimals, ReadingTarget, exact
+from axiscal.programs.standing import CLEAR, mounting
 from axiscal.programs.steps import Arrival, Clearance, Group, Halt, ProgramAxes, Remark, Step, Touched, dwells
 from axiscal.units import to_unit
 
@@ -113,7 +114,6 @@ class InTouch:
     def __init__(self, machine: Machine, setup: Setup, chart: Chart, driver: SlideDriver, from_zero: bool) -> None:
         self._machine, self._setup, self._chart, self._driver = machine, setup, chart, driver
         self._from_zero, self._clear = from_zero, _inside(machine, driver.axes.clearance)
-        self._room = Room.with_boxes(machine, () if setup.artefact is None else setup.artefact.keep_out)
 
     def run_through(self, readings: Sequence[tuple[int, Place]], reading: float | None) -> Iterator[Step]:
         """Yield the way through numbered readings; reading : s, None stops the program at each."""
@@ -121,9 +121,9 @@ class InTouch:
         there = self._chart.places(poses)
         sides = sides_of(self._chart, there, approaches)
         standing = starts_of_ways(self._chart, there[:1], sides[:1])[0]
-        yield from (Remark("PRESS START WHEN THE WAY TO THE START IS CLEAR"), Halt())
+        yield from [Halt(CLEAR)]
         driver = yield from self._together(self._driver, standing)
-        yield from (Remark("MOUNT AND ZERO THE INSTRUMENT THEN PRESS START"), Halt(driver.holding))
+        yield from [Halt(mounting(self._setup), driver.holding)]
         for (number, place), at, side in zip(readings, there, sides, strict=True):
             for stop in self._stops(standing, at, side):
                 driver = yield from self._way(driver, standing, stop)
@@ -132,7 +132,7 @@ class InTouch:
             position = driver.written(np.array(place.pose))
             yield Arrival(ReadingTarget(number, position, position, place.approach))
             yield from dwells(self._setup.settle)
-            yield from [Halt(driver.holding)] if reading is None else dwells(reading)
+            yield from [Halt(held=driver.holding)] if reading is None else dwells(reading)
         driver = yield from self._apart(driver, standing)
         yield from driver.cleared()
 
@@ -151,10 +151,10 @@ class InTouch:
                 driver = yield from driver.along(self._poses_along(start, stop))
             return driver
         bar = self._setup.length is not None
-        yield from (Remark("TAKE THE BAR OFF THEN PRESS START"), Halt(driver.holding)) if bar else ()
+        yield from [Halt("TAKE THE BAR OFF THEN PRESS START", driver.holding)] if bar else ()
         driver = yield from self._apart(driver, here)
         driver = yield from self._together(driver, there)
-        yield from (Remark("PUT THE BAR ON THEN PRESS START"), Halt(driver.holding)) if bar else ()
+        yield from [Halt("PUT THE BAR ON THEN PRESS START", driver.holding)] if bar else ()
         return driver
 
     def _together(self, driver: SlideDriver, place: Array) -> Way:
@@ -199,11 +199,15 @@ class InTouch:
     def _entrance(self, place: Array) -> Entrance:
         """Return how a place u is come to from where nothing is in touch.  Raises ProgramError where it cannot be."""
         pose = self._chart.poses(place[None])[0]
-        boxes = len(self._room.keep_out) > 0
+        artefact, bar = self._setup.artefact, self._setup.length is not None
+        tip = frames(self._machine, pose[None]).tcp
+        own = () if artefact is None or bar else artefact.nearest(tip, self._setup.balls).tolist()
+        room = Room.among(self._machine, artefact, own)
+        boxes = room.occupied
         for far in (*_BACK, *(_OUT if boxes else ())):
             drawn = drawn_back(self._machine, pose[None], far)[0]
             way = self._from_zeros(drawn) if self._from_zero else drawn[None]
-            if self._room.in_travel(way).all() and (not boxes or self._leads_out(way, pose)):
+            if room.in_travel(way).all() and (not boxes or self._leads_out(room, way, pose)):
                 return way, drawn, pose
         what = '"{setup}": the tool cannot be drawn back within the travels where its way begins or ends'
         if boxes:
@@ -214,13 +218,13 @@ class InTouch:
         remedy = "Read nearer to the middle of the travels, or move the artefact"
         raise ProgramError(what, remedy, setup=self._setup.name)
 
-    def _leads_out(self, way: Array, pose: Array) -> bool:
+    def _leads_out(self, room: Room, way: Array, pose: Array) -> bool:
         """Return whether nothing is in the way from where it is clear to a pose in touch.  way : (p, q), as the gate"""
         clear = way[0].copy()
         if self._clear is not None:
             clear[self._clear[0]] = self._clear[1]
-        pairs = all(free_held(self._room, start, stop) for start, stop in pairwise([*way, pose]))
-        return pairs and free(self._room, clear, way[0])
+        pairs = all(free_held(room, start, stop) for start, stop in pairwise([*way, pose]))
+        return pairs and free(room, clear, way[0])
 
     def _from_zeros(self, drawn: Array) -> Array:
         """Return poses from rotary axes at zero to a pose, turning where it is clear, (p, q)."""

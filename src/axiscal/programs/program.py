@@ -15,8 +15,8 @@ from axiscal.document import shown
 from axiscal.exceptions import ProgramError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import drawn_back
-from axiscal.measurement.charts.room import Chart, Room
+from axiscal.machine.kinematics import drawn_back, frames
+from axiscal.measurement.charts.room import Chart
 from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.measurement.readers.touch_log import plan_code
 from axiscal.measurement.reading import Place, approach_text, columns_of
@@ -25,6 +25,7 @@ from axiscal.programs.dialect import Dialect, filled, head
 from axiscal.programs.gliding import GENTLE, SlideDriver, TipDriver, refuse_kept_out
 from axiscal.programs.in_touch import InTouch, SphereCycle
 from axiscal.programs.scale import ReadingTarget, target
+from axiscal.programs.standing import standing
 from axiscal.programs.steps import (
     Arrival,
     Dwell,
@@ -161,11 +162,18 @@ class _Writer:
 
     def draft(self) -> tuple[tuple[Step, ...], tuple[Listed, ...]]:
         """Return the actions of the program, and its readings."""
-        run, artefact = tuple(self._steps()), self._setup.artefact
-        if artefact is not None and artefact.keep_out:
-            room = Room.with_boxes(self._machine, artefact.keep_out)
-            refuse_kept_out(room, self._setup, self._axes.scales, run)
+        run = tuple(self._steps())
+        if self._setup.artefact is not None:
+            refuse_kept_out(self._machine, self._setup, self._touched(), self._axes.scales, run)
         return run, tuple(self._listed(run))
+
+    def _touched(self) -> dict[int, int]:
+        """Return the ball of each reading by its number; none where no ball is read."""
+        if self._setup.artefact is None or self._setup.length is not None or not self._setup.balls:
+            return {}
+        tips = frames(self._machine, np.array([place.pose for _, place in self._places])).tcp
+        balls = self._setup.artefact.nearest(tips, self._setup.balls).tolist()
+        return {number: ball for (number, _), ball in zip(self._places, balls, strict=True)}
 
     def program(self, number: int, run: Sequence[Step], readings: tuple[Listed, ...], code: str) -> Program:
         setup, dialect = self._setup, self._dialect
@@ -189,7 +197,7 @@ class _Writer:
         numbered = zip(places, poses, strict=True)
         targets = [target(self._axes.scales, setup.name, k, pose, place.approach) for (k, place), pose in numbered]
         read = self._cycle(dict(places)) if self.touches else None
-        yield from self._axes.run_through(targets, setup.settle, reading, read)
+        yield from self._axes.run_through(targets, setup, reading, read)
 
     def _cycle(self, places: Mapping[int, Place]) -> Callable[[ReadingTarget], Iterator[Step]]:
         cycle = SphereCycle(self._machine, self._setup, self._axes)
@@ -229,6 +237,7 @@ class _Writer:
             "MACHINE COORDINATES IN MM AND DEG",
             *(f"{axis.name} IS THE RADIUS" for axis in self._machine.axes if axis.diameters),
             f"ORDER OF MOVES {self._axes.order}",
+            *standing(self._machine, self._setup),
             *(self._dialect.tip_needs if self._holds else ()),
             *(_BY_ITSELF if self.touches else _AT_BALL if self._setup.contact == "retracted" else ()),
         ]
@@ -257,7 +266,8 @@ class _Writer:
                 return filled(self._dialect.dwell, s=step.seconds, ms=round(step.seconds * 1000))
             case Halt():
                 stop = self._dialect.stopped(self._machine.axes, self.touches)
-                return [*self._dialect.pause] if step.held else stop
+                seen = (self._dialect.screen or self._dialect.comment).format(text=plain(step.text))
+                return [*([seen] if step.text else []), *(self._dialect.pause if step.held else stop)]
             case Remark():
                 return [self._comment(step.text)]
         assert isinstance(step, Arrival)  # for the list of readings alone
@@ -289,7 +299,7 @@ class _Writer:
             *(_LOGGED if self.touches else _TOUCHED if self._setup.contact == "retracted" else ()),
             "Coordinates are those of the machine description; its zeros and signs must be the control's own.",
             f"At every place the axes move in this order: {self._axes.order}.{self._clear()}{self._slow()} "
-            "Nothing is known here of what stands in the way: watch the first run at reduced feed.",
+            "The head says what is assumed to stand where, and nothing else may: watch the first run at reduced feed.",
             f"Jog the axes only {_JOG if not self._holds else _JOG_HELD} At a reading nothing may be moved by hand.",
             f"The longest overrun is {self._overruns()}; no coordinate leaves the travel.",
         )

@@ -19,6 +19,7 @@ from axiscal.machine.description import Machine
 from axiscal.machine.motion import FAMILIES, Driving, move_groups, quick_share, turn_parts
 from axiscal.measurement.setup import Setup
 from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget
+from axiscal.programs.standing import CLEAR, mounting
 from axiscal.units import format_quantity, to_unit
 
 FASTEST = 99_999
@@ -144,8 +145,12 @@ class Dwell:
 
 @dataclass(frozen=True, slots=True)
 class Halt:
-    """The program halts until somebody presses start.  held : while the control holds the tool point"""
+    """The program halts until somebody presses start.
 
+    text : why, on the screen, of our own words and of names; held : while the control holds the tool point
+    """
+
+    text: str = ""
     held: bool = False
 
 
@@ -187,12 +192,6 @@ class Touched:
         return tuple(zip(self.letters, values, strict=True))
 
 
-_BEGINNING = (
-    ("PRESS START WHEN THE WAY TO THE START IS CLEAR", False),
-    ("MOUNT AND ZERO THE INSTRUMENT THEN PRESS START", True),
-)
-"""What the stops before the first reading are for, and whether the way to the start is slow then."""
-
 Step = Move | Glide | Hold | Release | Dwell | Halt | Remark | Arrival | Touched
 
 
@@ -225,11 +224,11 @@ class ProgramAxes:
     def run_through(
         self,
         targets: Sequence[ReadingTarget],
-        settle: float,
+        setup: Setup,
         reading: float | None,
         read: Callable[[ReadingTarget], Iterator[Step]] | None = None,
     ) -> Iterator[Step]:
-        """Yield the way through readings in one set-up; settle, reading : s, None stops the program.
+        """Yield the way through readings in one set-up.  reading : s, None stops the program
 
         read : what the program does at a reading, instead of waiting or stopping; it ends where it began
 
@@ -237,15 +236,16 @@ class ProgramAxes:
         Raises ProgramError for waits or feeds that cannot be.
         """
         standing = targets[0].turning
-        for text, slow in _BEGINNING:
-            yield from (Remark(text), Halt())
-            yield from self.to_the_start(standing, targets[0].position if slow else None)
+        yield Halt(CLEAR)  # what is put down goes under a spindle that is clear
+        yield from self.to_the_start(standing if setup.contact == "free" else self.cleared(standing))
+        yield Halt(mounting(setup))
+        yield from self.to_the_start(standing, targets[0].position)
         for target in targets:
             yield from self.way_to(target, standing, first=target is targets[0])
             standing = target.position
             yield Remark(f"READING {target.number}")
             yield Arrival(target)
-            yield from dwells(settle)
+            yield from dwells(setup.settle)
             yield from read(target) if read is not None else [Halt()] if reading is None else dwells(reading)
         yield from self.moves(standing, self.cleared(standing))
 

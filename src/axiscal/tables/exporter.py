@@ -35,7 +35,11 @@ _BEGINNING = later(
     "campaign.toml. New tables go on top of what was active; until it is said they are written as if nothing was, and "
     "ask."
 )
-FLIP = "After loading check one point with a dial gauge: where the error has doubled, export again with --flip."
+FLIP = (
+    "WHICH WAY DOES THE CONTROL TAKE THESE VALUES? No text of its maker that we know says so. Before these files load "
+    "those of axiscal export --probe-sign, take their two readings, and give them to axiscal verify --bump: if it is "
+    "the other way round, export with --flip."
+)
 REPORTS = ("csv",)
 """What is read by people or other programs, not loaded in place of something."""
 _QUESTION = (
@@ -277,6 +281,7 @@ class Exporter(ABC):
     holds, left_out : what its files hold, and what not, each a sentence for README.txt
     tried : whether a real control of this kind has been seen to take them
     takes : options of the command line that it has a use for; instead : what to do in place of another one
+    unstated : tables whose sign no source states, "own" or "across", as in `bump`
     """
 
     holds: ClassVar[str]
@@ -284,6 +289,7 @@ class Exporter(ABC):
     tried: ClassVar[bool] = False
     takes: ClassVar[frozenset[str]] = frozenset()
     instead: ClassVar[Mapping[str, str]] = {}
+    unstated: ClassVar[str] = ""
 
     @abstractmethod
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:

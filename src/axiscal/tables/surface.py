@@ -21,7 +21,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames, turn_between
+from axiscal.machine.kinematics import frames, solved, turn_between
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
@@ -93,22 +93,24 @@ def turned_by(machine: Machine, rotation: Deviation, control: Control, poses: Ar
     return turned + rotation(sent, approaches)
 
 
-def by_linear_axes(machine: Machine) -> Callable[[Array, Array], Array]:
+def by_linear_axes(machine: Machine, fewest: int = 3) -> Callable[[Array, Array], Array]:
     """Return what takes TCP deviations (m, 3) at poses (m, q) away by the linear axes alone, (m, q), m.
 
-    [u_x u_y u_z] Δ = -δp.  Raises TableError where there are not three linear axes, one for each direction.
+    [u_x u_y u_z] Δ = -δp, as near as two axes come to it.  fewest : that the control takes
+    Raises TableError where there are not so many linear axes, or two along one direction.
     """
     linear = [k for k, axis in enumerate(machine.axes) if not axis.rotary]
-    if sorted(letter_direction(machine.axes[k].letter) for k in linear) != [0, 1, 2]:
+    if not fewest <= len({letter_direction(machine.axes[k].letter) for k in linear}) == len(linear):
         what = "the linear axes of the machine are {names}"
-        remedy = "volumetric compensation needs three, one along each of x, y and z"
-        raise TableError(what, remedy, names=", ".join(machine.axes[k].name for k in linear))
+        remedy = "volumetric compensation needs {fewest} and more, each along x, y or z, and no two along one"
+        names = ", ".join(machine.axes[k].name for k in linear)
+        raise TableError(what, remedy, names=names, fewest=fewest)
 
     def added(poses: Array, deviation: Array) -> Array:
         rotations = frames(machine, poses).rotations
         moves = np.stack([rotations[k] @ np.array(machine.axes[k].direction) for k in linear], axis=2)
         found = np.zeros_like(poses)
-        found[:, linear] = -np.linalg.solve(moves, deviation[:, :, None])[:, :, 0]
+        found[:, linear] = -solved(moves, deviation)
         return found
 
     return added

@@ -172,10 +172,12 @@ def _once(file: VcompFile, at: Array, ways: Array) -> Array:
         carried = point if axis.side > 0 else point + way
         off = off + axis.side * (found[:, :3] + np.cross(found[:, 3:], carried)) + np.cross(axis.tilt, way)
         point, moves[k] = point + way, np.tile(e, (count, 1))
-    directions = np.stack(list(moves.values()), axis=2)
+    along = list(moves.values())
+    across = [np.cross(along[0], along[1])] if len(along) == 2 else []
+    directions = np.stack([*along, *across], axis=2)
     if np.any(np.abs(np.linalg.det(directions)) < LEAST_DETERMINANT):
         raise TableError("the linear axes do not span space at some poses", "keep the volume away from there")
-    out[:, list(moves)] = -np.linalg.solve(directions, off[:, :, None])[:, :, 0]
+    out[:, list(moves)] = -np.linalg.solve(directions, off[:, :, None])[:, : len(along), 0]
     return out
 
 
@@ -183,11 +185,11 @@ def whole_control(model: ErrorModel, mean: Array) -> Control:
     """Return the control that takes the deviation of these errors away.  mean : (size,) control values
 
     Without rotary axes it adds nothing at machine zero, the mean of both directions: a constant is a matter of the
-    workpiece's zero. Errors of two axes together are left. Raises TableError when the machine has not three linear axes
-    that span space.
+    workpiece's zero. Errors of two axes together are left, and with two linear axes what leads out of their plane.
+    Raises TableError when the machine has not two or three linear axes, each along a direction of its own.
     """
     axes = model.machine.axes
-    taken, constant = by_linear_axes(model.machine), at_zero(model, mean)
+    taken, constant = by_linear_axes(model.machine, fewest=2), at_zero(model, mean)
 
     def once(poses: Array, approaches: Array) -> Array:
         values = _values(model, mean, poses, approaches)

@@ -5,7 +5,7 @@ A file of the component, read as the component reads it, from the layout of the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import ClassVar
 
@@ -272,13 +272,3 @@ def anchored(axes: Sequence[VcompAxis], constant: Array) -> tuple[VcompAxis, ...
     place = last.place.copy()
     place[:3] -= last.side * constant
     return *axes[:-1], replace(last, place=place)
-
-
-def joints_of(machine_joints: Mapping[str, tuple[int, ...]], axes: Sequence[Axis]) -> Mapping[str, tuple[int, ...]]:
-    """Return the joints; raises TableError when their numbers have a gap."""
-    numbers = sorted(number for axis in axes for number in machine_joints[axis.name])
-    if numbers != list(range(len(numbers))):
-        known = ", ".join(f"{axis.name}={n}" for axis in axes for n in machine_joints[axis.name])
-        remedy = "The component corrects the whole chain: describe every joint of the machine, and number them from 0"
-        raise TableError("the numbers of the joints ({known}) have a gap", remedy, known=known)
-    return machine_joints

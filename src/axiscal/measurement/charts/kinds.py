@@ -167,7 +167,7 @@ class Held(SmoothChart):
             drawn = drawn_back(machine, poses[found], self.back)
             found[found] = self.room.holds(drawn) & self._all_in_travel([drawn - self.overrun, drawn + self.overrun])
         if self.touching is not None and found.any():
-            found[found] = self._all_in_travel(self.touching(poses[found]))
+            found[found] = np.all([self.room.holds(each) for each in self.touching(poses[found])], axis=0)
         return found
 
     def _all_in_travel(self, poses: Iterable[Array]) -> NDArray[np.bool_]:

@@ -8,8 +8,8 @@ quartic on the unit circle. What follows neither is sampled and bisected.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field
 from itertools import product
 from typing import NamedTuple, Protocol
 
@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
+from axiscal.measurement.artefact import Artefact
+from axiscal.measurement.bodies import parts, posts
 from axiscal.numerics import Array
 
 _OUTSIDE = 1e-9
@@ -226,23 +228,44 @@ _ANGLE = 1e-9
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Room:
-    """Where the machine may stand.
+    """Where the machine may stand, in the workpiece frame.
 
-    keep_out : (n, 3, 2) boxes in the workpiece frame, m, that neither the tool point nor the tool enters
+    keep_out : (n, 3, 2) boxes, m, that no part of tool, holder and nose enters
+    touched : (k, 3, 2) boxes that all parts keep out of but the first, which touches there
+    balls : (j, 4) places and radii of spheres, m, that a stylus goes to, and not into
     """
 
     machine: Machine
     keep_out: Array
+    touched: Array = field(default_factory=lambda: np.zeros((0, 3, 2)))
+    balls: Array = field(default_factory=lambda: np.zeros((0, 4)))
 
     @classmethod
     def empty(cls, machine: Machine) -> Room:
         """Return a room in which nothing stands."""
-        return cls.with_boxes(machine, ())
+        return cls.among(machine, None)
 
     @classmethod
-    def with_boxes(cls, machine: Machine, boxes: Sequence[Sequence[tuple[float, float]]]) -> Room:
-        """Return a room in which boxes stand, each (low, high) along x, y, z, m."""
-        return cls(machine, np.array(boxes, dtype=np.float64).reshape(-1, 3, 2))
+    def among(
+        cls, machine: Machine, artefact: Artefact | None, touching: Collection[int] = (), met: bool = True
+    ) -> Room:
+        """Return the room about an artefact: what it keeps out of, and its balls with their posts.
+
+        touching : the balls that the tool comes to; met : it is at them, not on the way to them
+        """
+        if artefact is None:
+            return cls(machine, np.zeros((0, 3, 2)))
+        boxes, each = np.array(artefact.keep_out, dtype=np.float64).reshape(-1, 3, 2), posts(artefact)
+        own = [post for ball, post in enumerate(each) if ball in touching]
+        others = [post for ball, post in enumerate(each) if ball not in touching]
+        at = artefact.points[list(touching)] if own and machine.stylus > 0 and not met else np.zeros((0, 3))
+        balls = np.column_stack([at, np.full(len(at), (artefact.diameter or 0.0) / 2)])
+        return cls(machine, np.concatenate([boxes, *others]), np.concatenate([np.zeros((0, 3, 2)), *own]), balls)
+
+    @property
+    def occupied(self) -> bool:
+        """Whether anything stands there."""
+        return len(self.keep_out) + len(self.touched) + len(self.balls) > 0
 
     def in_travel(self, poses: Array) -> NDArray[np.bool_]:
         """Return which poses (m, q) are numbers within the travels."""
@@ -255,7 +278,7 @@ class Room:
     def holds(self, poses: Array) -> NDArray[np.bool_]:
         """Return at which poses (m, q) nothing is in the way."""
         found = self.in_travel(poses)
-        if len(self.keep_out) and found.any():
+        if self.occupied and found.any():
             at = frames(self.machine, poses[found])
             found[found] = ~self.hit(at.tcp, at.stem)
         return found
@@ -274,16 +297,24 @@ class Room:
         return found
 
     def hit(self, tips: Array, stems: Array, nearer: Array | float = 0.0) -> NDArray[np.bool_]:
-        """Return where the tool, from its tip (m, 3) along its stem, is nearer to a box than its radius, (m,).
+        """Return where tool, holder or nose, from the tip (m, 3) along the stem, enter what they keep out of, (m,).
 
-        nearer : m, or (m,), by how much the boxes grow, where the tool may move by so much
+        nearer : m, or (m,), by how much what stands there grows, where a place of the tool may move by so much
         """
         hit = np.zeros(len(tips), dtype=bool)
         wider = np.broadcast_to(np.asarray(nearer, dtype=np.float64), (len(tips),))[:, None]
-        for low, high in np.swapaxes(self.keep_out, 1, 2):
-            hit |= np.all((tips >= low - wider) & (tips <= high + wider), axis=1)
-            around = wider + self.machine.tool_radius
-            hit |= _enters(tips, stems * self.machine.tool, low - around, high + around)
+        across = np.sqrt(np.maximum(1.0 - stems**2, 0.0))
+        for number, part in enumerate(parts(self.machine)):
+            starts, ways = tips + part.start * stems, (part.stop - part.start) * stems
+            around = wider + part.radius * across
+            boxes = np.concatenate([self.keep_out, self.touched]) if number else self.keep_out
+            for low, high in np.swapaxes(boxes, 1, 2):
+                hit |= _enters(starts, ways, low - around, high + around)
+        touching = parts(self.machine)[0]
+        for *place, radius in self.balls.tolist():
+            away = np.array(place) - tips
+            along = np.clip(np.sum(away * stems, axis=1), touching.start, touching.stop)[:, None]
+            hit |= np.linalg.norm(away - along * stems, axis=1) < radius + touching.radius + wider[:, 0]
         return hit
 
 

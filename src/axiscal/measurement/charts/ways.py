@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Frames, frames, linear_axes, tool_point
+from axiscal.measurement.bodies import lever
 from axiscal.measurement.charts.room import Chart, Room
 from axiscal.numerics import Array
 
@@ -194,7 +195,7 @@ class _Proof:
         self.swing, self._room, machine = swing, room, room.machine
         self._slides, self._follow = Slides(machine, swing), list(linear_axes(machine))
         self._low, self._high = np.array([axis.travel for axis in machine.axes]).T
-        self._fastest = swing.speed + machine.tool * stem_rate(machine, swing.turns)
+        self._fastest = swing.speed + lever(machine) * stem_rate(machine, swing.turns)
 
     def of_pieces(self, poses: Array, widths: Array) -> NDArray[np.bool_]:
         """Return it of pieces, (m,).  poses : (2 m, q) of their beginnings, then of their ends; widths : (m,) of s"""
@@ -206,7 +207,7 @@ class _Proof:
         for angle in self.swing.angles:
             least = np.cos(min(angle.cone + _LIMIT, np.pi))
             found &= _lesser(angle.cosines(at.stem, at.tcp)) - angle.bend * widths**2 / 8 >= least
-        if len(self._room.keep_out) and found.any():
+        if self._room.occupied and found.any():
             nearer = np.tile(self._fastest * widths / 2 - _LIMIT, 2)
             hit = self._room.hit(at.tcp, at.stem, nearer)
             found &= ~(hit[:count] | hit[count:])

@@ -50,7 +50,7 @@ static char *file = 0, *units = 0, *coordinates = 0;
 static int joints = 0;
 RTAPI_MP_STRING(file, "the file of the campaign");
 RTAPI_MP_STRING(units, "[TRAJ]LINEAR_UNITS");
-RTAPI_MP_STRING(coordinates, "[TRAJ]COORDINATES");
+RTAPI_MP_STRING(coordinates, "the axis of each joint, as [TRAJ]COORDINATES has them; _ for one of no axis");
 RTAPI_MP_INT(joints, "[KINS]JOINTS");
 
 static vc_machine machine;
@@ -90,8 +90,8 @@ static int fits(void) {
         rtapi_snprintf(why, sizeof why, "the file is in %s, LINEAR_UNITS is %.20s", machine.unit, units);
         return refuse(0, why);
     }
-    if (machine.joints != joints) {
-        rtapi_snprintf(why, sizeof why, "the file is for %d joints, JOINTS is %d", machine.joints, joints);
+    if (machine.joints > joints) {
+        rtapi_snprintf(why, sizeof why, "the file has joint %d, JOINTS is %d", machine.joints - 1, joints);
         return refuse(0, why);
     }
     for (k = 0; k < machine.axes; k++)

@@ -191,15 +191,13 @@ static int vc_read_axis(vc_text *t, vc_axis *a) {
 
 static int vc_count_joints(vc_text *t, vc_machine *m) {
     int seen[VC_JOINTS] = {0}, k, j;
-    m->joints = 0;
+    m->joints = 0; /* up to the last of them: what moves nothing of the chain passes through as it is */
     for (k = 0; k < m->axes; k++)
         for (j = 0; j < 2; j++)
             if (m->axis[k].joint[j] >= 0) {
                 if (seen[m->axis[k].joint[j]]++) return vc_refuse(t, "a joint number is given twice");
-                m->joints++;
+                if (m->axis[k].joint[j] >= m->joints) m->joints = m->axis[k].joint[j] + 1;
             }
-    for (j = 0; j < m->joints; j++)
-        if (!seen[j]) return vc_refuse(t, "joint numbers have a gap");
     return 1;
 }
 
@@ -220,12 +218,12 @@ static const char *vc_read(vc_machine *m, const char *from, int size, int *line)
     if (!(vc_next(&t) && vc_key(&t, "limits") && vc_number(&t, &m->limit) && vc_numbers(&t, &m->limit_deg, 1))) goto out;
     if (m->limit <= 0 || m->limit_deg <= 0) { vc_refuse(&t, "limits are above zero"); goto out; }
     if (!(vc_next(&t) && vc_key(&t, "tool") && vc_numbers(&t, m->tool, 3))) goto out;
-    if (!(vc_next(&t) && vc_key(&t, "axes") && vc_whole(&t, &m->axes, 3, VC_AXES) && vc_line_end(&t))) goto out;
+    if (!(vc_next(&t) && vc_key(&t, "axes") && vc_whole(&t, &m->axes, 2, VC_AXES) && vc_line_end(&t))) goto out;
     for (k = 0; k < m->axes; k++) {
         if (!vc_read_axis(&t, &m->axis[k])) goto out;
         linear += !m->axis[k].rotary;
     }
-    if (linear != 3) { vc_refuse(&t, "three axes have to be linear"); goto out; }
+    if (linear != 2 && linear != 3) { vc_refuse(&t, "two or three axes have to be linear"); goto out; }
     if (!vc_count_joints(&t, m)) goto out;
     m->hash = vc_fnv(from, t.line);
     if (!(vc_next(&t) && vc_key(&t, "end") && vc_word(&t) && vc_line_end(&t))) goto out;
@@ -348,13 +346,17 @@ static int vc_once(vc_machine *m, const double *t, const double *way, const doub
         }
         for (i = 0; i < 3; i++) p[i] += a->origin[i];
     }
-    if (n_linear != 3) return VC_NO_SPACE;
+    if (n_linear < 2) return VC_NO_SPACE;
+    if (n_linear == 2) { /* what leads out of their plane no axis can take away */
+        u[2][0] = u[2][1] = u[2][2] = 0;
+        vc_add_cross(u[0], u[1], 1, u[2]);
+    }
     det = vc_det(u[0], u[1], u[2]);
     if (!(vc_abs(det) >= VC_LEAST_DET)) return vc_finite(det) ? VC_NO_SPACE : VC_NOT_FINITE;
     for (i = 0; i < 3; i++) right[i] = -d[i];
     out[which[0]] = vc_det(right, u[1], u[2]) / det;
     out[which[1]] = vc_det(u[0], right, u[2]) / det;
-    out[which[2]] = vc_det(u[0], u[1], right) / det;
+    if (n_linear == 3) out[which[2]] = vc_det(u[0], u[1], right) / det;
     for (k = 0; k < m->axes; k++)
         if (!vc_finite(out[k])) return VC_NOT_FINITE;
     return VC_FINE;

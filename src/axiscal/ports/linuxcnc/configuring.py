@@ -180,7 +180,8 @@ class Configured:
 
     def patched(self) -> patching.Configuration:
         """Return the files with the component in them; raises TableError for what has to be done by hand."""
-        return patching.patched(self.ini, self.files, sorted(n for axis in self.machine.axes for n in axis.joints))
+        joints = {number: axis.letter for axis in self.machine.axes for number in axis.joints}
+        return patching.patched(self.ini, self.files, joints)
 
 
 def configured(path: Path) -> Configured:

@@ -69,10 +69,10 @@ class Configuration:
         return [name for name in self.files if name != self.ini]
 
 
-def patched(ini: IniFile, files: Mapping[str, str], joints: Sequence[int]) -> Configuration:
+def patched(ini: IniFile, files: Mapping[str, str], joints: Mapping[int, str]) -> Configuration:
     """Return the configuration with the component in it.
 
-    files : the INI file and its HAL files in the order in which they run; joints : their numbers
+    files : the INI file and its HAL files in the order in which they run; joints : their numbers with their axes
     Raises TableError with file and line for what has to be done by hand.
     """
     for name in files:
@@ -87,9 +87,11 @@ def patched(ini: IniFile, files: Mapping[str, str], joints: Sequence[int]) -> Co
         _exchange(found, f"joint.{joint}.motor-pos-cmd", f"axiscal-vcomp.drive-{joint}")
         _exchange(found, f"joint.{joint}.motor-pos-fb", f"axiscal-vcomp.encoder-{joint}")
     _ini(found, ini, {name for name in found.texts() if found.files[name] != files[name]})
-    found.files[LOAD_FILE] = f"# Made by axiscal: the component, before anything is joined to it.\n{_LOADRT}\n"
+    letters = "".join(joints.get(number, "_") for number in range(max(joints) + 1))
+    load = _LOADRT.replace('"coordinates=[TRAJ]COORDINATES"', f"coordinates={letters}")  # the kinematics' own order
+    found.files[LOAD_FILE] = f"# Made by axiscal: the component, before anything is joined to it.\n{load}\n"
     head = f"# Made by axiscal: what the component reads beside. Its functions stand in {thread}."
-    found.files[JOIN_FILE] = "\n".join([head, *_nets(found.nets, joints)]) + "\n" + SWITCHES
+    found.files[JOIN_FILE] = "\n".join([head, *_nets(found.nets, sorted(joints))]) + "\n" + SWITCHES
     return found
 
 

@@ -62,7 +62,7 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
         largest = np.max(np.abs(sides), axis=(0, 1))
         if np.max(largest) <= _NOTHING:
             return Draft({}, {}, (), self.holds, self.left_out, control=wanted, wanted=wanted)
-        numbers = vcomp_file.joints_of(options.joints(machine), machine.axes)
+        numbers = options.joints(machine)
         given = [(numbers[axis.name], own) for axis, own in zip(machine.axes, reversal_times(estimate), strict=True)]
         file = vcomp_file.content_of(estimate, given, options.unit, largest, options.origin)
         joints = [n for axis in file.axes for n in axis.joints]

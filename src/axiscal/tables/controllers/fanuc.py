@@ -246,6 +246,7 @@ class Fanuc(TableFormat):
     """Pitch data in the place of those of a punched file."""
 
     takes = frozenset({"--template", "--number", "--flip", "--on-top-of"})
+    unstated = "own"
     instead: ClassVar = {"--spacing": later("leave it out: parameters 3620 to 3624 say where the points are")}
 
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:

@@ -73,6 +73,7 @@ class Heidenhain(TableFormat):
     left_out = "errors that depend on two axes at once, the reversal of straightness, and axes that have no column."
     points = 256  # by HEIDENHAIN's manual: lines of a table
     takes = frozenset({"--template", "--spacing", "--flip", "--on-top-of"})
+    unstated = "own"
     on_top = 0  # all columns of a file have the points of the new ones
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:

@@ -193,6 +193,7 @@ class Isg(Exporter):
     """ISG_CSV, the list file, and leadscrew tables of axes with a reversal."""
 
     takes = frozenset({"--spacing", "--number", "--flip", "--on-top-of"})
+    unstated = "own"
     left_out = "the reversal of straightness and of angles, and the orientation of the tool."
 
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:

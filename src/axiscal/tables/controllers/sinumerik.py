@@ -215,6 +215,7 @@ class Sinumerik(TableFormat):
     )
     left_out = "errors that depend on two axes at once, the orientation of the tool, and the reversal of straightness."
     takes = frozenset({"--spacing", "--number", "--flip", "--measuring-system", "--on-top-of"})
+    unstated = "across"
     instead: ClassVar = {"--unit": later("leave it out: the tables are in mm and deg, load them in metric")}
     points = 200  # what an 828D holds for an axis
     on_top = POINTS
@@ -292,7 +293,7 @@ def _cec(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> tuple[str, .
         f"MD32720 CEC_MAX_SUM limits what all CEC tables of an axis add: it must be above {_sums(blocks, names)}.",
         "MD32730 CEC_MAX_VELO limits how fast that changes, in per cent of MD32000 of the axis: it must be above "
         f"{_slopes(blocks, names)}. A reversal is spread over the time that this allows.",
-        "CEC: no Siemens text that we know states the sign; here it is that of ENC_COMP, and --flip turns CEC alone.",
+        "CEC is taken to have the sign of ENC_COMP; --flip turns CEC alone.",
         FLIP,
     )
 

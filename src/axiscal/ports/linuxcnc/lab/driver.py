@@ -58,10 +58,11 @@ class RunningControl:
         return {"values": [float(hal.get_value(name)) for name in asked.get("read", ())]}
 
     def errors(self) -> list[str]:
-        """Drain the error channel."""
+        """Drain the error channel, and pass over what a program shows on the screen."""
         texts = []
         while (message := self.channel.poll()) is not None:
-            texts.append(str(message[1]).strip())
+            if message[0] in (linuxcnc.NML_ERROR, linuxcnc.OPERATOR_ERROR):
+                texts.append(str(message[1]).strip())
         return texts
 
     def homed(self) -> bool:

@@ -17,16 +17,17 @@ from axiscal.document import shown
 from axiscal.exceptions import InputError, SourceError, TravelError
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import drawn_back
+from axiscal.machine.kinematics import drawn_back, frames
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import cycle_of, met_from, read_as
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.live.connection import Connection
 from axiscal.ports.linuxcnc.live.in_force import InForce
+from axiscal.programs.gliding import ways_free
 from axiscal.programs.in_touch import SphereCycle
 from axiscal.programs.scale import Decimals, ReadingTarget, exact, target
-from axiscal.programs.steps import Move, ProgramAxes, Step, Touched
+from axiscal.programs.steps import Arrival, Move, ProgramAxes, Step, Touched
 from axiscal.units import format_quantity, from_unit
 
 _DECIMALS = 6
@@ -97,6 +98,7 @@ class LiveSource:
         try:
             way = _WayToBall(self._machine, request)
             to, touching = way.to(None if anew else self._standing), [*way.touches()]
+            way.refuse_bodies(to, None if anew else self._standing, touching)
             trial = way.trial() if anew else []
         except TravelError as impossible:  # nothing has moved
             return Skip(impossible.what)
@@ -239,6 +241,27 @@ class _WayToBall:
         steps = list[Step](self._axes.to_the_start(start))
         steps += self._axes.way_to(self.target, start, first=True)
         return steps
+
+    def refuse_bodies(
+        self, to: Sequence[Step], standing: tuple[str, Decimals] | None, touching: Sequence[Step]
+    ) -> None:
+        """Raise TravelError where nose, holder or tool would meet a ball or a post, going there or touching."""
+        setup, scales = self._request.setup, self._axes.scales
+        if setup.artefact is None:
+            return
+        begun = [] if standing is None else [Move(dict(enumerate(standing[1])), 1, 0.0)]
+        reached, known = Arrival(self.target), np.array([self._pose])
+        (ball,) = setup.artefact.nearest(frames(self._machine, known).tcp, setup.balls).tolist()
+        run = [*begun, *to, reached, *touching]
+        if not ways_free(self._machine, setup, {self._request.reading: ball}, scales, run):
+            what = (
+                "on the way to ball {ball} of {artefact} the tool, its holder or the spindle nose meet a ball or a post"
+            )
+            remedy = (
+                "Leave it out, put the artefact down elsewhere, or correct length, reach, radius and head in [tool]"
+            )
+            name = setup.artefact.balls[ball].name
+            raise TravelError(what, remedy, ball=name, artefact=shown(setup.artefact.name))
 
     def off(self, standing: Decimals) -> list[Step]:
         """Return the way from where the axes stand to where they are clear."""

@@ -1,0 +1,69 @@
+"""What moves and what stands: tool, holder and spindle nose, and the balls with their posts that they keep clear of.
+
+A cylinder of radius r about the stem n lies within the segment between its ends, grown by r √(1 − n_i²) along each
+axis i. So it enters a box only where the segment enters the box grown by as much.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.machine.description import Machine
+from axiscal.measurement.artefact import Artefact
+from axiscal.numerics import Array
+
+CLEAR = 5e-3
+"""m by which everything keeps clear of a body: it is put down by eye, and a touch goes 4 mm too far."""
+_POST = 1.0
+"""m: below that much of a post, or of what it stands on, no spindle gets."""
+_SQUARE = 1e-9
+"""Sine: a post that leans by less stands straight."""
+
+
+class Cylinder(NamedTuple):
+    """A cylinder about the stem.  start, stop : m from the tip towards the spindle; radius : m"""
+
+    start: float
+    stop: float
+    radius: float
+
+
+def parts(machine: Machine) -> tuple[Cylinder, ...]:
+    """Return what moves, from the tip on: stylus, tool with holder, spindle nose. The first of them is what touches."""
+    free = min(machine.reach, machine.tool) if machine.stylus > 0 else 0.0
+    body = Cylinder(free, machine.tool, machine.tool_radius)
+    found = [Cylinder(-machine.stylus / 2, free, machine.stylus / 2), body] if machine.stylus > 0 else [body]
+    if machine.head:
+        wide, high = machine.head
+        found.append(Cylinder(machine.tool, machine.tool + high, wide / 2))
+    return tuple(found)
+
+
+def lever(machine: Machine) -> float:
+    """Return how far from the tip the furthest place of what moves is, m."""
+    return max(math.hypot(max(abs(part.start), part.stop), part.radius) for part in parts(machine))
+
+
+def posts(artefact: Artefact) -> tuple[Array, ...]:
+    """Return the boxes about each ball and the post below it, as wide as the ball, (n, 3, 2) m each, with what is kept.
+
+    None where nobody says how large the balls are. A post that leans is a row of boxes.
+    """
+    if artefact.diameter is None:
+        return ()
+    wide, down = artefact.diameter / 2 + CLEAR, -np.array(artefact.free)
+    straight = np.abs(down).max() >= 1.0 - _SQUARE
+    edges = np.linspace(0.0, _POST, 2 if straight else 1 + math.ceil(_POST / wide))
+    return tuple(
+        np.array([_around(ball + down * first, ball + down * last, wide) for first, last in pairwise(edges)])
+        for ball in artefact.points
+    )
+
+
+def _around(one: Array, other: Array, wide: float) -> Array:
+    """Return the box about two places, (3, 2) m.  wide : m beside them"""
+    return np.stack([np.minimum(one, other) - wide, np.maximum(one, other) + wide], axis=1)

@@ -1,0 +1,66 @@
+"""Every sample configuration of LinuxCNC: from its INI to tables that the component reads, or refused by `init`."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from axiscal.description.first_files import machine_text
+from axiscal.description.ini_file import read_ini
+from axiscal.description.ini_machine import lacking_limits, machine_of
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import whole_travel
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import InputError
+from axiscal.machine.axis import letter_direction
+from axiscal.machine.description import machine_from_text
+from axiscal.ports.linuxcnc.volumetric_tables import LinuxcncVolumetric
+from axiscal.tables import registry
+from axiscal.tables.exporter import ExportOptions
+from axiscal.units import from_unit
+from tests.controls.fetched import MissingError
+from tests.tables.core_library import Core
+
+SAMPLES = Path("/usr/share/doc/linuxcnc/examples/sample-configs")
+"""Of Debian's linuxcnc-uspace."""
+_TRAVEL = (-0.3, 0.0)
+"""m, where an INI leaves it open and a person is asked."""
+
+
+def ends(core: Core, ini: Path) -> str:
+    """Return how an INI file ends: "loaded", "refused" by what reads it, or why nothing loads its tables."""
+    try:
+        read = read_ini(ini)
+        given = {axis: (_TRAVEL[0] / float(from_unit(1.0, unit)), 0.0) for axis, unit in lacking_limits(read).items()}
+        found = machine_of(read, given)
+        machine = machine_from_text(machine_text(found, ini.name), ini)
+    except InputError:
+        return "refused"
+    try:
+        model = ErrorModel(machine)
+        mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(3).standard_normal(model.size)
+        estimate = Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+        joints = {axis.letter: axis.joints for axis in found.axes}
+        options = ExportOptions(unit=found.build.unit, numbers=joints, active=False)
+        linear = [letter_direction(axis.letter) for axis in machine.axes if not axis.rotary]
+        if len(set(linear)) < len(linear):
+            registry.export(estimate, "linuxcnc", options)
+            return "loaded"  # two axes along one direction have tables of their own
+        files = LinuxcncVolumetric().make(estimate, options).files
+    except InputError as failure:
+        return str(failure.what)
+    return core.load(files["axiscal.vcomp"].encode())[0] or "loaded"
+
+
+def counted() -> Counter[str]:
+    """Return how often each end is met; raises MissingError where the samples, or gcc, are not here."""
+    files = sorted(SAMPLES.rglob("*.ini"))
+    if not files:
+        raise MissingError("linuxcnc-uspace is not installed")
+    with TemporaryDirectory() as folder:
+        core = Core(Path(folder))
+        return Counter(ends(core, ini) for ini in files)
