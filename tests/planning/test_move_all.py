@@ -47,7 +47,7 @@ def drawn(asked: Task, seed: int, count: int) -> Places:
 def test_readings_of_random_plans_come_to_lie_better(seed: int) -> None:
     asked = levered(50)
     places = drawn(asked, seed, 6)
-    found = relocated([asked.state], places)
+    found = relocated(asked.state, places)
     assert asked.state.after_readings(found).value < 0.98 * asked.state.after_readings(places).value
     np.testing.assert_array_equal(found.setups, places.setups)
     np.testing.assert_array_equal(found.approaches, places.approaches)
@@ -67,7 +67,7 @@ def test_seven_readings_on_seven_knots_find_their_places() -> None:
     """Evenly spaced, the ends included, they leave 0.0999; the best seven 0.0832 (a number computed elsewhere)."""
     asked = splines(1, 7, 0.1, 10)
     places = Places.of_setup(0, np.linspace(0, 10, 7)[:, None], np.ones((7, 1)))
-    assert asked.state.after_readings(relocated([asked.state], places)).value == pytest.approx(0.0832, abs=1e-4)
+    assert asked.state.after_readings(relocated(asked.state, places)).value == pytest.approx(0.0832, abs=1e-4)
 
 
 @pytest.mark.parametrize("instrument", ["indicator", "rtest"])
@@ -100,7 +100,7 @@ def test_what_stands_on_a_raster_stays() -> None:
     setups = tuple(replace(s, raster=(0.1, 0.05, 0.05)) for s in asked.observation.setups)
     asked = replace(asked, observation=Observation(asked.observation.errors, setups))
     places = drawn(asked, 0, 5)
-    assert relocated([asked.state], places) is places
+    assert relocated(asked.state, places) is places
 
 
 @pytest.mark.long
@@ -122,7 +122,7 @@ approach = "both"
     lattice = spread(machine, case.description.setups, 60)
     places = lattice.within(np.arange(0, len(lattice), max(1, len(lattice) // 6))[:6])
     state = Covariance.from_factor(case.observation, case.prior.factor, case.yardstick.root)
-    found = relocated([state], places)
+    found = relocated(state, places)
     assert state.after_readings(found).value < 0.999 * state.after_readings(places).value
     assert setup.chart is not None
     assert np.abs(found.poses - places.poses).max() > 1e-3

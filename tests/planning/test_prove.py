@@ -30,7 +30,7 @@ def test_seven_readings_on_seven_knots_anywhere() -> None:
     assert plan.value / proof.bound.value == pytest.approx(1.01, abs=1e-4)
     generator = np.random.default_rng(2)
     for _ in range(20):
-        some = relocated([asked.state], Places.of_setup(0, *random_poses(asked, generator, 7)))
+        some = relocated(asked.state, Places.of_setup(0, *random_poses(asked, generator, 7)))
         assert proof.bound.value <= asked.state.after_readings(some).value
 
 

@@ -39,6 +39,8 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated, in_detail
 from axiscal.estimation.estimation import Estimation, path
 from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.judged import Doubt
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import Timed, elapsed, timed
 from axiscal.exceptions import AmbiguityError, RecordError
 from axiscal.measurement.reading import Place, Reading
@@ -62,7 +64,9 @@ from axiscal.record.events import (
 )
 from axiscal.record.log import EventLog, SignedUntil, signed_until
 
-Planner = Callable[..., tuple[Place, ...]]
+Planner = Callable[
+    [Case, Knowledge, Sequence[Reading], Sequence[Doubt], Sequence[Gap], Sequence[Place]], tuple[Place, ...]
+]
 """From what is known to the readings to come, as `next_places`."""
 
 
@@ -159,8 +163,7 @@ class Campaign(Closing):
             gone = [self.description.setup(each.name) for each in self.state.mounted]
             parked = [Place(setup.name, setup.park, (0,) * len(setup.park)) for setup in gone]
             closed = (*self.state.skipped, *(Gap(Asked(0, place), "it has gone", True) for place in parked))
-            asked = known.case, known.to_plan_by, known.readings, known.outliers, closed, left, known.drawn
-            places = self._planner(*asked)
+            places = self._planner(known.case, known.to_plan_by, known.readings, known.outliers, closed, left)
             if places or left:
                 self._append(Planned(places, self._plan_basis()))
         return self.state.plan

@@ -28,6 +28,7 @@ from axiscal.planning.next_readings import CANDIDATES, placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import (
     beyond_budget,
+    bought,
     proposed,
     proven,
     reached_unread,
@@ -37,7 +38,7 @@ from axiscal.planning.proposal import (
 )
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.present.machine_drawing.setup_picture import plan_picture
-from axiscal.present.plan_answer import minutes_buy, plan_answer
+from axiscal.present.plan_answer import plan_answer
 from axiscal.present.plan_words import plan_list, plan_screen
 from axiscal.programs import write_programs
 from axiscal.programs.dialect import dialect
@@ -138,7 +139,7 @@ def plan(
         count = len(write_programs(machine, setups, placed(case, proposal.plan), gcode, out, log))
         written.append(f"{out} ({count} files, README.txt there)")
     shown = details or json or limits.timed
-    buys = minutes_buy(case, proposal.plan.places, proposal.plan.seconds, candidates) if shown else ()
+    buys = bought(case, proposal, candidates) if shown else ()
     answer = plan_answer(case, proposal, limits, buys, ends=ends)
     if details and limits.accurate:
         with suppress(PlanError):

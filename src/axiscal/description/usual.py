@@ -30,7 +30,6 @@ from axiscal.machine.entry import ErrorEntry, PlaneEntry, Sure, side_name
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import normal_quantile, normal_share
 
 SURE: dict[Sure, float] = {"roughly": 3.0, "well": 1.5, "exactly": 1.0}
 """The factor within which stated size and length are known."""
@@ -143,10 +142,6 @@ _ROOTS: frozenset[Kind] = frozenset({"scale", "reversal", "drift", "cycle", "gro
 """Kinds whose stated size is a root mean square: one number, or one afternoon, tells of them."""
 
 
-TEACH_LENGTHS = 10
-"""Readings below which no length counts as learnt: a smooth estimate of fewer misses less on beds of many owners."""
-
-
 class Size(NamedTuple):
     """One size: a factor exp(θ) on what all its owners state.
 
@@ -160,10 +155,9 @@ class Size(NamedTuple):
 
 @dataclass(frozen=True)
 class Sizes:
-    """All sizes that vary, in the order of θ.  few : too few readings teach lengths, which are of their longer half"""
+    """All sizes that vary, in the order of θ."""
 
     of: tuple[Size, ...]
-    few: bool = False
 
     def __len__(self) -> int:
         return len(self.of)
@@ -197,14 +191,9 @@ class Sizes:
 
     def theta(self, x: Array) -> tuple[Array, Array]:
         """Return θ and dθ/dx, (..., k) each.  x : (..., k)"""
-        apart, slope = x - self.stated, np.ones_like(x)
-        held = [i for i, size in enumerate(self.of) if self.few and size.kind == "length"]
-        below = apart[..., held]
-        apart[..., held] = longer = -normal_quantile(normal_share(-below) / 2)
-        slope[..., held] = np.exp((longer**2 - below**2) / 2) / 2
-        theta = self.spreads * apart
+        theta = self.spreads * (x - self.stated)
         within = (theta > -_FARTHEST) & (theta < self._largest)
-        return np.clip(theta, -_FARTHEST, self._largest), np.where(within, self.spreads * slope, 0.0)
+        return np.clip(theta, -_FARTHEST, self._largest), np.where(within, self.spreads, 0.0)
 
 
 NONE_VARY = Sizes(())

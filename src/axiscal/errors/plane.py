@@ -238,8 +238,7 @@ def _shares(side: Side, entry: ErrorEntry) -> Array:
 
 def _lost(plane: PlaneError) -> float:
     """Return the mean variance, per std², that the products left out have at the knots."""
-    first, second = plane.sides
-    if len(plane.pairs) in {0, len(first.values) * len(second.values)}:  # none is left out but by rounding
+    if not len(plane.pairs):
         return 0.0
     whole, held = 1.0, np.ones(len(plane.pairs))
     each = zip(plane.sides, plane.entry.sides, plane.entry.stretch, plane.pairs.T, strict=True)

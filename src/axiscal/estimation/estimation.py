@@ -20,7 +20,7 @@ from axiscal.estimation.located import Absorbed, displayed
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown, map_grid, rest_means, where_read
 from axiscal.estimation.membership import Membership
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, CheckReading, Checks
-from axiscal.estimation.promise.posterior import Drawn, Posterior
+from axiscal.estimation.promise.posterior import Posterior
 from axiscal.estimation.stations import GAUSSIAN, MOST, indices
 from axiscal.estimation.timed import Timed
 from axiscal.measurement.cells import wandering
@@ -142,11 +142,6 @@ class Estimation:
             return self.knowledge
         met = self.case.yardstick.measure(self.knowledge.belief).meets(target.rms, target.worst)
         return Knowledge(self.knowledge.observation, self.whole) if met else self.knowledge
-
-    @property
-    def drawn(self) -> tuple[Drawn, ...]:
-        """Sizes of the posterior; none before the first reading."""
-        return () if self.posterior is None else self.posterior.draws
 
     @remembered
     def estimate(self) -> Estimate:

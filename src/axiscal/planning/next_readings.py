@@ -20,7 +20,6 @@ from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_row
-from axiscal.estimation.promise.posterior import Drawn
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
 from axiscal.language.spoken import listed, said
@@ -30,9 +29,9 @@ from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.enough import enough, goal_of, roughly
-from axiscal.planning.likely_sizes import likely_states
 from axiscal.planning.other_readings import (
     columns_of,
+    plane_start,
     planned_with_markers,
     with_both_sides,
     with_checks,
@@ -40,6 +39,7 @@ from axiscal.planning.other_readings import (
     without_markers,
 )
 from axiscal.planning.plan.greedy import worth_most
+from axiscal.planning.plan.order import in_order, seconds_along
 from axiscal.planning.plan.plan import MANY, Plan, make_plan, renewed
 from axiscal.planning.plan.task import PATIENCE, Goal, Limits, Task
 from axiscal.record.events import Asked, Gap
@@ -68,6 +68,8 @@ def planned_places(
     gaps : places that could not be read, which are planned around
     left : of an earlier plan and in no gap, to begin with
     """
+    if begin := first_places(case, task, limits, readings, gaps):
+        return begin
     unsure = 1 + 1 / math.sqrt(2 * max(len(task.taken), 1)) if len(case.sizes) and left else 1.0
     goal = goal_of(case, limits, readings, believed, unsure)
 
@@ -102,6 +104,16 @@ def reaching(
     return with_checks(case, task, limits, readings, left, beside_checks)
 
 
+def first_places(
+    case: Case, task: Task, limits: Limits, readings: Sequence[Reading] = (), gaps: Sequence[Gap] = ()
+) -> tuple[Place, ...]:
+    """Return the readings with which a plane begins whose scales are to be learnt, where there is time for them."""
+    start = in_order(task, plane_start(case, readings, limits.readings))
+    if limits.budget is not None and seconds_along(task, start) > limits.budget:
+        return ()
+    return tuple(place for place in with_rooms(case, start) if not in_gap(case, place, gaps))
+
+
 def _chosen(
     case: Case, task: Task, limits: Limits, goal: Goal | None, left: Sequence[Place], gaps: Sequence[Gap]
 ) -> Places:
@@ -130,13 +142,8 @@ def posed(
     gaps: Sequence[Gap] = (),
     readings: Sequence[Reading] = (),
     candidates: int = CANDIDATES,
-    believed: Sequence[Reading] | None = None,
-    drawn: Sequence[Drawn] = (),
 ) -> Task:
-    """Return what is to be planned: the belief so far, and candidates outside the gaps.
-
-    believed : those of the readings that count, None for all; drawn : sizes of their posterior
-    """
+    """Return what is to be planned: the belief so far, and candidates outside the gaps."""
     refuse_lacking(case)
     machine, setups, here = case.description.machine, case.description.setups, None
     if readings:
@@ -147,16 +154,14 @@ def posed(
     for setup in np.unique(lattice.setups):
         mine = lattice.setups == setup
         keep[mine] = ~at_gap(case, int(setup), lattice.poses[mine], gaps)
-    root = root_of(case, knowledge.belief)
     return Task(
         knowledge.observation,
         knowledge.belief,
-        root,
+        root_of(case, knowledge.belief),
         case.yardstick,
         lattice.within(keep),
         here,
         read=columns_of(case, [reading.place for reading in readings]),
-        drawn=likely_states(case, root, readings if believed is None else believed, drawn),
     )
 
 
@@ -215,24 +220,21 @@ def next_places(
     outliers: Sequence[Doubt] = (),
     gaps: Sequence[Gap] = (),
     left: Sequence[Place] = (),
-    drawn: Sequence[Drawn] = (),
 ) -> tuple[Place, ...]:
     """Return the readings to come, none in a gap, in the order of a short way; none where nothing is left to measure.
 
     knowledge : after the readings, which have their times; outliers : those of them that are not believed
     gaps : where a reading could not be taken; left : of an earlier plan, to begin with
-    drawn : sizes of the posterior of the readings
     """
     closed = *gaps, *twice_rejected(case, readings, outliers)
     begin = tuple(place for place in without_markers(case, readings, left) if not in_gap(case, place, closed))
-    bad = {doubt.reading for doubt in outliers}
-    believed = [reading for index, reading in enumerate(readings) if index not in bad]
-    task = posed(case, knowledge, closed, readings, believed=believed, drawn=drawn)
+    task = posed(case, knowledge, closed, readings)
     if not len(task.lattice):
         return ()
-    limits = limits_left(case, readings)
+    limits, bad = limits_left(case, readings), {doubt.reading for doubt in outliers}
     if len(readings) >= (case.description.target.readings or math.inf):  # one more is wanted than was planned
         task = replace(task, lattice=task.lattice.within(task.lattice.setups == worth_most(task)))
+    believed = [reading for index, reading in enumerate(readings) if index not in bad]
     try:
         heeded = enough(case, limits, believed, begin)
         return reaching(case, task, limits, heeded, readings, believed, closed, begin)

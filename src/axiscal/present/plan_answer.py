@@ -32,15 +32,15 @@ from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_rows
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.reading import Place, Places, shown_approach, shown_pose
+from axiscal.measurement.reading import Place, shown_approach, shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.helping import helping_setups
-from axiscal.planning.next_readings import CANDIDATES, placed
+from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import Blank, alike, blank_problem, unseen_parts
-from axiscal.planning.proposal import Proposal, bought
+from axiscal.planning.proposal import Bought, Proposal
 from axiscal.units import to_unit
 
 _MOSTLY, _NOUGHT = 0.5, 1e-30
@@ -97,11 +97,11 @@ class PlanAnswer(PlannedAnswer):
 
 @one_thread()
 def plan_answer(
-    case: Case, proposal: Proposal, limits: Limits, buys: Sequence[BoughtAccuracy] = (), *, ends: bool = True
+    case: Case, proposal: Proposal, limits: Limits, buys: Sequence[Bought] = (), *, ends: bool = True
 ) -> PlanAnswer:
     """Return the document of a plan that was made within limits.
 
-    buys : of `minutes_buy`; ends : whether the campaign says when it ends
+    buys : what other minutes buy; ends : whether the campaign says when it ends
     """
     plan, places = proposal.plan, placed(case, proposal.plan)
     bound = bound_rms_um(case, plan)
@@ -109,7 +109,7 @@ def plan_answer(
     begin: list[StepCode] = ["start"] if ends else ["target", "start"]
     answer = _planned(case, places, lambda count: plan.readings[count - 1].seconds if count else 0.0, limits, begin)
     return PlanAnswer(
-        **{**dict(answer), "bought": buys},
+        **{**dict(answer), "bought": [_bought(each) for each in buys]},
         criterion=case.description.target.criterion,
         points=list(_points(case, places, plan)),
         units={axis.name: axis.unit for axis in case.description.machine.axes},
@@ -128,12 +128,10 @@ def plan_answer(
     )
 
 
-def minutes_buy(case: Case, places: Places, seconds: float, candidates: int = CANDIDATES) -> list[BoughtAccuracy]:
-    """Return the curve of what minutes buy; arguments as for `bought`."""
-    return [
-        BoughtAccuracy(minutes=to_unit(each.seconds, "min"), expanded_um=to_unit(each.expanded, "um"), mark=each.mark)
-        for each in bought(case, places, seconds, candidates)
-    ]
+def _bought(buys: Bought) -> BoughtAccuracy:
+    return BoughtAccuracy(
+        minutes=to_unit(buys.seconds, "min"), expanded_um=to_unit(buys.expanded, "um"), mark=buys.mark
+    )
 
 
 @one_thread()

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.usual import TEACH_LENGTHS, Kind, Sizes
+from axiscal.description.usual import Kind, Sizes
 from axiscal.errors.model import ErrorFunction, Term
 from axiscal.errors.plane import PlaneError
 from axiscal.errors.prior import covariance, distances, ramp
@@ -177,7 +177,6 @@ def problem(
     observation : before any cell is visited; sizes : that vary
     usual : with what readings alone usually suffer, else with what is stated of it
     """
-    sizes = replace(sizes, few=len(readings) < TEACH_LENGTHS)
     places = places_of(observation.setups, readings)
     reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
     causes = contributions(observation, places, [each.values for each in readings], usual)

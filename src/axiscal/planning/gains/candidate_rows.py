@@ -95,13 +95,6 @@ class Pool:
         ]
         return other
 
-    def at(self, observation: Observation) -> Self:
-        """Return the same candidates where sizes and noise are others, with the rows that are there."""
-        other = copy.copy(self)
-        other._bare = observation.bare
-        other.noise = np.array([observation.setups[s].noise ** 2 for s in self.lattice.setups])
-        return other
-
     def products(self, observation: Observation, vectors: Array) -> Array:
         """Return the rows of all candidates times vectors (n, c) over the observation's unknowns, (c, w, M)."""
         result = np.zeros((vectors.shape[1], self.width, len(self)))

@@ -197,16 +197,6 @@ class Covariance:
         return Scorer(self.observation, self.factor, weighted, np.hstack([self.factor, self.factor @ weighted.T]))
 
 
-def middle(values: Sequence[float] | Array) -> float:
-    """Return the geometric mean of what is above zero: the mean of logarithms."""
-    return float(np.prod(np.power(values, 1 / len(values))))
-
-
-def left_by(states: Sequence[Covariance], places: Places) -> float:
-    """Return J after readings, the geometric mean over states with several sizes.  states : before the first"""
-    return middle([state.after_readings(places).value for state in states])
-
-
 def _cuts(parts: Sequence[ReadNumbers]) -> list[slice]:
     """Return where the numbers of each part are among those of all."""
     ends = list(accumulate([len(part.variances) for part in parts]))

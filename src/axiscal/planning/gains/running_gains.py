@@ -52,15 +52,13 @@ class Scores:
 
     above, below : N and M of the candidates, then of the readings of the plan, each (w, w, M + N)
     places : of the readings of the plan, slot by slot; rows, noise : theirs, (N, w, n) and the variance (N,)
-    last : the last change of the covariance
-    begun : what was known before the first reading of the plan, at each of several sizes where these are not known
+    last : the last change of the covariance; begun : what was known before the first reading of the plan
     """
 
     last: LowRank
 
     def __init__(self, pool: Pool, state: Covariance) -> None:
-        self.pool, self.state = pool, state
-        self.begun: tuple[Covariance, ...] = (state,)
+        self.pool, self.state, self.begun = pool, state, state
         self.places, self.noise = Places.none(pool.lattice.poses.shape[1]), np.zeros(0)
         self.rows = np.zeros((0, pool.width, state.observation.size))
         self.above, self.below = pool.gain_forms(state.scorer())
@@ -91,11 +89,6 @@ class Scores:
         other.above, other.below = (np.take(each, columns, axis=2) for each in (self.above, self.below))
         other.rows, other.noise = self.rows.copy(), self.noise.copy()
         return other
-
-    @property
-    def value(self) -> float:
-        """J."""
-        return self.state.value
 
     @property
     def gains(self) -> Array:

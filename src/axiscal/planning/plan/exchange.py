@@ -12,7 +12,7 @@ own here: where two of them would share a cell, the true J decides whether the m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -27,7 +27,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import lowest
 from axiscal.numerics.ties import ALIKE, first_best, ranked
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import Covariance, left_by, middle
+from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.gains.running_gains import Allowed, Scores
 from axiscal.planning.plan.task import Clock, Patience, work_of_climb
@@ -100,15 +100,14 @@ class Minutes(NamedTuple):
         return share, slopes / self.budget
 
 
-def relocated(states: Sequence[Covariance], places: Places, timed: Minutes | None = None) -> Places:
+def relocated(state: Covariance, places: Places, timed: Minutes | None = None) -> Places:
     """Return the readings, of the same set-ups and from the same sides, where J is lower; the same where it is not.
 
-    states : before the first, at each of the sizes that count
-    timed : the time that they may take, in their order; what takes little more is returned
+    state : before the first; timed : the time that they may take, in their order; what takes little more is returned
     Coordinates on a raster stay; what leaves what its chart can give goes back.
     """
-    free = _free(states[0], places)
-    if not len(free.reading) or not np.any(states[0].weighted):  # or the tool point moves by no error
+    free = _free(state, places)
+    if not len(free.reading) or not np.any(state.weighted):  # or the tool point moves by no error
         return places
     span = free.high - free.low
 
@@ -117,19 +116,18 @@ def relocated(states: Sequence[Covariance], places: Places, timed: Minutes | Non
 
     def value(shares: Array) -> tuple[float, Array]:
         at = placed(shares)
-        left, slopes = _left(states, at, free)
+        left, slopes = _value(state, at, free)
         if timed is None:
             return left, slopes
         over, slower = timed.over(at, free)
         weight = _DEAR * begun * max(over, 0.0)
         return left + weight * over, slopes + 2 * weight * slower
 
-    before = left_by(states, places)
-    begun = before / middle([state.value for state in states])
+    begun = state.after_readings(places).value / state.value
     start = (free.coordinates(places) - free.low) / span
     ended = placed(np.clip(lowest(value, start, 0.0, 1.0, _ITERATIONS), 0.0, 1.0))
-    ended = _that_can_be_taken(states[0], places, ended)
-    return ended if left_by(states, ended) < before else places
+    ended = _that_can_be_taken(state, places, ended)
+    return ended if state.after_readings(ended).value < state.after_readings(places).value else places
 
 
 def _that_can_be_taken(state: Covariance, before: Places, after: Places) -> Places:
@@ -167,13 +165,6 @@ def _coordinates(state: Covariance, reading: int, number: int) -> Iterator[tuple
     for k, (low, high, step, *_) in enumerate(setup.chart.coordinates):
         if step == 0:
             yield reading, k, low, high, setup.chart
-
-
-def _left(states: Sequence[Covariance], places: Places, free: _Free) -> tuple[float, Array]:
-    """Return the geometric mean of J over what there was before, and its gradient as of `_value`."""
-    each = [_value(state, places, free) for state in states]
-    together = middle([left for left, _ in each])
-    return together, np.mean([together / left * slopes for left, slopes in each], axis=0)
 
 
 def _value(state: Covariance, places: Places, free: _Free) -> tuple[float, Array]:
@@ -240,7 +231,7 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = SWEEPS, better: flo
     """
     work, changes, looked = 0.0, 0, dict[int, int]()
     for _ in range(sweeps):
-        value, least = scores.value, _NOTHING * scores.value
+        value, least = scores.state.value, _NOTHING * scores.state.value
         for slot in ranked(-scores.losses(), ALIKE).tolist():
             if looked.get(slot) == changes or scores.held_alone(slot):
                 continue
@@ -254,7 +245,7 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = SWEEPS, better: flo
                 scores.exchange(slot, best)
                 products = len(scores.pool) * (6.0 * len(scores.places) + 2.0 * scores.pool.size)
                 work, changes = work + products + 20.0 * scores.state.factor.size, changes + 1
-        if value - scores.value <= _SETTLED * value:
+        if value - scores.state.value <= _SETTLED * value:
             break
     return work
 
@@ -267,16 +258,15 @@ def _open_to(scores: Scores, slot: int, allowed: Allowed) -> tuple[Array, float]
 
 def polish(scores: Scores, allowed: Allowed, rounds: int, patience: Patience) -> None:
     """Move all readings off the lattice at once, then climb them one by one, until a round gains little."""
-    work = work_of_climb(scores.pool.size, scores.pool.size + len(scores.begun[0].root.matrix))
+    work = work_of_climb(scores.pool.size, scores.pool.size + len(scores.begun.root.matrix))
     least = _WORTH if scores.pool.size <= _FEW else _WORTH_OF_MANY  # rounds are dear with many unknowns
     for _ in range(rounds):
-        before = scores.value
+        before = scores.state.value
         if not patience.spent:
             _move(scores)
             patience.take(work * len(scores.places))
-        if len(scores.begun) == 1:  # over several sizes no gain is a ratio of two forms
-            _climb_all(scores, allowed, patience, work)
-        if patience.spent or before - scores.value <= least * before:
+        _climb_all(scores, allowed, patience, work)
+        if patience.spent or before - scores.state.value <= least * before:
             return
 
 

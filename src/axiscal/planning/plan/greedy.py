@@ -13,7 +13,6 @@ from axiscal.numerics.remembered import remembered
 from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import informed
-from axiscal.planning.gains.many_sizes import ManyScores
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import Clock, Limits, Task, clock
@@ -42,7 +41,7 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
     most = min(limits.readings or _TRIED, _TRIED)
 
     def left(setups: Setups) -> float:
-        return filled(base.among(setups), most, setups).value
+        return filled(base.among(setups), most, setups).state.value
 
     return of_best_size(_growing(base, _parts(task, everything), limits, clock(task)), left)
 
@@ -70,11 +69,6 @@ def worth_most(task: Task) -> int:
 def _coarse(task: Task) -> Scores:
     """Return the gains of a thinned lattice."""
     return Scores(Pool(task.observation, task.coarse.lattice), task.state)
-
-
-def scores_of(task: Task, pool: Pool) -> Scores:
-    """Return the gains of candidates before the first reading of a plan, over all sizes that errors may have."""
-    return ManyScores(pool, task.drawn) if task.drawn else Scores(pool, task.state)
 
 
 def _parts(task: Task, everything: Setups) -> list[Setups]:
@@ -146,7 +140,7 @@ def filled(scores: Scores, readings: int, setups: Setups) -> Scores:
 def scores_among(task: Task, setups: Setups) -> Scores:
     """Return the gains of the candidates of some set-ups, before the first reading of a plan."""
     lattice = task.lattice.within(np.isin(task.lattice.setups, setups))
-    return scores_of(task, Pool(task.observation, lattice))
+    return Scores(Pool(task.observation, lattice), task.state)
 
 
 def picked(task: Task, readings: int, setups: Setups) -> Places:

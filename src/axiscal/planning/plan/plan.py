@@ -34,7 +34,7 @@ from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.beginnings import best_of_random, plain_designs
 from axiscal.planning.plan.exchange import SWEEPS, drop, exchange, polish
 from axiscal.planning.plan.greedy import Setups, affordable, chosen_setups, filled, scores_among, sets_within
-from axiscal.planning.plan.irregular import shaken
+from axiscal.planning.plan.irregular import shaken, spread_if_as_good
 from axiscal.planning.plan.order import arriving, in_order, interleaved, seconds_along, seconds_each
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import PATIENCE, Goal, Limits, Patience, Task, clock
@@ -257,7 +257,7 @@ def _any_time(task: Task, within: Limits, patience: float, usual: bool) -> Place
         polish(scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
     places = scores.places
     if usual and len(places):
-        places = shaken(task, places)
+        places = spread_if_as_good(task, None, shaken(task, places))
     order = in_order(task, places)
     return interleaved(task, within, order) if usual else order
 
@@ -273,7 +273,7 @@ def _in_minutes(task: Task, limits: Limits, patience: float, usual: bool, goal: 
         order = toured(task, limits, sets, patience) if goal is None else quickest(task, limits, sets, goal, patience)
         if not usual or order is None or not len(order):
             return order
-        places = shaken(task, order)
+        places = spread_if_as_good(task, goal, shaken(task, order))
         if not places.same_as(order):
             order = retoured(task, limits, _those_of(order), places, 0.0, np.inf, goal)
         return interleaved(task, limits, order)
@@ -316,7 +316,7 @@ def _together(task: Task, readings: int, setups: Setups, work: float) -> Scores:
 
 
 def _best_first(tried: Sequence[Scores]) -> list[Scores]:
-    return [tried[k] for k in ranked(-np.array([scores.value for scores in tried]), ALIKE)]
+    return [tried[k] for k in ranked(-np.array([scores.state.value for scores in tried]), ALIKE)]
 
 
 def judged(task: Task, limits: Limits, places: Places, bounded: bool = True) -> Plan:

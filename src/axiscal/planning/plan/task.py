@@ -35,7 +35,6 @@ class Task:
     belief : over the unknowns of the observation; root : V (w, n) of the criterion; lattice : the candidates
     here : one place, of the set-up that is mounted and where the machine stands; None before the first
     read : places of readings that are taken already
-    drawn : the covariance before the first reading of the plan at each of several sizes; none where these are known
     """
 
     observation: Observation
@@ -45,7 +44,6 @@ class Task:
     lattice: Places
     here: Places | None = None
     read: Places | None = None
-    drawn: tuple[Covariance, ...] = ()
 
     @property
     def taken(self) -> Places:
@@ -58,11 +56,6 @@ class Task:
         most = max(_COARSE, _EACH * len(np.unique(self.lattice.setups)))
         kept = np.arange(0, len(self.lattice), max(1, len(self.lattice) // most))
         return replace(self, lattice=self.lattice.within(kept))
-
-    @property
-    def states(self) -> tuple[Covariance, ...]:
-        """What J is made small in: the covariance before the first reading, at each of the sizes that it may have."""
-        return self.drawn or (self.state,)
 
     @property
     @remembered

@@ -25,7 +25,7 @@ from axiscal.numerics.ties import ALIKE, first_best, ranked
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.exchange import Minutes, relocated
-from axiscal.planning.plan.greedy import Setups, of_best_size, openings, scores_of
+from axiscal.planning.plan.greedy import Setups, of_best_size, openings
 from axiscal.planning.plan.order import seconds_along, seconds_around, set_ups_in_order
 from axiscal.planning.plan.run import Run, Ways
 from axiscal.planning.plan.task import Goal, Limits, Patience, Task, work_of_climb
@@ -208,7 +208,7 @@ def toured(task: Task, limits: Limits, sets: Sequence[Setups], patience: float) 
 
     def left(setups: Setups) -> float:
         first[setups] = first.get(setups) or begun(setups, 0)
-        return first[setups].scores.value
+        return first[setups].scores.state.value
 
     setups = of_best_size(sets, left)
     left(setups)
@@ -270,18 +270,18 @@ def retoured(
         tour.budget = tour.seconds
     kept = goal.reached if goal is not None and goal.reached(tour.places) else None
     for _ in range(_ROUNDS):
-        before, settled = tour.scores.value, tour.within(tour.budget)
+        before, settled = tour.scores.state.value, tour.within(tour.budget)
         settle(settled)
         if kept is None or kept(settled.places):  # a swap that lowers J may lose a row
             tour = settled
         if patient.spent or not len(tour.scores.places):
             break
         patient.take(work_of_climb(scores.pool.size, scores.pool.size) * len(tour.scores.places))
-        moved = relocated(task.states, tour.places, Minutes(tour.budget, partial(seconds_around, task)))
+        moved = relocated(task.state, tour.places, Minutes(tour.budget, partial(seconds_around, task)))
         climbed = through(scores.fork(), setups, replace(limits, budget=tour.budget), moved)
         fits = climbed.left >= 0 and (goal is None or goal.reached(climbed.places))
         tour = _best([tour, climbed]) if fits else tour
-        if before - tour.scores.value <= _SETTLED * before:
+        if before - tour.scores.state.value <= _SETTLED * before:
             break
     if goal is not None:
         tour = _shortest(tour, goal, partial(_settled, better=max(better, _WORTH)))
@@ -302,11 +302,11 @@ def _in_order(task: Task, goal: Goal) -> Goal:
 
 def _base(task: Task) -> tuple[Ways, Scores]:
     pool = Pool(task.observation, task.lattice)
-    return Ways(task, pool.lattice), scores_of(task, pool)
+    return Ways(task, pool.lattice), Scores(pool, task.state)
 
 
 def _best(tours: Sequence[Tour]) -> Tour:
-    return tours[first_best(-np.array([tour.scores.value for tour in tours]), ALIKE)]
+    return tours[first_best(-np.array([tour.scores.state.value for tour in tours]), ALIKE)]
 
 
 def _best_begun(tried: list[Tour], begun: Callable[[int], Tour], work: float) -> Tour:
@@ -342,7 +342,7 @@ def _grown(tour: Tour, goal: Goal, longest: float) -> Tour | None:
     rng, most, earlier = np.random.default_rng(_SEED), tour.most, dict[int, float]()
     tour.budget = longest
     while not goal.reached(tour.places):
-        count, value = len(tour.scores.places), tour.scores.value
+        count, value = len(tour.scores.places), tour.scores.state.value
         half = max((before for before in earlier if 2 * before <= count), default=None)
         if half is not None and count > _FEW and earlier[half] - value <= _STALLED * value:
             return None
@@ -390,10 +390,10 @@ def _settle(tour: Tour, rng: np.random.Generator, power: float, shaken: float, b
     """Swap and fill until a sweep gains little, or there was much to do."""
     most = tour.work + _WORK / _SHARES
     for _ in range(_SWEEPS):
-        before = tour.scores.value
+        before = tour.scores.state.value
         if better < np.inf:
             tour.swap(better, most)
         tour.shorten()
         tour.fill(rng, power, shaken)
-        if before - tour.scores.value <= _SETTLED * before or tour.work > most:
+        if before - tour.scores.state.value <= _SETTLED * before or tour.work > most:
             return
