@@ -34,6 +34,16 @@ def test_seven_readings_on_seven_knots_anywhere() -> None:
         assert proof.bound.value <= asked.state.after_readings(some).value
 
 
+@pytest.mark.parametrize(("knots", "readings", "most"), [(7, 3, 1.067), (15, 9, 1.098), (15, 20, 1.103)])
+def test_boxes_lose_nothing_of_what_weights_prove(knots: int, readings: int, most: float) -> None:
+    """Few readings leave most directions whatever they are, which boxes alone would have to find out one by one."""
+    asked = splines(1, knots, 0.1 if knots == 7 else 0.03, 300)
+    plan = make_plan(asked, Limits(readings=readings), bounded=False)
+    with patch("axiscal.planning.bound.boxes._BOXES", 20):
+        proof = prove(asked.state, asked.lattice, plan.places, 5e-3)
+    assert plan.value / proof.bound.value < most
+
+
 @pytest.mark.long
 def test_three_stacked_splines_cannot_be_measured_better() -> None:
     asked = splines(3, 7, 0.01, 500)

@@ -5,8 +5,9 @@ cells, and the matrix Z of all weights together proves
 
     J ≥ |Φ|² − |Φ − Z|² − Σ_i max over the interval of reading i of |Z b|²
 
-as in `certificate`. Within a cell |Z b(t)|² is a polynomial of the coordinate, and its largest Bernstein coefficient is
-no less. The interval over which a reading's weight is spread most is halved, the box with the lowest bound first.
+as in `certificate`, which also knows that few readings leave most directions. Within a cell |Z b(t)|² is a polynomial
+of the coordinate, and its largest Bernstein coefficient is no less. The interval over which a reading's weight is
+spread most is halved, the box with the lowest bound first.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from heapq import heappop, heappush
 from itertools import count as count_from
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -22,13 +24,14 @@ from numpy.typing import NDArray
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import bernstein
+from axiscal.planning.bound.certificate import Dual
 from axiscal.planning.gains.covariance import Covariance, informed
 from axiscal.planning.step.ground import Region
 
 _CELLS = 200
 """Cells of all readings, at least: what a polynomial's coefficients give away is then a ten-thousandth."""
-_BOXES = 6000
-"""Boxes that are looked at: of time, any of them prove a bound."""
+_BOXES = 1500
+"""Boxes that are looked at: of time, about ten seconds; any of them prove a bound."""
 _FIRST, _EACH = 300, 25
 """Steps of the weights of the first box, and of each half of another."""
 _STEP, _GONE = 0.9, 1e-12
@@ -39,13 +42,6 @@ _SPREAD = 0.075
 """Share of all cells over which a reading's first weight is spread, about where a good plan has it."""
 _NOUGHT = 1e-300
 """No division by nought."""
-
-
-class Enclosed(NamedTuple):
-    """value : no plan has a smaller J; best : J of a plan that is known"""
-
-    value: float
-    best: float
 
 
 class _Box(NamedTuple):
@@ -62,7 +58,8 @@ class _Line:
     rows : B (cells, d + 1, k, r), whitened, at nodes of each cell; middle : of them (cells, k, r)
     """
 
-    def __init__(self, state: Covariance, everywhere: Sequence[tuple[int, Region]]) -> None:
+    def __init__(self, state: Covariance, everywhere: Sequence[tuple[int, Region]], numbers: int) -> None:
+        self.state, self.numbers = state, numbers
         self.target, parts = state.weighted, list[Array]()
         degree = max(region.degree[0] for _, region in everywhere)
         values = max(len(self._seen(state, setup, region, region.low[:1])[0]) for setup, region in everywhere)
@@ -107,7 +104,8 @@ class _Line:
         weights[weights.sum(axis=1) < _GONE] = 1.0
         weights = np.where(inside, weights, 0.0)
         weights /= weights.sum(axis=1, keepdims=True)
-        flat, whole = self.middle.reshape(-1, self.middle.shape[2]), float(np.sum(self.target**2))
+        flat, proof = self.middle.reshape(-1, self.middle.shape[2]), (-np.inf, self.target, np.inf)
+        whole = float(np.sum(self.target**2))
         for _ in range(steps):
             share = np.sqrt(np.repeat(weights.sum(axis=0), self.middle.shape[1]))[:, None]
             factor = informed(np.eye(flat.shape[1]), share * flat)
@@ -115,40 +113,45 @@ class _Line:
             squares = np.sum((self.rows @ z.T) ** 2, axis=(2, 3)) @ self._turn.T
             largest, at = squares.max(axis=1), np.sum((self.middle @ z.T) ** 2, axis=(1, 2))
             most = np.where(inside, largest, 0.0).max(axis=1)
-            best = max(best, whole - float(np.sum((self.target - z) ** 2)) - float(most.sum()))
+            spent = float(most.sum())
+            found = whole - float(np.sum((self.target - z) ** 2)) - spent
+            best, proof = max(best, found), max(proof, (found, z, spent), key=itemgetter(0))
             mean = (weights * at).sum(axis=1)
             if best > enough or float((most - mean).sum()) < _CLOSE * enough:
                 break
             weights = weights * (at / np.maximum(mean, _NOUGHT)[:, None]) ** _STEP + _GONE * inside
             weights /= weights.sum(axis=1, keepdims=True)
+        if best <= enough:
+            _, z, spent = proof
+            best = max(best, Dual(self.state, z).floor(spent, self.numbers))
         return best, box._replace(weights=weights)
 
 
-def by_boxes(state: Covariance, everywhere: Sequence[tuple[int, Region]], places: Places, gap: float) -> Enclosed:
-    """Return the bound for as many readings as a plan has, anywhere along one coordinate.
+def by_boxes(
+    state: Covariance, everywhere: Sequence[tuple[int, Region]], places: Places, enough: float, numbers: int
+) -> float:
+    """Return a bound for as many readings as a plan has, anywhere along one coordinate, at most what is enough.
 
     everywhere : where each set-up may be read, of one coordinate each; places : a good plan
-    gap : share of J to stop at
+    numbers : that all readings of a plan bring at most
     """
-    line, count = _Line(state, everywhere), len(places)
-    known = state.after_readings(places).value
-    enough, cells, number = known / (1 + gap), len(line.rows), count_from()
+    line, count = _Line(state, everywhere, numbers), len(places)
+    cells, order = len(line.rows), count_from()
     apart = (np.arange(cells) - line.nearest(state, places)[:, None]) / (_SPREAD * cells)
     begun = _Box(np.zeros(count, dtype=np.intp), np.full(count, cells - 1), np.exp(-(apart**2) / 2))
     value, begun = line.bound(begun, _FIRST, enough)
-    heap, looked = [(value, next(number), begun)], 0
+    heap, looked = [(value, next(order), begun)], 0
     while heap and heap[0][0] <= enough and looked < _BOXES:
         value, _, box = heappop(heap)
         halves = _halves(box)
         if not halves:  # one cell for each reading
-            heappush(heap, (value, next(number), box))
-            break
+            return value
         for half in halves:
             looked += 1
             found, half = line.bound(half, _EACH, enough)
             if (found := max(found, value)) <= enough:
-                heappush(heap, (found, next(number), half))
-    return Enclosed(max(min(heap[0][0], enough) if heap else enough, 0.0), known)
+                heappush(heap, (found, next(order), half))
+    return min(heap[0][0], enough) if heap else enough
 
 
 def _halves(box: _Box) -> list[_Box]:

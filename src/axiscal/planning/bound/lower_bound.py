@@ -228,6 +228,7 @@ def prove(
 ) -> Proof:
     """Return the bound for as many readings as a plan has of all set-ups of a lattice, wherever they are taken.
 
+    Along one coordinate boxes close what weights leave open between the bound and the plan.
     state : before the first; lattice : candidates to begin with; places : a good plan; gap : share of J to stop at
     Raises PlanError where readings of a set-up cannot be cut into boxes.
     """
@@ -235,9 +236,6 @@ def prove(
     everywhere = [(setup, region) for setup in setups for region in regions(state.observation, setup)]
     if not count:
         return Proof(Bound(state.value, True), 0.0)
-    if all(len(region.degree) == 1 for _, region in everywhere):
-        enclosed = by_boxes(state, everywhere, places, gap)
-        return Proof(Bound(enclosed.value, True), enclosed.best / max(enclosed.value, _NOUGHT) - 1)
     best, closed, reached, numbers = 0.0, 0.0, np.inf, most_numbers(state, setups, count)
     open_ones: list[float] = []
     lattice = _begun(state, lattice, places)
@@ -256,6 +254,11 @@ def prove(
         if left <= gap or not len(steeper) or _stalled(open_ones):
             break
         lattice = Places.joined([kept, steeper])
+    if all(len(region.degree) == 1 for _, region in everywhere):
+        known = state.after_readings(places).value
+        if best * (1 + gap) < known:
+            best = max(best, by_boxes(state, everywhere, places, known / (1 + gap), numbers))
+        left = known / max(best, _NOUGHT) - 1
     return Proof(Bound(best, True), max(left, 0.0))
 
 
