@@ -15,7 +15,6 @@ from axiscal.estimation.belief import Belief
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.bound.certificate import rank_bound
 from axiscal.planning.bound.lower_bound import lower_bound, settling
 from axiscal.planning.bound.relaxation import Relaxation
@@ -24,6 +23,7 @@ from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.exchange import exchange
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
+from axiscal_core.threads import one_thread
 from benchmarks.cases import five_axis
 
 STARTS = 6

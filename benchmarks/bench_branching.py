@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.bound.certificate import groups, zeros_each, zeros_of
 from axiscal.planning.bound.relaxation import optimal_weights
 from axiscal.planning.gains.candidate_rows import Pool
@@ -32,6 +31,7 @@ from axiscal.planning.gains.covariance import informed
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.plan import Plan, make_plan
 from axiscal.planning.plan.task import Limits, Task
+from axiscal_core.threads import one_thread
 from benchmarks.bench_bound import best_of_all
 from benchmarks.cases import five_axis, stacked
 from benchmarks.peers.problems import Stacked

@@ -13,26 +13,26 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 
-from axiscal.estimation.knowledge import Knowledge
-from axiscal.numerics.threads import one_thread
+import axiscal_core as ac
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.plan import make_plan
-from axiscal.planning.plan.task import Limits, Task
-from axiscal.planning.step.best_step import best_step
-from benchmarks.cases import five_axis, stacked
-from benchmarks.peers.problems import CASES
+from axiscal.planning.plan.task import Limits
+from axiscal_core.threads import one_thread
+from benchmarks.cases import alone, five_axis, stacked
+from benchmarks.peers.problems import CASES, CriterionName, Stacked
 
 
-def one_at_a_time(problem: Task, readings: int) -> tuple[float, float]:
+def one_at_a_time(posed: Stacked, volume: bool) -> tuple[float, float]:
     """Return the median seconds of a pick, and J after the last."""
-    knowledge, seconds = Knowledge(problem.observation, problem.belief), []
-    for _ in range(readings):
+    case = alone(posed)
+    criterion: CriterionName = "volume" if volume else "joint"
+    taken, seconds = ac.Places("s", np.zeros((0, posed.axes))), list[float]()
+    for _ in range(posed.readings):
         start = time.process_time()
-        step = best_step(knowledge, problem.root, problem.lattice)
+        taken = taken + case.next(taken, criterion)
         seconds.append(time.process_time() - start)
-        knowledge = knowledge.read([step.reading(knowledge.observation)])
-    return statistics.median(seconds), problem.root.criterion(knowledge.belief.factor)
+    return statistics.median(seconds), case.evaluate(taken, criterion=criterion).J
 
 
 def timed(work: Callable[[], object]) -> float:
@@ -50,7 +50,7 @@ def picks() -> None:
     for case in CASES:
         for volume in (False, True):
             problem = stacked(case, 2000, volume)
-            pick, value = one_at_a_time(problem, case.readings)
+            pick, value = one_at_a_time(case, volume)
             start = time.process_time()
             plan = make_plan(problem, Limits(readings=case.readings))
             whole = time.process_time() - start
@@ -76,9 +76,6 @@ def fixed_candidates() -> None:
 
 def five_axes() -> None:
     """Print the figures of the five-axis machine with all error motions."""
-    problem = five_axis(1500)
-    pick, _ = one_at_a_time(problem, 8)
-    print(f"five axes, {problem.observation.size} unknowns: next {pick:.2f} s")
     problem = five_axis(20_000)
     start = time.process_time()
     plan = make_plan(problem, Limits(readings=60))

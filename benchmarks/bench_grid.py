@@ -20,9 +20,9 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
+from axiscal_core.threads import one_thread
 from benchmarks.trust.beds import Bed, available, beds, kept
 
 COUNTS = (5, 7, 9, 16, 25)

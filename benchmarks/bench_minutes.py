@@ -15,11 +15,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.proposal import proposed
+from axiscal_core.threads import one_thread
 
 CANDIDATES = 400
 """Places that a plan chooses from: a few hundred, as nodes of a bed."""

@@ -18,8 +18,8 @@ from pathlib import Path
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.machine import load_machine
-from axiscal.numerics.threads import one_thread
 from axiscal.web.desk import Desk
+from axiscal_core.threads import one_thread
 
 READINGS = 62
 
@@ -41,7 +41,7 @@ def times() -> list[tuple[float, float]]:
         while (question := desk.state.question) is not None:
             typed = " ".join(f"{expected.mean + 0.2 * expected.half:.2f}" for expected in question.expected)
             wall, processor = time.perf_counter(), time.process_time()
-            desk.keep(desk.state.last, typed, keep=True)
+            desk.keep(desk.state.last, typed, cause="keep")
             found.append((time.perf_counter() - wall, time.process_time() - processor))
             desk.think()
     return found

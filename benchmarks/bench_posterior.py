@@ -24,7 +24,6 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.usual import sizes_of, usual_machine
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise import problem as estimate_problem
-from axiscal.estimation.promise.draws import draws, mode, weighed
 from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.spaces import turned, variances_of
@@ -34,8 +33,9 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
 from axiscal.present.demo import measured_truth
+from axiscal_core.draws import draws, mode, weighed
+from axiscal_core.threads import one_thread
 
 T = TypeVar("T")
 _SEED = 2005

@@ -23,8 +23,8 @@ from axiscal.machine.motion import travel_seconds
 from axiscal.measurement.candidates import arrivals_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import held_seconds
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.gains.covariance import Covariance
+from axiscal_core.threads import one_thread
 from benchmarks.rests_as_noise import left_with_rests_as_noise
 
 _TOOL = 'tool_length = "{tool}"\ntool_eccentricity = "0 um"\ntool_certificate = "assumed"\n'

@@ -21,8 +21,8 @@ from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.reading import Places
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.gains.covariance import Covariance
+from axiscal_core.threads import one_thread
 from benchmarks.rests_as_noise import left_with_rests_as_noise
 
 _MIDDLE, _LENGTH = {"X": 300, "Y": 200, "Z": 200}, {"X": 600, "Y": 400, "Z": 400}

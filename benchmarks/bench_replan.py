@@ -20,10 +20,10 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.estimation.case import Case
 from axiscal.machine.motion import travel_seconds
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.next_readings import next_places
 from axiscal.present.demo import SEED, description, hidden_machine
 from axiscal.record.events import Asked
+from axiscal_core.threads import one_thread
 
 
 def steps(campaign: Campaign, source: SimulatedSource) -> Iterator[tuple[float, float, float, float]]:

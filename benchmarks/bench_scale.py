@@ -18,9 +18,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits
+from axiscal_core.threads import one_thread
 from benchmarks.cases import stacked
 from benchmarks.peers.problems import Stacked
 

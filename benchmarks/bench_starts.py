@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
+from axiscal_core.threads import one_thread
 from benchmarks.cases import stacked
 from benchmarks.peers.problems import TRAVEL, Stacked
 

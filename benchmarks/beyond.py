@@ -21,9 +21,9 @@ from axiscal.estimation.located import absorbed
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
+from axiscal_core.threads import one_thread
 from tests.docs.pictures import svg
 
 PICTURES = Path(__file__).parents[1] / "docs" / "pictures"

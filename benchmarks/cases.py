@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+import axiscal_core as ac
 from axiscal.errors.gauge import unseen_factor
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import volume_moments, whole_travel
@@ -29,6 +30,14 @@ def stacked(case: Stacked, candidates: int, volume: bool = False) -> Task:
     moves, park, raster = tuple(range(count)), (5.0,) * count, (0.0,) * count
     setup = Setup("s", "indicator", (0.0, 0.0, 1.0), moves, park, case.noise, (), 0.0, 0.0, 1.0, raster, "+")
     return _problem(machine, (setup,), candidates, not volume)
+
+
+def alone(case: Stacked) -> ac.Case:
+    """Return one of the cases for the core."""
+    axes = [ac.Axis.linear(name, "x", (0.0, 10.0)) for name in "XYZUV"[: case.axes]]
+    machine = ac.Machine(axes, [ac.Error(f"EZ{axis.name}", 1.0, knots=case.knots) for axis in axes])
+    dial = ac.Laser("s", machine.names, along="z", noise=case.noise, unknowns={"zero": 0.0}, approach="+")
+    return ac.Case(machine, [dial], usual="off", sure="exactly", aligned=False)
 
 
 def five_axis(candidates: int) -> Task:

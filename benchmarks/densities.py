@@ -15,7 +15,7 @@ from axiscal.estimation.estimate import concluded
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 from tests.docs.pictures import svg
 from tests.generators.one_axis import MACHINE
 

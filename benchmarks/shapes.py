@@ -14,9 +14,9 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
+from axiscal_core.threads import one_thread
 from tests.docs.pictures import svg
 
 PAGE = Path(__file__).parents[1] / "docs" / "evidence" / "shapes.md"

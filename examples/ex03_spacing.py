@@ -7,7 +7,7 @@ can bend that much inside the band (B&H eq. 15). It is a limit, not a recommenda
 import numpy as np
 
 import axiscal as ac
-from axiscal.numerics.cubic import spacing_limit
+from axiscal_core.splines import spacing_limit
 
 
 def main() -> dict[str, object]:

@@ -7,7 +7,7 @@ which it sharpens. The last reading here is 20 um off: the belief is not asked t
 import numpy as np
 
 import axiscal as ac
-from axiscal.errors.prior import matern
+from axiscal_core.splines import matern
 
 
 def main() -> dict[str, object]:

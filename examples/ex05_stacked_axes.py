@@ -7,41 +7,41 @@ height itself is known well.
 
 import numpy as np
 
-import axiscal as ac
-from axiscal.errors.gauge import unseen_factor
-from axiscal.errors.volume import volume_moments, whole_travel
-from axiscal.estimation.accuracy.criterion import Root, joint_root
-from axiscal.measurement.candidates import spread
-from axiscal.planning.step.best_step import Step
+import axiscal_core as ac
 
-MACHINE, MM = ac.load_machine("paper-three-stacked"), 1e-3  # what the paper calls 1
-MODEL = ac.ErrorModel(MACHINE)
-DIAL = ac.Setup("dial", "indicator", (0, 0, 1), (0, 1, 2), (5 * MM,) * 3, 0.01 * MM, (), 0, 0, 0, (0.0,) * 3, "+")
-OBSERVATION, PLACES = ac.Observation(MODEL, (DIAL,)), spread(MACHINE, (DIAL,), 2000)
-JOINT, HEIGHT = joint_root(MODEL), Root.of_gram(volume_moments(MODEL, whole_travel(MODEL)).gram)
+AXES, MM = [ac.Axis.linear(name, "x", ("0 mm", "10 mm")) for name in "XUP"], 1e-3  # what the paper calls 1
+MACHINE = ac.Machine(AXES, [ac.Error(f"EZ{axis.name}", "1 mm", knots=7) for axis in AXES])
 
 
-def chosen(count: int) -> tuple[list[Step], list[ac.Knowledge]]:
-    """Return so many readings, each the best there is (B&H eq. 27, 37), and what is known before and after each."""
-    steps, known = list[Step](), [ac.Knowledge.before(OBSERVATION)]
+def case(noise: str = "0.01 mm") -> ac.Case:
+    """Return the machine and its dial, which the paper takes to be as they are stated."""
+    dial = ac.Laser("dial", "XUP", along="z", noise=noise, unknowns={"zero": 0.0}, approach="+")
+    return ac.Case(MACHINE, [dial], usual="off", sure="exactly", aligned=False)
+
+
+def chosen(count: int) -> ac.Places:
+    """Return so many readings, each the best there is after those before it (B&H eq. 27, 37)."""
+    found = ac.Places("dial", np.zeros((0, 3)))
     for _ in range(count):
-        steps.append(ac.best_step(known[-1], JOINT, PLACES))
-        known.append(known[-1].read([steps[-1].reading(OBSERVATION)]))
-    return steps, known
+        found += case().next(found, criterion="joint")
+    return found
+
+
+def left(places: ac.Places) -> tuple[list[float], list[float]]:
+    """Return J (B&H eq. 36) and the RMS of the height after none, one and so on of the readings."""
+    each = [case().evaluate(places.at(range(i)), criterion="joint") for i in range(len(places) + 1)]
+    return [known.J for known in each], [known.rms for known in each]
 
 
 def main() -> dict[str, object]:
-    """Return what 22 readings do to J (B&H eq. 36) and to the height."""
-    readings, factors = np.arange(23.0), [each.belief.factor for each in chosen(22)[1]]
-    J, height = ([root.criterion(factor) for factor in factors] for root in (JOINT, HEIGHT))
-    seen = OBSERVATION.rows(0, *PLACES.in_setup(0))
-    left = unseen_factor(factors[0], seen.rows / np.sqrt(seen.variances)[:, None])
-    lines = {"one joint": (readings, np.sqrt(J) / (30 * MM**3) ** 0.5), "the height": (readings, np.sqrt(height) / MM)}
+    """Return what 22 readings do to J and to the height."""
+    readings, (J, height), exact = np.arange(23.0), left(chosen(22)), case("1 nm")
+    lines = {"one joint": (readings, np.sqrt(J) / (30 * MM**3) ** 0.5), "the height": (readings, np.array(height) / MM)}
     return {
         "J before": J[0] / MM**3,
         "J after the first reading": J[1] / MM**3,
-        "J that no reading takes away": JOINT.criterion(left) / MM**3,
-        "height known to, before": float(height[0] ** 0.5) / MM,
+        "J that no reading takes away": exact.evaluate(exact.lattice(200), criterion="joint").J / MM**3,
+        "height known to, before": height[0] / MM,
         "picture": {"x": "readings", "y": "standard deviation, RMS", "log": True, "lines": lines},
     }
 

@@ -28,7 +28,7 @@ settings.load_profile(os.environ.get("AXISCAL_HYPOTHESIS", "axiscal"))
 @pytest.fixture(scope="session", autouse=True)
 def _one_thread() -> Iterator[None]:
     """Hold the linear algebra of all tests to one thread: the workers of a distributed run fill the cores."""
-    from axiscal.numerics.threads import one_thread
+    from axiscal_core.threads import one_thread
 
     with one_thread():
         yield

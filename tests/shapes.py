@@ -25,7 +25,7 @@ NOTE = re.compile(r"(\w+(?:, \w+)*) : (?:[A-Z] )?\(([^()]*)\)(?! or)")
 ARRAY = re.compile(r"(Array|NDArray\[[\w.]+\])( \||$)")
 
 SHAPE = attrgetter("shape")
-REFUSES = re.compile(r"raises [^.]*(Shape|Covariance|Knot)Error", re.IGNORECASE)
+REFUSES = re.compile(r"raises [^.]*(Shape|Covariance|Input)Error", re.IGNORECASE)
 
 
 class ShapeSaidError(AssertionError):

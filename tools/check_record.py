@@ -3,8 +3,9 @@
     python tools/check_record.py RECORD --key PUBLIC [--key PUBLIC] [--head CHAIN] [--manifest DIR/manifest.json]
 
 It reads bytes, sums, the chain over all events, the two marks of the end, and every signature. PUBLIC is the public key
-of a person who may sign, in hex, or a file that holds it; CHAIN is the end that somebody else has seen, such as the
-store at a sync: it shows whether the record was set back since. Needs Python 3.11 and the package cryptography.
+of a person who may sign, in hex, or a file with a key and a name in each line; CHAIN is the end that somebody else has
+seen, such as the store at a sync: it shows whether the record was set back since. Needs Python 3.11 and the package
+cryptography.
 Exit status: 0 if all of it is signed by these keys and as it was written, else 1, and each fault in a line.
 """
 
@@ -26,8 +27,11 @@ from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
 
 BLOCK, START, MARK = 4096, 3 * 4096, 160
-HEAD = "7b5accdb80a4adc94a0a792ee6083d19e65549ece675b4221b0f7d9665466b0d"
-"""SHA-256 of the first block: what it says of itself is the same in every record of this form."""
+HEADS = {
+    "7b5accdb80a4adc94a0a792ee6083d19e65549ece675b4221b0f7d9665466b0d",
+    "b20106745e56ca5cf5a47cfa3970f37a6ac2fe6cbf4853adb497f1fdea4b3ecf",
+}
+"""SHA-256 of the first block: what it says of itself is the same in every record of form 2, and of form 3."""
 LINE = re.compile(rb"([0-9a-f]{64}) (\S+) (\S+) (.*) ([.,])([0-9a-f]{8})", re.DOTALL)
 BY = ("person", "computer", "key")
 MOST = 20
@@ -57,8 +61,8 @@ class Found:
 def checked(content: bytes, keys: Sequence[str], heads: Sequence[str] = ()) -> Found:
     """Return what is found in the bytes of a record.  keys : public ones, hex;  heads : chains that it must hold"""
     found = Found()
-    if hashlib.sha256(content[:BLOCK]).hexdigest() != HEAD:
-        found.faults.append("its head is not that of a record of form 2; one of form 1 is made new by any command")
+    if hashlib.sha256(content[:BLOCK]).hexdigest() not in HEADS:
+        found.faults.append("its head is not that of a record of form 2 or 3")
     found.faults += _read(content[START:], found.entries)
     found.faults += _of_marks(content, found.entries)
     if not found.entries:
@@ -173,7 +177,8 @@ def main(words: Sequence[str]) -> int:
         parser.add_argument(name, action="append", default=[])
     parser.add_argument("--manifest", type=Path)
     args = parser.parse_args(words)
-    keys = [(Path(key).read_text().strip() if Path(key).is_file() else key).lower() for key in args.key]
+    given = [Path(key).read_text().splitlines() if Path(key).is_file() else [key] for key in args.key]
+    keys = [line.split()[0].lower() for lines in given for line in lines if line.strip()]
     found = checked(args.record.read_bytes(), keys, args.head)
     if args.manifest:
         results = checked_manifest(args.manifest, found.entries, keys)

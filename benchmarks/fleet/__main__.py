@@ -13,10 +13,10 @@ import numpy as np
 from scipy.stats import ttest_1samp
 
 from axiscal.errors.model import ErrorModel
-from axiscal.numerics.threads import one_thread
 from axiscal.ports.fleet.hierarchy import prior_units
 from axiscal.ports.fleet.sister_records import equations_of, read_records
 from axiscal.ports.fleet.type_learning import taught
+from axiscal_core.threads import one_thread
 from benchmarks.fleet.left_out import COUNTS, each_way
 from benchmarks.fleet.printers import DATA, printers, types
 

@@ -18,9 +18,9 @@ from axiscal.estimation.timed import ends_along
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import unique_root
-from axiscal.numerics.threads import one_thread
 from axiscal.ports.fleet.quick_check import QuickCheck
+from axiscal_core.eigen import unique_root
+from axiscal_core.threads import one_thread
 
 NAME = "three-axis-mill"
 _LASER = """[[setups]]

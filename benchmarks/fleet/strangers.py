@@ -14,7 +14,7 @@ import numpy as np
 
 from axiscal.estimation.type_prior import rivals
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 from benchmarks.fleet.types import STRANGERS, changed, equations_of, lesson_of
 from benchmarks.fleet.until_target import Reached, plan_as_stated, reached
 from benchmarks.fleet.virtual_types import Bench, VirtualType

@@ -17,8 +17,8 @@ from axiscal.estimation.data_equation import DataEquation
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import TypePrior, rivals
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
 from axiscal.ports.fleet.type_learning import taught
+from axiscal_core.threads import one_thread
 from benchmarks.fleet.until_target import Reached, plan_as_stated, reached
 from benchmarks.fleet.virtual_types import Bench, Form, VirtualType
 

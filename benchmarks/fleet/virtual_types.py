@@ -18,8 +18,8 @@ from axiscal.estimation.data_equation import DataEquation, data_equation
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import unique_root
 from axiscal.ports.fleet.hierarchy import PriorUnits, prior_units
+from axiscal_core.eigen import unique_root
 
 NAME = "three-axis-mill"
 _SETUP = """[[setups]]

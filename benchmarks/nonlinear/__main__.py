@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 from benchmarks.nonlinear.remainders import KINDS, remainders
 from benchmarks.nonlinear.rounds import case_of, rounds
 from benchmarks.nonlinear.stations import bars, compared, tracers

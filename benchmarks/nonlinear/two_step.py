@@ -18,7 +18,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.numerics.rigid import skew
+from axiscal_core.rigid import skew
 
 _POSES = 150
 _LOOSE, _TURNED = 1e-3, 1e-3

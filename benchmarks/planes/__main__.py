@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 from benchmarks.planes.designs import Outcome, outcome
 from benchmarks.planes.maps import DATA, Plane, maps
 

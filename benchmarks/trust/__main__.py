@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 from benchmarks.trust.attack_table import (
     FAR,
     FIRST,

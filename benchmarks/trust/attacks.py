@@ -20,7 +20,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 from benchmarks.trust.benches import BENCHES, Changes, Name, case_of, visits
 
 _POSES, _MINUTE = 200, 60.0

@@ -7,10 +7,10 @@ from typing import Literal
 
 import numpy as np
 
-from axiscal.errors.prior import matern
 from axiscal.estimation.intervals import Fitted, sites
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root
+from axiscal_core.splines import matern
 
 Rule = Literal["ignored", "variance", "interval"]
 RULES: tuple[Rule, ...] = ("ignored", "variance", "interval")

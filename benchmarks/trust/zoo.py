@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 from benchmarks.trust.kept import Found, Trial, Tried
 from tests.zoo.animals import Animal, Interval, Judged, Slope
 from tests.zoo.curves import FOREIGN

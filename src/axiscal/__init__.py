@@ -14,7 +14,7 @@ and plans. `estimate` takes readings to curves, deviations and tables. For whoev
   `ErrorModel`.
 - An instrument sees linear combinations of them (`Setup`, `Observation`).
 - A `Belief` is what is known of them. `Knowledge` is both together, and readings sharpen it.
-- `best_step` is the reading that would sharpen it most.
+- `axiscal_core.Case.next` is the reading that would sharpen it most.
 
 `Campaign` does all of it and keeps a record; `Simulator` makes virtual machines to try it on. Inside everything
 is metres, radians and seconds. The names below are loaded when they are first used; all others are imported from where
@@ -34,10 +34,9 @@ if TYPE_CHECKING:
     from axiscal.measurement.observation import Observation
     from axiscal.measurement.setup import Setup
     from axiscal.measurement.simulation import Simulator
-    from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline
-    from axiscal.planning.step.best_step import best_step
     from axiscal.python.estimated import Curve, estimate
     from axiscal.python.measured_case import Case, setup
+    from axiscal_core.splines import Constant, CyclicSpline, NaturalSpline
 
 __version__ = "0.1.0"
 
@@ -54,7 +53,6 @@ __all__ = [
     "Observation",
     "Setup",
     "Simulator",
-    "best_step",
     "estimate",
     "load_machine",
     "read_campaign",
@@ -62,32 +60,43 @@ __all__ = [
 ]
 
 _HOMES = {
-    "Belief": "estimation.belief",
-    "Campaign": "campaign.campaign",
-    "Case": "python.measured_case",
-    "Constant": "numerics.cubic",
-    "Curve": "python.estimated",
-    "CyclicSpline": "numerics.cubic",
-    "ErrorModel": "errors.model",
-    "Knowledge": "estimation.knowledge",
-    "NaturalSpline": "numerics.cubic",
-    "Observation": "measurement.observation",
-    "Setup": "measurement.setup",
-    "Simulator": "measurement.simulation",
-    "best_step": "planning.step.best_step",
-    "estimate": "python.estimated",
-    "load_machine": "machine.description",
-    "read_campaign": "description.campaign",
-    "setup": "python.measured_case",
+    "Belief": "axiscal.estimation.belief",
+    "Campaign": "axiscal.campaign.campaign",
+    "Case": "axiscal.python.measured_case",
+    "Constant": "axiscal_core.splines",
+    "Curve": "axiscal.python.estimated",
+    "CyclicSpline": "axiscal_core.splines",
+    "ErrorModel": "axiscal.errors.model",
+    "Knowledge": "axiscal.estimation.knowledge",
+    "NaturalSpline": "axiscal_core.splines",
+    "Observation": "axiscal.measurement.observation",
+    "Setup": "axiscal.measurement.setup",
+    "Simulator": "axiscal.measurement.simulation",
+    "estimate": "axiscal.python.estimated",
+    "load_machine": "axiscal.machine.description",
+    "read_campaign": "axiscal.description.campaign",
+    "setup": "axiscal.python.measured_case",
 }
 
 
 def __getattr__(name: str) -> object:
+    if name == "best_step":
+        return _best_step()
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    found: object = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    found: object = getattr(import_module(_HOMES[name]), name)
     globals()[name] = found
     return found
+
+
+def _best_step() -> object:
+    """Return the exact step of the core, which has the name for one more version."""
+    from warnings import warn
+
+    from axiscal_core import Case as Core
+
+    warn("axiscal.best_step is axiscal_core.Case.next, which takes a case", DeprecationWarning, stacklevel=3)
+    return Core.next
 
 
 def __dir__() -> list[str]:

@@ -174,10 +174,6 @@ class TargetError(InputError):
     """A target that cannot be reached, or targets that contradict each other."""
 
 
-class KnotError(AxiscalError, ValueError):
-    """Spline knots that are not finite, not increasing, or too few."""
-
-
 class CovarianceError(AxiscalError, ValueError):
     """A covariance that is not finite, not symmetric or not positive semidefinite."""
 

@@ -15,21 +15,44 @@ linear combination of them. So what is known is a normal, readings sharpen it, a
 before anything is read (section IV). Numbers are in m, rad and s; a text carries its unit.
 """
 
-from axiscal_core.axes import Axis
-from axiscal_core.case import Case
-from axiscal_core.curve import Curve
-from axiscal_core.errors import Basis, Error, Offset, Plane
-from axiscal_core.instrument import At, Instrument, Unknowns, angle, cross, length
-from axiscal_core.instruments import BallBar, Laser, Level, RTest, Tracker
-from axiscal_core.known import Known
-from axiscal_core.machine import Machine
-from axiscal_core.normal import Normal
-from axiscal_core.places import Places, Readings
-from axiscal_core.plan import Evaluation, Plan
-from axiscal_core.refusals import Array, InputError
+from importlib import import_module
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from axiscal_core.axes import Axis
+    from axiscal_core.case import Case
+    from axiscal_core.curve import Curve
+    from axiscal_core.errors import Basis, Error, Offset, Plane
+    from axiscal_core.instrument import At, Instrument, Unknowns, angle, cross, length
+    from axiscal_core.instruments import BallBar, Laser, Level, RTest, Tracker
+    from axiscal_core.known import Known
+    from axiscal_core.machine import Machine
+    from axiscal_core.normal import Normal
+    from axiscal_core.places import Places, Readings
+    from axiscal_core.plan import Evaluation, Plan
+    from axiscal_core.refusals import Array, InputError
 
 __all__ = [
     "Array", "At", "Axis", "BallBar", "Basis", "Case", "Curve", "Error", "Evaluation", "InputError", "Instrument",
     "Known", "Laser", "Level", "Machine", "Normal", "Offset", "Places", "Plan", "Plane", "RTest", "Readings",
     "Tracker", "Unknowns", "angle", "cross", "length",
 ]  # fmt: skip
+
+_FILES = (
+    "axes", "case", "curve", "errors", "instrument", "instruments", "known", "machine", "normal", "places", "plan",
+    "refusals",
+)  # fmt: skip
+"""Where the names are: who wants one file of them, as the product does, need not load them all."""
+
+
+def __getattr__(name: str) -> object:
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    for file in _FILES:
+        found = vars(import_module(f"{__name__}.{file}"))
+        globals().update({each: found[each] for each in __all__ if each in found})
+    return globals()[name]
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

@@ -12,10 +12,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from axiscal_core import rigid
 from axiscal_core.refusals import Array, InputError, finite, one_of, within
 from axiscal_core.units import Quantity, quantities, si
 
@@ -42,14 +43,14 @@ class Axis:
     """One axis.  Make it with `linear` or `turning`.
 
     direction : (3,) of travel or turn; origin : (3,) a point on a rotary axis, m; travel : from, to, m or rad
-    on_workpiece : it carries the workpiece; overrun : how far beyond a place it goes before it turns, m or rad
+    workpiece_side : it carries the workpiece; overrun : how far beyond a place it goes before it turns, m or rad
     """
 
     name: str
     rotary: bool
     direction: Array
     travel: tuple[float, float]
-    on_workpiece: bool
+    workpiece_side: bool
     origin: Array
     overrun: float
 
@@ -94,40 +95,79 @@ class Axis:
         return self.rotary and abs(self.length - 2 * np.pi) < 1e-9
 
 
-class Frames(NamedTuple):
-    """Where axes and tool are in the frame of the workpiece.
+class Link(Protocol):
+    """What the chain has to know of an axis."""
 
-    turn : (q, m, 3, 3) of each axis; origin : (q, m, 3) m; tcp : (m, 3) m; tool : (m, 3, 3)
+    @property
+    def rotary(self) -> bool:
+        """Whether it turns."""
+
+    @property
+    def direction(self) -> Array | tuple[float, float, float]:
+        """Of travel or turn, (3,), a unit vector."""
+
+    @property
+    def origin(self) -> Array | tuple[float, float, float]:
+        """A point on a rotary axis, m."""
+
+    @property
+    def workpiece_side(self) -> bool:
+        """Whether it carries the workpiece."""
+
+
+class Frames(NamedTuple):
+    """Axis frames and TCP in the workpiece frame.
+
+    rotations : (q, m, 3, 3) R_k; origins : (q, m, 3) m; tcp : (m, 3) m; tool : (m, 3, 3) R_t, of the tool
     """
 
-    turn: Array
-    origin: Array
+    rotations: Array
+    origins: Array
     tcp: Array
     tool: Array
 
+    @property
+    def stem(self) -> Array:
+        """Unit vectors from the tip of the tool to the spindle, (m, 3)."""
+        return self.tool[:, :, 2]
 
-def chain(axes: Sequence[Axis], poses: Array, tool: Array, held: Array | None = None) -> Frames:
+
+def chain(axes: Sequence[Link], poses: Array, tool: Array, held: Array | None = None) -> Frames:
     """Return the nominal frames.
 
     poses : (m, q); tool : (3,) the tool point where all axes stand at zero, m; held : (3, 3) the tool's turn there
     """
-    turn, at = np.broadcast_to(np.eye(3), (len(poses), 3, 3)), np.zeros((len(poses), 3))
-    turns, origins = [], []
-    for axis, t in zip(axes, poses.T, strict=True):
-        at = at + turn @ axis.origin
-        moved = at if axis.rotary else at + (turn @ axis.direction) * t[:, None]
-        turned = turn @ rotation(axis.direction, t) if axis.rotary else turn
-        behind = axis.on_workpiece == axis.rotary
-        turns.append(turned if behind else turn)
-        origins.append(moved if behind else at)
-        at, turn = moved - turned @ axis.origin, turned
-    return Frames(np.array(turns), np.array(origins), at + turn @ tool, turn if held is None else turn @ held)
+    motion = rigid.identity(len(poses))
+    rotations, origins = [], []
+    for axis, coordinate in zip(axes, poses.T, strict=True):
+        motion = to_frame(axis, motion, coordinate, None)
+        rotations.append(motion.rotation)
+        origins.append(motion.translation)
+        motion = from_frame(axis, motion, coordinate, None)
+    turned = motion.rotation if held is None else motion.rotation @ held
+    return Frames(np.array(rotations), np.array(origins), motion.apply(tool), turned)
 
 
-def rotation(direction: Array, angle: Array) -> Array:
-    """Return Rodrigues' matrices, (m, 3, 3).  direction : (3,); angle : (m,)"""
-    x, y, z = direction
-    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    s, c = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
-    result: Array = np.eye(3) + s * k + (1 - c) * (k @ k)
-    return result
+def to_frame(axis: Link, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
+    """Return the motion up to the frame of an axis.  tilt : (m, 3, 3) of the direction of travel, None for none"""
+    if axis.rotary:
+        motion = motion.shifted(np.array(axis.origin))
+        return motion.then(_turn(axis, coordinate)) if axis.workpiece_side else motion
+    return motion if axis.workpiece_side else motion.shifted(_travel(axis, coordinate, tilt))
+
+
+def from_frame(axis: Link, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
+    """Return the motion from the frame of an axis to that of the next one; arguments as for `to_frame`."""
+    if axis.rotary:
+        motion = motion if axis.workpiece_side else motion.then(_turn(axis, coordinate))
+        return motion.shifted(-np.array(axis.origin))
+    return motion.shifted(_travel(axis, coordinate, tilt)) if axis.workpiece_side else motion
+
+
+def _travel(axis: Link, coordinate: Array, tilt: Array | None) -> Array:
+    straight = np.outer(coordinate, axis.direction)
+    return straight if tilt is None else np.einsum("mij,mj->mi", tilt, straight)
+
+
+def _turn(axis: Link, coordinate: Array) -> Array:
+    return rigid.turned_about(np.array(axis.direction), coordinate)

@@ -4,7 +4,7 @@
 >>> machine = Machine([Axis.linear("X", "x", (0, "600 mm"))], [Error("EXX", "10 um", length="200 mm")])
 >>> case = Case(machine, [Laser("laser", "X")])
 >>> case.next().poses, f"{case.plan(readings=5).rms * 1e6:.2f} um"
-(array([[0.6]]), '0.95 um')
+(array([[0.]]), '0.95 um')
 """
 
 from __future__ import annotations

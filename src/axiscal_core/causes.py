@@ -13,11 +13,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from axiscal_core.errors import Curved
-from axiscal_core.model import CELLS, Model, Numbers
+from axiscal_core.errors import CELLS, Curved
+from axiscal_core.model import Model, Numbers
 from axiscal_core.places import Places
 from axiscal_core.refusals import Array
-from axiscal_core.sizes import Kind
+from axiscal_core.theta import Kind
 
 DRIFT, CYCLE, GROWTH, WAY = 2.0, 0.5, 2.0, 0.06
 """Usual sizes: in noises, the last one of a reversal. Nine ISO 230-2 tests say the first, nobody the others."""

@@ -16,8 +16,9 @@ import numpy as np
 from axiscal_core.axes import Axis
 from axiscal_core.errors import Curved
 from axiscal_core.machine import Machine
+from axiscal_core.points import even_points
 from axiscal_core.refusals import Array, finite, one_of
-from axiscal_core.splines import even_points, gauss
+from axiscal_core.splines import gauss
 
 Criterion = Literal["volume", "joint"] | Array | Callable[[Array], float]
 """What a plan makes small."""
@@ -98,6 +99,6 @@ def _over(axes: Sequence[Axis], terms: Sequence[object]) -> tuple[Array, Array]:
     if len(axes) == 1:
         knots = [term.spline.knots for term in terms if isinstance(term, Curved) and term.error.period is None]
         nodes, weights = gauss(np.unique(np.concatenate([*knots, axes[0].travel])), _NODES)
-        return nodes[:, None], weights / weights.sum()
+        return nodes.reshape(-1, 1), weights.ravel() / weights.sum()
     low, high = np.array([axis.travel for axis in axes]).T
     return low + even_points(_POSES, len(axes)) * (high - low), np.full(_POSES, 1 / _POSES)

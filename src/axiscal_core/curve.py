@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike
 
 from axiscal_core.normal import Normal
 from axiscal_core.refusals import Array, InputError, finite, whole, within
-from axiscal_core.roots import largest
-from axiscal_core.splines import Spline, distances, matern, natural
+from axiscal_core.roots import largest, node_count
+from axiscal_core.splines import NaturalSpline, Spline, distances, even_knots, matern
 from axiscal_core.units import Quantity, quantities, si
 
 _CUBIC = 3
@@ -43,7 +43,7 @@ class Curve:
         start, stop = quantities(travel, "Curve", "travel", (2,))
         if start >= stop:
             raise InputError("Curve", "travel", f"goes from {start:g} to {stop:g}", "Give the lower end first")
-        self.spline = natural(float(start), float(stop), whole("Curve", "knots", knots, 2))
+        self.spline = NaturalSpline(even_knots(float(start), float(stop), whole("Curve", "knots", knots, 2)))
         size = within("Curve", "std", si(std, "Curve", "std"), 0.0, open_end=True)
         alike = np.eye(knots)
         if length is not None:
@@ -62,7 +62,7 @@ class Curve:
         """Return what is known at positions t (eq. 18, 20): a normal over them, (m,)."""
         at = finite("Curve", "t", np.atleast_1d(np.asarray(t)), (None,))
         self._refuse_outside("Curve", at)
-        return self.known.through(self.spline(at))
+        return self.known.through(self.spline.rows(at))
 
     @property
     def J(self) -> float:  # noqa: N802 (the paper's letter)
@@ -80,11 +80,11 @@ class Curve:
         covariance, weight = self.known.covariance, self.spline.gram()
 
         def forms(t: Array) -> tuple[Array, Array]:
-            rows = self.spline(t)
+            rows = self.spline.rows(t)
             reach = rows @ covariance
             return np.einsum("mi,ij,mj->m", reach, weight, reach), variance + np.sum(reach * rows, axis=1)
 
-        found = largest(forms, self.spline.knots, 2 * _CUBIC)
+        found = largest(forms, self.spline.knots, node_count(2 * _CUBIC))
         assert found is not None, "a spline is a cubic between its knots"
         return found[0]
 
@@ -93,7 +93,7 @@ class Curve:
         at, y = si(t, "Curve.read", "t"), si(value, "Curve.read", "value")
         variance = within("Curve.read", "noise", si(noise, "Curve.read", "noise"), 0.0, open_end=True) ** 2
         self._refuse_outside("Curve.read", np.array([at]))
-        return Curve.of(self.spline, self.known.read(self.spline(at), [y], [variance]))
+        return Curve.of(self.spline, self.known.read(self.spline.rows(at), [y], [variance]))
 
     def _refuse_outside(self, function: str, t: Array) -> None:
         start, stop = self.spline.knots[[0, -1]]

@@ -18,16 +18,29 @@ import numpy as np
 
 from axiscal_core.axes import Axis
 from axiscal_core.refusals import Array, InputError, whole, within
-from axiscal_core.splines import Spline, constant, cyclic, distances, matern, natural
+from axiscal_core.splines import (
+    Constant,
+    CyclicSpline,
+    NaturalSpline,
+    Repeated,
+    Spline,
+    distances,
+    even_knots,
+    matern,
+    ramp,
+)
+from axiscal_core.theta import Sure
 from axiscal_core.units import Quantity, quantities, si
 
 Kind = Literal["motion", "reversal", "location"]
-Sure = Literal["roughly", "well", "exactly"]
-"""How well stated sizes are known: to a factor of 3, of 1.5, exactly."""
 COMPONENTS = "XYZABC"
 _NAME = re.compile(
     r"(?:E(?P<component>[XYZABC])(?P<axis>.+?)(?P<reversal>_reversal)?|(?P<place>[XYZABC])0(?P<of>.+?))(?:_pitch)?"
 )
+CELLS, ASIDE = 8, 2e-4
+"""Cells of a knot interval, within which a rest is one value; they begin so far before a knot, m or rad.
+
+Places are round numbers, and stand at knots: a correction must not leave a cell."""
 _WAVE_KNOTS = 8  # a cyclic spline of so many follows a sine to 1.2 thousandths
 
 
@@ -127,7 +140,6 @@ class Curved:
     error: Error
     at: int
     spline: Spline
-    travel: tuple[float, float]
     linear: bool
 
     @property
@@ -156,7 +168,7 @@ class Curved:
         """The effect of one standard deviation of the scale on the control values, (n,); None without scale."""
         if not self.error.scale:
             return None
-        along: Array = cast(float, self.error.scale) * (self.spline.positions - sum(self.travel) / 2)
+        along: Array = cast(float, self.error.scale) * ramp(self.spline)
         return along
 
     def correlation(self, longer: float = 1.0) -> Array:
@@ -187,13 +199,14 @@ def curved(error: Error, axes: Sequence[Axis]) -> Curved:
         )
     at = names.index(error.axis)
     axis, (low, high) = axes[at], axes[at].travel
+    spline: Spline
     if error.period is not None:
-        spline = cyclic(low, low + cast(float, error.period), _WAVE_KNOTS * error.waves + 1)
+        spline = Repeated(low, high, cast(float, error.period), _WAVE_KNOTS * error.waves)
     elif error.count < 2:
-        spline = constant(low, high)
+        spline = Constant(low, high)
     else:
-        spline = (cyclic if axis.cyclic else natural)(low, high, error.count)
-    return Curved(error, at, spline, axis.travel, not axis.rotary)
+        spline = (CyclicSpline if axis.cyclic else NaturalSpline)(even_knots(low, high, error.count))
+    return Curved(error, at, spline, not axis.rotary)
 
 
 WHITE, ROUGH, SCALE, LENGTH = 0.03, 0.045, 30e-6, 0.25
@@ -252,7 +265,9 @@ class Plane:
         self.name, self.frame = name, axes[1].name
         self.component, self.std = COMPONENTS.index(name[1]), within("Plane", "std", si(std, "Plane", "std"), 0.0)
         each = zip(axes, knots, strict=True)
-        self.splines = [natural(*axis.travel, whole("Plane", "knots", count, 2)) for axis, count in each]
+        self.splines = [
+            NaturalSpline(even_knots(*axis.travel, whole("Plane", "knots", count, 2))) for axis, count in each
+        ]
         self.lengths = quantities(lengths, "Plane", "lengths", (2,))
         self.axes = tuple(axes)
         self._columns: tuple[int, int] = (0, 1)
@@ -265,7 +280,7 @@ class Plane:
 
     def rows(self, poses: Array) -> Array:
         """Return the products, (m, 6, n)."""
-        first, second = (spline(poses[:, k]) for spline, k in zip(self.splines, self._columns, strict=True))
+        first, second = (spline.rows(poses[:, k]) for spline, k in zip(self.splines, self._columns, strict=True))
         result = np.zeros((len(poses), 6, first.shape[1] * second.shape[1]))
         result[:, self.component] = (first[:, :, None] * second[:, None, :]).reshape(len(poses), -1)
         return result

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal_core.draws import Draws, drawn
+from axiscal_core.draws import Weighed, sized
 from axiscal_core.known import Known
 from axiscal_core.model import Model
 from axiscal_core.places import Readings
@@ -17,7 +17,7 @@ _ROUNDS = 20  # of Gauss and Newton: who needs more has described another set-up
 _LINEAR = 0.01  # noises
 
 
-@one_thread
+@one_thread()
 def estimated(case: Model, readings: Readings) -> Known:
     """Return what readings make known."""
     case.values(readings, "Case.estimate")
@@ -28,7 +28,7 @@ def estimated(case: Model, readings: Readings) -> Known:
         kept = np.setdiff1d(np.arange(len(readings)), bad)
         mine = only(case, readings, kept)
         problem = Problem(case, mine, located(case, mine))
-        draws = drawn(problem)
+        draws = sized(problem)
         odds, z = doubted(problem, draws)
         worst = int(np.argmax(odds))
         if odds[worst] <= 0 or len(bad) + 1 > MOST * len(readings):
@@ -45,7 +45,7 @@ def estimated(case: Model, readings: Readings) -> Known:
     return Known(case, mean, covariance, moved, np.sqrt(draws.weights), sizes, tuple(bad), apart)
 
 
-def averaged(problem: Problem, draws: Draws) -> tuple[Array, Array, Array]:
+def averaged(problem: Problem, draws: Weighed[Given]) -> tuple[Array, Array, Array]:
     """Return mean (size,), covariance (size, size) without type B, and (size, c, d) what type B moves in each draw."""
     each = [given.posterior() for given in draws.given]
     mean = draws.weights @ np.array([one.mean for one in each])

@@ -190,7 +190,9 @@ def sight(
         for names in (instrument.own, instrument.considered)
     )
     # a reversal enters with one half of its value or the other, where nobody knows with either
-    moved, turned = (each.transpose(1, 2, 0) for each in machine.levers(poses, np.where(sides == 0, 1, sides)))
+    moved, turned = (
+        each.transpose(1, 2, 0) for each in machine.levers(poses, np.where(sides == 0, 1, sides), looked.frames)
+    )
     reach = by_move @ moved + by_turn @ turned
     blind = np.zeros(reach.shape[:2])
     for i, (_, term) in enumerate(machine.curves):
@@ -206,7 +208,7 @@ def sight(
 
 def _spread(term: Curved, poses: Array) -> Array:
     """Return the standard deviation of a curve and its rest before any reading, (m,)."""
-    rows = term.spline(poses[:, term.at])
+    rows = term.spline.rows(poses[:, term.at])
     return np.asarray(np.sqrt(np.sum(rows @ term.covariance() * rows, axis=1) + term.rest**2))
 
 
@@ -218,7 +220,8 @@ class _Looked:
         unknowns: Array | None,
     ) -> None:  # fmt: skip
         self.instrument, self.poses, self.sides = instrument, poses, sides
-        self.frames, self.rows = machine.frames(poses), machine.rows(poses, sides)
+        self.frames = machine.frames(poses)
+        self.rows = machine.rows(poses, sides, self.frames)
         still = np.zeros((len(poses), 3))
         self.moved = still if errors is None else self.rows.displacement @ errors
         self.turned = still if errors is None else self.rows.rotation @ errors

@@ -95,16 +95,20 @@ class Machine:
         """Return the nominal chain.  poses : (m, q)"""
         return chain(self.axes, poses, self.tool, self.held)
 
-    def rows(self, poses: Array, sides: Array | None = None) -> Rows:
-        """Return H.  poses : (m, q); sides : (m, q), from where each axis came: +1, -1, 0 where nobody knows"""
-        frames, shape = self.frames(poses), (len(poses), 3, self.size)
+    def rows(self, poses: Array, sides: Array | None = None, nominal: Frames | None = None) -> Rows:
+        """Return H.
+
+        poses : (m, q); sides : (m, q), from where each axis came: +1, -1, 0 where nobody knows
+        nominal : the frames there, where they are known
+        """
+        frames, shape = nominal or self.frames(poses), (len(poses), 3, self.size)
         result = Rows(np.zeros(shape), np.zeros(shape))
-        alike = dict[tuple[int, float, int], Array]()  # most errors of an axis have the same knots
+        alike = dict[tuple[int, int, bytes], Array]()  # most errors of an axis have the same knots
         for term, columns in zip(self.terms, self.columns, strict=True):
             if isinstance(term, Curved):
-                key = term.at, float(term.spline.knots[-1]), term.spline.size
+                key = term.at, term.spline.size, term.spline.knots.tobytes()
                 if key not in alike:
-                    alike[key] = term.spline(poses[:, term.at])
+                    alike[key] = term.spline.rows(poses[:, term.at])
                 values = alike[key] * self._sided(term, sides, len(poses))[:, None]
                 for out, lever in zip(result, self._lever(term, frames, poses), strict=True):
                     out[:, :, columns] = lever[:, :, None] * values[:, None, :]
@@ -113,9 +117,11 @@ class Machine:
                     out[:, :, columns] = part
         return result
 
-    def levers(self, poses: Array, sides: Array | None = None) -> tuple[Array, Array]:
+    def levers(
+        self, poses: Array, sides: Array | None = None, nominal: Frames | None = None
+    ) -> tuple[Array, Array]:  # fmt: skip
         """Return what a unit of each curve's value does to displacement and rotation of the tool, (curves, m, 3)."""
-        frames = self.frames(poses)
+        frames = nominal or self.frames(poses)
         moved, turned = np.zeros((2, len(self.curves), len(poses), 3))
         for i, (_, term) in enumerate(self.curves):
             sided = self._sided(term, sides, len(poses))[:, None]
@@ -132,14 +138,14 @@ class Machine:
     def _lever(self, term: Curved, frames: Frames, poses: Array) -> tuple[Array, Array]:
         """Return what a unit of the value does, (m, 3) each."""
         k, axis = term.at, self.axes[term.at]
-        along = frames.turn[k][:, :, term.error.component % 3]
-        still, sign = np.zeros_like(along), -1.0 if axis.on_workpiece else 1.0
+        along = frames.rotations[k][:, :, term.error.component % 3]
+        still, sign = np.zeros_like(along), -1.0 if axis.workpiece_side else 1.0
         if term.error.kind == "location" and not axis.rotary:
             # the direction of travel is tilted: the carriage goes where it goes, and turns nothing
-            return np.cross(along, frames.turn[k] @ axis.direction) * poses[:, k, None], still
+            return np.cross(along, frames.rotations[k] @ axis.direction) * poses[:, k, None], still
         if term.error.component < 3:
             return sign * along, still
-        return sign * np.cross(along, frames.tcp - frames.origin[k]), sign * along
+        return sign * np.cross(along, frames.tcp - frames.origins[k]), sign * along
 
     def _moved(self, term: Basis, frames: Frames, poses: Array) -> tuple[Array, Array]:
         """Return what a basis of one's own does, (m, 3, n) each."""
@@ -147,9 +153,9 @@ class Machine:
         if term.frame == "tool":
             return frames.tool @ rows[:, :3], frames.tool @ rows[:, 3:]
         k = self.names.index(term.frame)
-        sign = -1.0 if self.axes[k].on_workpiece else 1.0
-        shift, turn = sign * frames.turn[k] @ rows[:, :3], sign * frames.turn[k] @ rows[:, 3:]
-        return shift + np.cross(turn, (frames.tcp - frames.origin[k])[:, :, None], axis=1), turn
+        sign = -1.0 if self.axes[k].workpiece_side else 1.0
+        shift, turn = sign * frames.rotations[k] @ rows[:, :3], sign * frames.rotations[k] @ rows[:, 3:]
+        return shift + np.cross(turn, (frames.tcp - frames.origins[k])[:, :, None], axis=1), turn
 
     def _sided(self, term: Curved, sides: Array | None, count: int) -> Array:
         """Return by what the side counts, (m,): a reversal is the difference of both, so half of it from each."""

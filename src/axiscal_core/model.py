@@ -14,20 +14,15 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from axiscal_core.criterion import Goal, volume
-from axiscal_core.errors import Sure
+from axiscal_core.errors import ASIDE, CELLS
 from axiscal_core.instrument import Instrument, refuse_what_is_not_analytic, sight
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
 from axiscal_core.places import Places, Readings
+from axiscal_core.points import even_points
 from axiscal_core.refusals import Array, InputError, one_of, whole
-from axiscal_core.splines import even_points
+from axiscal_core.theta import Sure
 from axiscal_core.units import quantities, si
-
-CELLS, ASIDE = 8, 2e-4
-"""Cells of a knot interval, within which a rest is one value; they begin so far before a knot, m or rad.
-
-Places are round numbers, and stand at knots."""
-
 
 CANDIDATES = 800
 """Even places: with twice as many J of eight drawn plans falls by up to a tenth, of six of them by less than 1 %."""

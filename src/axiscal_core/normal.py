@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from axiscal_core.eigen import unique_root
 from axiscal_core.refusals import Array
 
 
@@ -47,7 +48,6 @@ class Normal:
 
     def sample(self, count: int, seed: int = 0) -> Array:
         """Return draws, (count, n)."""
-        values, vectors = np.linalg.eigh(self.covariance)
-        root = vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T  # the symmetric one: alike on every processor
-        result: Array = self.mean + np.random.default_rng(seed).standard_normal((count, len(values))) @ root.T
+        root = unique_root(self.covariance)
+        result: Array = self.mean + np.random.default_rng(seed).standard_normal((count, len(root))) @ root.T
         return result

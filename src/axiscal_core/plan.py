@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from axiscal_core.bound import lower_bound
 from axiscal_core.criterion import Criterion, Goal, goal
+from axiscal_core.from_scipy import chi_square_quantile
 from axiscal_core.model import Model, Numbers
 from axiscal_core.places import Places, Readings
 from axiscal_core.refusals import Array, InputError, whole, within
@@ -65,7 +66,7 @@ class Plan:
         return f"<Plan of {len(self)} readings, {self.minutes:.1f} min: {self.rms:.3g} m RMS over the volume>"
 
 
-@one_thread
+@one_thread()
 def planned(
     case: Model, readings: int | None, minutes: float | None, rms: Quantity | None, criterion: Criterion,
     candidates: Places | int, after: Readings | Places | None, keep: Places | None,
@@ -115,7 +116,7 @@ def _told(case: Model, search: _Search, places: Places, after: Readings | Places
     return Plan(sorted_places, found.J, found.rms, found.U, found.minutes, np.array(course))
 
 
-@one_thread
+@one_thread()
 def evaluated(
     case: Model, places: Places | Readings, after: Readings | Places | None, criterion: Criterion | Goal,
     bounded: bool = True,
@@ -129,7 +130,7 @@ def evaluated(
     state = State(case, wanted, joined(every) if every else None)
     spread = case.volume.root @ state.covariance @ case.volume.root.T
     bound = None
-    if bounded and wanted.function is None:
+    if bounded and wanted.function is None and len(found):
         tried = case.numbers(case.lattice() + found)
         bound = lower_bound(State(case, wanted, before).covariance, wanted.root, tried, len(found))
     rms = float(np.sqrt(np.trace(spread)))
@@ -138,13 +139,11 @@ def evaluated(
 
 def expanded(spread: Array) -> float:
     """Return what the RMS of a normal of this covariance exceeds in 5 % (a χ² as broad: Welch and Satterthwaite)."""
-    from scipy.special import gammaincinv
-
     total, square = float(np.trace(spread)), float(np.sum(spread**2))
     if total <= 0:
         return 0.0
-    half = total**2 / square / 2
-    return float(np.sqrt(total * gammaincinv(half, _SHARE) / half))
+    degrees = np.array([total**2 / square])
+    return float(np.sqrt(total * chi_square_quantile(degrees, _SHARE) / degrees)[0])
 
 
 def minutes_of(case: Model, places: Places) -> float:
@@ -251,8 +250,8 @@ class _Search:
                 others = [*before, *numbers[:j], *numbers[j + 1 :]]
                 state = State(self.case, self.goal, joined(others) if others else None)
                 start = float(state.gains(places[j])[0])
-                there, gains = climbed(state, places[j], rounds=7, shrink=0.35)
-                gained += (float(gains[0]) - start) / max(state.value, 1e-300)
+                there, gain = climbed(state, places[j])
+                gained += (gain - start) / max(state.value, 1e-300)
                 places[j], numbers[j] = there, self.case.numbers(there)
             if gained < 1e-4:
                 break

@@ -16,7 +16,9 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal_core.causes import kernels
+from axiscal_core.draws import Slope
 from axiscal_core.errors import Curved
+from axiscal_core.from_scipy import back_solution, solution
 from axiscal_core.model import Model
 from axiscal_core.normal import Normal
 from axiscal_core.places import Readings
@@ -57,6 +59,10 @@ class Problem:
             self.fixed += kernel
         else:
             self.kernels[size] = self.kernels.get(size, 0.0) + kernel
+
+    def given(self, theta: Array) -> Given:
+        """Return everything at sizes θ.  theta : (k,)"""
+        return Given(self, theta)
 
     def prior(self, theta: Array) -> Array:
         """Return P, (coefficients, coefficients).  theta : (k,)"""
@@ -128,7 +134,7 @@ class Factored:
     """
 
     def __init__(self, root: Array, wide: Array) -> None:
-        self.root, self.half = root, _solved(root, wide)
+        self.root, self.half = root, solution(root, wide)
         self.inner = _root(np.eye(wide.shape[1]) + self.half.T @ self.half)
 
     @property
@@ -138,24 +144,16 @@ class Factored:
 
     def opened(self, right: Array) -> Array:
         """Return Uᵀ (K + U Uᵀ)⁻¹ X, (u, ...): what X makes known of unknowns of variance one.  right : X (n, ...)"""
-        return _solved(self.inner, _solved(self.inner, self.half.T @ _solved(self.root, right)), turned=True)
+        return back_solution(self.inner, solution(self.inner, self.half.T @ solution(self.root, right)))
 
     def solved(self, right: Array) -> Array:
         """Return (K + U Uᵀ)⁻¹ X, (n, ...).  right : X (n, ...)"""
-        return _solved(self.root, _solved(self.root, right) - self.half @ self.opened(right), turned=True)
+        return back_solution(self.root, solution(self.root, right) - self.half @ self.opened(right))
 
 
 def _root(square: Array) -> Array:
     """Return the lower Cholesky factor."""
     return np.asarray(np.linalg.cholesky(square), dtype=np.float64)
-
-
-def _solved(root: Array, right: Array, turned: bool = False) -> Array:
-    """Return F⁻¹ X, or F⁻ᵀ X where turned.  root : F, lower"""
-    from scipy.linalg import solve_triangular
-
-    found: Array = solve_triangular(root, right, lower=True, trans=1 if turned else 0, check_finite=False)
-    return found
 
 
 class Given:
@@ -168,13 +166,13 @@ class Given:
         self.value = float(-0.5 * problem.values @ self.weighted - self.factor.log_root)
         self.reach = problem.rows @ self.prior
 
-    def slope(self) -> tuple[Array, Array]:
-        """Return gradient (k,) and Fisher's information (k, k) of the value."""
+    def slope(self) -> Slope:
+        """Return the value, its gradient and Fisher's information."""
         slopes = self.problem.slopes(self.theta)
         pulls = np.array([self.factor.solved(each) for each in slopes]).reshape(slopes.shape)
         squares = np.einsum("i,kij,j->k", self.weighted, slopes, self.weighted, optimize=True)
         flat, turned = pulls.reshape(len(pulls), -1), pulls.swapaxes(1, 2).reshape(len(pulls), -1)
-        return 0.5 * (squares - np.trace(pulls, axis1=1, axis2=2)), 0.5 * flat @ turned.T
+        return Slope(self.value, 0.5 * (squares - np.trace(pulls, axis1=1, axis2=2)), 0.5 * flat @ turned.T)
 
     def gain(self, right: Array) -> Array:
         """Return G X, (size, ...): by what X moves the mean.  right : X (n, ...)"""
@@ -187,5 +185,5 @@ class Given:
         stds, inner = self.problem.stds, self.factor.inner
         machine = self.prior - self.reach.T @ self.factor.solved(self.reach)
         both = -self.factor.opened(self.reach).T * stds
-        half = _solved(inner, np.diag(stds))
+        half = solution(inner, np.diag(stds))
         return Normal(self.gain(self.problem.values), np.block([[machine, both], [both.T, half.T @ half]]))

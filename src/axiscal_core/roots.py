@@ -1,64 +1,135 @@
-"""The largest ratio of two polynomials between breaks: at an end or at a root of N'D - ND' (B&H eq. 27).
+"""The largest ratio N/D along a line, at the ends of its pieces or at a root of N'D − ND' (B&H eq. 27).
 
->>> largest(lambda t: (t * (1 - t), np.ones_like(t)), np.array([0.0, 1.0]), degree=2)
+>>> largest(lambda t: (t * (1 - t), np.ones_like(t)), np.array([0.0, 1.0]), count=3)
 (0.5, 0.25)
+
+The polynomials are never written in powers: numerator and denominator are Chebyshev series on every piece. A piece over
+which the denominator spans decades is halved, so that N'D − ND' keeps its digits. Every value that is compared is
+evaluated afresh at its place; of equal ones the first counts.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
 from axiscal_core.refusals import Array
+from axiscal_core.ties import TIE, first_best
 
 Forms = Callable[[Array], tuple[Array, Array]]
-"""Places (m,) -> N and D there, (m,) each."""
-_INSIDE = 1e-9  # of a piece: what N and D are at a break belongs to the piece on one side only
-_FOLLOWED = 1e-9  # of the largest value: a series that is off by more is not that of a polynomial
+"""Places (m,) -> N and D there, (m,) each, D above zero."""
+
+_EPS = float(np.finfo(np.float64).eps)
+_SPAN = 1e4
+"""Largest ratio of the denominator within one piece: keeps ten digits in N'D − ND'."""
+_HALVINGS = 60
+"""A piece that is halved so often is one float64."""
+_TOLD = 8 * _EPS
+"""A coefficient below this share of the largest one is rounding."""
+_FOLLOWED = 1e-9
+"""Of the largest value: a series that is off by more between its nodes is not that of N or D."""
+_BETWEEN = np.array([-0.83, 0.29])
+"""Where that is looked at: at no node of any count."""
+_INSIDE = 1e-9
+"""Of a piece: what N and D are at a break belongs to the piece on one side only."""
 
 
-def largest(forms: Forms, breaks: Array, degree: int) -> tuple[float, float] | None:
-    """Return the place of the largest N/D and the ratio; None where N or D is no polynomial of `degree`.
+def nodes(count: int) -> Array:
+    """Return the `count` Chebyshev nodes of the first kind on (-1, 1), increasing; the ends are not among them."""
+    return np.asarray(np.sin(np.pi * (2 * np.arange(count) + 1 - count) / (2 * count)), dtype=np.float64)
 
-    The polynomials are never written in powers: both are Chebyshev series on each piece, which keeps their digits.
-    breaks : (b,) between which N and D are polynomials
+
+def node_count(degree: int, phase: float = 0.0) -> int:
+    """Return how many nodes hold a polynomial of `degree` times sin or cos over `phase` rad to rounding.
+
+    phase : the angle that the fastest sine runs through in the interval, rad (0 for a polynomial)
+    The series of cos(phase/2 · x) falls as (phase/4)^k / k!, the size of its Bessel coefficients.
     """
-    nodes = np.concatenate([np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1)), [-0.83, 0.29]])
-    to_series = np.linalg.inv(chebyshev.chebvander(nodes[:-2], degree)).T
-    left, right = breaks[:-1, None], breaks[1:, None]
-    values = [each.reshape(-1, len(nodes)) for each in forms(_placed(left, right, nodes[None]).ravel())]
-    series = [each[:, :-2] @ to_series for each in values]
-    for found, true in zip(series, values, strict=True):
-        off = chebyshev.chebval(nodes[-2:], found.T) - true[:, -2:]
-        if np.abs(off).max() > _FOLLOWED * np.abs(true).max():
-            return None
-    inside = np.zeros((len(left), 2 * degree + 1))
-    inside[:, :2] = 1 - _INSIDE, _INSIDE - 1
-    for x, above, below in zip(inside, *series, strict=True):
-        found = _stationary(above, below)
-        x[2 : 2 + len(found)] = found
-    places = _placed(left, right, inside).ravel()
-    numerator, denominator = forms(places)
-    best = int(np.argmax(numerator / denominator))
-    near = np.argmin(np.abs(breaks - places[best]))
-    at = breaks[near] if abs(breaks[near] - places[best]) < 2 * _INSIDE * np.ptp(breaks) else places[best]
-    return float(at), float(numerator[best] / denominator[best])
+    k, term = 0, 1.0
+    while term > _EPS / 4 and phase > 0:
+        k += 1
+        term *= phase / 4 / k
+    return degree + 1 + k
+
+
+def largest(forms: Forms, breaks: Array, count: int, known: float = 0.0) -> tuple[float, float] | None:
+    """Return the place along a line where N/D is largest, and how large it is there (B&H eq. 27).
+
+    None where `count` nodes do not follow N and D between breaks.
+    breaks : (b,) ascending; known : a ratio that some place has: where none has more, less may be returned
+    """
+    tame = _tame(forms, breaks, count)
+    if not tame.followed:
+        return None
+    left, right, above, below = _hopeful(tame, known)
+    x = np.stack([_candidates(*each) for each in zip(above, below, strict=True)])
+    places = np.clip(_placed(left, right, x), left[:, None], right[:, None])
+    numerator, denominator = forms(places.ravel())
+    ratios = numerator / denominator
+    best = first_best(ratios, TIE)
+    return float(places.flat[best]), float(ratios[best])
+
+
+class _Tame(NamedTuple):
+    """Ends of pieces (b,), with series of N and D, (b, count) each, and the largest ratio looked at in each, (b,).
+
+    followed : whether the series are N and D between the nodes as well
+    """
+
+    left: Array
+    right: Array
+    above: Array
+    below: Array
+    ratios: Array
+    followed: bool
+
+
+def _tame(forms: Forms, breaks: Array, count: int) -> _Tame:
+    """Return pieces in which the denominator spans no decades."""
+    x, left, right = np.concatenate([nodes(count), _BETWEEN]), breaks[:-1], breaks[1:]
+    to_series = np.linalg.inv(chebyshev.chebvander(nodes(count), count - 1)).T
+    for _ in range(_HALVINGS):
+        above, below = (each.reshape(-1, len(x)) for each in forms(_placed(left, right, x).ravel()))
+        wild = below.max(axis=1) > _SPAN * below.min(axis=1)
+        if not wild.any():
+            break
+        middle = left[wild] / 2 + right[wild] / 2
+        left = np.concatenate([left[~wild], left[wild], middle])
+        right = np.concatenate([right[~wild], middle, right[wild]])
+    series = above[:, :count] @ to_series, below[:, :count] @ to_series
+    followed = all(
+        np.abs(chebyshev.chebval(_BETWEEN, mine.T) - true[:, count:]).max() <= _FOLLOWED * np.abs(true).max()
+        for mine, true in zip(series, (above, below), strict=True)
+    )
+    return _Tame(left, right, *series, (above / below).max(axis=1), followed)
 
 
 def _placed(left: Array, right: Array, x: Array) -> Array:
-    """Return places in pieces, (b, n).  left, right : (b, 1); x : (..., n) from -1 to 1"""
-    result: Array = left * ((1 - x) / 2) + right * ((1 + x) / 2)
+    """Return places in pieces, (b, n).  left, right : (b,); x : (n,) or (b, n) from −1 to 1"""
+    result: Array = left[:, None] * ((1 - x) / 2) + right[:, None] * ((1 + x) / 2)
     return result
 
 
-def _stationary(above: Array, below: Array) -> Array:
-    """Return where N/D may be stationary between -1 and 1.  above, below : (degree + 1,) series of N and D"""
-    rising = chebyshev.chebmul(chebyshev.chebder(above), below)
-    slope = chebyshev.chebsub(rising, chebyshev.chebmul(above, chebyshev.chebder(below)))
-    # leading coefficients that are rounding would be roots far away, and spoil the near ones
-    kept = chebyshev.chebtrim(slope, 1e-15 * np.abs(slope).max())
-    roots = chebyshev.chebroots(kept).real
-    inside: Array = roots[np.abs(roots) < 1]
-    return inside
+def _hopeful(pieces: _Tame, known: float) -> tuple[Array, Array, Array, Array]:
+    """Return the pieces that may hold more than the best that was seen: N − best · D is below zero in all others.
+
+    No series is above its first coefficient by more than the sum of the sizes of the others.
+    """
+    best = int(pieces.ratios.argmax())
+    excess = pieces.above - max(pieces.ratios[best], known) * pieces.below
+    kept = excess[:, 0] + np.abs(excess[:, 1:]).sum(axis=1) > 0
+    kept[best] = True
+    return pieces.left[kept], pieces.right[kept], pieces.above[kept], pieces.below[kept]
+
+
+def _candidates(above: Array, below: Array) -> Array:
+    """Return both ends of a piece and where N/D may be stationary in it, (2 count + 4 or so,) from −1 to 1."""
+    risen = chebyshev.chebmul(chebyshev.chebder(above), below)
+    slope = chebyshev.chebsub(risen, chebyshev.chebmul(above, chebyshev.chebder(below)))
+    roots = chebyshev.chebroots(chebyshev.chebtrim(slope, _TOLD * np.abs(slope).max()))
+    found = np.tile([-1.0, 1.0, _INSIDE - 1.0, 1.0 - _INSIDE], (len(above) + 1) // 2 + 1)
+    found[4 : 4 + len(roots)] = np.clip(roots.real, -1.0, 1.0)
+    return found

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal_core.draws import Draws
+from axiscal_core.draws import Weighed
 from axiscal_core.problem import Factored, Given, Problem
 from axiscal_core.refusals import Array
 
@@ -17,17 +17,12 @@ _ODDS, _OFF = 0.01 / 0.99, 30.0
 MOST = 0.2  # of the readings: where more are bad, none can say which
 
 
-def doubted(problem: Problem, draws: Draws) -> tuple[Array, Array]:
+def doubted(problem: Problem, draws: Weighed[Given]) -> tuple[Array, Array]:
     """Return log odds that each reading is bad, (m,), and how far it is from what is expected, in noises, (m,)."""
-    stated = Given(problem, np.zeros(len(problem.sizes)))
-    likeliest = max(each.value for each in draws.given)
-    share = np.exp(min(stated.value - likeliest, 0.0)) / len(draws.given)
-    ratios, z = (
-        np.array(each) for each in zip(*(_judged(problem, each) for each in [*draws.given, stated]), strict=True)
-    )
-    most = ratios.max(axis=0)
-    weights = np.append(draws.weights, max(share, 1e-300))
-    odds = np.log(np.maximum(_ODDS * (weights @ np.exp(ratios - most)), 1e-300)) + most
+    each = [*draws.given, draws.drawn.stated]
+    ratios, z = (np.array(found) for found in zip(*(_judged(problem, given) for given in each), strict=True))
+    logs = np.append(np.log(draws.weights), draws.log_stated)[:, None]
+    odds = np.log(_ODDS) + np.logaddexp.reduce(ratios + logs) - np.logaddexp(0.0, draws.log_stated)
     return odds, draws.weights @ z[:-1]
 
 

@@ -15,6 +15,9 @@ from axiscal_core.model import Model, Numbers
 from axiscal_core.places import Places
 from axiscal_core.refusals import Array
 
+_BLOCK = 4096  # places at once: of memory, not of the result
+_LOST = 1e-13  # of the largest variance: below it rounding may be a thousandth of what is divided by it, or more
+
 
 def joined(parts: list[Numbers]) -> Numbers:
     """Return numbers one after another; each part keeps its own counting of places."""
@@ -79,14 +82,42 @@ class State:
 
     def gains(self, places: Places) -> Array:
         """Return by how much J falls with each place alone, (m,).  places : of one instrument"""
-        n = self.case.numbers(places)
-        return self.gained(*self.of_places(n, len(n.rows) // len(places)))
+        parts = list[Array]()
+        for start in range(0, len(places), _BLOCK):
+            block = places.at(np.arange(start, min(start + _BLOCK, len(places))))
+            n = self.case.numbers(block)
+            parts.append(self.gained(*self.of_places(n, len(n.rows) // len(block))))
+        return np.concatenate(parts)
 
     def gained(self, k: Array, reach: Array) -> Array:
         """Return the same of places.  k : (m, k, k) with noise; reach : (m, k, size)"""
         if self.goal.function is None:
             g = reach @ self.goal.root.T
-            fallen: Array = np.trace(np.linalg.solve(k, g @ g.swapaxes(1, 2)), axis1=1, axis2=2)
-            return fallen
+            if g.shape[1] == 1:  # sums of squares are faster so
+                return joint_gains(np.einsum("mkw,mkw->m", g, g)[:, None, None], k)
+            return joint_gains(g @ g.swapaxes(1, 2), k)
         found = [self.goal.value(self.covariance - h.T @ np.linalg.solve(s, h)) for s, h in zip(k, reach, strict=True)]
         return self.value - np.array(found)
+
+
+def joint_gains(above: Array, below: Array) -> Array:
+    """Return tr(M⁻¹ N), (...), number by number: with M = L D Lᵀ it is tr(D⁻¹ L⁻¹ N L⁻ᵀ).
+
+    above : N (..., k, k); below : M (..., k, k), both symmetric.
+    Where unknowns are open by metres M spans more than a double holds: what rounding may have left of its smallest
+    pivots counts as large enough that rounding decides nothing.
+    """
+    size = above.shape[-1]
+    if size == 1:
+        return above[..., 0, 0] / below[..., 0, 0]
+    above, below = above.copy(order="K"), below.copy(order="K")
+    least, gains = _LOST * np.diagonal(below, axis1=-2, axis2=-1).max(axis=-1), np.zeros(above.shape[:-2])
+    for i in range(size):
+        pivot = np.maximum(below[..., i, i], least)
+        gains += above[..., i, i] / pivot
+        for j in range(i + 1, size):
+            share = below[..., j, i] / pivot
+            below[..., j:, j] -= share[..., None] * below[..., j:, i]
+            above[..., j, i:] -= share[..., None] * above[..., i, i:]
+            above[..., i:, j] -= share[..., None] * above[..., i:, i]
+    return gains

@@ -7,144 +7,233 @@
     >>> abs(case.next(criterion="joint").poses - 5).round(4)
     array([[0.873]])
 
-One axis moves and a reading is one number: then N and D of its gain are polynomials between knots and edges of cells.
-The paper's have degree six; an angle whose lever grows makes it eight. So the best place is exact (`roots`). Elsewhere
-the best of many even places climb in smaller and smaller steps.
+The peaks of a lattice are starts, from every side that shows. Newton's steps and looks lead them uphill, and fewer and
+fewer go on. The highest is then moved along one axis after another, exactly: where a reading is one number, N and D of
+its gain are polynomials between knots and edges of cells (`roots`). The paper's have degree six; an angle whose lever
+grows makes it eight, and an axis that turns adds sines.
 """
 
 from __future__ import annotations
 
-import numpy as np
+import itertools
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
-from axiscal_core.axes import Axis
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal_core.climb import Climb
 from axiscal_core.criterion import Criterion, goal
+from axiscal_core.errors import ASIDE, CELLS
 from axiscal_core.instrument import Instrument
-from axiscal_core.model import ASIDE, CELLS, Model
+from axiscal_core.model import Model
 from axiscal_core.places import Places, Readings
 from axiscal_core.refusals import Array
-from axiscal_core.roots import largest
+from axiscal_core.roots import Forms, largest, node_count
 from axiscal_core.state import State
 from axiscal_core.threads import one_thread
 
-_DEGREE = 8
-_STARTS, _LAST = 100, 8  # of the climb: with four times as many the best step of eight drawn cases is the same
-_WIDTH, _LOOKS = 0.12, 9  # of the travel, to each side
+_POINTS, _FINEST, _EVEN = 20_000, 16, 1000  # of the lattice; parts of a stretch between knots; where neither fits
+_LOOKS, _STRETCHES = np.array([1, 3, 5]) / 6, 8  # shares of each stretch between knots; as many stretches at least
+_ROUNDS = 60  # rounds end where none rises
+_SETTLED = 1e-9  # of the gain: less is no rise
 
 
-@one_thread
+class _Sieve(NamedTuple):
+    """Limits to go on: the most readings, their least share of the best gain, and the number of Newton's steps."""
+
+    most: int
+    share: float
+    steps: int
+
+
+_SIEVES = (_Sieve(240, 0.5, 1), _Sieve(120, 0.7, 2), _Sieve(40, 0.8, 40), _Sieve(4, 0.9999, 0))
+"""How hard to look, so that no narrow ridge is missed: those that pass the last sieve are climbed to the top."""
+
+
+@one_thread()
 def best_step(case: Model, after: Readings | Places | None, criterion: Criterion) -> Places:
-    """Return the one reading that serves most."""
+    """Return the one reading that serves most (B&H eq. 37)."""
     wanted = goal(criterion, case.machine, case.volume, "Case.next")
     state = State(case, wanted, case.taken(after, "Case.next"))
-    found = [best_of(state, i) for i in range(len(case.instruments))]
+    found = [_best_of(Ground(state, instrument)) for instrument in case.instruments]
     return max(found, key=lambda pair: pair[1])[0]
 
 
-def best_of(state: State, index: int) -> tuple[Places, float]:
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """The axes that an instrument moves, as coordinates of a climb."""
+
+    state: State
+    instrument: Instrument
+
+    @cached_property
+    def axes(self) -> list[int]:
+        """Their indices."""
+        return [self.state.case.machine.names.index(name) for name in self.instrument.moves]
+
+    @cached_property
+    def ends(self) -> Array:
+        """From where to where each goes, (size, 2)."""
+        return np.array([self.state.case.machine.axes[k].travel for k in self.axes])
+
+    @cached_property
+    def spans(self) -> Array:
+        """The travel of every axis of the machine, (q,)."""
+        return np.array([axis.length for axis in self.state.case.machine.axes])
+
+    @cached_property
+    def continuous(self) -> list[int]:
+        """All coordinates."""
+        return [*range(len(self.axes))]
+
+    @cached_property
+    def sided(self) -> NDArray[np.intp]:
+        """The axes with a reversal, where they may come from either side."""
+        turning = {term.at for _, term in self.state.case.machine.curves if term.error.kind == "reversal"}
+        both = len(self.instrument.sides) > 1
+        return np.flatnonzero([both and k in turning for k in self.axes])
+
+    @cached_property
+    def _parked(self) -> Array:
+        return self.state.case.lattice_of(self.instrument, 1).poses
+
+    def as_poses(self, places: Array, sides: Array) -> tuple[Array, Array]:
+        """Return poses and sides, (m, q) each."""
+        poses = np.tile(self._parked, (len(places), 1))
+        come = np.zeros_like(poses)
+        poses[:, self.axes], come[:, self.axes] = places, sides
+        return poses, come
+
+    def looks(self, number: int) -> Array:
+        """Return a few values in each stretch between knots, (p,): where there are none, of an eighth of the travel."""
+        low, high = self.ends[number].tolist()
+        knots = np.union1d(_knots(self.state.case, self.axes[number]), np.linspace(low, high, _STRETCHES + 1))
+        return np.ravel(knots[:-1, None] + np.diff(knots)[:, None] * _LOOKS)
+
+    def gained(self, places: Array, sides: Array) -> Array:
+        """Return what readings gain, (m,)."""
+        return self.state.gains(self.placed(places, sides))
+
+    def placed(self, places: Array, sides: Array) -> Places:
+        """Return the places."""
+        return Places(self.instrument.name, *self.as_poses(places, sides))
+
+    def starts(self) -> Climb:
+        """Return the points of a lattice, from every side that shows, that no neighbour beats."""
+        points, shape = self._lattice()
+        places, sides = list[Array](), list[Array]()
+        for signs in itertools.product((1.0, -1.0), repeat=len(self.sided)):
+            side = np.full(len(self.axes), self.instrument.sides[0])
+            side[self.sided] = signs
+            come = np.tile(side, (len(points), 1))
+            top = _peaks(self.gained(points, come).reshape(shape)) if shape else np.arange(len(points))
+            places.append(points[top])
+            sides.append(come[top])
+        return Climb.begun(self, self.gained, np.concatenate(places), np.concatenate(sides))
+
+    def _lattice(self) -> tuple[Array, tuple[int, ...]]:
+        """Return points, (m, size), and the shape of their lattice: stretches between knots in as many parts as fit.
+
+        Where not even the knots alone fit, the points are spread evenly, and the shape is ().
+        """
+        for parts in range(_FINEST, 0, -1):
+            along = [_parted(_knots(self.state.case, k), parts) for k in self.axes]
+            shape = tuple(len(each) for each in along)
+            if math.prod(shape) <= _POINTS:
+                return np.stack([each.ravel() for each in np.meshgrid(*along, indexing="ij")], axis=1), shape
+        return self.state.case.lattice_of(self.instrument, _EVEN).poses[:, self.axes], ()
+
+    def exactly(self, place: Array, side: Array, gain: float) -> tuple[Array, float]:
+        """Return a place moved along one axis after another to the best on its line, and what it gains."""
+        for number in self.continuous if len(self.instrument.names) == 1 else []:
+            breaks = _breaks(self.state.case, self.axes[number])
+            turning = self.state.case.machine.axes[self.axes[number]].rotary
+            nodes = node_count(6, 2 * float(np.diff(breaks).max())) if turning else node_count(8)
+            found = largest(self._along(number, place, side), breaks, nodes, gain)
+            if found is not None and found[1] > gain:
+                place, gain = place.copy(), found[1]
+                place[number] = found[0]
+        return place, gain
+
+    def _along(self, number: int, place: Array, side: Array) -> Forms:
+        """Return N and D of the gain where one coordinate of a place has other values."""
+
+        def forms(values: Array) -> tuple[Array, Array]:
+            tried = np.tile(place, (len(values), 1))
+            tried[:, number] = values
+            n = self.state.case.numbers(self.placed(tried, np.tile(side, (len(values), 1))))
+            block, reach = self.state.of_places(n, 1)
+            return np.sum((reach[:, 0] @ self.state.goal.root.T) ** 2, axis=1), block[:, 0, 0]
+
+        return forms
+
+
+def climbed(state: State, place: Places) -> tuple[Places, float]:
+    """Return a place moved uphill, and what it gains.  place : one"""
+    case = state.case
+    ground = Ground(state, case.instruments[case.setups.index(place.instruments[0])])
+    climb = Climb.begun(ground, ground.gained, place.poses[:, ground.axes], place.sides[:, ground.axes])
+    climb.uphill()
+    return ground.placed(climb.places, climb.sides), float(climb.gains[0])
+
+
+def _best_of(ground: Ground) -> tuple[Places, float]:
     """Return the best reading of one instrument, and what it gains."""
-    exact = _exact(state, index)
-    return exact if exact is not None else _climbed_best(state, index)
+    climb = ground.starts()
+    for sieve in _SIEVES:
+        climb = climb.best(sieve.most, sieve.share, float(climb.gains.max()))
+        climb.newton(sieve.steps)
+        climb = climb.distinct()
+    climb.uphill()
+    climb = climb.best(1, 0.0, 1.0)
+    for _ in range(_ROUNDS if ground.state.goal.function is None else 0):
+        before = climb.gains[0]
+        climb.places[0], climb.gains[0] = ground.exactly(climb.places[0], climb.sides[0], float(before))
+        if climb.gains[0] <= before * (1 + _SETTLED):
+            break
+        climb.uphill()
+    return ground.placed(climb.places, climb.sides), float(climb.gains[0])
 
 
-def _exact(state: State, index: int) -> tuple[Places, float] | None:
-    """Return the best reading by the roots of polynomials; None where it does not go along a line, or is no ratio."""
-    instrument = state.case.instruments[index]
-    if len(instrument.moves) != 1 or len(instrument.names) != 1 or state.goal.function is not None:
-        return None
-    found = list[tuple[Places, float]]()
-    for side in instrument.sides:
-        line = _Line(state, instrument, side)
-        best = largest(line.forms, _breaks(state.case, line.k), _DEGREE)
-        if best is None:
-            return None
-        found.append((line.placed(np.array([best[0]])), best[1]))
-    return max(found, key=lambda pair: pair[1])
+def _peaks(gains: Array) -> NDArray[np.intp]:
+    """Return the points, in rows, that gain no less than those beside them.  gains : on a lattice"""
+    beaten = np.zeros(gains.shape, dtype=bool)
+    for axis in range(gains.ndim):
+        along, covered = np.moveaxis(gains, axis, 0), np.moveaxis(beaten, axis, 0)
+        covered[:-1] |= along[1:] > along[:-1]
+        covered[1:] |= along[:-1] > along[1:]
+    return np.flatnonzero(~beaten)
 
 
-class _Line:
-    """The places of an instrument along the one axis that it moves, from one side."""
+def _knots(case: Model, k: int) -> Array:
+    """Return the knots of all curves along an axis, (b,) within its travel."""
+    low, high = case.machine.axes[k].travel
+    knots = [term.spline.knots for _, term in case.machine.curves if term.at == k]
+    return _within(np.concatenate([[low, high], *knots]), low, high)
 
-    def __init__(self, state: State, instrument: Instrument, side: float) -> None:
-        self.state, self.instrument, self.side = state, instrument, side
-        self.k = state.case.machine.names.index(instrument.moves[0])
-        self.parked = state.case.lattice_of(instrument, 1)
 
-    def placed(self, t: Array) -> Places:
-        """Return places at positions, (m,)."""
-        poses, sides = np.tile(self.parked.poses, (len(t), 1)), np.tile(self.parked.sides, (len(t), 1))
-        poses[:, self.k], sides[:, self.k] = t, self.side
-        return Places(self.instrument.name, poses, sides)
-
-    def forms(self, t: Array) -> tuple[Array, Array]:
-        """Return N and D of the gain at positions, (m,) each."""
-        block, reach = self.state.of_places(self.state.case.numbers(self.placed(t)), 1)
-        return np.sum((reach[:, 0] @ self.state.goal.root.T) ** 2, axis=1), block[:, 0, 0]
+def _parted(knots: Array, parts: int) -> Array:
+    """Return knots with each stretch between two of them in so many parts, (p,)."""
+    shares = np.arange(parts) / parts
+    return np.append(np.ravel(knots[:-1, None] + np.diff(knots)[:, None] * shares), knots[-1])
 
 
 def _breaks(case: Model, k: int) -> Array:
-    """Return where N and D go from one polynomial to another along an axis, (b,) within its travel."""
-    low, high = case.machine.axes[k].travel
-    parts = [np.array([low, high])]
+    """Return the same with the edges of the cells of rests."""
+    parts = [_knots(case, k)]
     for _, term in case.machine.curves:
-        if term.at == k:
+        if term.at == k and term.rest:
             first, last = term.spline.knots[[0, -1]]
-            edges = np.linspace(first, last, CELLS * (len(term.spline.knots) - 1) + 1) - ASIDE
-            turns = np.arange(np.ceil((high - first) / (last - first))) if term.error.period is not None else [0.0]
-            parts += [term.spline.knots + turn * (last - first) for turn in turns] + ([edges] if term.rest else [])
-    every = np.unique(np.concatenate(parts))
+            parts.append(np.linspace(first, last, CELLS * (len(term.spline.knots) - 1) + 1) - ASIDE)
+    return _within(np.concatenate(parts), *case.machine.axes[k].travel)
+
+
+def _within(values: Array, low: float, high: float) -> Array:
+    """Return values in a travel, ascending, those that differ by rounding once."""
+    every = np.unique(values)
     inside = every[(every >= low) & (every <= high)]
     apart: Array = inside[np.append(True, np.diff(inside) > 1e-9 * (high - low))]
     return apart
-
-
-def _climbed_best(state: State, index: int) -> tuple[Places, float]:
-    lattice = state.case.lattice_of(state.case.instruments[index], 10 * _STARTS)
-    high = np.argsort(-state.gains(lattice), kind="stable")[:_STARTS]
-    places, gains = climbed(state, lattice.at(high), rounds=2)
-    last = np.argsort(-gains, kind="stable")[:_LAST]
-    places, gains = climbed(state, places.at(last), rounds=20, shrink=0.62)
-    top = int(np.argmax(gains))
-    return places.at([top]), float(gains[top])
-
-
-def climbed(state: State, places: Places, rounds: int, shrink: float = 0.42) -> tuple[Places, Array]:
-    """Return places moved uphill, and what they gain, (m,).  places : of one instrument
-
-    Each round looks along every axis that moves. It goes to the best of each at once where that gains more than the
-    best alone.
-    """
-    case = state.case
-    instrument = case.instruments[case.setups.index(places.instruments[0])]
-    axes = np.array([case.machine.names.index(name) for name in instrument.moves])
-    each = np.arange(len(places))
-
-    def gained(poses: Array) -> Array:
-        repeats = len(poses) // len(places)
-        return state.gains(Places(instrument.name, poses, np.repeat(places.sides, repeats, axis=0)))
-
-    poses, gains, width = places.poses.copy(), gained(places.poses), _WIDTH
-    for _ in range(rounds):
-        looks = np.linspace(-width, width, _LOOKS)
-        tried = np.tile(poses[:, None, None], (1, len(axes), _LOOKS, 1))
-        for j, k in enumerate(axes.tolist()):
-            tried[:, j, :, k] = _within(case.machine.axes[k], poses[:, k, None] + looks * case.machine.axes[k].length)
-        found = gained(tried.reshape(-1, poses.shape[1])).reshape(tried.shape[:3])
-        best = found.argmax(axis=2)
-        alone = tried[each[:, None], np.arange(len(axes)), best]
-        highest = found.max(axis=2)
-        options = [(poses, gains), (alone[each, highest.argmax(axis=1)], highest.max(axis=1))]
-        if len(axes) > 1:
-            together = poses.copy()
-            together[:, axes] = alone[:, np.arange(len(axes)), axes]
-            options.append((together, gained(together)))
-        chosen = np.argmax([gain for _, gain in options], axis=0)
-        poses = np.array([pose for pose, _ in options])[chosen, each]
-        gains = np.array([gain for _, gain in options])[chosen, each]
-        width *= shrink
-    return Places(instrument.name, poses, places.sides), gains
-
-
-def _within(axis: Axis, t: Array) -> Array:
-    """Return positions in the travel, around the turn of a cyclic axis."""
-    low, high = axis.travel
-    return np.asarray(low + np.mod(t - low, axis.length) if axis.cyclic else np.clip(t, low, high))

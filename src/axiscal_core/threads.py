@@ -1,23 +1,73 @@
-"""One thread for the linear algebra: the matrices are small, and threads that wait for each other cost time."""
+"""How many threads the linear algebra may use: one, while axiscal plans or estimates.
+
+Its matrices have some hundreds of rows, for which threads only wait for each other. A sum that is cut into as many
+parts as a computer has cores has other last digits on another computer. The doors of planning and estimating are
+decorated with `one_thread`; what the caller allows elsewhere stays as it is.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import wraps
-from typing import ParamSpec, TypeVar
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from threading import Lock, get_ident
 
-P = ParamSpec("P")
-Found = TypeVar("Found")
+from threadpoolctl import OpenBLASController, ThreadpoolController
 
 
-def one_thread(function: Callable[P, Found]) -> Callable[P, Found]:
-    """Return the function as it runs with one thread."""
+class _Limit:
+    """The limit, from the first door that is opened until the last is closed, by whichever thread of Python.
 
-    @wraps(function)
-    def held(*args: P.args, **kwargs: P.kwargs) -> Found:
-        from threadpoolctl import threadpool_limits
+    The usual BLAS has one limit for the process, others one for each thread of Python.
+    """
 
-        with threadpool_limits(limits=1, user_api="blas"):
-            return function(*args, **kwargs)
+    def __init__(self) -> None:
+        self._lock, self._doors, self._before = Lock(), 0, ExitStack()
+        self._limited = set[int]()
+        self._libraries: ThreadpoolController | None = None
 
-    return held
+    def enter(self) -> None:
+        """Open a door."""
+        with self._lock:
+            self._doors += 1
+            if get_ident() not in self._limited:
+                self._hold()
+
+    def leave(self) -> None:
+        """Close a door; the last one gives back what was before the first."""
+        with self._lock:
+            self._doors -= 1
+            if self._doors == 0:
+                OpenBLASController.clear_controlling_thread(force=True)  # or only the first thread could give it back
+                self._before.close()
+                OpenBLASController.clear_controlling_thread(force=True)
+                self._limited.clear()
+
+    def look_again(self) -> None:
+        """Find the libraries anew, and hold them as well if a door is open."""
+        with self._lock:
+            self._libraries = None
+            if self._doors:
+                self._hold()
+
+    def _hold(self) -> None:
+        self._libraries = self._libraries or ThreadpoolController()
+        self._before.callback(self._libraries.limit(limits=1, user_api="blas").restore_original_limits)
+        self._limited.add(get_ident())
+
+
+_LIMIT = _Limit()
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Hold BLAS to one thread in a `with` or, as a decorator, in a function; doors may be nested."""
+    _LIMIT.enter()
+    try:
+        yield
+    finally:
+        _LIMIT.leave()
+
+
+def hold_loaded_libraries() -> None:
+    """Apply the limit to a library with a separate BLAS that has been loaded just now."""
+    _LIMIT.look_again()

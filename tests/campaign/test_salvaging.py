@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zlib
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,7 @@ from axiscal.exceptions import NewerError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import Accepted
 from axiscal.record.events import Asked, Event, Finished, Recorded, Skipped, Undone
-from axiscal.record.line_form import MARK, MARKS, START, EventText
+from axiscal.record.line_form import BLOCK, MARK, MARKS, START, EventText
 from axiscal.record.store import Record
 from tests.commands import Command
 from tests.reliability.salvaged import CAMPAIGN, MACHINE, Line, lines_of
@@ -119,7 +120,9 @@ def test_the_tail_and_the_marks_may_be_gone(path: Path, new: Path) -> None:
     content, lines = path.read_bytes(), lines_of(path.read_bytes())
     path.write_bytes(content[: lines[6].begin + 50])
     found = salvaged(path, new)
-    assert (len(values(found)), found.missing) == (5, (f"events 7 to 9 (bytes {lines[6].begin} to {len(content)})",))
+    named, unborne = found.missing
+    assert (len(values(found)), named) == (5, f"events 7 to 9 (bytes {lines[6].begin} to {len(content)})")
+    assert unborne.startswith("event 9 as a mark names it")
     blank = MARK * b" "
     for at in MARKS:
         content = content[:at] + blank + content[at + MARK :]
@@ -136,16 +139,70 @@ def test_the_beginning_of_another_record_is_not_put_before_the_rest(
     """Both are of one machine with one description, so only the chain tells their readings apart."""
     made(path, *(recorded(1e-6 * number) for number in range(1, 9)))
     other = made(tmp_path / "other.axiscal", *(recorded(1e-5 + 1e-6 * number) for number in range(1, 9)))
+    with Record.open(path, write=False) as record:
+        first = record.texts()[0].row
     cut = lines_of(other.read_bytes())[lines].begin - 40
     behind = [line for line in lines_of(path.read_bytes()) if line.begin >= cut]
     path.write_bytes(path.read_bytes()[:START] + other.read_bytes()[START:cut] + path.read_bytes()[cut:])
     with pytest.raises(RecordError, match=r"Event 1.*does not stand whole"):
         salvaged(path, new)
     assert not new.exists()
-    with Record.open(other, write=False) as record:  # its first event says the same
-        found = salvaged(path, new, record.texts()[0].row)
+    found = salvaged(path, new, first)
     assert values(found) == [json.loads(line.payload)["value"] for line in behind]
     assert any("may be of another file" in words for words in found.missing)
+
+
+def test_lines_of_another_record_behind_head_and_marks_are_refused_and_both_are_named(
+    path: Path, new: Path, tmp_path: Path
+) -> None:
+    made(path, *(recorded(1e-6 * number) for number in range(1, 5)))
+    other = made(tmp_path / "other.axiscal", *(recorded(1e-5 + 1e-6 * number) for number in range(1, 9)))
+    with Record.open(path, write=False) as own, Record.open(other, write=False) as theirs:
+        first, mark, line, begun = (
+            own.texts()[0].row,
+            own.name[:12],
+            theirs.texts()[4].chain[:12],
+            theirs.texts()[0].row,
+        )
+    path.write_bytes(path.read_bytes()[:START] + other.read_bytes()[START:])
+    with pytest.raises(RecordError, match=f"two records: event 5 is {mark} by the marks and {line} by the lines.*"):
+        salvaged(path, new)
+    with pytest.raises(RecordError, match="No entry of a record stands whole"):
+        salvaged(path, new, first._replace(at="2026-01-01T00:00:00.000+00:00"))
+    assert len(values(salvaged(path, new, begun))) == 8
+
+
+def test_what_an_editor_changed_is_undone_and_said(path: Path, new: Path) -> None:
+    made(path, *(recorded(1e-6 * number) for number in range(1, 5)))
+    whole = path.read_bytes()
+    lines = whole[START:].splitlines(keepends=True)
+    path.write_bytes(whole[:START].replace(b"\n", b"\r\n") + b"".join([*lines[:2], *lines[3:], lines[2], lines[2]]))
+    with pytest.raises(RecordError, match="took it for text"):
+        Record.open(path)
+    found = salvaged(path, new)
+    assert (values(found), found.missing, found.left) == ([1e-6, 2e-6, 3e-6, 4e-6], (), ())
+    assert [words.partition(",")[0] for words in found.seams] == [
+        "lines stood in another order",
+        "1 lines stood there twice",
+        "line ends or blanks were changed",
+    ]
+
+
+def test_readings_of_two_who_went_on_from_one_event_come_all_and_the_end_stays_the_end(path: Path, new: Path) -> None:
+    made(path, recorded(1e-6), recorded(2e-6))
+    shared = path.read_bytes()
+    with Record.open(path) as record:
+        record.append(recorded(3e-6))
+        record.append(Finished("enough"))
+    mine = path.read_bytes()
+    path.write_bytes(shared)
+    with Record.open(path) as record:
+        for event in (recorded(4e-6), recorded(5e-6), Undone(5)):
+            record.append(event)
+    path.write_bytes(mine + path.read_bytes()[len(shared) :])
+    found = salvaged(path, new)
+    assert (values(found), found.state.finished) == ([1e-6, 2e-6, 3e-6, 4e-6], "enough")
+    assert [words.partition(":")[0] for words in found.seams] == ["two went on from event 3"]
 
 
 @pytest.fixture
@@ -161,10 +218,10 @@ def beheaded(path: Path) -> tuple[Path, EventText]:
 
 def test_without_its_beginning_a_record_needs_one(beheaded: tuple[Path, EventText], new: Path) -> None:
     path, first = beheaded
-    with pytest.raises(RecordError, match=r"Event 1.*2 readings do.*--beginning"):
+    with pytest.raises(RecordError, match=r"Event 1.*2 readings stand.*--beginning"):
         salvaged(path, new)
     found = salvaged(path, new, first)
-    assert (values(found), len(found.missing)) == ([1e-6, 2e-6], 2)
+    assert (values(found), found.missing) == ([1e-6, 2e-6], ("event 1, which is that of another file",))
 
 
 def test_the_command_takes_it_from_a_copy_or_the_description(
@@ -215,3 +272,28 @@ def test_an_entry_of_a_newer_version_comes_along_unless_it_says_something_of_rea
         record.extend([EventText(at, "weighted", '{"reading":1}')])
     with pytest.raises(NewerError, match="weighted"):
         salvaged(path, new.with_name("second.axiscal"))
+
+
+def test_half_a_transaction_does_not_stand_unless_a_mark_counts_it(path: Path, new: Path) -> None:
+    made(path, recorded(1e-6))
+    whole = path.read_bytes()
+    with Record.open(path) as record:
+        batch: list[Event] = [recorded(2e-6), recorded(3e-6)]
+        record.append(*batch)
+    half = path.read_bytes()[: lines_of(path.read_bytes())[2].end]
+    path.write_bytes(half)
+    assert values(salvaged(path, new)) == [1e-6, 2e-6]
+    path.write_bytes(whole[:START] + half[START:])
+    assert values(salvaged(path, new.with_name("second.axiscal"))) == [1e-6]
+
+
+def test_a_file_without_a_whole_entry_or_of_a_form_to_come_is_refused(path: Path, new: Path) -> None:
+    whole = made(path).read_bytes()
+    for content in (b"", whole[:START]):
+        path.write_bytes(content)
+        with pytest.raises(RecordError, match="No entry"):
+            salvaged(path, new)
+    title = b"axiscal record 9"
+    path.write_bytes(title + b" %08x\n" % zlib.crc32(title) + whole[BLOCK:])
+    with pytest.raises(NewerError, match="form 9"):
+        salvaged(path, new)

@@ -11,7 +11,7 @@ from itertools import count, islice, product
 
 import numpy as np
 
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 from tests.certify import (
     belief,
     coverage,

@@ -16,7 +16,7 @@ import numpy as np
 
 from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import NaturalSpline, even_knots
+from axiscal_core.splines import NaturalSpline, even_knots
 from tests.certify.models import exact
 
 CASES = ((20e-6, 0.5e-6), (1e-3, 0.5e-6), (1e-2, 0.1e-6), (1.0, 0.1e-6), (1.0, 1e-9))

@@ -29,6 +29,7 @@ from axiscal.planning.gains.covariance import Covariance
 from axiscal.present.curves import constants, curves
 from axiscal.present.volume_error import planes
 from axiscal.units import from_unit
+from tests.generators.forms import gains_of
 
 CLAIMED, SLACK = 0.95, 0.015
 _BAND = 1.96
@@ -42,6 +43,8 @@ MACHINES = {
     "printer-gantry": (_ALL, 60),
     "three-axis-mill": (_ALL, 60),
     "portal-mill": (_ALL, 60),
+    "router": (_ALL, 60),
+    "lathe": (_LENGTH.format("x") + _LENGTH.format("z") + _ANGLE.format("y"), 40),
     "dmu60": (_ALL, 60),
 }
 """Set-ups and number of readings for each built-in machine."""
@@ -128,7 +131,7 @@ def planned(problem: Case, readings: int) -> list[Reading]:
     known, taken = problem.knowledge, list[Reading]()
     for _ in range(readings):
         scorer = Covariance.from_factor(known.observation, known.belief.factor, problem.yardstick.root).scorer()
-        best = int(scorer.gains(problem.lattice).argmax())
+        best = int(gains_of(scorer, problem.lattice).argmax())
         setup, pose = problem.description.setups[problem.lattice.setups[best]], problem.lattice.poses[best]
         approach = tuple(int(sign) for sign in problem.lattice.approaches[best])
         taken.append(Reading(setup.name, tuple(pose.tolist()), approach, 0.0))

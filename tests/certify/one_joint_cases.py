@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import CyclicSpline, NaturalSpline
-from axiscal.numerics.line import largest_along
+from axiscal_core.roots import largest
+from axiscal_core.splines import CyclicSpline, NaturalSpline
 from tests.certify.one_joint import SLACK, GainPolynomials, Problem, certified_best_gain
 from tests.generators.forms import gain_forms
 
@@ -46,9 +46,11 @@ def best_position(problem: Problem) -> tuple[float, float]:
     weighted = problem.root @ problem.factor
 
     def forms(places: Array) -> tuple[Array, Array]:
-        return gain_forms(spline.rows(places[:, 0]), problem.factor, weighted, problem.variance)
+        return gain_forms(spline.rows(places), problem.factor, weighted, problem.variance)
 
-    return largest_along(forms, np.column_stack([spline.knots[:-1], spline.knots[1:]]), 7)
+    found = largest(forms, spline.knots, 7)
+    assert found is not None
+    return found
 
 
 def judged(problem: Problem) -> Verdict:

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.usual import Kind
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
@@ -25,6 +24,7 @@ from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from axiscal.tables.offer import places as places_of_volume
+from axiscal_core.theta import Kind
 
 CLAIMED, SLACK = 0.95, 0.03
 TIMES = (1.0, 0.5, 2.0)

@@ -16,7 +16,7 @@ import pytest
 from axiscal.cli import app
 from axiscal.description.campaign import campaign_from_texts, read_campaign
 from axiscal.description.campaign_schema import campaign_schema, machine_schema
-from axiscal.description.first_campaign import OFFERED
+from axiscal.description.first_campaign import OFFERED, Purpose
 from axiscal.description.first_files import (
     Beginning,
     first_files,
@@ -144,7 +144,7 @@ def test_a_board_that_is_turned_is_offered_where_no_axis_does(tmp_path: Path) ->
     assert campaign.target.budget == 1800.0
     assert len({setup.artefact.standing for setup in campaign.setups if setup.artefact}) == len(campaign.setups) == 5
     with pytest.raises(DescriptionError, match="Nothing of sphere can be offered"):
-        first_files(with_travels(of_builtin("three-axis-mill"), {"X": 80.0}), ["sphere"], "20 um")
+        first_files(with_travels(of_builtin("three-axis-mill"), {"X": 80.0}), ["sphere"], Purpose("20 um"))
 
 
 def test_spheres_stand_about_the_middle_where_no_table_turns_and_a_stylus_that_is_said_stays(tmp_path: Path) -> None:
@@ -158,7 +158,7 @@ EXX = { std = "10 um" }
 """ + "".join(f'[axes.{name}]\ntravel = ["-250 mm", "250 mm"]\n' for name in "XYZ")
     begun = Beginning(text + '[axes.A]\ntravel = ["-90 deg", "90 deg"]\n')
     (machine, campaign) = (
-        first_files(begun, ["sphere"], "20 um").texts[f"{name}.toml"] for name in ("machine", "campaign")
+        first_files(begun, ["sphere"], Purpose("20 um")).texts[f"{name}.toml"] for name in ("machine", "campaign")
     )
     found = campaign_from_texts(campaign, "campaign.toml", machine, "machine.toml")
     assert found.machine.stylus == 3e-3
@@ -167,10 +167,10 @@ EXX = { std = "10 um" }
     spread = np.array([ball.place for ball in setup.artefact.balls])
     np.testing.assert_allclose(spread.mean(axis=0)[:2], [0.0, 0.0], atol=1e-3)
     with pytest.raises(DescriptionError, match="No instrument was named"):
-        first_files(begun, [], "20 um")
+        first_files(begun, [], Purpose("20 um"))
     with pytest.raises(DescriptionError, match="Nothing of probe can be offered for One axis"):
-        first_files(of_builtin("one-axis"), ["probe"], "20 um")
-    printer = first_files(of_builtin("printer-gantry"), ["probe"], "20 um").texts["campaign.toml"]
+        first_files(of_builtin("one-axis"), ["probe"], Purpose("20 um"))
+    printer = first_files(of_builtin("printer-gantry"), ["probe"], Purpose("20 um")).texts["campaign.toml"]
     assert 'volume = { Z = ["' in printer
     assert "the first layers, where the probe reads" in printer
 

@@ -15,7 +15,6 @@ import numpy as np
 import axiscal_core as ac
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.description.placed_readings import placed_readings
-from axiscal.description.usual import Sizes
 from axiscal.estimation.case import Case
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.promise.numbers import Numbers
@@ -28,6 +27,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal_core.errors import ROUGH
 from axiscal_core.sizes import sizes_of
+from axiscal_core.theta import Sizes
 from tests.core.strangers import Arm, Autocollimator, Bar, Interferometer, Probe, Straightedge
 
 CAMPAIGNS = Path(__file__).parents[1] / "golden" / "campaigns"

@@ -23,10 +23,7 @@ from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.next_readings import root_of
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
-from axiscal.planning.step.best_step import best_step
-from axiscal_core.criterion import Goal
 from axiscal_core.problem import Given, Problem
-from axiscal_core.state import State
 from tests.core.beside import READ, Beside, described
 
 ROWS, POSTERIOR, PLAN = 1e-12, 1e-8, 1.002
@@ -35,7 +32,7 @@ WITH_PLANES = ["plane_map", "printer"]
 PLANNED = {"learnt": 8, "one_spline": 7, "outlier": 6, "tracker": 5, "rotary": 5, "vcomp": 6, "xyzac": 5}
 """Campaigns, and of how many readings the plan is."""
 QUICK = {"one_spline", "outlier"}
-BETTER = {"rotary": 1.01, "vcomp": 1.025, "xyzac": 1.05}
+BETTER = {"rotary": 1.01, "vcomp": 1.035, "xyzac": 1.05}
 """J of the product's plan may be so many times the core's, which finds better ones where three or five axes move."""
 
 
@@ -132,17 +129,6 @@ def _root(name: str) -> Array:
     return np.pad(found, ((0, 0), (0, beside.core.size - found.shape[1])))
 
 
-@pytest.mark.parametrize("name", PLANNED)
-def test_the_best_step_gains_what_it_gains_in_the_product(name: str) -> None:
-    beside, root = _beside(name), _root(name)
-    observation = beside.product.observation
-    know = Knowledge.before(observation)
-    lattice = spread(observation.machine, observation.setups, 2000)
-    theirs = best_step(know, root_of(beside.product, know.belief), lattice).gain
-    mine = State(beside.core, Goal(root)).gains(beside.core.next(criterion=root))[0]
-    assert mine == pytest.approx(theirs, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[] if name in QUICK else pytest.mark.long) for name in PLANNED]
 )
@@ -167,9 +153,9 @@ def test_plans_are_as_good_as_those_of_the_product(name: str) -> None:
     assert j < BETTER.get(name, PLAN) * mine.J
 
 
-@pytest.mark.parametrize("name", ["learnt", "outlier", "vcomp"])
-def test_estimates_are_those_of_the_product_within_what_draws_leave(name: str) -> None:
-    """The core draws sizes from one normal, the product from one with two halves and more of them."""
+@pytest.mark.parametrize("name", ["learnt", "outlier", "rotary", "vcomp"])
+def test_estimates_are_those_of_the_product(name: str) -> None:
+    """Sizes averaged over, slips taken out: covariances and slips are found by each in its way."""
     beside, readings = _beside(name), _readings(name)
     known, found = beside.core.estimate(beside.own(readings)), estimated(beside.product, readings).posterior
     assert found is not None
@@ -178,6 +164,6 @@ def test_estimates_are_those_of_the_product_within_what_draws_leave(name: str) -
     both = found.covariance - found.shared, known.covariance
     theirs, mine = (np.sqrt(np.sum(gram * covariance[:size, :size])) for covariance in both)
     apart = (known.mean - found.mean)[:size]
-    assert mine == pytest.approx(theirs, rel=0.15)
-    assert np.sqrt(apart @ gram @ apart) < 0.3 * theirs
+    assert mine == pytest.approx(theirs, rel=1e-6)
+    assert np.sqrt(apart @ gram @ apart) < 1e-6 * theirs
     assert set(known.bad) == set(found.bad)

@@ -9,10 +9,10 @@ import pandas as pd
 import pytest
 
 import axiscal_core as ac
-from axiscal_core.axes import rotation
 from axiscal_core.criterion import Goal
 from axiscal_core.instrument import sight
 from axiscal_core.problem import Given, Problem
+from axiscal_core.rigid import turned_about
 from axiscal_core.state import State
 
 TOGETHER = 0.0831806
@@ -213,9 +213,9 @@ def test_a_robot_moves_as_its_parameters_say() -> None:
         turn, at = np.eye(3), np.zeros(3)
         for (a, alpha, d, theta), q in zip(table, pose, strict=True):
             at = at + turn @ [0, 0, d]
-            turn = turn @ rotation(np.array([0.0, 0, 1]), np.array([theta + q]))[0]
+            turn = turn @ turned_about(np.array([0.0, 0, 1]), np.array([theta + q]))[0]
             at = at + turn @ [a, 0, 0]
-            turn = turn @ rotation(np.array([1.0, 0, 0]), np.array([alpha]))[0]
+            turn = turn @ turned_about(np.array([1.0, 0, 0]), np.array([alpha]))[0]
         return np.asarray(at + turn @ tool)
 
     assert np.abs(robot.frames(poses).tcp - [tcp(links, pose) for pose in poses]).max() < 1e-14

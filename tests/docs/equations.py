@@ -102,7 +102,7 @@ def _docstrings(node: ast.AST, prefix: str) -> Iterator[tuple[str, str]]:
 
 def table() -> str:
     """Return the table as Markdown."""
-    functions, tests = citations("src/axiscal", tests=False), citations("tests", tests=True)
+    functions, tests = citations("src", tests=False), citations("tests", tests=True)
     rows = [
         f"| {number} | {states} | {_links(functions[number])} | {_links(tests[number])} |"
         for number, states in enumerate(_STATES, start=1)

@@ -13,21 +13,19 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.interpolate import CubicSpline
 
+import axiscal_core as ac
 from axiscal.errors import prior
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy import criterion
 from axiscal.estimation.belief import Belief
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.machine import Machine, machine_from_text
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import tool_motion
-from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import CyclicSpline, NaturalSpline, quadrature, spacing_limit
-from axiscal.numerics.line import largest_along
-from axiscal.planning.step.best_step import best_step
+from axiscal_core.roots import largest
+from axiscal_core.splines import CyclicSpline, NaturalSpline, quadrature, spacing_limit
 from tests.generators.forms import gain_forms
 from tests.generators.splines import bending, power_maps
 
@@ -316,9 +314,9 @@ def test_the_best_reading_is_an_interval_end_or_a_root_of_a_tenth_order_polynomi
     best = min(candidates, key=after)
 
     def forms(places: Array) -> tuple[Array, Array]:
-        return gain_forms(spline.rows(places[:, 0]), factor, root @ factor, noise)
+        return gain_forms(spline.rows(places), factor, root @ factor, noise)
 
-    position, gain = largest_along(forms, np.column_stack([KNOTS[:-1], KNOTS[1:]]), 7)
+    position, gain = largest(forms, KNOTS, 7) or (0.0, 0.0)
     assert position == pytest.approx(best, abs=1e-7)
     assert np.trace(spline.gram() @ covariance) - gain == pytest.approx(after(best), rel=1e-12)
 
@@ -370,21 +368,28 @@ def test_overall_variance_of_stacked_vectorial_splines() -> None:
 
 def test_the_best_configuration_of_all_joints() -> None:
     """B&H eq. 37: no configuration of a lattice leaves a smaller overall variance than the one chosen."""
-    model = ErrorModel(machine())
-    observation = Observation(model, (height((0.6, 0.0, 0.8)),))
-    covariance = 1e-10 * random_covariance(model.size, seed=4)
-    belief, root = Belief(np.zeros(model.size), covariance), criterion.joint_root(model)
-    chosen = best_step(Knowledge(observation, belief), root, spread(machine(), observation.setups, 500))
-    low, high = np.array([axis.travel for axis in machine().axes]).T
-    grid = np.stack(np.meshgrid(*np.linspace(low, high, 25).T, indexing="ij"), axis=-1).reshape(-1, 3)
-    rows = np.vstack([observation.rows(0, grid, np.ones_like(grid)).rows, chosen.row])
-    weight, noise = root.weights, 1e-12
-    along = rows @ covariance
-    falls = np.einsum("ij,jk,ik->i", along, weight, along) / (noise + np.einsum("ij,ij->i", along, rows))
-    assert falls[-1] == pytest.approx(chosen.gain, rel=1e-9)
+    axes = [ac.Axis.linear(name, name.lower(), (0.0, 0.5)) for name in "XYZ"]
+    machine = ac.Machine(axes, [ac.Error(f"E{c}{name}", "10 um", knots=5) for name in "XYZ" for c in "XZ"])
+    dial = ac.Laser("dial", "XYZ", along=(0.6, 0.0, 0.8), noise="1 um", unknowns={"zero": 0.0}, approach="+")
+    case = ac.Case(machine, [dial], usual="off", sure="exactly")
+    begun = ac.Places("dial", 0.5 * np.random.default_rng(4).random((12, 3)))
+    before, chosen = case.evaluate(begun, criterion="joint").J, case.next(begun, criterion="joint")
+    grid = np.stack(np.meshgrid(*[np.linspace(0.0, 0.5, 13)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    n = case.numbers(begun)
+    known = case.prior.read(n.rows, n.shown, n.noise**2).covariance
+    rows, weight = case.numbers(ac.Places("dial", np.vstack([grid, chosen.poses]))).rows, joint(case)
+    along = rows @ known
+    falls = np.einsum("ij,jk,ik->i", along, weight, along) / (1e-12 + np.einsum("ij,ij->i", along, rows))
     assert falls[:-1].max() <= falls[-1] * (1 + 1e-9)
-    after = belief.update(chosen.row, 0.0, noise)
-    assert root.criterion(after.factor) == pytest.approx(root.criterion(belief.factor) - chosen.gain, rel=1e-9)
+    assert before - falls[-1] == pytest.approx(case.evaluate(begun + chosen, criterion="joint").J, rel=1e-9)
+
+
+def joint(case: ac.Case) -> Array:
+    """Return the weight of the paper's criterion: the Gram matrix of every spline (B&H eq. 34-36)."""
+    weight = np.zeros((case.size, case.size))
+    for columns, (_, curve) in zip(case.machine.columns, case.machine.curves, strict=True):
+        weight[columns, columns] = curve.spline.gram()
+    return weight
 
 
 def forward_recurrence(control: Array) -> Array:

@@ -39,7 +39,7 @@ def test_the_page_of_the_package_stands_alone() -> None:
     assert [part for part in prose if "](" in part] == []
 
 
-FUNCTIONS, TESTS = citations("src/axiscal", tests=False), citations("tests", tests=True)
+FUNCTIONS, TESTS = citations("src", tests=False), citations("tests", tests=True)
 
 
 @pytest.mark.parametrize("number", range(1, LAST + 1))

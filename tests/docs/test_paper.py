@@ -11,8 +11,6 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from axiscal.estimation.accuracy.criterion import Root
-from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from benchmarks.beyond import beyond
 from tests.docs.examples import ROOT
@@ -46,9 +44,8 @@ def single() -> Chosen:
 @pytest.fixture(scope="module")
 def stacked() -> Chosen:
     """Return the readings of the three joints."""
-    steps, known = STACKED["chosen"](24)
-    found = [STACKED["JOINT"].criterion(each.belief.factor) * 1e9 for each in known]
-    return Chosen(1e3 * np.array([step.pose for step in steps]), found)
+    places = STACKED["chosen"](24)
+    return Chosen(1e3 * places.poses, [1e9 * value for value in STACKED["left"](places)[0]])
 
 
 def dense_rows(positions: Array) -> Array:
@@ -106,22 +103,18 @@ def test_seven_chosen_together_beat_seven_in_turn(single: Chosen) -> None:
     assert single.variances[7] > 0.19
 
 
-def test_no_lattice_point_beats_a_reading_chosen() -> None:
-    root: Root = STACKED["JOINT"]
-    observation: Observation = STACKED["OBSERVATION"]
-    along = np.linspace(0, 0.01, 41)
-    poses = np.stack([g.ravel() for g in np.meshgrid(along, along, along, indexing="ij")], axis=1)
-    rows = observation.rows(0, poses, np.ones_like(poses)).rows
-
-    def gains(factor: Array, rows: Array) -> Array:
-        seen = rows @ factor
-        reach = seen @ root.times(factor).T
-        found: Array = np.sum(reach**2, axis=1) / (1e-10 + np.sum(seen**2, axis=1))
-        return found
-
-    for step, before in zip(*STACKED["chosen"](24), strict=False):
-        factor = before.belief.factor
-        assert np.max(gains(factor, rows)) / gains(factor, step.row[None])[0] - 1 <= 1e-9
+def test_no_lattice_point_beats_a_reading_chosen(stacked: Chosen) -> None:
+    along, weight = np.linspace(0, 10, 41), np.kron(np.eye(3), dense_weight())
+    lattice = dense_rows(np.stack([g.ravel() for g in np.meshgrid(along, along, along, indexing="ij")], axis=1))
+    rows = dense_rows(stacked.positions)
+    for count in range(len(rows)):
+        covariance = np.linalg.inv(np.eye(21) + rows[:count].T @ rows[:count] / 1e-4)
+        best, chosen = (
+            np.max(np.einsum("mi,ij,mj->m", seen, weight, seen) / (1e-4 + np.sum(seen * tried, axis=1)))
+            for tried in (lattice, rows[[count]])
+            for seen in (tried @ covariance,)
+        )
+        assert best / chosen - 1 <= 1e-9
 
 
 def test_no_point_of_a_line_beats_a_reading_of_the_single_spline(single: Chosen) -> None:

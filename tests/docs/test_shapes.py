@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import settled
+from axiscal_core.eigen import settled
 from tests.shapes import ShapeSaidError, checked, said
 
 

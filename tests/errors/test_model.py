@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.errors import prior
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import deviation_of, deviations_of, levers_at
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import tool_motion
-from axiscal.numerics import Array, rigid
-from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline
+from axiscal.numerics import Array
+from axiscal_core import rigid
+from axiscal_core.splines import Constant, CyclicSpline, NaturalSpline, matern
 from tests.generators.machines import random_machine, random_poses, twin_derivative
 
 UM, URAD, MM = 1e-6, 1e-6, 1e-3
@@ -119,7 +119,7 @@ def test_a_smooth_prior_is_matern_and_a_plain_one_is_independent() -> None:
     r = np.sqrt(5) * 0.15 / 0.3
     assert smooth[1, 2] == pytest.approx(4.0 * (1 + r + r**2 / 3) * np.exp(-r))
     assert np.array_equal(plain, 9.0 * np.eye(5))
-    assert prior.matern(np.array([0.0])) == pytest.approx([1.0])
+    assert matern(np.array([0.0])) == pytest.approx([1.0])
 
 
 @pytest.mark.parametrize("length", [0.2, 1.0, 3.0, 30.0])

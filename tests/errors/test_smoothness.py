@@ -7,7 +7,6 @@ import pytest
 from scipy.special import gamma, kv
 
 from axiscal.description.usual import sizes_of
-from axiscal.errors import prior
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise.problem import problem
 from axiscal.estimation.promise.spaces import Given
@@ -18,6 +17,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal_core.splines import matern, matern_by_length
 from tests.generators.texts import machine_text
 
 _HEAD = machine_text("w-X'-Y'-b-Z-t", {"X": (0, 500), "Y": (0, 400), "Z": (0, 300)}, {}, name="two axes")
@@ -32,15 +32,15 @@ def test_the_correlation_is_the_matern_of_its_order(smoothness: float) -> None:
     distance = np.linspace(0.01, 4.0, 60)
     scaled = np.sqrt(2 * smoothness) * distance
     expected = 2 ** (1 - smoothness) / gamma(smoothness) * scaled**smoothness * kv(smoothness, scaled)
-    assert prior.matern(distance, smoothness) == pytest.approx(expected, rel=1e-12)
-    assert prior.matern(np.zeros(1), smoothness) == pytest.approx(1.0)
+    assert matern(distance, smoothness) == pytest.approx(expected, rel=1e-12)
+    assert matern(np.zeros(1), smoothness) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("smoothness", [1.5, 2.5])
 def test_its_slope_by_length_is_the_difference(smoothness: float) -> None:
     distance, step = np.linspace(0.0, 4.0, 60), 1e-5
-    longer, shorter = (prior.matern(distance * np.exp(-sign * step), smoothness) for sign in (1, -1))
-    assert prior.matern_by_length(distance, smoothness) == pytest.approx((longer - shorter) / (2 * step), abs=1e-9)
+    longer, shorter = (matern(distance * np.exp(-sign * step), smoothness) for sign in (1, -1))
+    assert matern_by_length(distance, smoothness) == pytest.approx((longer - shorter) / (2 * step), abs=1e-9)
 
 
 def test_a_rough_curve_has_knots_at_a_quarter_of_its_length() -> None:
@@ -50,7 +50,7 @@ def test_a_rough_curve_has_knots_at_a_quarter_of_its_length() -> None:
     )
     assert (smooth.basis.size, rough.basis.size) == (21, 21), "there is one curve: fine knots cost nothing"
     at = rough.basis.control_positions
-    expected = 1e-10 * prior.matern(np.abs(at[:, None] - at) / 0.1, 1.5)
+    expected = 1e-10 * matern(np.abs(at[:, None] - at) / 0.1, 1.5)
     assert rough.covariance == pytest.approx(expected, rel=1e-12)
 
 

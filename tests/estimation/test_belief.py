@@ -14,7 +14,7 @@ import pytest
 from axiscal.estimation.belief import Belief, Innovations
 from axiscal.exceptions import CovarianceError, ShapeError
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import NaturalSpline, even_knots
+from axiscal_core.splines import NaturalSpline, even_knots
 from tests.certify import least_squares, models
 from tests.certify.belief import CASES, judged
 

@@ -12,6 +12,7 @@ import pytest
 
 from axiscal.cli import app
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.first_campaign import Purpose
 from axiscal.description.first_files import first_files, of_builtin
 from axiscal.errors.volume import volume_moments
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
@@ -21,7 +22,7 @@ from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import InputError
 from axiscal.measurement.reading import Reading
-from axiscal.numerics import even_points
+from axiscal_core.points import even_points
 from tests.commands import Command
 
 _EVERY_LINE = 'directions = ["z"]'
@@ -30,7 +31,7 @@ _EVERY = "aligned = false"
 
 def texts() -> tuple[str, str]:
     """Return campaign.toml and machine.toml as `init` writes them for the probe of a printer."""
-    found = first_files(of_builtin("printer-gantry"), ["probe"], "30 um").texts
+    found = first_files(of_builtin("printer-gantry"), ["probe"], Purpose("30 um")).texts
     return found["campaign.toml"], found["machine.toml"]
 
 

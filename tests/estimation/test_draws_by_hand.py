@@ -12,10 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from axiscal.description.usual import Kind, Sizes
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise import left_out as left_out_of
-from axiscal.estimation.promise.draws import Mode, Weighed, _halved, _wings, draws, mode, redrawn, weighed
 from axiscal.estimation.promise.left_out import LeftOut, left_out, with_stated
 from axiscal.estimation.promise.posterior import (
     _half_and_half,
@@ -27,14 +25,17 @@ from axiscal.estimation.promise.posterior import (
     sorted_out,
 )
 from axiscal.estimation.promise.problem import Problem, _cell_root
+from axiscal.estimation.promise.spaces import Given
 from axiscal.estimation.promise.unknowns import Space, space_of
 from axiscal.machine import load_machine
+from axiscal_core.draws import Mode, Weighed, _halved, _wings, draws, mode, redrawn, weighed
+from axiscal_core.theta import Kind, Sizes
 from tests.generators.dense_posterior import Dense, mixture
 from tests.generators.problems import asked, case_of, readings_of, sized, stated
 
 
 @cache
-def _learnt() -> tuple[Problem, Space, Mode]:
+def _learnt() -> tuple[Problem, Space, Mode[Given]]:
     """Return thirty readings that teach two sizes, with their mode."""
     problem = sized(asked("axis", 30, 4), ("std", "noise"))
     space = space_of(problem)
@@ -125,7 +126,7 @@ THETAS = np.log(np.array([[0.5, 1.0, 2.0], [1.0, 2.0, 2.0], [4.0, 3.0, 1.0]]))
 WEIGHTS = np.array([0.005, 0.5, 0.495])
 
 
-def _told() -> tuple[Problem, Weighed]:
+def _told() -> tuple[Problem, Weighed[Given]]:
     """Return three draws of a curve's size, a noise and a length."""
     of = [SimpleNamespace(kind=kind, owners=owners) for kind, owners in (
         ("std", ("EXX", "EYX")), ("noise", ("laser",)), ("length", ("EXX",)),
@@ -133,7 +134,7 @@ def _told() -> tuple[Problem, Weighed]:
     return SimpleNamespace(sizes=Sizes(tuple(of))), SimpleNamespace(thetas=THETAS, weights=WEIGHTS)  # type: ignore
 
 
-def _of_three_draws() -> tuple[Problem, Weighed]:
+def _of_three_draws() -> tuple[Problem, Weighed[Given]]:
     """Return a dozen readings, one of them far off, and three draws of two sizes, the second one the heaviest."""
     problem = sized(asked("axis", 12, 3), ("std", "noise"))
     problem = replace(problem, values=problem.values + 60.0 * (problem.reading == 4))

@@ -7,7 +7,6 @@ import pytest
 
 from axiscal.estimation.data_equation import DataEquation
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
 from axiscal.ports.fleet.gibbs import half_covariance, swept
 from axiscal.ports.fleet.hierarchy import (
     CERTAINTY,
@@ -20,6 +19,7 @@ from axiscal.ports.fleet.hierarchy import (
     Sisters,
     blocks_of,
 )
+from axiscal_core.threads import one_thread
 
 HIERARCHY = Hierarchy(blocks_of([("EXX", "length", 2, 1.0), ("B0Z", "location", 1, 1.0)]), 1)
 COUNT, PRIOR_DRAWS, SWEEPS, BATCHES = 2, 6000, 3000, 30

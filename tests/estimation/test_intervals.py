@@ -9,11 +9,11 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from axiscal.errors.prior import matern
 from axiscal.estimation.intervals import Fitted, sited, sites
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root
+from axiscal_core.splines import matern
 from tests.generators.one_axis import observed, readings_at
 
 _CURVE = 10.0

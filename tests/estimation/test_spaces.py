@@ -11,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import gamma, kv
 
-from axiscal.description.usual import Sizes
 from axiscal.estimation.located import absorbed
 from axiscal.estimation.promise.columns import Curves
 from axiscal.estimation.promise.numbers import Numbers
@@ -19,6 +18,7 @@ from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.spaces import Given, parts_of
 from axiscal.estimation.promise.unknowns import Space, Unknowns
 from axiscal.numerics import Array
+from axiscal_core.theta import Sizes
 from tests.generators.dense_posterior import Dense
 from tests.generators.problems import KINDS, asked, case_of, inherited, plain, plain_case, readings_of
 

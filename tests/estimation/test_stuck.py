@@ -11,10 +11,11 @@ import pytest
 
 from axiscal.estimation.agreement_words import acceptance, agreement_words, change_words
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.promise.draws import sized as weighed
 from axiscal.estimation.promise.stuck import Repeats, repeats, stuck
+from axiscal.estimation.promise.unknowns import space_of
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import put_right
+from axiscal_core.draws import sized as weighed
 from tests.generators.dense_posterior import Dense, log_density
 from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings
 from tests.generators.problems import asked, sized
@@ -46,7 +47,7 @@ def test_the_odds_of_exact_sizes_are_those_of_the_dense_density() -> None:
     density = whole - rest - 0.5 * len(again) * log(2 * np.pi)
     odds = log(0.01 / 7) - density - float(np.sum(np.log(step / problem.noise[some])))
     repeated = Repeats((0,), again, {0: step}, log(7.0))
-    (found,) = stuck(problem, weighed(problem), [repeated])
+    (found,) = stuck(problem, weighed(space_of(problem)), [repeated])
     assert found.mistake[2:4] == ((0,), 3)
     assert found.mistake.log_odds == pytest.approx(odds, abs=0.05)
 

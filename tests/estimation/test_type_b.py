@@ -13,7 +13,7 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.type_b import TYPE_B, TypeB
-from axiscal.description.usual import Sizes, sizes_of
+from axiscal.description.usual import sizes_of
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.promise.causes import contributions
@@ -31,6 +31,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of
 from axiscal.numerics import Array
 from axiscal.units import to_unit
+from axiscal_core.theta import Sizes
 from tests.generators.texts import setup_text
 
 AXIS = """name = "one"

@@ -16,13 +16,11 @@ from axiscal.description.usual import (
     REST,
     REVERSAL,
     ROUGH,
-    SURE,
-    Size,
-    Sizes,
     sizes_of,
     usual_machine,
 )
 from axiscal.machine.entry import Sure
+from axiscal_core.theta import SURE, Kind, Size, Sizes
 from tests.generators.problems import case_of, plain_case, sizes_for
 
 
@@ -122,7 +120,7 @@ def test_a_stated_drift_is_learnt_as_noise_is(sure: Sure, found: bool) -> None:
     ("kind", "most"),
     [(kind, 10) for kind in ("std", "reversal", "rest", "together", "way")] + [("drift", 30), ("growth", 30)],
 )
-def test_no_size_is_learnt_far_beyond_what_is_stated(kind: model.Kind, most: float) -> None:
+def test_no_size_is_learnt_far_beyond_what_is_stated(kind: Kind, most: float) -> None:
     """Behind that it does not move; a length may be anything, and a noise as wide as a bad reading."""
     theta, slope = Sizes((Size(kind, ("EXX",), np.log(3.0)),)).theta(np.array([[1.0], [9.0], [-9.0]]))
     assert np.exp(theta[1, 0]) == pytest.approx(most)

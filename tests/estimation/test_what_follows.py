@@ -19,7 +19,7 @@ from axiscal.estimation.inheritance import _change, drifted
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.located import _towards
 from axiscal.estimation.membership import Membership
-from axiscal.numerics.gaussian import unique_root
+from axiscal_core.eigen import unique_root
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 
 

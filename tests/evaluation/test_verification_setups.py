@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.first_campaign import Purpose
 from axiscal.description.first_files import first_files, of_builtin
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -129,7 +130,7 @@ def test_rounding_is_printed_as_nothing() -> None:
 
 def test_both_legs_of_a_square_show_how_square_the_machine_is() -> None:
     """The square lies turned by any angle, which both legs share; a slope of one leg alone is the machine's."""
-    texts = first_files(of_builtin("three-axis-mill"), ["square"], "").texts
+    texts = first_files(of_builtin("three-axis-mill"), ["square"], Purpose()).texts
     of = campaign_from_texts(texts["campaign.toml"], "campaign.toml", texts["machine.toml"], "machine.toml")
     at = np.array([-0.1, 0.0, 0.1, 0.12])
     poses = np.full((8, 3), 0.2)

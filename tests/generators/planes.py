@@ -7,7 +7,7 @@ import numpy as np
 from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import NaturalSpline, Spline
+from axiscal_core.splines import NaturalSpline, Spline
 from tests.generators.texts import machine_text
 
 BED = machine_text(

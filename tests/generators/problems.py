@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.usual import Sizes, sizes_of, usual_machine
+from axiscal.description.usual import sizes_of, usual_machine
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.problem import Inherited, Problem, problem
 from axiscal.machine import load_machine
@@ -17,6 +17,7 @@ from axiscal.machine.entry import Sure
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
+from axiscal_core.theta import Sizes
 from tests.generators.campaigns import CAMPAIGN as TWO_SETUPS
 from tests.generators.planes import warped
 from tests.generators.texts import machine_text

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import Spline, quadrature
+from axiscal_core.splines import Spline, quadrature
 
 
 def power_maps(spline: Spline) -> tuple[Array, Array, Array]:

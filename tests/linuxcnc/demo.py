@@ -30,13 +30,13 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import AxiscalError
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
 from axiscal.present.delivery import write_files
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
 from axiscal.tables.surface import left_by, rms
 from axiscal.units import to_unit
+from axiscal_core.threads import one_thread
 from tests.linuxcnc.built import Build, BuiltMachine, BuiltSource
 from tests.linuxcnc.lab import can_load
 from tests.linuxcnc.probing import Probe

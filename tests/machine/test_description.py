@@ -188,7 +188,7 @@ def test_a_machine_is_read_from_a_path_and_named_after_it_if_need_be(tmp_path: P
 def test_a_name_that_is_neither_file_nor_machine_is_refused() -> None:
     with pytest.raises(DescriptionError, match=r"neither a file nor a built-in machine\. Perhaps dmu60 is meant"):
         load_machine("DMU60")
-    with pytest.raises(DescriptionError, match="The built-in machines are dmu60, one-axis"):
+    with pytest.raises(DescriptionError, match="The built-in machines are dmu60, lathe, one-axis"):
         load_machine("zzz")
     with pytest.raises(DescriptionError, match="no such file"):
         load_machine("absent.toml")
@@ -215,11 +215,11 @@ def motions(axis: str) -> set[str]:
 
 
 def test_the_names() -> None:
-    names = ("dmu60", "one-axis", "paper-three-stacked", "portal-mill", "printer-gantry", "three-axis-mill")
-    assert builtin_names() == names
+    named = "dmu60 lathe one-axis paper-three-stacked portal-mill printer-gantry router three-axis-mill"
+    assert builtin_names() == tuple(named.split())
 
 
-@pytest.mark.parametrize("name", ["three-axis-mill", "portal-mill", "printer-gantry"])
+@pytest.mark.parametrize("name", ["three-axis-mill", "portal-mill", "printer-gantry", "router"])
 def test_three_linear_axes_have_the_21_errors_of_iso_230_and_reversal(name: str) -> None:
     expected = motions("X") | motions("Y") | motions("Z") | {"C0Y", "B0Z", "A0Z"}
     assert set(sizes(load_machine(name))) == expected

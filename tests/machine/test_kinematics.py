@@ -8,7 +8,8 @@ import pytest
 from axiscal.errors.model import ErrorModel
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import SmallMotions, frames, tool_motion
-from axiscal.numerics import Array, rigid
+from axiscal.numerics import Array
+from axiscal_core import rigid
 from tests.generators.machines import random_machine, random_poses, twin_tool
 
 

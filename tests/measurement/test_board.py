@@ -18,9 +18,9 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Owned
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.rigid import rotation
 from axiscal.record.accepted import put_right
 from axiscal.record.events import Mounted
+from axiscal_core.rigid import rotation
 from tests.generators.texts import setup_text
 
 MACHINE = """

@@ -13,7 +13,6 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import open_source
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
-from axiscal.description.usual import Sizes
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, paths
@@ -33,6 +32,7 @@ from axiscal.present.curves import constants
 from axiscal.present.findings import findings, untimed
 from axiscal.record.events import Recorded
 from axiscal.record.payload import decode, encode
+from axiscal_core.theta import Sizes
 from tests.generators.dense_posterior import Dense
 
 RATE = 6e-6 / 3600

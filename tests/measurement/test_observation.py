@@ -24,7 +24,7 @@ from axiscal.measurement.reading_rows import seen, visited
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.simulation import Curve, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.numerics.line import node_count, nodes
+from axiscal_core.roots import node_count, nodes
 from tests.core.beside import instrument_of, machine_of
 from tests.generators.forms import gain_forms
 from tests.generators.machines import random_machine, random_poses

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.usual import Sizes
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.posterior import sorted_out
@@ -18,6 +17,7 @@ from axiscal.measurement.instruments.kind import TOOL, Nominal
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal_core.theta import Sizes
 from tests.generators.kinematics import stem, tip
 from tests.generators.texts import setup_text
 

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.numerics import even_points, even_subset
+from axiscal.numerics import even_subset
+from axiscal_core.points import even_points
 
 
 @given(st.integers(1, 4), st.integers(1, 60), st.integers(1, 80), st.integers(0, 2**32 - 1))

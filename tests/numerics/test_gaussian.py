@@ -7,7 +7,7 @@ import pytest
 
 from axiscal.exceptions import CovarianceError
 from axiscal.numerics import Array, gaussian
-from axiscal.numerics.from_scipy import triangle_over
+from axiscal_core.from_scipy import triangle_over
 
 
 def covariance(size: int, rank: int, decades: float, seed: int) -> Array:

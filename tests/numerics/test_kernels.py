@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.numerics.gaussian import settled, unique_root
+from axiscal_core.eigen import settled, unique_root
 from tests.generators.kernels import kernels, under
 
 _DRAWS = """

@@ -9,8 +9,8 @@ import pytest
 from scipy.integrate import quad
 
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import CyclicSpline
-from axiscal.numerics.repeated import Repeated, Segments
+from axiscal.numerics.repeated import Segments
+from axiscal_core.splines import CyclicSpline, Repeated
 
 
 @pytest.mark.parametrize("waves", [1, 2, 4])

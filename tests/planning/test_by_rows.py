@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.first_campaign import first_campaign
+from axiscal.description.first_campaign import Purpose, first_campaign
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.known_rows import KnownRow, known_rows
@@ -157,7 +157,7 @@ def test_three_readings_open_a_square() -> None:
 @pytest.mark.long
 def test_a_first_campaign_with_squares_plans_every_squareness() -> None:
     """As `init` writes it where every question is answered by Enter, but for the dial and the square."""
-    text = first_campaign(dial("readings = 12").description.machine, "three-axis-mill", ["dial", "square"], "")
+    text = first_campaign(dial("readings = 12").description.machine, "three-axis-mill", ["dial", "square"], Purpose())
     of = case(text)
     found = rows(of, planned(of))
     names = [f"squareness {pair}" for pair in ("XY", "XZ", "YZ")]

@@ -18,6 +18,7 @@ from axiscal.planning.gains.running_gains import ReadingColumns, Scores
 from axiscal.planning.plan.task import Task
 from tests.generators import dense_gains as dense
 from tests.generators.designs import levered, random_poses, read
+from tests.generators.forms import gains_of
 from tests.planning.test_three_values import mixed
 
 ZEROS = tuple(Unknown(f"zero_{axis}", 1e-4) for axis in "xyz")
@@ -77,7 +78,7 @@ def test_every_fast_way_brings_the_plain_gain(seed: int, nest: bool) -> None:
     asked = _asked(seed, nest)
     places = asked.lattice.within(np.arange(0, 60, 7))
     expected = _gains(asked, places)
-    np.testing.assert_allclose(asked.state.scorer().gains(places), expected, rtol=1e-6)
+    np.testing.assert_allclose(gains_of(asked.state.scorer(), places), expected, rtol=1e-6)
     for i in range(len(places)):
         entered, change = asked.state.entered(places.single(i))
         assert change.gain == pytest.approx(expected[i], rel=1e-6)
@@ -97,8 +98,8 @@ def test_forms_bring_the_plain_gain(axis: int, nest: bool) -> None:
     for setup in (0, 1):
         line = Places.of_setup(setup, np.tile(poses, (9, 1)), np.tile(approaches, (9, 1)))
         line.poses[:, axis] = positions
-        above, below = asked.state.scorer().gain_forms(setup, line.poses, line.approaches)
-        np.testing.assert_allclose(above / below, _gains(asked, line), rtol=1e-6)
+        gains = asked.state.scorer().gains_at(setup, line.poses, line.approaches)
+        np.testing.assert_allclose(gains, _gains(asked, line), rtol=1e-6)
 
 
 def test_the_state_after_readings_is_the_dense_one() -> None:

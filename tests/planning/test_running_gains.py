@@ -9,10 +9,11 @@ from axiscal.measurement.reading import Places
 from axiscal.planning.gains import candidate_rows, covariance
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance, ReadNumbers, RunningAccuracy, after_each
-from axiscal.planning.gains.gain import joint_gains
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Task
+from axiscal_core.state import joint_gains
 from tests.generators.designs import levered, random_poses, read, splines
+from tests.generators.forms import gains_of
 from tests.planning.test_three_values import mixed
 
 
@@ -140,7 +141,8 @@ def test_gains_without_a_reading_are_those_of_what_is_known_without_it(asked: Ta
         if scores.held_alone(slot):
             continue
         state, change = scores.known_without(slot)
-        found, anew = scores.scorer_without(change).gains(asked.lattice), scores.pool.scorer(state).gains(asked.lattice)
+        found = gains_of(scores.scorer_without(change), asked.lattice)
+        anew = gains_of(scores.pool.scorer(state), asked.lattice)
         np.testing.assert_allclose(found, anew, rtol=1e-8)
         scores.exchange(slot, slot)  # another state: what was found once does not hold any more
 

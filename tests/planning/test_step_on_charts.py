@@ -1,4 +1,4 @@
-"""The next reading on a chart: nowhere along a coordinate, and at no pose that was tried, is there a better one."""
+"""Climbing on a chart: to poses that can be taken, and on a raster from step to step."""
 
 from __future__ import annotations
 
@@ -8,19 +8,17 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
-from axiscal.measurement.candidates import arrivals_of, spread
+from axiscal.measurement.candidates import spread
 from axiscal.measurement.charts.room import Chart, has_room
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.travel import sides_of
-from axiscal.numerics import Array
-from axiscal.numerics.ties import TIE
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.next_readings import root_of
-from axiscal.planning.step.best_step import best_of
-from axiscal.planning.step.climb import Climb
-from axiscal.planning.step.ground import places_along
+from axiscal.planning.plan.exchange import climb_from
+from axiscal.planning.step.ground import ground_of, places_along
+from tests.generators.forms import gains_of
 from tests.generators.kinematics import in_travel, tip
 from tests.generators.texts import campaign_text, setup_text
 
@@ -70,18 +68,6 @@ def _reading(case: Case, lattice: Places, number: int) -> Reading:
     return Reading(setup.name, tuple(pose), tuple(approach), 0.0, others=others, time=0.0)
 
 
-def gains_along(case: Case, scorer: Scorer, climb: Climb, number: int, values: Array) -> Array:
-    """Return the gains with other values of a coordinate, −inf where nothing can be read."""
-    places = places_along(climb.places[0], number, values)
-    sides, chart = np.tile(climb.sides[0], (len(values), 1)), chart_of(scorer)
-    setup = scorer.observation.setups[0]
-    taken = has_room(chart, places, sides)
-    come = arrivals_of(case.description.machine, setup, chart, places[taken], sides[taken])
-    found = np.full(len(values), -np.inf)
-    found[taken] = scorer.gains_at(0, chart.poses(places[taken]), come)
-    return found
-
-
 def chart_of(scorer: Scorer) -> Chart:
     """Return the chart of the only set-up."""
     chart = scorer.observation.setups[0].chart
@@ -89,22 +75,11 @@ def chart_of(scorer: Scorer) -> Chart:
     return chart
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("name", CASES)
-def test_nowhere_along_a_coordinate_is_there_a_better_reading(name: str) -> None:
-    case, scorer, lattice = begun(name)
-    climb = Climb.begun(scorer, 0, lattice.poses[[7]], lattice.approaches[[7]])
-    climb.finish()
-    for number, (low, high) in enumerate(climb.ground.ends):
-        everywhere = gains_along(case, scorer, climb, number, np.linspace(low, high, 4001))
-        assert climb.gains[0] >= everywhere.max() * (1 - 1e-9)
-
-
 def test_pieces_are_all_that_can_be_taken() -> None:
     _, scorer, lattice = begun("one value")
-    climb = Climb.begun(scorer, 0, lattice.poses[[7]], lattice.approaches[[7]])
+    climb = climb_from(scorer, 0, lattice.poses[[7]], lattice.approaches[[7]])
     for number in range(2):
-        cut = climb.ground.pieces(number, climb.places[0], climb.sides[0])
+        cut = ground_of(scorer.observation, 0).pieces(number, climb.places[0], climb.sides[0])
         low, high = climb.ground.ends[number]
         fine = np.linspace(low, high, 20_001)
         places = places_along(climb.places[0], number, fine)
@@ -115,20 +90,20 @@ def test_pieces_are_all_that_can_be_taken() -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", CASES)
-def test_the_best_step_is_a_pose_that_can_be_taken_and_no_other_that_was_tried_is_better(name: str) -> None:
+def test_a_climb_ends_at_poses_that_can_be_taken_higher_than_it_began(name: str) -> None:
     case, scorer, lattice = begun(name)
-    step = best_of(scorer, lattice)
-    machine, setup = case.description.machine, case.description.setups[0]
-    assert in_travel(machine, step.pose)
-    off = np.linalg.norm(tip(machine, step.pose) - (np.array([0.0, 0.0, 0.1]) if name == "bar" else BALL))
-    assert off == pytest.approx(0.15 if name == "bar" else 0.0, abs=1e-9)
-    assert step.gain >= scorer.gains(lattice).max() * (1 - TIE)
-    others = spread(machine, case.description.setups, 3000)
-    assert setup.chart is not None
-    assert step.gain >= scorer.gains(others).max() * (1 - 2e-3)
-    place = setup.chart.places(step.pose[None])
-    sides = sides_of(setup.chart, place, step.approach[None])
-    assert has_room(setup.chart, place, sides)[0]
+    climb = climb_from(scorer, 0, lattice.poses[:6], lattice.approaches[:6])
+    before = climb.gains.copy()
+    climb.uphill()
+    assert np.all(climb.gains >= before)
+    machine = case.description.machine
+    for pose, approach in zip(*climb.readings, strict=True):
+        assert in_travel(machine, pose)
+        off = np.linalg.norm(tip(machine, pose) - (np.array([0.0, 0.0, 0.1]) if name == "bar" else BALL))
+        assert off == pytest.approx(0.15 if name == "bar" else 0.0, abs=1e-9)
+        chart = chart_of(scorer)
+        place = chart.places(pose[None])
+        assert has_room(chart, place, sides_of(chart, place, approach[None]))[0]
 
 
 @pytest.mark.long
@@ -138,8 +113,8 @@ def test_a_raster_keeps_to_its_steps() -> None:
     case = Case(campaign_from_texts(text, "c.toml", load_machine("dmu60").text, "dmu60"))
     lattice = spread(case.description.machine, case.description.setups, 60)
     scorer = Covariance.from_factor(case.observation, case.prior.factor, case.yardstick.root).scorer()
-    climb = Climb.begun(scorer, 0, lattice.poses[:2], lattice.approaches[:2])
-    climb.finish()
+    climb = climb_from(scorer, 0, lattice.poses[:2], lattice.approaches[:2])
+    climb.uphill()
     swivels = np.degrees(climb.readings[0][:, 1])
     np.testing.assert_allclose(swivels / 10, np.round(swivels / 10), atol=1e-9)
-    assert np.all(climb.gains >= scorer.gains(lattice)[:2])
+    assert np.all(climb.gains >= gains_of(scorer, lattice)[:2])

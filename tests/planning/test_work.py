@@ -9,10 +9,8 @@ from types import FrameType
 import pytest
 
 import axiscal
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.step.best_step import best_step
 from tests.generators.designs import levered, splines
 from tests.planning.test_three_values import mixed
 
@@ -34,14 +32,7 @@ def _calls(work: Callable[[], object]) -> int:
     return count
 
 
-def _pick(axes: int, knots: int) -> Callable[[], object]:
-    asked = splines(axes, knots, 0.1, 500)
-    return lambda: best_step(Knowledge(asked.observation, asked.belief), asked.root, asked.lattice)
-
-
 PATHS: dict[str, tuple[Callable[[], object], int]] = {
-    "a pick on one axis": (_pick(1, 7), 650),
-    "a pick on three axes": (_pick(3, 7), 3_600),
     "a plan of one axis": (lambda: make_plan(splines(1, 7, 0.1, 500), Limits(readings=12), bounded=False), 94_000),
     "a plan with levers": (lambda: make_plan(levered(200), Limits(readings=6), bounded=False, patience=0.0), 39_000),
     "a plan of two kinds of instruments, with its bound": (

@@ -17,10 +17,11 @@ from axiscal.ports.fleet.shop_list import shop_list
 from axiscal.ports.fleet.sister_records import read_records
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.ports.postgres.database import Database, store_address
-from axiscal.ports.postgres.server_log import ServerLog
+from axiscal.ports.postgres.server_log import ServerLog, insert
 from axiscal.ports.postgres.syncing import Synced, synced
 from axiscal.ports.postgres.tables import prepare
 from axiscal.record.copies import gathered, opened_log, records_of, write_copy
+from axiscal.record.log import campaign_of
 from axiscal.record.store import Record
 from tests.commands import Command
 from tests.generators.sisters import CAMPAIGN, MACHINE, read_on, shop, slide, write_record
@@ -141,17 +142,23 @@ def test_of_two_that_went_on_differently_one_counts(folder: Path, server: Runnin
     assert left[0].left_out == "it is an earlier copy of other.axiscal"
 
 
-def test_campaigns_of_one_name_are_named_by_their_ids(folder: Path, server: RunningServer, tmp_path: Path) -> None:
-    write_record(tmp_path / "slide-1.axiscal", slide(), read_on(7))
+def test_campaigns_of_before_with_one_name_or_one_of_no_file_are_named_by_their_ids(
+    folder: Path, server: RunningServer, tmp_path: Path
+) -> None:
     database = Database(store_address(server.address()))
-    sent(database, tmp_path / "slide-1.axiscal")
-    write_record(tmp_path / "deep.axiscal", slide(), read_on(8))
-    with Record.open(tmp_path / "deep.axiscal") as record:
-        synced(database, record, "halls/3")
+    for seed, name in ((7, "slide-1"), (8, "../../evil")):
+        file = tmp_path / f"{seed}.axiscal"
+        write_record(file, slide(), read_on(seed))
+        with Record.open(file, write=False) as record:
+            texts = record.texts()
+        database.select(
+            "INSERT INTO axiscal.campaigns VALUES (CAST(:id AS uuid), :name)", id=campaign_of(texts[0]), name=name
+        )
+        insert(database, campaign_of(texts[0]), 0, texts)
     database.close()
     names = [path.name for path in records_of(STORE)]
     assert "store:slide-1" not in names
-    assert "store:halls/3" not in names
+    assert "store:../../evil" not in names
     for name in names:
         with opened_log(name, write=False) as log:
             assert log.last() > 0

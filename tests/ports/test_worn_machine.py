@@ -15,8 +15,8 @@ from axiscal.machine.kinematics import Deviation, frames, tool_motion
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import unique_root
 from axiscal.ports.fleet.worn_machine import Aging, without_tables, worn
+from axiscal_core.eigen import unique_root
 from tests.generators.sisters import measured
 from tests.generators.texts import campaign_text, setup_text
 

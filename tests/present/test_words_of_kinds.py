@@ -7,15 +7,16 @@ from typing import get_args
 import pytest
 
 from axiscal.answers import row_words
-from axiscal.description import target, usual
+from axiscal.description import target
 from axiscal.description.type_b import TYPE_B
 from axiscal.present import findings, sentences
+from axiscal_core.theta import Kind
 
 
 @pytest.mark.parametrize(
     ("words", "kinds"),
     [
-        (findings._WORDS, get_args(usual.Kind)),
+        (findings._WORDS, get_args(Kind)),
         (sentences._CAUSES, [row.name for row in TYPE_B]),
         (row_words._KINDS, get_args(target.Kind)),
     ],

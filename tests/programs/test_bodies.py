@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.first_campaign import first_campaign
+from axiscal.description.first_campaign import Purpose, first_campaign
 from axiscal.description.first_files import first_files, of_builtin
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine import machine_from_text
@@ -70,7 +70,7 @@ retract = "{rng.choice([25, 40])} mm"
 
 def offered_board(source: str) -> str:
     """Return the board that is offered for a machine, in its first placement; raises DescriptionError for none."""
-    text = first_campaign(machine_from_text(source), "machine.toml", ["sphere"], "")
+    text = first_campaign(machine_from_text(source), "machine.toml", ["sphere"], Purpose())
     return "[[setups]]".join(text.split("[[setups]]")[:2])
 
 
@@ -152,7 +152,7 @@ def test_the_judge_sees_a_program_that_knows_of_no_sizes(seed: int) -> None:
 
 
 def test_posts_that_init_offers_are_below_the_nose_that_touches_beside_them() -> None:
-    files = first_files(of_builtin("three-axis-mill"), ["sphere"], "")
+    files = first_files(of_builtin("three-axis-mill"), ["sphere"], Purpose())
     printed = printed_machine(files.texts["machine.toml"])
     heights = [number(at[2]) for at in tomllib.loads(files.texts["campaign.toml"])["artefacts"][0]["balls"].values()]
     assert printed.head == (0.13, 0.13)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import axiscal as ac
-from axiscal.errors.prior import matern
 from axiscal.exceptions import ShapeError, UnitError
 from axiscal.numerics import Array
+from axiscal_core.splines import matern
 
 NOISE = 0.3e-6
 

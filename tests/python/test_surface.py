@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 import axiscal as ac
+import axiscal_core
 
 
 def test_every_name_is_there() -> None:
-    assert len(ac.__all__) <= 17
+    assert len(ac.__all__) <= 16
     for name in ac.__all__:
         assert getattr(ac, name).__name__ == name
         assert name in dir(ac)
@@ -34,6 +35,13 @@ def test_nothing_is_loaded_before_it_is_used() -> None:
     program = "import sys, axiscal; print(sorted(m for m in sys.modules if m.startswith('axiscal.') or m == 'numpy'))"
     loaded = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True).stdout
     assert loaded.strip() == "[]"
+
+
+def test_the_exact_step_is_that_of_the_core() -> None:
+    with pytest.warns(DeprecationWarning, match=r"axiscal_core\.Case\.next"):
+        step = ac.best_step
+    assert step is axiscal_core.Case.next
+    assert "best_step" not in ac.__all__
 
 
 def test_a_name_that_is_not_there() -> None:

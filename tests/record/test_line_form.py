@@ -6,13 +6,14 @@ import contextlib
 import hashlib
 import json
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from axiscal.exceptions import RecordError
 from axiscal.record.events import Event
-from axiscal.record.line_form import BLOCK, MARK, MARKS, START, Mark, mark_bytes, read_mark
+from axiscal.record.line_form import BLOCK, FORM, MARK, MARKS, START, Mark, head, mark_bytes, read_mark
 from axiscal.record.store import Record
 from tests.reliability.record_faults import CREATED, events, recorded
 
@@ -54,7 +55,7 @@ def test_the_file_alone_holds_every_acknowledged_event_at_once(path: Path, tmp_p
     with Record.open(path) as record:
         for number in range(20):
             record.append(recorded(1e-6 * number))
-            assert [file.name for file in tmp_path.glob("*.axiscal*")] == ["trial.axiscal"]
+            assert [file.name for file in tmp_path.glob("[!.]*.axiscal*")] == ["trial.axiscal"]
             shutil.copyfile(path, alone)
             assert events(alone) == record.events()
 
@@ -119,7 +120,34 @@ def test_head_and_marks_have_a_block_each(path: Path) -> None:
     """A disk that tears a write leaves the other blocks alone."""
     assert sorted({0, *(at // BLOCK for at in MARKS), START // BLOCK}) == [0, 1, 2, 3]
     with contextlib.closing(path.open("rb")) as file:
-        assert file.read(17) == b"axiscal record 2 "
+        assert file.read(17) == b"axiscal record 3 "
+
+
+def test_a_record_of_the_second_form_goes_on_as_it_is(path: Path) -> None:
+    second = head(2) + path.read_bytes()[BLOCK:]
+    path.write_bytes(second)
+    with Record.open(path) as record:
+        record.append(recorded(4e-6))
+    assert (path.read_bytes()[:BLOCK], len(events(path))) == (second[:BLOCK], 5)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda text: text.replace(b"\n", b"\r\n"),
+        lambda text: text.replace(b"\r\n", b"\n"),
+        lambda text: text.replace(b"  ", b""),
+    ],
+)
+def test_a_head_that_was_taken_for_text_says_so(path: Path, change: Callable[[bytes], bytes]) -> None:
+    for form in (2, FORM):
+        changed = change(head(form) + path.read_bytes()[BLOCK:])
+        if changed[:BLOCK] != head(form):
+            path.write_bytes(changed)
+            with pytest.raises(RecordError, match=r"took it for text.*axiscal data salvage"):
+                Record.open(path)
+        else:
+            assert form == 2
 
 
 def test_who_writes_clears_what_a_writer_that_is_gone_left_and_who_reads_does_not(path: Path) -> None:

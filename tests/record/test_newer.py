@@ -127,12 +127,12 @@ def test_it_goes_to_the_store_and_to_other_laptops(path: Path, tmp_path: Path, d
     other = tmp_path / "other.axiscal"
     with Record.open(path) as record:
         write_copy(record, other)
-        campaign = synced(database, record, str(tmp_path)).campaign
+        campaign = synced(database, record, tmp_path.name).campaign
     for row in (CALIBRATED, EventText(AT, "weighted", '{"reading":1}')):
         entry = written(path, row)
         for file in (path, other):
             with Record.open(file) as record:
-                synced(database, record, str(tmp_path))
+                synced(database, record, tmp_path.name)
         assert last(other) == entry
         log = ServerLog(database, campaign)
         assert log.texts()[-1].row[1:3] == entry

@@ -19,6 +19,7 @@ from axiscal.record.copies import write_copy
 from axiscal.record.events import Created, Noted
 from axiscal.record.log import ChainedText
 from axiscal.record.store import Record
+from tests.commands import Command
 from tests.record.postgres_server import RunningServer, cut_off
 
 _numbers = itertools.count()
@@ -28,7 +29,7 @@ class Shop:
     """Laptops with copies of one campaign, and the store."""
 
     def __init__(self, database: Database, folder: Path) -> None:
-        self.database, self.folder, self.name = database, folder, f"shop {next(_numbers)} {folder}"
+        self.database, self.folder, self.name = database, folder, f"shop {next(_numbers)} {folder.parent.name}"
         folder.mkdir(exist_ok=True)
         with Record.create(self.file("one"), Created("", "", "", self.name, {})) as record:
             record.append(Noted("first"), Noted("second"))
@@ -248,3 +249,43 @@ def test_a_record_that_was_set_back_is_named_once(shop: Shop, address: str, caps
     said = " ".join(capsys.readouterr().out.split())
     assert "the store had seen event 5 in" in said
     assert shop.synced("one").set_back == 0
+
+
+def test_a_laptop_goes_on_without_what_the_store_has_set_aside(shop: Shop, address: str, command: Command) -> None:
+    shop.went_on("one", "third", "fourth")
+    campaign = shop.synced("one").campaign
+    assert command("sync", "--store", address, "--quarantine", f"store:{campaign.id}:4").printed
+    with pytest.raises(RecordError, match=r"set event 4 of this record aside.*axiscal shop sync .*one.axiscal --drop"):
+        shop.synced("one")
+    shop.went_on("one", "fifth")
+    assert "ends at event 3 now" in command("sync", shop.file("one"), "--store", address, "--drop").err
+    assert [len(shop.texts(laptop)) for laptop in ("one", "one-whole")] == [3, 6]
+    shop.went_on("one", "anew")
+    assert shop.synced("one").case == "ahead"
+
+
+def test_a_name_that_is_taken_or_fits_no_file_is_a_sentence_and_another_one_mends_it(
+    shop: Shop, tmp_path: Path, address: str, command: Command
+) -> None:
+    shop.synced("one")
+    other = tmp_path / "other.axiscal"
+    Record.create(other, Created("", "", "", "another", {})).close()
+    for name, why in ((shop.name.upper(), "of this name already"), ("../../evil", "cannot have this name")):
+        told = command("sync", other, "--store", address, "--name", name).refusal
+        assert why in told, told
+    assert "new in the store" in command("sync", other, "--store", address, "--name", f"{shop.name} b").printed
+
+
+def test_who_may_only_read_takes_and_leaves_no_trace(shop: Shop, server: RunningServer) -> None:
+    shop.synced("one")
+    shop.copied("two")
+    shop.went_on("one", "third")
+    shop.synced("one")
+    before = shop.database.select("SELECT count(*) FROM axiscal.seen")
+    reader = Database(store_address(server.address(user="reader")))
+    with Record.open(shop.file("two")) as record:
+        assert synced(reader, record, shop.name).case == "behind"
+    with pytest.raises(RecordError, match="may not do that"):
+        reader.select("SELECT axiscal.saw(gen_random_uuid(), 'a', gen_random_uuid(), 1)")
+    reader.close()
+    assert shop.database.select("SELECT count(*) FROM axiscal.seen") == before

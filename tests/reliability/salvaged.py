@@ -1,16 +1,19 @@
 """Damaged records, and what `axiscal salvage` makes of them: rows of `make reliability`.
 
-The oracle knows the original: a reading stands whole where none of the bytes of its line has changed.
+The oracle knows the original: a reading stands whole where its line is in the file, wherever, with any blanks behind.
 """
 
 from __future__ import annotations
 
 import json
 import random
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from functools import cache
+from datetime import UTC, datetime, timedelta
+from functools import cache, partial
+from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,7 +25,9 @@ from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Place, Reading
 from axiscal.present.demo import description
 from axiscal.record.events import Asked, Event, Finished, Noted, Planned, Recorded, Skipped, Undone
-from axiscal.record.line_form import BLOCK, MARK, MARKS, START, EventText
+from axiscal.record.line_form import BLOCK, MARK, MARKS, START, EventText, Mark, head, mark_bytes, transaction
+from axiscal.record.payload import encode
+from axiscal.record.signing import Hand
 from axiscal.record.store import Record
 from tests.generators.texts import campaign_text, machine_text, setup_text
 from tests.reliability.trial import Trial, scratch
@@ -47,18 +52,19 @@ class Line(NamedTuple):
 
 
 class Original(NamedTuple):
-    """A record and another one of the same machine."""
+    """A record, another one of the same machine, and readings that a second writer adds to the first."""
 
     content: bytes
     other: bytes
     lines: tuple[Line, ...]
+    rival: tuple[EventText, ...]
 
 
 class Outcome(NamedTuple):
     """What one damage came to, in readings; unreadable, beginning : whether it needed salvage, and its first event.
 
     whole : readings that stand whole; back : those that came back
-    wrong : readings that are not the original's; nor, where none of its lines is left, all the other file's
+    wrong : readings of another record, changed ones, and those out of their order
     again : readings that had been taken back and stand
     """
 
@@ -82,49 +88,81 @@ def lines_of(content: bytes) -> tuple[Line, ...]:
 
 @cache
 def originals() -> tuple[Original, ...]:
-    """Return records of a short and of a long description, of few and of many readings."""
-    with scratch() as top:
-        small, large = campaign_from_texts(CAMPAIGN, "", MACHINE, ""), description()
-        return tuple(
-            Original(first, _made(top / f"other{n}.axiscal", description, count, n + 100), lines_of(first))
-            for n, (description, count) in enumerate(((small, 12), (small, 150), (large, 40)))
-            for first in [_made(top / f"{n}.axiscal", description, count, n)]
-        )
+    """Return records of a short and of a long description, of few and of many readings.
+
+    The first has no clock with its readings. The other record is of a day before, of the same hours, of a day after.
+    """
+    found = list[Original]()
+    small, large = campaign_from_texts(CAMPAIGN, "", MACHINE, ""), description()
+    for n, (campaign, count, later) in enumerate(((small, 12, -86400), (small, 150, 1200), (large, 40, 86400))):
+        clock = n > 0
+        content = _made(_story(campaign, count, n, 0, clock=clock))
+        other = _made(_story(campaign, count, n + 100, later, clock=clock))
+        rival = (row for row in _story(campaign, count, n + 200, 0, clock=clock) if row.kind == "recorded")
+        found.append(Original(content, other, lines_of(content), tuple(rival)))
+    return tuple(found)
 
 
-def _made(path: Path, description: CampaignDescription, readings: int, seed: int) -> bytes:
-    """Return a record with all that a campaign has: plans, questions, skips, undos, notes, a batch, ends."""
-    chance = random.Random(seed)
+def _made(rows: Iterator[EventText]) -> bytes:
+    mark, lines, marks = Mark(), b"", [b"", b""]
+    for closing, group in groupby(_numbered(rows), key=lambda each: each[0]):
+        text, mark = transaction(mark, [row for _, row in group])
+        lines, marks[closing % 2] = lines + text, mark_bytes(mark)
+    return head() + b"".join(each.ljust(BLOCK - 1) + b"\n" for each in marks) + lines
+
+
+def _numbered(rows: Iterator[EventText]) -> Iterator[tuple[int, EventText]]:
+    turn = 0
+    for row in rows:
+        yield turn, row
+        turn += row.closes
+
+
+def _story(
+    campaign: CampaignDescription, readings: int, seed: int, later: float, *, clock: bool
+) -> Iterator[EventText]:
+    """Yield a record with all that a campaign has: plans, questions, skips, undos, notes, a batch, ends.
+
+    later : s behind a beginning that is the same for all
+    """
+    chance, number, begun = random.Random(seed), 0, datetime(2026, 3, 2, 7, 30, tzinfo=UTC) + timedelta(seconds=later)
+    now = begun
 
     def place() -> Place:
-        setup = description.setups[0]
-        pose = [chance.uniform(*axis.travel) for axis in description.machine.axes]
+        setup = campaign.setups[0]
+        pose = [chance.uniform(*axis.travel) for axis in campaign.machine.axes]
         return Place(setup.name, tuple(pose), tuple(chance.choice((-1, 1)) for _ in pose))
 
     def reading(at: Place) -> Recorded:
-        value, *others = (chance.gauss(0, 1e-5) for _ in range(values_of(description.setups[0])))
-        seconds = chance.uniform(0, 1e5)
-        return Recorded(Reading(at.setup, at.pose, at.approach, value, others=tuple(others), time=seconds))
+        value, *others = (chance.gauss(0, 1e-5) for _ in range(values_of(campaign.setups[0])))
+        time = (now - begun).total_seconds() if clock else None
+        return Recorded(Reading(at.setup, at.pose, at.approach, value, others=tuple(others), time=time))
 
-    with Record.create(path, beginning_of(description)) as record:
-        places = [place() for _ in range(readings)]
-        for number, at in enumerate(places, 1):
-            if number % 10 == 1:
-                record.append(Planned(tuple(places[number - 1 : number + 19])))
-            record.append(Asked(number, at))
-            last = record.append(Skipped("the beam is lost") if chance.random() < 0.05 else reading(at))
-            if chance.random() < 0.05:
-                record.append(Undone(last))
-                record.append(reading(at))
-            if chance.random() < 0.05:
-                record.append(Noted("21 °C, the door is open"))
-            if chance.random() < 0.03:
-                end = record.append(Finished("enough"))
-                record.append(Undone(end))
-        batch: list[Event] = [reading(place()) for _ in range(5)]
-        record.append(*batch, Noted("by hand"))
-        record.append(Finished("the target is reached"))
-    return path.read_bytes()
+    def said(event: Event, *, closes: bool = True) -> EventText:
+        nonlocal number, now
+        row = EventText(now.isoformat(timespec="milliseconds"), *encode(event, Hand("anna", "bench")), closes)
+        number, now = number + 1, now + timedelta(seconds=round(chance.uniform(0.01, 30), 3) if closes else 0)
+        return row
+
+    yield said(beginning_of(campaign))
+    places = [place() for _ in range(readings)]
+    for count, at in enumerate(places, 1):
+        if count % 10 == 1:
+            yield said(Planned(tuple(places[count - 1 : count + 19])))
+        yield said(Asked(count, at))
+        yield said(Skipped("the beam is lost") if chance.random() < 0.05 else reading(at))
+        if chance.random() < 0.05:
+            yield said(Undone(number))
+            yield said(reading(at))
+        if chance.random() < 0.05:
+            yield said(Noted("21 °C, the door is open"))
+        if chance.random() < 0.03:
+            yield said(Finished("enough"))
+            yield said(Undone(number))
+    for _ in range(5):
+        yield said(reading(place()), closes=False)
+    yield said(Noted("by hand"))
+    yield said(Finished("the target is reached"))
 
 
 Damage = Callable[[Original, random.Random], bytes]
@@ -187,6 +225,92 @@ def several(one: Original, chance: random.Random) -> bytes:
     return content
 
 
+def _blocks(one: Original, chance: random.Random) -> tuple[list[bytes], int, int]:
+    """Return the pieces of a file, of lines or of pages, the first with head and marks, and two that are not it."""
+    lines = one.content[START:].splitlines(keepends=True)
+    size, count = chance.choice((SECTOR, BLOCK)), chance.randrange(1, 12)
+    pages = [one.content[at : at + size] for at in range(START, len(one.content), size)]
+    groups = [b"".join(lines[at : at + count]) for at in range(0, len(lines), count)]
+    parts = groups if chance.random() < 0.6 else pages
+    first, second = (chance.randrange(1, len(parts) + 1) for _ in range(2))
+    return [one.content[:START], *parts], first, second
+
+
+def twice(one: Original, chance: random.Random) -> bytes:
+    """Write a block a second time, somewhere."""
+    parts, first, second = _blocks(one, chance)
+    return b"".join([*parts[:second], parts[first], *parts[second:]])
+
+
+def elsewhere(one: Original, chance: random.Random) -> bytes:
+    """Write a block over another one."""
+    parts, first, second = _blocks(one, chance)
+    parts[second] = parts[first]
+    return b"".join(parts)
+
+
+def swapped(one: Original, chance: random.Random) -> bytes:
+    """Let two blocks change places."""
+    parts, first, second = _blocks(one, chance)
+    parts[first], parts[second] = parts[second], parts[first]
+    return b"".join(parts)
+
+
+def gone(one: Original, chance: random.Random) -> bytes:
+    """Leave lines out, here and there or in a row."""
+    lines = one.content[START:].splitlines(keepends=True)
+    for _ in range(chance.randrange(1, 6)):
+        at = chance.randrange(len(lines))
+        del lines[at : at + chance.choice((1, 1, 2, 8))]
+    return one.content[:START] + b"".join(lines)
+
+
+def out_of_order(one: Original, chance: random.Random) -> bytes:
+    """Move some lines, or sort, reverse or shuffle all."""
+    lines = one.content[START:].splitlines(keepends=True)
+    how = chance.choice((lines.sort, lines.reverse, partial(chance.shuffle, lines), None, None, None))
+    if how is not None:
+        how()
+    else:
+        for _ in range(chance.randrange(1, 10)):
+            lines.insert(chance.randrange(len(lines)), lines.pop(chance.randrange(len(lines))))
+    return one.content[:START] + b"".join(lines)
+
+
+def two_writers(one: Original, chance: random.Random) -> bytes:
+    """Let two go on from one event, neither of which sees the other: each writes at what it takes for the end."""
+    at = chance.randrange(1, len(one.lines))
+    texts = [one.content[line.begin : line.end] for line in one.lines]
+    shared = b"".join(texts[:at])
+    chain, parted, _ = texts[at - 1].decode().split(" ", 2)
+    rival = [row for row in one.rival if row.at > parted][: chance.randrange(1, 200)]
+    mine = [
+        EventText(when, kind, text) for when, kind, text in (each.decode()[65:-11].split(" ", 2) for each in texts[at:])
+    ]
+    content, marks = bytearray(one.content[:START] + shared), 2 * [Mark(at, at, START + len(shared), chain)]
+    while mine or rival:
+        who = 0 if mine and (not rival or chance.random() < 0.5) else 1
+        offset = marks[who].end
+        text, marks[who] = transaction(marks[who], [(mine, rival)[who].pop(0)])
+        content[offset : offset + len(text)] = text
+        slot = MARKS[marks[who].turn % 2]
+        content[slot : slot + MARK] = mark_bytes(marks[who])
+    return bytes(content)
+
+
+def line_ends(one: Original, chance: random.Random) -> bytes:
+    """Change the line ends, of lines alone or of head and marks, too."""
+    keep = chance.choice((0, START))
+    return one.content[:keep] + one.content[keep:].replace(b"\n", b"\r\n")
+
+
+def blanks(one: Original, chance: random.Random) -> bytes:
+    """Strip blanks at the ends of lines, or add some."""
+    added = chance.choice((b"", b" ", b"\t  "))
+    text = b"\n".join(line.rstrip(b" ") + added for line in one.content.split(b"\n"))
+    return text.rstrip() if chance.random() < 0.5 else text
+
+
 DAMAGES: dict[str, Damage] = {
     "a bit": bit,
     "a sector of 512 bytes": sector,
@@ -195,6 +319,14 @@ DAMAGES: dict[str, Damage] = {
     "a mark": mark,
     "pieces of another file": mixed,
     "three bits": several,
+    "a block written twice": twice,
+    "a block in another's place": elsewhere,
+    "blocks swapped": swapped,
+    "lines gone": gone,
+    "lines out of order": out_of_order,
+    "two writers": two_writers,
+    "line ends": line_ends,
+    "trailing blanks": blanks,
 }
 
 
@@ -203,8 +335,18 @@ def outcome(one: Original, damaged: bytes, folder: Path) -> Outcome:
     path, new = folder / "damaged.axiscal", folder / "new.axiscal"
     path.write_bytes(damaged)
     new.unlink(missing_ok=True)
-    whole = [line for line in one.lines if damaged[line.begin : line.end] == one.content[line.begin : line.end]]
-    readings = [line.payload for line in whole if line.kind == "recorded"]
+    mine = [line.payload for line in one.lines if line.kind == "recorded"]
+    rival = [row.payload for row in one.rival]
+    whole = {
+        line.payload
+        for line in one.lines
+        if line.kind == "recorded" and one.content[line.begin : line.end - 1] in damaged
+    }
+    whole |= {
+        text
+        for text in rival
+        if re.search(b"[0-9a-f]{64} [^ ]+ recorded " + re.escape(text.encode()) + rb" [.][0-9a-f]{8}", damaged)
+    }
     unreadable = not _opens(path)
     beginning = False
     try:
@@ -215,16 +357,16 @@ def outcome(one: Original, damaged: bytes, folder: Path) -> Outcome:
             salvaged(path, new, _first(one))
     assert path.read_bytes() == damaged
     if not new.exists():
-        return Outcome(unreadable, beginning, len(readings), 0, 0, 0)
+        return Outcome(unreadable, beginning, len(whole), 0, 0, 0)
     with Record.open(new, write=False) as record:
         standing = [reading.value for reading in record.state().readings]
     kept = _readings(new.read_bytes())
-    theirs = one.lines if readings or not set(kept) & set(_readings(one.other)) else lines_of(one.other)
-    rest = iter(line.payload for line in theirs if line.kind == "recorded")
-    wrong = sum(payload not in rest for payload in kept)  # the iterator goes on: also what is out of its order
-    gone = Counter(_standing(theirs))
+    rest, rivals = iter(mine), set(rival)  # the iterator goes on: also what is out of its order is wrong
+    own = [payload for payload in kept if payload not in rivals]  # what parted comes last, whenever it was read
+    wrong = sum(payload not in rest for payload in own) + len(kept) - len(set(kept))
+    gone = Counter([*_standing(one.lines), *(json.loads(text)["value"] for text in rival)])
     again = sum((Counter(standing) - gone).values())
-    return Outcome(unreadable, beginning, len(readings), len(set(kept) & set(readings)), wrong, again)
+    return Outcome(unreadable, beginning, len(whole), len(set(kept) & whole), wrong, again)
 
 
 def _readings(content: bytes) -> list[str]:
@@ -266,7 +408,7 @@ def tried(name: str, count: int) -> Trial:
         f"{unreadable:,} unreadable; {back:,} of {whole:,} readings that stand whole come back ({back / whole:.2%}), "
         f"{wrong} wrong; {beginning:,} need --beginning; {again} that had been taken back stand"
     )
-    return Trial(f"records salvaged: {name} damaged", count, wrong + max(0, int(0.99 * whole) - back), detail)
+    return Trial(f"records salvaged: {name}", count, wrong + max(0, int(0.99 * whole) - back), detail)
 
 
 def outcomes_of(name: str, count: int) -> list[Outcome]:

@@ -137,8 +137,8 @@ def _wild(drawn: random.Random, campaign: str) -> str:
     return drawn.choice(
         (
             f"SELECT axiscal.append({which}, {number}, {arrays})",
-            f"SELECT axiscal.enter({which}, {text}, {which}, {number})",
-            f"SELECT axiscal.enter(gen_random_uuid(), 'made up {drawn.random()}', NULL, NULL)",
+            f"SELECT axiscal.enter({which}, {text}, {which}, {number}, {arrays})",
+            f"SELECT axiscal.enter(gen_random_uuid(), 'made up {drawn.random()}', NULL, NULL, {arrays})",
             f"SELECT axiscal.saw({which}, {text}, {which}, {number})",
             f"INSERT INTO axiscal.events SELECT * FROM axiscal.events WHERE campaign = {which}",
             f"UPDATE axiscal.events SET payload = {text}",

@@ -38,8 +38,8 @@ def test_types_and_decorators_are_left_alone_and_nothing_else() -> None:
 
 
 def test_tests_of_a_module_are_those_of_its_room_and_those_that_name_it() -> None:
-    tests = files_of_tests(PACKAGE / "numerics" / "cubic.py")
-    assert {"tests/numerics/test_cubic.py"} <= set(tests)
+    tests = files_of_tests(PACKAGE / "numerics" / "gaussian.py")
+    assert {"tests/numerics/test_gaussian.py"} <= set(tests)
     assert "tests/estimation/test_outliers.py" not in tests
     assert "tests/estimation/test_concluded.py" in files_of_tests(PACKAGE / "estimation" / "believed.py")
 

@@ -8,7 +8,10 @@ import signal
 import time
 from pathlib import Path
 
+from axiscal.document import durable
 from axiscal.exceptions import RecordError
+from axiscal.record import lease
+from axiscal.record.lease import lease_of
 from axiscal.record.store import PATIENCE, Record
 from tests.reliability.record_faults import CREATED, NAME, recorded, values
 from tests.reliability.trial import Trial, scratch
@@ -28,7 +31,8 @@ def killed(kills: int, seed: int = 5) -> Trial:
             kept = [int(value) for value in values(copy)]
             missed += not set(acknowledged) <= set(kept) or len(kept) != len(set(kept))
             missed += len(kept) > len(acknowledged) + turn + 1  # at most one unheard reading per kill
-        others = [path.name for path in top.iterdir() if path.name not in (NAME, "copy")]
+        Record.open(top / NAME).close()  # clears away what a kill has left
+        others = [path.name for path in top.iterdir() if path.name not in (NAME, "copy", lease_of(Path(NAME)).name)]
     detail = f"{len(acknowledged):,} readings acknowledged"
     return Trial("kills while readings are written", kills, missed + bool(others), detail)
 
@@ -94,4 +98,51 @@ def _writing(path: Path, start: int, entries: int) -> tuple[int, int]:
                     told += 1
                 longest = max(longest, time.monotonic() - begin)
     os.write(writing, f"{longest} {told}".encode())
+    os._exit(0)
+
+
+def on_a_share(entries: int) -> Trial:
+    """Let two computers write to one record on a share whose locks do nothing; who is refused waits and tries again."""
+    taken, computer, old = durable._taken, lease._computer, lease.OLD
+    try:
+        durable._taken = lambda handle: True
+        lease.OLD = 1.0
+        with scratch() as top:
+            Record.create(top / NAME, CREATED).close()
+            pipes = [_on(f"computer {n}", top / NAME, 1_000_000 * n, entries) for n in range(2)]
+            acknowledged, refused = set[int](), 0
+            for child, pipe in pipes:
+                with os.fdopen(pipe, "rb") as heard:
+                    words = heard.read().split()
+                acknowledged |= {int(word) for word in words if word != b"-"}
+                refused += words.count(b"-")
+                os.waitpid(child, 0)
+            kept = [int(value) for value in values(top / NAME)]
+            branches = list(top.glob(f"{Path(NAME).stem}-*.axiscal"))
+    finally:
+        durable._taken, lease._computer, lease.OLD = taken, computer, old
+    missed = len(acknowledged - set(kept)) + len(kept) - len(set(kept))
+    detail = f"{len(acknowledged):,} acknowledged; refused in one sentence {refused:,} times; {len(branches)} branches"
+    return Trial("entries of 2 computers on a share without locks", 2 * entries, missed, detail)
+
+
+def _on(computer: str, path: Path, start: int, entries: int) -> tuple[int, int]:
+    """Write entries as another computer, opening the record for some at a time, as commands do."""
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child:
+        os.close(writing)
+        return child, reading
+    lease._computer = lambda: f"{computer} 0"
+    chance, number = random.Random(start), start
+    while number < start + entries:
+        try:
+            with Record.open(path) as record:
+                for _ in range(min(chance.randrange(1, 100), start + entries - number)):
+                    record.append(recorded(float(number)))
+                    os.write(writing, b"%d\n" % number)
+                    number += 1
+        except RecordError:
+            os.write(writing, b"-\n")
+            time.sleep(chance.uniform(0, 0.01))
     os._exit(0)

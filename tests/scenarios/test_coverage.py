@@ -20,6 +20,8 @@ SAMPLES = {
     "printer-gantry": (12, 150),
     "three-axis-mill": (12, 150),
     "portal-mill": (12, 100),
+    "router": (12, 100),
+    "lathe": (12, 150),
     "dmu60": (10, 100),
 }
 """Readings and virtual machines."""

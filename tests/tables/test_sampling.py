@@ -20,7 +20,6 @@ from axiscal.machine.description import Machine, load_machine, machine_from_text
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import NaturalSpline
 from axiscal.tables import surface
 from axiscal.tables.conditional import mean_along
 from axiscal.tables.loaded import table_control
@@ -29,6 +28,7 @@ from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.surface import Effect, effect_of_control
 from axiscal.tables.table import CompensationTable, Hats
 from axiscal.tables.volumetric import curves, tip_control
+from axiscal_core.splines import NaturalSpline
 from tests.generators.splines import power_maps
 from tests.generators.texts import Std, machine_text
 from tests.tables.test_refusals import THREE

@@ -184,7 +184,8 @@ class Page:
         """Return what the console said of errors so far."""
         self.value("0")
         own = [each for each in self._browser.events if each.get("sessionId") == self._session]
-        logged = [each["params"]["entry"]["text"] for each in own if each["method"] == "Log.entryAdded"]
+        entries = [each["params"]["entry"] for each in own if each["method"] == "Log.entryAdded"]
+        logged = [f"{each['text']} {each.get('url', '')}".rstrip() for each in entries]
         thrown = [str(each["params"]) for each in own if each["method"] == "Runtime.exceptionThrown"]
         said = [each for each in own if each["method"] == "Runtime.consoleAPICalled"]
         return logged + thrown + [str(each["params"]["args"]) for each in said if each["params"]["type"] == "error"]

@@ -78,7 +78,7 @@ def test_the_tables_of_a_control_are_one_file(page: Served) -> None:
     def tables(control: str) -> Answer:
         return page.ask("GET", f"/tables.zip?control={control}", Authorization=f"Bearer {page.token}")
 
-    assert tables("linuxcnc").status == 404
+    assert tables("linuxcnc").status == 422
     assert page.call("finish", after=page.state()["last"]).status == 200
     made = page.record.parent / "mill-results" / "tables" / "linuxcnc"
     made.mkdir(parents=True)
@@ -87,8 +87,10 @@ def test_the_tables_of_a_control_are_one_file(page: Served) -> None:
     assert page.state()["tables"] == ["linuxcnc"]
     with zipfile.ZipFile(io.BytesIO(tables("linuxcnc").body)) as archive:
         assert archive.read("linuxcnc/X.comp") == b"0 0 0\n"
+    refused = page.call("load", control="klipper", printer="linuxcnc.local").document["sentence"]
+    assert "'linuxcnc.local' is no printer" in refused
     for other in ("..", "linuxcnc/..", "%2e%2e", ""):
-        assert tables(other).status == 404
+        assert tables(other).status == 422
 
 
 def test_an_answer_to_a_question_that_has_been_answered_is_refused_and_nothing_is_lost(page: Served) -> None:
@@ -149,7 +151,7 @@ def test_a_surprising_reading_is_kept_only_when_it_is_confirmed(page: Served) ->
     assert (asked.status, asked.document["problem"]) == (409, "surprising")
     assert asked.document["surprise"] > 4
     assert kept(page) == [1.0]
-    assert page.call("readings", after=last, text="400", vouch=True).status == 200
+    assert page.call("readings", after=last, text="400", cause="really").status == 200
     assert kept(page) == [1.0, 400.0]
 
 
@@ -206,29 +208,17 @@ def test_the_set_up_that_is_asked_for_is_drawn_as_wide_as_the_page_wants(still: 
     assert (refused.status, refused.document["problem"]) == (422, "malformed")
 
 
+NAMES = (
+    "start stage rows curve plan draft open leave state typed cost readings jogs skips notes zeros accepts undo next "
+    "finish texts load check"
+)
+"""Of all paths."""
+
+
 @pytest.mark.long
 def test_the_description_names_every_document_and_every_answer(page: Served) -> None:
     described = page.call("openapi.json").document
-    assert set(described["paths"]) == {
-        f"/api/1/{name}"
-        for name in (
-            "start",
-            "stage",
-            "plan",
-            "draft",
-            "open",
-            "state",
-            "typed",
-            "cost",
-            "readings",
-            "skips",
-            "notes",
-            "zeros",
-            "undo",
-            "next",
-            "finish",
-        )
-    }
+    assert set(described["paths"]) == {f"/api/1/{name}" for name in NAMES.split()}
     schemas = described["components"]["schemas"]
     assert set(page.state()) == set(schemas["StateShape"]["required"]) | {"document"}
     for path, methods in described["paths"].items():
@@ -278,13 +268,13 @@ def test_a_page_asks_whether_a_zero_was_set_anew_and_keeps_that_it_was(tmp_path:
             campaign.record(1e-6 * asked.place.pose[0])
     with served(record) as page:
 
-        def keep(text: str, **how: bool) -> dict[str, Any]:
+        def keep(text: str, **how: str) -> dict[str, Any]:
             done = page.call("readings", after=page.state()["last"], text=text, **how)
             assert done.status == 200, done.document
             return page.state()
 
-        assert keep("140.5", keep=True)["asks"] == ""
-        state, begun = keep("140.6", keep=True), time.monotonic()
+        assert keep("140.5", cause="keep")["asks"] == ""
+        state, begun = keep("140.6", cause="keep"), time.monotonic()
         while not state["asks"] and time.monotonic() < begun + PATIENCE:
             state = page.call(f"state?seen={state['version']}&wait=20").document
         assert state["asks"] == 'Was the zero of "laser" set anew before reading 9?'
@@ -293,7 +283,7 @@ def test_a_page_asks_whether_a_zero_was_set_anew_and_keeps_that_it_was(tmp_path:
         done = page.call("zeros", after=page.state()["last"])
         assert "has another zero from reading 11 on" in done.document["sentence"]
         assert keep("-80")["asks"] == ""
-        keep("70", anew=True)
+        keep("70", cause="anew")
         again = page.call("zeros", after=page.state()["last"])
         assert again.status == 200
         assert page.call("zeros", after=page.state()["last"]).status != 200

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ from axiscal.campaign.campaign import Campaign
 from tests.commands import Command
 from tests.web.browser import Browser, Page
 from tests.web.served import Served, served, started
-from tests.web.test_page import looked_at, type_reading
+from tests.web.test_page import SHOWN, focus, looked_at, type_reading
 
 PRINTER = """\
 [printer]
@@ -34,6 +35,8 @@ x_offset: 0
 """
 PAINTED_IN = 300
 """ms in which the page shows its first words."""
+MOVED_IN = 0.3
+"""s in which a move of the slider is answered."""
 
 
 class Person:
@@ -41,6 +44,27 @@ class Person:
 
     def __init__(self, page: Page) -> None:
         self.page, self.actions = page, 0
+
+    def tick(self, row: str) -> None:
+        """Tick a row, or take the tick away."""
+        self.actions += 1
+        self.page.value(f"document.querySelector('[data-row=\"{row}\"]').click()")
+
+    def slide(self, steps: int) -> None:
+        """Move the slider to the right; it says at once what that buys."""
+        self.actions += 1
+        before = self.page.value("document.getElementById('buys').textContent")
+        self.page.value("document.getElementById('minutes').focus()")
+        for _ in range(steps):
+            begun = time.monotonic()
+            self.page.press("ArrowRight")
+            assert self.page.value("document.getElementById('buys').textContent") != before
+            assert time.monotonic() - begun < MOVED_IN
+
+    def until(self, words: str, *, there: bool) -> None:
+        """Wait until the table of the plan has a row, or has it no longer, and is made."""
+        known = f"document.getElementById('rows').innerText.includes({json.dumps(words)})"
+        self.page.until(f"!document.getElementById('begin').disabled && {known} === {json.dumps(there)}")
 
     def press(self, words: str) -> None:
         """Click on the button, or the option, that begins with these words, as soon as it can be pressed."""
@@ -63,7 +87,7 @@ class Person:
 
     def sees(self, words: str) -> None:
         """Wait until words stand on the page."""
-        self.page.until(f"document.body.innerText.includes({json.dumps(words)})")
+        self.page.until(f"document.body?.innerText.includes({json.dumps(words)})")
 
     def write(self, field: str, text: str) -> None:
         """Write into a field, in the place of what stands there."""
@@ -71,6 +95,23 @@ class Person:
         self.page.until(f"document.getElementById('{field}') !== null")
         self.page.value(f"document.getElementById('{field}').select()")
         self.page.type(text)
+
+    def mount(self) -> None:
+        """Say that it stands, and type what the display shows after the jog that is asked for."""
+        self.press("It stands")
+        self.page.until("['jogged', 'field', 'sentence'].includes(document.activeElement.id)")
+        if focus(self.page) == "jogged":
+            jogged = self.page.value("document.getElementById('jog-words').textContent")
+            self.type("-100" if " -0.100" in jogged else "100")
+            self.page.until("['field', 'sentence'].includes(document.activeElement.id)")
+        if focus(self.page) == "sentence":
+            self.type("")  # nobody knows the temperature
+
+    def type(self, text: str) -> None:
+        """Type where the focus is, and press Enter."""
+        self.actions += 2
+        self.page.type(text)
+        self.page.press("Enter")
 
     def read(self, text: str) -> None:
         """Type the first reading, which the page asks for."""
@@ -114,25 +155,40 @@ def test_from_nothing_to_the_first_reading_of_a_router(browser: Browser, start: 
     assert page.value("document.getElementById('machine-next').disabled")
     assert [path.name for path in start.record.iterdir()] == ["axiscal-draft"]
     person.write("travel-X", "900")
+    person.press("the head moves")
+    person.sees("the table moves")
+    person.press("Home-made")
     looked_at(page)
     person.press("Next")
     person.press("dial")
     person.press("square")
+    person.sees("+ laser")
     looked_at(page)
-    person.press("Plan")
-    person.sees("READINGS")
+    person.tick("squareness YZ")
+    person.until("squareness YZ", there=False)
     person.sees("squareness XY")
+    person.press("Plan")
+    page.until("document.getElementById('buying').offsetParent !== null")
     looked_at(page)
+    person.slide(5)
     person.press("Begin to measure")
-    person.press("It stands")
+    looked_at(page)
+    person.mount()
+    looked_at(page)
     person.read("1.5")
     assert person.actions <= 25
     assert page.complaints() == []
     (record,) = start.record.glob("*/*.axiscal")
     with Campaign.open(record, write=False) as campaign:
         assert [reading.value for reading in campaign.state.readings] == [pytest.approx(1.5e-6)]
-        lengths = {axis.name: round(axis.length, 9) for axis in campaign.description.machine.axes}
-    assert (lengths["X"], record.parent.name) == (0.9, record.stem)
+        assert "test of sign" in campaign.state.notes[0].text
+        machine, target = campaign.description.machine, campaign.description.target
+    assert {axis.name for axis in machine.axes if axis.workpiece_side} == {"X"}
+    assert (round(machine.axis("X").length, 9), record.parent.name) == (0.9, record.stem)
+    wanted = {want.row.name for want in target.wants}
+    assert {"squareness XY", "straightness X in Y"} <= wanted
+    assert "squareness YZ" not in wanted
+    assert target.budget is not None
     files = {path.name for path in record.parent.iterdir()}
     assert {"machine.toml", "campaign.toml", "machine.schema.json", "campaign.schema.json"} <= files
     assert not (start.record / "axiscal-draft").exists()
@@ -151,11 +207,67 @@ def test_a_printer_by_the_file_of_its_control(browser: Browser, start: Served) -
     person.press("Next")
     person.press("Plan")
     person.press("Begin to measure")
-    person.press("It stands")
+    person.mount()
     person.read("12")
     assert person.actions <= 8
     assert person.page.complaints() == []
     assert (start.record / "3d-printer-corexy" / "3d-printer-corexy.axiscal").is_file()
+
+
+@pytest.mark.chromium
+@pytest.mark.long
+def test_a_lathe_with_a_laser_to_the_loaded_table(browser: Browser, start: Served) -> None:
+    """To the report and a check of the tables; slips at the display are named before anything is written."""
+    person = arrived(browser, start)
+    page = person.page
+    for words in ("Try it on a virtual machine", "lathe"):
+        person.press(words)
+    person.sees("the radius, its display shows diameters")
+    for words in ("Next", "laser"):
+        person.press(words)
+    person.until("positioning Z", there=True)
+    for words in ("Plan", "Begin to measure", "It stands"):
+        person.press(words)
+    page.until("document.activeElement.id === 'jogged'")
+    person.type("-100")
+    person.sees("The display counts the other way. Turn it round")
+    person.type("0.1")
+    person.sees("The display is in mm, not in µm. Type the unit behind each number")
+    looked_at(page)
+    person.type("0.1 mm")
+    page.until("document.activeElement.id === 'sentence'")
+    person.type("21")
+    person.read(start.state()["shows"])
+    assert person.actions <= 30
+    for number in range(2, 21):
+        person.type(start.state()["shows"])
+        taken = f"document.getElementById('count').textContent.startsWith('{number + 1} ')"
+        if page.until(f"{taken} ? 'kept' : {SHOWN}('doubt') && 'doubt'") == "doubt":  # any machine may surprise
+            person.press("really so")
+            page.until(taken)
+    person.press("Stop here")
+    person.press("End it here")
+    person.sees("Report to sign (PDF)")
+    looked_at(page)
+    begun = person.actions
+    saved = "fetch(document.getElementById('download').href).then(r => r.headers.get('content-type'))"
+    assert page.value(saved) == "application/zip"
+    person.press("Loaded: verify now")
+    person.sees("PLACES TO CHECK")
+    assert person.actions - begun == 1
+    person.press("Judge")
+    person.sees('"" is no reading')
+    looked_at(page)
+    person.press("Let the virtual machine read")
+    person.press("Judge")
+    person.sees("PASS at")
+    looked_at(page)
+    person.press("Undo")
+    page.until("document.activeElement.id === 'stands' || document.activeElement.id === 'field'")
+    person.press("Start")
+    person.sees("Go on: Lathe, 20 of")
+    (record,) = start.record.glob("*/*.axiscal")
+    assert {"found.csv", "left.csv"} <= {file.name for file in record.parent.iterdir()}
 
 
 @pytest.mark.chromium
@@ -200,9 +312,9 @@ def test_another_file_is_said_to_be_what_it_looks_like(browser: Browser, start: 
 def test_a_virtual_machine_gives_the_readings_that_are_typed(browser: Browser, start: Served) -> None:
     person = arrived(browser, start)
     person.press("Try it on a virtual machine")
-    for words in ("one axis", "Next", "laser", "Plan", "Begin to measure", "It stands"):
+    for words in ("one axis", "Next", "laser", "Plan", "Begin to measure"):
         person.press(words)
-    person.page.press("Enter")  # no temperature
+    person.mount()
     for number in (1, 2):
         person.sees("the instrument on the virtual machine shows")
         looked_at(person.page)
@@ -259,6 +371,26 @@ def test_a_campaign_that_is_open_is_not_begun_again(start: Served) -> None:
     again = start.ask("POST", "/api/1/open", b'{"record": ""}', **bearer)
     assert (again.status, again.document["problem"]) == (409, "overtaken")
     assert [path.name for path in start.record.iterdir()] == ["one-axis"]
+
+
+@pytest.mark.long
+def test_a_plan_that_is_overtaken_by_another_choice_is_broken_off(start: Served) -> None:
+    chosen = {"machine": "router", "compensated": "no"}
+    start.call("draft", instruments=["dial", "square"], **chosen)
+    with ThreadPoolExecutor(1) as aside:
+        first = aside.submit(start.call, "plan")
+        while not start.call("stage").document["stage"]:
+            time.sleep(0.05)
+        start.call("draft", instruments=["interferometer"], without=["volume"], **chosen)
+        plan = start.call("plan").document
+        assert first.result().document is None
+    wanted = {row["kind"] for row in plan["answer"]["document"]["rows"]}
+    assert wanted == {"positioning", "scale", "backlash"}
+    assert start.call("draft", machine="router", size="worn").document["problem"] == "malformed"
+    start.call(
+        "draft", instruments=["dial"], without=list(start.call("rows?instrument=dial").document["rows"]), **chosen
+    )
+    assert start.call("plan").document["sentence"] == "Nothing is to be known. Tick a row at least."
 
 
 def test_alone_at_a_screen_the_command_opens_the_start(

@@ -49,13 +49,13 @@ from axiscal.machine.axis import Axis
 from axiscal.measurement.reading import shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.promise import asked
 from axiscal.record.copies import file_name
 from axiscal.tables.offer import places
 from axiscal.tables.registry import exporter, offered_control
 from axiscal.tables.surface import Control, left_by, turned_by
 from axiscal.units import to_unit
+from axiscal_core.threads import one_thread
 
 _COSTS = 1.01
 """By less than a percent more of the volume's U nothing is lost that is worth a sentence."""

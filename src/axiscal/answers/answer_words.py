@@ -86,10 +86,13 @@ class AnswerText(NamedTuple):
     commands: list[str]
 
 
-def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str = "", cut: bool = False) -> AnswerText:
+def answer_text(
+    answer: ResultAnswer, agreement: str, record: str, results: str = "", evidence: str = "", *, cut: bool = False
+) -> AnswerText:
     """Return an answer in words.
 
     agreement : said of readings that contradict or are not used; record, results : paths, or ""; cut : for a terminal
+    evidence : who answers for the record, "" where nobody does
     """
     groups = measured_rows(answer, ROOM)
     spare = ["", ""] if cut else [signs_sentence(groups), warmth_sentence(answer.rows)]  # a terminal may have no room
@@ -100,6 +103,7 @@ def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str 
         _beside(answer),
         screws_sentence(answer.screws),
         _checked(answer.checked),
+        evidence,
     ]
     return AnswerText(
         _first_line(answer),
@@ -326,13 +330,15 @@ def digits(value: float, limit: float = math.inf) -> str:
     return put(f"{{value:.{max(places, 0)}f}}", value=round(value, places))
 
 
-def screen(answer: ResultAnswer, agreement: str, record: str, results: str, report: str = "") -> str:
+def screen(
+    answer: ResultAnswer, agreement: str, record: str, results: str, report: str = "", evidence: str = ""
+) -> str:
     """Return the screen in the language that is spoken.
 
     agreement : said of readings that contradict or are not used; record, results : their paths
-    report : path of the report, "" for none
+    report : path of the report, "" for none; evidence : who answers for the record
     """
-    text = answer_text(answer, agreement, record, results, cut=True)
+    text = answer_text(answer, agreement, record, results, evidence, cut=True)
     first, below = first_lines(text.first), [line for sentence in text.sentences for line in wrapped(sentence)]
     last = [*below, *ending({said("Next"): text.commands, said("Report"): [report] if report else []})]
     room = LINES - len(first) - len(last) - 1

@@ -24,6 +24,7 @@ from axiscal.campaign.ending import (
     Status,
     count_reached,
     out_of_reach,
+    refuse_changed,
     refuse_endless,
     refuse_finished,
     refuse_implausible,
@@ -76,9 +77,8 @@ def _next_places(*known: Any) -> tuple[Place, ...]:
     return next_places(*known)
 
 
-_ANSWERS = 6
-"""Kept of the same readings: their case, times, estimates while others follow and at the end, and whether they end it.
-"""
+_ANSWERS = 7
+"""Kept of the same readings: case, times, estimates while others follow and at the end, their end, the signature."""
 
 
 class Campaign(Closing):
@@ -248,6 +248,7 @@ class Campaign(Closing):
 
     def finish(self, because: str | None = None) -> str:
         """End the campaign and return why: the target that is reached, by what a report says, unless said otherwise."""
+        refuse_changed(self.signed(), self.path)
         if self.state.finished is None:
             self._append(Finished(because or self.reached(ended=True) or "ended by the operator"))
         self.sign()
@@ -260,7 +261,7 @@ class Campaign(Closing):
 
     def signed(self) -> SignedUntil | None:
         """Return the last signature, None without one."""
-        return signed_until(self._record.texts())
+        return self._memo.answer(("signed", self.state.name), lambda: signed_until(self._record.texts()))
 
     def reached(self, ended: bool = False) -> str | None:
         """Return the target that is reached, in words; None if there is none.  ended : no other readings follow"""

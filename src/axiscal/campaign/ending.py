@@ -22,6 +22,7 @@ from axiscal.language.spoken import counted, later, said
 from axiscal.measurement.reading import Reading
 from axiscal.planning.promise import FEW, WantedAccuracy, asked
 from axiscal.record.events import State
+from axiscal.record.log import SignedUntil
 from axiscal.units import format_quantity
 
 
@@ -200,6 +201,14 @@ def refuse_finished(finished: str | None, record: Path) -> None:
         remedy = "Take the end back with `axiscal step undo`, or start a new campaign"
         what = "The campaign is finished: {finished}"
         raise RecordError(what, remedy, record, finished=because_text(finished))
+
+
+def refuse_changed(signed: SignedUntil | None, record: Path) -> None:
+    """Raise RecordError for a record that was changed since it was signed."""
+    if signed is not None and not signed.holds:
+        what = "The record was changed since {person} signed it at event {number}"
+        remedy = "Go on with a copy of before; tools/check_record.py says what was changed"
+        raise RecordError(what, remedy, record, person=signed.by.person, number=signed.number)
 
 
 def refuse_implausible(known: Estimation) -> None:

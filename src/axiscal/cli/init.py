@@ -17,9 +17,10 @@ import typer
 from axiscal.answers.answer_words import WIDTH
 from axiscal.cli.printing import ask, complain, say, say_document
 from axiscal.description.campaign_schema import SCHEMAS
-from axiscal.description.first_campaign import OFFERED
+from axiscal.description.first_campaign import OFFERED, Purpose
 from axiscal.description.first_files import (
     Beginning,
+    first_described,
     first_files,
     instruments_of,
     linear_travels,
@@ -96,7 +97,7 @@ def init(
             begun = _with_probe(begun)
         wanted = said("How well is the tool point to be known, such as 20 um? Enter for as good as it gets")
         made = partial(first_files, begun, names)
-        files = _answered(wanted, (), made) if target is None else made(target)
+        files = _answered(wanted, (), lambda text: made(Purpose(text))) if target is None else made(Purpose(target))
     except EOFError:
         raise DescriptionError("Nobody answered", "Give --machine or --from, --instrument and --target") from None
     write_files(folder, files.texts)
@@ -125,7 +126,7 @@ def _built_in(machine: str | None) -> Beginning:
 def _instruments(begun: Beginning) -> list[str]:
     def offered(text: str) -> list[str]:
         names = instruments_of(text) or [_INSTRUMENT]
-        first_files(begun, names, "")  # refuses those that it has none for
+        first_described(begun, names, Purpose())  # refuses those that it has none for
         return names
 
     known = offered_words()

@@ -23,7 +23,7 @@ from axiscal.cli.printing import ask, say, tell
 from axiscal.cli.progress import tell_out_of_reach
 from axiscal.cli.texts import opened_to_write
 from axiscal.exceptions import AxiscalError, OvertakenError
-from axiscal.language.spoken import counted, decimals, said, speaking, spoken_now
+from axiscal.language.spoken import counted, decimals, listed, put, said, speaking, spoken_now
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import (
     Progress,
@@ -49,12 +49,15 @@ from axiscal.present.guide.question import (
     question_text,
     stands,
 )
+from axiscal.present.guide.slips import CAUSES, Cause, causes, keep_as, surprise_text
 from axiscal.present.result_set import RECORD
 from axiscal.present.summarising import Extras
 from axiscal.present.whose_language import chosen
 from axiscal.record.events import Asked
 from axiscal.units import um_text
 
+_LETTERS: dict[Cause, str] = {"sign": "s", "mm": "m", "anew": "a", "bumped": "b", "really": "v", "keep": "k"}
+"""What is typed for a cause of a surprise."""
 _Then = Literal["same", "anew", "stands", "finish", "pause"]
 """What comes after something was typed: the same prompt, the question anew, a reading, the end, or a pause."""
 
@@ -150,25 +153,24 @@ class Prompt:
         return "same"
 
     def _keep(self, typed: Array, question: Question) -> _Then:
-        vouched = False
-        surprise = question.surprise(typed)
-        if surprise >= SURPRISING:
-            far = "It is {size} standard deviations from what is expected, {expected}."
-            say("  " + said(far, size=decimals(f"{surprise:.1f}"), expected=expected_text(question)))
-            choice = said("Type k to keep it, v as surely right, a if the zero was set anew, Enter to read again:")
-            word = ask(f"  {choice} ").strip().lower()
-            if word not in ("k", "v", "a"):
+        cause: Cause | None = None
+        if question.surprise(typed) >= SURPRISING:
+            say(f"  {surprise_text(question, typed)}.")
+            named_by = {_LETTERS[each]: each for each in causes(question, typed)}
+            known = listed(
+                ", ", [put("{letter} {cause}", letter=k, cause=said(CAUSES[v])) for k, v in named_by.items()]
+            )
+            word = ask("  " + said("Type {causes}; Enter to read again:", causes=known) + " ").strip().lower()
+            if (cause := named_by.get(word)) is None:
                 return "same"
-            vouched = word == "v"
-            if word == "a":
-                say(f"  {set_anew(self.campaign, question.setup)}")
-        before, told = doubted(self.campaign), named_now(self.campaign)
-        value, *others = (float(each) for each in typed)
-        kept = self.campaign.record(value, accepted=vouched, others=tuple(others))
+        before, asked = doubted(self.campaign), named_now(self.campaign)
+        kept, told = keep_as(self.campaign, question, typed, cause)
+        if told:
+            say(f"  {told}")
         at = coordinates_text(question.places, moves=True) or said('set-up "{setup}"', setup=question.setup)
         say("  " + said("kept reading {number} at {place}; it is on the disk", number=kept.number, place=at))
         minds, named = others_doubted(self.campaign, before), named_now(self.campaign)
-        if named is not None and named != told:
+        if named is not None and named != asked:
             say(f"  {named.question}")
             if _is_yes(said("Type yes if so, Enter if not:")):
                 say(f"  {confirmed(self.campaign, named)}")

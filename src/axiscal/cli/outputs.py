@@ -8,6 +8,7 @@ from pathlib import Path
 from axiscal.answers.answer_of_campaign import results_of, standing_answer
 from axiscal.answers.answer_words import screen
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.evidence import evidence_words
 from axiscal.cli.printing import say, say_document
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
@@ -83,7 +84,8 @@ def tell_details(summary: Summary, out: Path) -> None:
 
 def written_screen(summary: Summary, record: Path, out: Path) -> str:
     """Return the screen of a campaign whose results are written.  record : where it stays"""
-    return screen(summary.answer, summary.agreement_words, str(record), str(out), str(out / "report.pdf"))
+    signed = "" if summary.record is None else summary.record.signed
+    return screen(summary.answer, summary.agreement_words, str(record), str(out), str(out / "report.pdf"), signed)
 
 
 def standing_screen(campaign: Campaign) -> str:
@@ -92,4 +94,5 @@ def standing_screen(campaign: Campaign) -> str:
     if planned is not None:
         return plan_screen(planned, str(path))
     words = agreement_words(campaign.so_far()) if campaign.state.readings else ""
-    return screen(standing_answer(campaign), words, str(path), str(results_of(path)).removeprefix("."))
+    results, signed = str(results_of(path)).removeprefix("."), evidence_words(campaign)
+    return screen(standing_answer(campaign), words, str(path), results, evidence=signed)

@@ -7,11 +7,12 @@ from typing import Annotated
 
 import typer
 
+from axiscal.campaign.evidence import signed_text
 from axiscal.campaign.possible import beginning_of, described
 from axiscal.campaign.salvaging import salvaged
 from axiscal.cli.arguments import Json, OwnRecord, RecordFile
 from axiscal.cli.printing import say_either
-from axiscal.cli.texts import opened_to_write, signed_text
+from axiscal.cli.texts import opened_to_write
 from axiscal.exceptions import NewerError
 from axiscal.language.spoken import counted, said
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
@@ -90,12 +91,13 @@ def salvage(
             first = begun.texts()[0].row
     found = salvaged(record, new, first)
     document = {"record": str(new), "readings": len(found.state.readings), "events": found.entries}
-    lists = {"missing": list(found.missing), "left_out": list(found.left)}
+    lists = {"missing": list(found.missing), "left_out": list(found.left), "seams": list(found.seams)}
     readings = counted("{count} reading", "{count} readings", len(found.state.readings))
     events = counted("{count} event", "{count} events", found.entries)
     lines = [f"{new} holds {readings}, from {events} of {record} that stand whole."]
     lines += [f"Missing: {words}" for words in found.missing] or ["Nothing is missing."]
     lines += [f"Left out: {words}" for words in found.left]
+    lines += [f"Seam: {words}" for words in found.seams]
     if found.missing:
         lines.append("Mind: a missing entry may have taken a reading back; look at those before it.")
     say_either(json, "axiscal-salvage/1", document | lists, lines)

@@ -10,10 +10,11 @@ import typer
 from axiscal.answers.answer_of_campaign import results_of, standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text
+from axiscal.campaign.evidence import signed_text
 from axiscal.cli.arguments import Anyway, Details, Json, OwnRecord, ReportLanguage, ResultsFolder
 from axiscal.cli.outputs import standing_screen, write_outputs
 from axiscal.cli.printing import say, say_document
-from axiscal.cli.texts import accuracy_text, asked_screen, opened_to_write, signed_text
+from axiscal.cli.texts import accuracy_text, asked_screen, opened_to_write
 from axiscal.estimation.agreement_words import agreement_document, agreement_words, change_words, membership_words
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.exceptions import RecordError
@@ -127,7 +128,7 @@ def _lines(campaign: Campaign) -> list[str]:
         done = said("Left the set-up at") if gap.whole else said("Skipped")
         lines.append(f"{done} {asked_text(campaign, gap.asked)}: {gap.reason}")
     lines += [said("Accepted: {change}", change=change_words(each)) for each in state.accepted]
-    lines.append(said("The record is {signed}", signed=signed_text(campaign)))
+    lines.append(said("The record is {signed}", signed=signed_text(campaign) or said("unsigned")))
     lines += [said("Noted {at}: {text}", at=note.at[:16].replace("T", " "), text=note.text) for note in state.notes]
     if state.finished is not None:
         return [*lines, said("Finished: {because}", because=because_text(state.finished))]

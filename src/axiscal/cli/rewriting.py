@@ -15,12 +15,12 @@ from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import ending, said, speaking
 from axiscal.measurement.readers.text_file import TextFile, read_text
-from axiscal.numerics.threads import one_thread
 from axiscal.present.result_set import result_set, write_manifest
 from axiscal.present.summarising import record_state
 from axiscal.programs.part_program import Spot
 from axiscal.tables.rewriting import Rewritten, rewrite
 from axiscal.units import format_quantity, parse_quantity, to_unit, within
+from axiscal_core.threads import one_thread
 
 PROGRAM = "program"
 _CHORD = "0.2 um"

@@ -9,15 +9,15 @@ import typer
 
 from axiscal.campaign.adopting import adopted
 from axiscal.cli.arguments import Json, RecordFile, own_record, records_here
-from axiscal.cli.printing import say_either
+from axiscal.cli.printing import say_either, tell
 from axiscal.cli.texts import opened_to_write
 from axiscal.language.spoken import counted, later, put, said
 from axiscal.ports.postgres.database import Database, opened_database
 from axiscal.ports.postgres.server_log import entries, only_entry
-from axiscal.ports.postgres.syncing import Synced, synced
+from axiscal.ports.postgres.syncing import Synced, set_aside, synced
 from axiscal.ports.postgres.tables import ROLES, prepare, quarantined, refuse_other
-from axiscal.record.copies import opened_log
-from axiscal.record.log import STORED
+from axiscal.record.copies import end_at, opened_log
+from axiscal.record.log import STORED, campaign_of
 from axiscal.record.store import Record
 
 
@@ -40,6 +40,10 @@ def sync(
         str | None,
         typer.Option("--quarantine", metavar="store:NAME:N", help="As its owner, set event N and all behind it aside."),
     ] = None,
+    drop: Annotated[
+        bool,
+        typer.Option("--drop", help="Go on without what the store has set aside; all of it stays in a file beside."),
+    ] = False,
     json: Json = False,
 ) -> None:
     """Bring a laptop's record and the shop's store together.
@@ -69,7 +73,10 @@ def sync(
         if aside is not None:
             _set_aside(database, aside, json)
             return
-        with Record.open(record or own_record()) as opened:
+        path = record or own_record()
+        if drop:
+            _dropped(database, path)
+        with Record.open(path) as opened:
             found = synced(database, opened, name or opened.path.stem)
             path, head = opened.path, opened.name
     finally:
@@ -93,6 +100,15 @@ def sync(
         "head": head,
     }
     say_either(json, "axiscal-sync/1", document, lines)
+
+
+def _dropped(database: Database, path: Path) -> None:
+    """Let a record end before what the store has set aside."""
+    with Record.open(path, write=False) as record:
+        texts = record.texts()
+    if first := set_aside(database, campaign_of(texts[0]), texts):
+        kept = end_at(path, first - 1)
+        tell(said("{record} ends at event {last} now; all of it is in {kept}.", record=path, last=first - 1, kept=kept))
 
 
 def _set_aside(database: Database, text: str, as_json: bool) -> None:

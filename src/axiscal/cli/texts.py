@@ -14,7 +14,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import AxiscalError, InputError
-from axiscal.language.spoken import counted, ending, put, said
+from axiscal.language.spoken import ending, put, said
 from axiscal.measurement.reading import reading_unit, value_names
 from axiscal.present.guide.question import axis_places, question_text, sense, sign_on, touch_text
 from axiscal.record.events import Asked, State
@@ -64,22 +64,6 @@ def accuracy_text(known: Accuracy, rms: float | None, worst: float | None) -> st
         for text, target in figures
     )
     return said("RMS {rms}, worst {worst}", rms=found, worst=largest)
-
-
-def signed_text(campaign: Campaign) -> str:
-    """Return who answers for how much of the record, in words."""
-    found, last = campaign.signed(), campaign.state.last
-    if found is None:
-        return said("unsigned")
-    signer = found.by
-    by = said("{person} on {computer}, key {key}", person=signer.person, computer=signer.computer, key=signer.key[:16])
-    if not found.holds:
-        return said("not as it was signed at event {number} by {by}", number=found.number, by=by)
-    signed = said("signed at event {number} by {by}", number=found.number, by=by)
-    if found.number == last:
-        return signed
-    events = counted("{count} event", "{count} events", last - found.number)
-    return said("{signed}; unsigned since: {events}", signed=signed, events=events)
 
 
 @contextmanager

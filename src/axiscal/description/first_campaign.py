@@ -50,17 +50,31 @@ UNSAID_OFFSET = '# offset = ["-33 mm", "-46 mm", "0 mm"]'
 """The same, where nobody knows where the probe stands."""
 
 
-def first_campaign(machine: Machine, source: str, instruments: Sequence[str], target: str, active: str = UNSAID) -> str:
+class Purpose(NamedTuple):
+    """What a first campaign is for.
+
+    target : the expanded uncertainty wanted, "" for as good as the set-ups make it
+    wants : the rows that are asked for, none where they follow from the set-ups
+    budget : of machine time, such as "90 min"; "" for as much as it takes
+    """
+
+    target: str = ""
+    wants: Sequence[str] = ()
+    budget: str = ""
+
+
+def first_campaign(
+    machine: Machine, source: str, instruments: Sequence[str], purpose: Purpose, active: str = UNSAID
+) -> str:
     """Return the text of a campaign file.
 
     source : how the file names the machine
     instruments : of `OFFERED`; with a square the dial reads along its legs, and nothing else straight is asked for
-    target : the expanded uncertainty wanted, "" for as good as the set-ups make it
     active : the line that says whether a compensation is active
     Raises DescriptionError where a machine has no linear axis that an instrument could be read along.
     """
     values = {"machine": machine, "source": source, "instruments": list(instruments)}
-    head = templates().get_template("campaign.jinja").render(values, target=target, active=active)
+    head = templates().get_template("campaign.jinja").render(values, **purpose._asdict(), active=active)
     offered = [name for name in instruments if name != "dial" or "square" not in instruments]
     setups = [text for name in offered for text in OFFERED[name].setups(machine)]
     if not setups:

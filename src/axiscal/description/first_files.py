@@ -5,15 +5,16 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-from axiscal.description.campaign import campaign_from_texts
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.campaign_schema import SCHEMAS
-from axiscal.description.first_campaign import OFFERED, UNSAID, UNSAID_OFFSET, first_campaign, templates
+from axiscal.description.first_campaign import OFFERED, UNSAID, UNSAID_OFFSET, Purpose, first_campaign, templates
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import IniMachine, machine_of
 from axiscal.description.printer_file import is_printer_file, read_printer
@@ -154,6 +155,17 @@ def of_file(file: Path, folder: Path) -> Beginning:
     return of_ini(machine_of(read_ini(file)), file, folder)
 
 
+def of_text(text: str, name: str) -> Beginning:
+    """Return the machine of the text of a file that stands elsewhere.  name : of the file; raises as `of_file`"""
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / name
+        file.write_text(text, encoding="utf-8")
+        try:
+            return of_file(file, Path(folder))
+        except InputError as failure:
+            raise failure.placed(name, failure.line) from failure
+
+
 _OF_LINUXCNC = re.compile(r"^\s*\[(EMC|TRAJ|KINS|(AXIS|JOINT)_\w)\]", re.MULTILINE)
 _KINDS = {
     later("an empty file"): re.compile(r"^\Z"),
@@ -175,6 +187,31 @@ def with_travels(begun: Beginning, lengths: Mapping[str, float]) -> Beginning:
             low, high = (-lengths[axis.name], 0.0) if high == 0 else (low, low + lengths[axis.name])
             text = _stating(text, axis.name, "travel", f'["{low:g} mm", "{high:g} mm"]')
     return replace(begun, text=text)
+
+
+SIZES = {"new": 0.5, "used": 1.0, "home-made": 3.0}
+"""Sizes of errors beside those of a built-in machine; readings teach the sizes, so that a rough factor does."""
+
+
+def with_errors_times(begun: Beginning, factor: float) -> Beginning:
+    """Return a machine whose errors are so many times as large."""
+    size = re.compile(r'\b(std|rest) = "([\d.]+) ')
+    return replace(begun, text=size.sub(lambda found: f'{found[1]} = "{factor * float(found[2]):.3g} ', begun.text))
+
+
+def with_carriers(begun: Beginning, switched: Collection[str]) -> Beginning:
+    """Return a machine some axes of which carry the workpiece instead of the tool, or the other way round.
+
+    switched : their names; each then moves next to the bed
+    """
+    axes = machine_from_text(begun.text).axes
+    work, tool = ([axis.name for axis in axes if axis.workpiece_side is side] for side in (True, False))
+    work, tool = (
+        [name for name in work if name not in switched] + [name for name in tool if name in switched],
+        [name for name in work if name in switched] + [name for name in tool if name not in switched],
+    )
+    chain = "-".join(["w", *(f"{name}'" for name in work), "b", *tool, "t"])
+    return replace(begun, text=re.sub(r'chain = "[^"]*"', lambda _: f'chain = "{chain}"', begun.text, count=1))
 
 
 def _stating(text: str, axis: str, key: str, value: str) -> str:
@@ -199,37 +236,41 @@ def _active(found: IniMachine, file: Path, folder: Path) -> str:
     return f"compensation_active = [{path}]   # tables or backlash of joint {joints}: new tables go on top of them"
 
 
-def first_files(begun: Beginning, instruments: Sequence[str], target: str) -> FirstFiles:
-    """Return the files of a new calibration.
+def first_described(begun: Beginning, instruments: Sequence[str], purpose: Purpose) -> CampaignDescription:
+    """Return the campaign of a new calibration.
 
     instruments : of OFFERED
-    target : the expanded uncertainty wanted, such as "10 um"; "" for as good as the set-ups make it
     Raises DescriptionError where there is none, UnitError for a target that is no length.
     """
     if not instruments:
         raise DescriptionError(
             "No instrument was named", "Name one or more of {known}", known=", ".join(offered_words())
         )
-    if target:
-        parse_quantity(target, "length")
+    if purpose.target:
+        parse_quantity(purpose.target, "length")
     machine = _with_sizes(begun.text, instruments)
-    text = first_campaign(machine_from_text(machine), "machine.toml", instruments, target, begun.active)
+    text = first_campaign(machine_from_text(machine), "machine.toml", instruments, purpose, begun.active)
     if begun.beside is not None:
         x, y = (format_quantity(each, "mm", 6) for each in begun.beside)
         text = text.replace(UNSAID_OFFSET, f'offset = ["{x}", "{y}", "0 mm"]', 1)
     if "probe" in instruments:
         text += begun.screws
     try:
-        setups = len(campaign_from_texts(text, "campaign.toml", machine, "machine.toml").setups)
+        return campaign_from_texts(text, "campaign.toml", machine, "machine.toml")
     except InputError as fault:  # it stands in a file that nobody has
         what = "What is usual of {instruments} cannot be read on this machine: {fault}"
         raise DescriptionError(what, fault.remedy, instruments=", ".join(instruments), fault=fault.what) from None
+
+
+def first_files(begun: Beginning, instruments: Sequence[str], purpose: Purpose) -> FirstFiles:
+    """Return the files of a new calibration; arguments as of `first_described`."""
+    described = first_described(begun, instruments, purpose)
     texts = {
-        "machine.toml": f"#:schema ./machine.schema.json\n{machine.rstrip()}\n",
-        "campaign.toml": text,
+        "machine.toml": f"#:schema ./machine.schema.json\n{described.machine.text.rstrip()}\n",
+        "campaign.toml": described.text,
         **{f"{name}.schema.json": json.dumps(schema(), indent=1) + "\n" for name, schema in SCHEMAS.items()},
     }
-    return FirstFiles(texts, setups)
+    return FirstFiles(texts, len(described.setups))
 
 
 _HEAD = 'head = ["130 mm", "130 mm"]    # CHECK: diameter and height of the spindle nose with what carries it'

@@ -10,6 +10,7 @@ from pathlib import Path
 from axiscal.document.file import number_or_none
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.readers.text_file import read_text
+from axiscal.units import shortened
 
 _SECTION = re.compile(r"\[\s*(\w+)\s*\].*")
 _KEY = re.compile(r"([^=\s]+)\s*=\s*(.*)")
@@ -30,7 +31,8 @@ class IniValue:
 
     def fail(self, what: str, remedy: str, **values: object) -> DescriptionError:
         """Return the error that places a fault here."""
-        return DescriptionError(what, remedy, self.file, self.line, **values)
+        quoted = {name: shortened(value) if isinstance(value, str) else value for name, value in values.items()}
+        return DescriptionError(what, remedy, self.file, self.line, **quoted)
 
     def number(self, key: str) -> float:
         """Return it as a finite number; raises DescriptionError.  key : that it stands behind"""

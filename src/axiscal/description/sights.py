@@ -25,8 +25,9 @@ from axiscal.measurement.charts.room import Chart, Coordinate, Room
 from axiscal.measurement.instrument import Instrument
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.setup import Setup, Vector
-from axiscal.numerics import Array, even_points, even_subset
+from axiscal.numerics import Array, even_subset
 from axiscal.units import format_quantity
+from axiscal_core.points import even_points
 
 _LOOKED_AT = 1000
 """Places looked at: what lacks room does so at a good part of them."""

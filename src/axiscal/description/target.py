@@ -27,8 +27,9 @@ from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import tip_at
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.setup import FINEST
-from axiscal.numerics import Array, even_points
+from axiscal.numerics import Array
 from axiscal.units import Dimension, format_quantity, within
+from axiscal_core.points import even_points
 
 MOST_READINGS = 100_000
 """Weeks of measuring; whoever says more has slipped."""

@@ -17,22 +17,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import combinations
-from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry, PlaneEntry, Sure, side_name
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
-from axiscal.numerics import Array
-
-SURE: dict[Sure, float] = {"roughly": 3.0, "well": 1.5, "exactly": 1.0}
-"""The factor within which stated size and length are known."""
+from axiscal_core.theta import SURE, Kind, Size, Sizes
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,80 +114,6 @@ NOISE = Cause("noise", "white", 1.0, "noise as stated", 2.0, "seating again scat
 BAD = Cause(
     "bad reading", "one reading", 30.0, "noise", 1.0, "assumption: 1 of 100 readings",
 )  # fmt: skip
-
-
-Kind = Literal["std", "length", "scale", "rest", "reversal", "together", "drift", "cycle", "growth", "way", "noise"]
-_FARTHEST = 7.0
-"""Of |θ|, a factor of a thousand: beyond it lies nothing but overflow."""
-_LARGEST: dict[Kind, float] = {
-    "length": _FARTHEST,
-    "noise": math.log(BAD.size / NOISE.size),
-    "cycle": math.log(BAD.size / CYCLE.size),
-    "drift": math.log(30.0),
-    "growth": math.log(30.0),
-}
-"""Of θ: where noise or cycle are larger every reading is a bad one, and what they contradict is neither.
-
-Nobody states what passes while a machine is read: one of nine ISO 230-2 tests has 19 times the usual drift.
-"""
-_MOST = math.log(10.0)
-"""Of θ of other sizes: what would have to be more than ten times as large as stated contradicts."""
-_ROOTS: frozenset[Kind] = frozenset({"scale", "reversal", "drift", "cycle", "growth"})
-"""Kinds whose stated size is a root mean square: one number, or one afternoon, tells of them."""
-
-
-class Size(NamedTuple):
-    """One size: a factor exp(θ) on what all its owners state.
-
-    owners : errors or set-ups by name, in their order; spread : scale of θ
-    """
-
-    kind: Kind
-    owners: tuple[str, ...]
-    spread: float
-
-
-@dataclass(frozen=True)
-class Sizes:
-    """All sizes that vary, in the order of θ."""
-
-    of: tuple[Size, ...]
-
-    def __len__(self) -> int:
-        return len(self.of)
-
-    @cached_property
-    def _index(self) -> dict[tuple[Kind, str], int]:
-        return {(size.kind, owner): i for i, size in enumerate(self.of) for owner in size.owners}
-
-    def index(self, kind: Kind, owner: str) -> int:
-        """Return the number of a size; −1 where it does not vary."""
-        return self._index.get((kind, owner), -1)
-
-    def indices(self, kind: Kind, owners: Sequence[str]) -> NDArray[np.intp]:
-        """Return the numbers of the sizes of several owners, (n,)."""
-        return np.array([self.index(kind, owner) for owner in owners], dtype=np.intp)
-
-    @cached_property
-    def spreads(self) -> Array:
-        """Scales of the logarithms, (k,)."""
-        return np.array([size.spread for size in self.of])
-
-    @cached_property
-    def stated(self) -> Array:
-        """x of the sizes as stated, (k,)."""
-        return np.array([size.spread if size.kind in _ROOTS else 0.0 for size in self.of])
-
-    @cached_property
-    def _largest(self) -> Array:
-        """The largest θ of each size, (k,)."""
-        return np.array([_LARGEST.get(size.kind, _MOST) for size in self.of])
-
-    def theta(self, x: Array) -> tuple[Array, Array]:
-        """Return θ and dθ/dx, (..., k) each.  x : (..., k)"""
-        theta = self.spreads * (x - self.stated)
-        within = (theta > -_FARTHEST) & (theta < self._largest)
-        return np.clip(theta, -_FARTHEST, self._largest), np.where(within, self.spreads, 0.0)
 
 
 NONE_VARY = Sizes(())

@@ -22,9 +22,9 @@ from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import COMPONENTS
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import NaturalSpline, quadrature
-from axiscal.numerics.from_scipy import solution, triangle_over
 from axiscal.units import said_quantity
+from axiscal_core.from_scipy import solution, triangle_over
+from axiscal_core.splines import NaturalSpline, quadrature
 
 _LISTED = 5
 """Sentences that are read; the others are counted."""

@@ -23,12 +23,14 @@ from axiscal.errors import prior
 from axiscal.errors.plane import PlaneError, plane_error
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry, Kind
-from axiscal.machine.kinematics import Frames, SmallMotions, frames
+from axiscal.machine.kinematics import SmallMotions, frames
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import Spline
-from axiscal.numerics.gaussian import unique_root
-from axiscal.numerics.repeated import Repeated, Segments
-from axiscal.numerics.rigid import cross
+from axiscal.numerics.repeated import Segments
+from axiscal_core.axes import Frames
+from axiscal_core.eigen import unique_root
+from axiscal_core.errors import ASIDE, CELLS
+from axiscal_core.rigid import cross
+from axiscal_core.splines import Repeated, Spline
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -73,7 +75,7 @@ class ErrorFunction:
     @property
     def cell_count(self) -> int:
         """Number of such lengths along the axis."""
-        return prior.CELLS_PER_INTERVAL * (len(self.basis.knots) - 1)
+        return CELLS * (len(self.basis.knots) - 1)
 
     def coordinates(self, poses: Array) -> Array:
         """Return the positions of its axis at poses (m, q): (m,)."""
@@ -85,13 +87,13 @@ class ErrorFunction:
 
     def cells(self, positions: Array) -> NDArray[np.int64]:
         """Return the number of the cell at each position (m,)."""
-        along = np.floor((positions - self.basis.knots[0] + prior.ASIDE) / self.cell)
+        along = np.floor((positions - self.basis.knots[0] + ASIDE) / self.cell)
         cells: NDArray[np.int64] = np.clip(along, 0, self.cell_count - 1).astype(np.int64)
         return cells
 
     def edges(self, cell: int) -> Array:
         """Return the ends of a cell, (2,)."""
-        ends: Array = self.basis.knots[0] + self.cell * np.array([cell, cell + 1]) - prior.ASIDE
+        ends: Array = self.basis.knots[0] + self.cell * np.array([cell, cell + 1]) - ASIDE
         return ends
 
 

@@ -21,8 +21,9 @@ from axiscal.errors import prior
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry, Kind, PlaneEntry
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import Spline
-from axiscal.numerics.gaussian import settled
+from axiscal_core.eigen import settled
+from axiscal_core.errors import ASIDE, CELLS
+from axiscal_core.splines import Spline, distances, matern_by_length
 
 _CUT = 1e-4
 """Share of the variance that the products left out may hold together."""
@@ -46,14 +47,14 @@ class Side(NamedTuple):
     def cells(self, positions: Array) -> NDArray[np.int64]:
         """Return the number of the cell at each position (m,)."""
         knots = self.spline.knots
-        share = (positions - knots[0] + prior.ASIDE) / (knots[-1] - knots[0])
+        share = (positions - knots[0] + ASIDE) / (knots[-1] - knots[0])
         cells: NDArray[np.int64] = np.clip(np.floor(share * self.cell_count), 0, self.cell_count - 1).astype(np.int64)
         return cells
 
     @property
     def cell_count(self) -> int:
         """Number of cells along the axis."""
-        return prior.CELLS_PER_INTERVAL * (len(self.spline.knots) - 1)
+        return CELLS * (len(self.spline.knots) - 1)
 
     def whitened(self, correlation: Array) -> Array:
         """Return the covariance of z with A = F z where A has the centred covariance P R P, (r, r)."""
@@ -134,7 +135,7 @@ class PlaneError:
             if own == axis:
                 knots = side.spline.knots
                 ends = np.ptp(knots) / side.cell_count * np.array([number, number + 1])
-                found.append(knots[0] + ends - prior.ASIDE)
+                found.append(knots[0] + ends - ASIDE)
         return found
 
     def cell_along(self, axis: int) -> float:
@@ -223,10 +224,10 @@ def _correlation(side: Side, entry: ErrorEntry, stretch: float) -> Array:
 
 def _by_length(side: Side, entry: ErrorEntry, stretch: float) -> Array:
     """Return the derivative of P R P by the logarithm of the length."""
-    distances = prior.distances(side.spline)
+    apart = distances(side.spline)
     if entry.length is None:
-        return np.zeros_like(distances)
-    return centred(prior.matern_by_length(distances / (entry.length * stretch), entry.smoothness))
+        return np.zeros_like(apart)
+    return centred(matern_by_length(apart / (entry.length * stretch), entry.smoothness))
 
 
 def _shares(side: Side, entry: ErrorEntry) -> Array:

@@ -5,15 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.machine.axis import Axis
-from axiscal.machine.entry import JOINT, KNOTS_PER_WAVE, SMOOTH, ErrorEntry
+from axiscal.machine.entry import JOINT, KNOTS_PER_WAVE, ErrorEntry
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline, Spline
-from axiscal.numerics.repeated import Repeated, Segments
-
-CELLS_PER_INTERVAL = 8
-"""Cells of a knot interval, within each of which what no spline follows is one value."""
-ASIDE = 2e-4
-"""m or rad, by which cells begin before the knots: places are round numbers, and a correction must not leave a cell."""
+from axiscal.numerics.repeated import Segments
+from axiscal_core.splines import Constant, CyclicSpline, NaturalSpline, Repeated, Spline, distances, matern, ramp
 
 
 def basis(entry: ErrorEntry, axis: Axis) -> Spline:
@@ -55,37 +50,3 @@ def covariance(entry: ErrorEntry, spline: Spline) -> Array:
         curve = matern(distances(spline) / entry.length, entry.smoothness)
     along = (entry.scale or 0.0) * ramp(spline)
     return entry.std**2 * curve + np.outer(along, along)
-
-
-def ramp(spline: Spline) -> Array:
-    """Return the control values of a strain of one about the middle of the travel, (size,) m."""
-    low, high = spline.knots[[0, -1]]
-    result: Array = spline.control_positions - (low + high) / 2
-    return result
-
-
-def distances(spline: Spline) -> Array:
-    """Return how far the control values of a spline lie from each other, (size, size), m or rad."""
-    positions = spline.control_positions
-    distance: Array = np.abs(positions[:, None] - positions[None, :])
-    if isinstance(spline, CyclicSpline):
-        period = spline.knots[-1] - spline.knots[0]
-        distance = period / np.pi * np.sin(np.pi * distance / period)
-    return distance
-
-
-def matern(distance: Array, smoothness: float = SMOOTH) -> Array:
-    """Return the Matérn correlation of ν = 2.5 or 1.5 at distances r in correlation lengths.
-
-    (1 + s + s²/3) exp(−s) or (1 + s) exp(−s), s = √(2 ν) r
-    """
-    scaled = np.sqrt(2 * smoothness) * distance
-    result: Array = (1 + scaled + (scaled**2 / 3 if smoothness == SMOOTH else 0.0)) * np.exp(-scaled)
-    return result
-
-
-def matern_by_length(distance: Array, smoothness: float) -> Array:
-    """Return its derivative by the logarithm of the correlation length, at the same distances."""
-    scaled = np.sqrt(2 * smoothness) * distance
-    result: Array = (scaled**2 * (1 + scaled) / 3 if smoothness == SMOOTH else scaled**2) * np.exp(-scaled)
-    return result

@@ -27,8 +27,8 @@ from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Deviation, actual_deviation, tool_motion
 from axiscal.machine.motion import motion_effects
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import gauss
-from axiscal.numerics.rigid import Motion
+from axiscal_core.rigid import Motion
+from axiscal_core.splines import gauss
 
 _POSES = 8000
 """At once: of memory, not of the result."""

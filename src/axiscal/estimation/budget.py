@@ -16,13 +16,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.description.usual import Kind
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.causes import Contribution
 from axiscal.estimation.promise.posterior import Drawn
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
+from axiscal_core.theta import Kind
+from axiscal_core.threads import one_thread
 
 _PASSING: dict[Kind, str] = {"drift": "drift", "cycle": "drift", "growth": "growth", "way": "way"}
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import POSES, Target
-from axiscal.description.usual import Kind, Sizes, rescaled_machine, sizes_of
+from axiscal.description.usual import rescaled_machine, sizes_of
 from axiscal.errors.gauge import MANY_READINGS, Hidden, hidden, unseen_factor
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import MovedErrors, VolumeMoments, of_rests, volume_moments
@@ -32,8 +32,10 @@ from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import rows_at
 from axiscal.measurement.setup import About, Setup, Unknown
 from axiscal.measurement.travel import reading_seconds, way_seconds
-from axiscal.numerics import Array, even_points
+from axiscal.numerics import Array
 from axiscal.numerics.remembered import Itself, Memo
+from axiscal_core.points import even_points
+from axiscal_core.theta import Kind, Sizes
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAYS = 1e-8

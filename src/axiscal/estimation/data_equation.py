@@ -18,8 +18,8 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import places_of, rows_at
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import solution
 from axiscal.numerics.gaussian import lower_root
+from axiscal_core.from_scipy import solution
 
 
 @dataclass(frozen=True, eq=False, slots=True)

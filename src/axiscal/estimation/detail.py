@@ -17,12 +17,13 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.located import taken_as_normal
-from axiscal.estimation.promise.draws import sized
 from axiscal.estimation.promise.problem import Problem
+from axiscal.estimation.promise.unknowns import space_of
 from axiscal.estimation.type_prior import carried_over
 from axiscal.machine.description import Machine
 from axiscal.measurement.setup import About
 from axiscal.numerics import Array
+from axiscal_core.draws import sized
 
 _MOST = 96
 """Knots of a curve, as many as the realtime component for LinuxCNC takes."""
@@ -86,4 +87,4 @@ def _posed(finer: Case, known: Estimation, judged: Problem) -> Problem:
 
 def _log_evidence(problem: Problem) -> float:
     """Return log p(y), up to what is the same for all problems of the same readings: rests may count as noise."""
-    return sized(problem).log_evidence - float(np.sum(np.log(problem.noise)))
+    return sized(space_of(problem)).log_evidence - float(np.sum(np.log(problem.noise)))

@@ -26,7 +26,7 @@ from axiscal.estimation.stations import progressed
 from axiscal.estimation.timed import timed
 from axiscal.language.stages import stage
 from axiscal.measurement.reading import Reading
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 
 
 @one_thread()

@@ -28,7 +28,7 @@ from axiscal.measurement.reading import Reading, drawn, reading_text
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 
 
 @dataclass(frozen=True, eq=False)

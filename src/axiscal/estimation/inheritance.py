@@ -22,9 +22,9 @@ from axiscal.estimation.type_prior import carried_over, is_type_text, rivals, ty
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import chi_square_tail
 from axiscal.record.events import Created, Mounted, Recorded, Warmed
 from axiscal.record.payload import PayloadError, decode
+from axiscal_core.from_scipy import chi_square_tail
 
 
 def case_of(description: CampaignDescription) -> Case:

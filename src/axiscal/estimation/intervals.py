@@ -33,7 +33,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import log_normal_share
+from axiscal_core.from_scipy import log_normal_share
 
 COARSE = 3.0
 """Steps of so many standard deviations of the scatter are taken as intervals."""

@@ -23,7 +23,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import places_of, seen, times_of, visited
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 
 AT_ONCE = 400
 """Products of matrices cost the least for some hundreds of readings at a time."""

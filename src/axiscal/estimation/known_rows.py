@@ -25,7 +25,7 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.learnt import posterior_of
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.reading import Reading
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 
 _MEASURED = 0.5
 """Of the U before the first reading: a row that is known no better is not measured."""

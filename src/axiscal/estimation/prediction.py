@@ -15,8 +15,8 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.readers.csv_table import RawPose
 from axiscal.measurement.reading import in_radii
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
 from axiscal.units import to_unit
+from axiscal_core.threads import one_thread
 
 _SLACK = 1e-9
 """Rounding of a position at the end of a travel, m or rad."""

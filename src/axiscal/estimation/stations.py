@@ -24,8 +24,8 @@ from axiscal.measurement.reading import Reading, drawn
 from axiscal.measurement.reading_rows import Seen, seen, shown_by_each
 from axiscal.measurement.setup import About
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import least_squares
-from axiscal.numerics.gaussian import settled
+from axiscal_core.eigen import settled
+from axiscal_core.from_scipy import least_squares
 
 
 class BentReadings:

@@ -22,7 +22,6 @@ from axiscal.description.usual import sizes_of
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import bent, judged, unit_guess
-from axiscal.estimation.promise.draws import as_stated, sized
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.estimation.timed import timed
@@ -32,6 +31,7 @@ from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, drawn
 from axiscal.numerics import Array
+from axiscal_core.draws import as_stated, sized
 
 _FEWEST = 3
 """One or two slips are readings to be looked at; a file in another unit has all."""
@@ -119,7 +119,7 @@ def other_unit(observation: Observation, readings: Sequence[Reading]) -> OtherUn
         best = max(multiplied, key=lambda factor: multiplied[factor])
         if not np.isfinite(multiplied[best]):  # the usual case, in which the evidence as written need not be found
             continue
-        odds = (multiplied[best] - sized(posed).log_evidence) / np.log(10.0)
+        odds = (multiplied[best] - sized(space_of(posed)).log_evidence) / np.log(10.0)
         if odds > _CERTAIN:
             return OtherUnit(setup.name, best, float(odds))
     return None
@@ -133,7 +133,7 @@ def _multiplied(posed: Problem, factor: float) -> float:
     other = replace(posed, values=factor * posed.values)
     if _scatter(replace(posed, values=factor * _told(posed))) < _LEAST_FIT or _scatter(other) > np.exp(2 * _FARTHEST):
         return -np.inf
-    found = sized(other)
+    found = sized(space_of(other))
     told = [index for index, size in enumerate(posed.sizes.of) if size.kind in ("std", "reversal", "noise")]
     if np.max(np.abs(found.weights @ found.thetas)[told]) > _FARTHEST:
         return -np.inf

@@ -26,8 +26,9 @@ from axiscal.measurement.instruments.kind import TOOL, Nominal
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup, Unknown
-from axiscal.numerics import Array, rigid
+from axiscal.numerics import Array
 from axiscal.tables.surface import Control
+from axiscal_core import rigid
 
 GUARD = 1.645
 """Expanded uncertainty in standard deviations: one side, 95 %."""

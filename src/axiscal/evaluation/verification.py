@@ -40,9 +40,9 @@ from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import chi_square_tail
-from axiscal.numerics.threads import one_thread
 from axiscal.tables.surface import Control, left_by
+from axiscal_core.from_scipy import chi_square_tail
+from axiscal_core.threads import one_thread
 
 _DISPLACEMENTS = (Displacement, Nest, Tracker)
 _CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if isinstance(kind.model, _DISPLACEMENTS)))

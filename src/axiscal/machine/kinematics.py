@@ -1,9 +1,6 @@
 """The nominal chain and its exact deviation: where each axis frame and the TCP are in the workpiece frame.
 
-Read from the workpiece to the tool the chain is p = M_1(t_1) … M_q(t_q) p_tool, primed or not (docs/conventions.md). On
-the tool side the axis frame stands behind the travel of a carriage and before the turn of a rotor. On the workpiece
-side, read in this direction, it is the other way round.
-
+Read from the workpiece to the tool the chain is p = M_1(t_1) … M_q(t_q) p_tool, primed or not (docs/conventions.md).
 The positions of the linear axes that bring the tool point to a place of the workpiece, for any rotary angles.
 
 With the rotary axes at ρ the tool point is p(q) = p₀(ρ) + J(ρ) t, affine in the linear axes t.
@@ -16,9 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.machine.axis import LINEAR_LETTERS, Axis, letter_direction
+from axiscal.machine.axis import LINEAR_LETTERS, letter_direction
 from axiscal.machine.description import Machine
-from axiscal.numerics import Array, rigid
+from axiscal.numerics import Array
+from axiscal_core import rigid
+from axiscal_core.axes import Frames, chain, from_frame, to_frame
 
 _FLAT = 1e-6
 """Volume of three unit directions: less lie in a plane, as far as a machine is built."""
@@ -67,23 +66,6 @@ def solved(ways: Array, away: Array) -> Array:
     return np.asarray((np.linalg.pinv(ways) @ away[:, :, None])[:, :, 0], dtype=np.float64)
 
 
-class Frames(NamedTuple):
-    """Axis frames and TCP in the workpiece frame.
-
-    rotations : (q, m, 3, 3) R_k; origins : (q, m, 3) m; tcp : (m, 3) m; tool : (m, 3, 3) R_t, of the tool
-    """
-
-    rotations: Array
-    origins: Array
-    tcp: Array
-    tool: Array
-
-    @property
-    def stem(self) -> Array:
-        """Unit vectors from the tip of the tool to the spindle, (m, 3)."""
-        return self.tool[:, :, 2]
-
-
 class SmallMotions(NamedTuple):
     """The error motion of each axis frame at each pose, in the axis frame.
 
@@ -98,14 +80,7 @@ class SmallMotions(NamedTuple):
 
 def frames(machine: Machine, poses: Array) -> Frames:
     """Return the nominal axis frames and TCP.  poses : (m, q) m or rad."""
-    motion = rigid.identity(len(poses))
-    rotations, origins = [], []
-    for axis, coordinate in zip(machine.axes, poses.T, strict=True):
-        motion = to_frame(axis, motion, coordinate, None)
-        rotations.append(motion.rotation)
-        origins.append(motion.translation)
-        motion = from_frame(axis, motion, coordinate, None)
-    return Frames(np.array(rotations), np.array(origins), motion.apply(tool_point(machine)), motion.rotation)
+    return chain(machine.axes, poses, tool_point(machine))
 
 
 def bed_in_workpiece(machine: Machine, poses: Array) -> Array:
@@ -160,28 +135,3 @@ def turn_between(before: Array, after: Array) -> Array:
 def tool_point(machine: Machine) -> Array:
     """Return the TCP in the frame of the spindle nose, (3,) m."""
     return np.array([0.0, 0.0, -machine.tool])
-
-
-def to_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
-    """Return the motion up to the frame of an axis.  tilt : (m, 3, 3) of the direction of travel, None for none"""
-    if axis.rotary:
-        motion = motion.shifted(np.array(axis.origin))
-        return motion.then(_turn(axis, coordinate)) if axis.workpiece_side else motion
-    return motion if axis.workpiece_side else motion.shifted(_travel(axis, coordinate, tilt))
-
-
-def from_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
-    """Return the motion from the frame of an axis to that of the next one; arguments as for `to_frame`."""
-    if axis.rotary:
-        motion = motion if axis.workpiece_side else motion.then(_turn(axis, coordinate))
-        return motion.shifted(-np.array(axis.origin))
-    return motion.shifted(_travel(axis, coordinate, tilt)) if axis.workpiece_side else motion
-
-
-def _travel(axis: Axis, coordinate: Array, tilt: Array | None) -> Array:
-    straight = np.outer(coordinate, axis.direction)
-    return straight if tilt is None else np.einsum("mij,mj->mi", tilt, straight)
-
-
-def _turn(axis: Axis, coordinate: Array) -> Array:
-    return rigid.turned_about(np.array(axis.direction), coordinate)

@@ -26,8 +26,10 @@ from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import SmallMotions, from_frame, to_frame, tool_point
-from axiscal.numerics import Array, rigid
+from axiscal.machine.kinematics import SmallMotions, tool_point
+from axiscal.numerics import Array
+from axiscal_core import rigid
+from axiscal_core.axes import from_frame, to_frame
 
 
 class MotionEffects(NamedTuple):

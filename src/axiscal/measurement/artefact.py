@@ -16,8 +16,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.numerics import Array, rigid
+from axiscal.numerics import Array
 from axiscal.units import format_quantity
+from axiscal_core import rigid
 
 Vector = tuple[float, float, float]
 PLACED, TURNED, SCALE, CONE = 1e-3, 1e-3, 0.5e-6, float(np.radians(100.0))

@@ -19,8 +19,9 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import touching_sides
 from axiscal.measurement.travel import feet_of
-from axiscal.numerics import Array, even_points, even_subset
+from axiscal.numerics import Array, even_subset
 from axiscal.numerics.remembered import remembered
+from axiscal_core.points import even_points
 
 _COINCIDE = 1e-12
 """Knots and edges of cells so close together, in lengths of travel, are one: they differ by rounding."""

@@ -20,6 +20,7 @@ class Instrument:
     unknowns : what each new mounting leaves open, with prior standard deviations
     setup_time, settle, reading_time : s
     wanders : std of the rate of its zero, m/s or rad/s: as a rule, and where machine and instrument are warm
+    display : whether a person reads a display that follows the tool, so that a jog shows on it
     """
 
     name: str
@@ -30,6 +31,7 @@ class Instrument:
     settle: float
     reading_time: float
     wanders: tuple[float, float]
+    display: bool = False
 
 
 def _open(names: Sequence[str], std: float) -> tuple[Unknown, ...]:
@@ -53,11 +55,11 @@ INSTRUMENTS: Mapping[str, Instrument] = MappingProxyType(
     {
         instrument.name: instrument
         for instrument in (
-            Instrument("interferometer", Displacement(), 0.3e-6, (_ZERO,), 1800.0, 1.0, 3.0, _LASER),
-            Instrument("indicator", Displacement(), 1.0e-6, (_ZERO,), 600.0, 1.0, 5.0, _GAUGE),
+            Instrument("interferometer", Displacement(), 0.3e-6, (_ZERO,), 1800.0, 1.0, 3.0, _LASER, display=True),
+            Instrument("indicator", Displacement(), 1.0e-6, (_ZERO,), 600.0, 1.0, 5.0, _GAUGE, display=True),
             Instrument("probe", Displacement(), 1.0e-6, (_ZERO,), 600.0, 0.5, 6.0, _GAUGE),
             Instrument(LENGTH, Displacement(), 20e-6, (_LOOSE,), 120.0, 0.0, 20.0, (0.0, 0.0)),
-            Instrument("straightedge", Displacement(), 1.0e-6, (_ZERO, _SLOPE), 1200.0, 1.0, 5.0, _GAUGE),
+            Instrument("straightedge", Displacement(), 1.0e-6, (_ZERO, _SLOPE), 1200.0, 1.0, 5.0, _GAUGE, display=True),
             Instrument("level", Rotation(), 2.0e-6, (_ZERO,), 300.0, 5.0, 5.0, _INCLINED),
             Instrument("autocollimator", Rotation(), 0.5e-6, (_ZERO,), 1800.0, 1.0, 3.0, _INCLINED),
             Instrument("ballbar", Distance(), 0.5e-6, (_ZERO, *_CUP, *_CARRIED), 900.0, 0.5, 1.0, _GAUGE),

@@ -40,7 +40,7 @@ from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import belongs
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import unique_root
+from axiscal_core.eigen import unique_root
 
 _LAYOUT = {"error": TEXT, "position": LENGTHS + ANGLES, "value": LENGTHS + ANGLES}
 

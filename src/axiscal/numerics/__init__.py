@@ -1,6 +1,6 @@
 """Arrays in, arrays out; nothing here knows of machines.
 
-Points spread evenly in a cube of any dimension, the same ones every time; and few that stand for many.
+Few points that stand for many.
 """
 
 from __future__ import annotations
@@ -9,20 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-
-
-def even_points(count: int, dimensions: int) -> Array:
-    """Return points spread evenly in the unit cube, (count, dimensions): multiples of the roots of x^{d+1} = x + 1.
-
-    The additive recurrence whose discrepancy stays low at every length; one dimension gives midpoints.
-    """
-    if dimensions <= 1:
-        return ((np.arange(count) + 0.5) / max(count, 1))[:, None][:, :dimensions]
-    ratio = 2.0
-    for _ in range(64):
-        ratio = (1.0 + ratio) ** (1.0 / (dimensions + 1))
-    steps = ratio ** -np.arange(1.0, dimensions + 1)
-    return (0.5 + np.outer(np.arange(1, count + 1), steps)) % 1.0
 
 
 def even_subset(points: Array, count: int) -> NDArray[np.intp]:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.numerics import Array
-from axiscal.numerics.line import nodes
+from axiscal_core.roots import nodes
 
 Boxes = tuple[Array, ...]
 """What is known of many boxes: arrays (b, ...), of which each has one row."""

@@ -13,16 +13,12 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import CovarianceError
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import solution, triangle_over
+from axiscal_core.from_scipy import solution, triangle_over
 
 _SYMMETRY = 1e-9
 """Rounding of a correlation that was computed elsewhere; what is no rounding is larger."""
 _NEGATIVE = 1e-10
 """Rounding of an eigenvalue, times the size; what is no rounding is larger."""
-_EQUAL = 1e-8
-"""Eigenvalues that differ by a smaller share are equal: rounding turns their eigenvectors."""
-_NEAR = 1e-6
-"""Entries of an eigenvector that differ by a smaller share are equally large: rounding decides which is larger."""
 _EPS = float(np.finfo(np.float64).eps)
 
 
@@ -123,35 +119,3 @@ def condition(
     triangle = triangle_over(np.append(np.ones(size), 0.0), told)[:size]
     after = solution(triangle[:, :size].T, root.T).T
     return Conditioned(after, mean + after @ triangle[:, size], expected, variance, losses)
-
-
-def unique_root(covariance: Array) -> Array:
-    """Return F (..., n, n) with F Fᵀ a covariance of any rank; negative eigenvalues count as zero.
-
-    F is the symmetric root of the correlation matrix times the standard deviations. Eigenvectors alone would leave
-    their signs, and turns among equal eigenvalues, to the BLAS at hand: one seed would draw another machine there.
-    """
-    std = np.sqrt(np.maximum(np.diagonal(covariance, axis1=-2, axis2=-1), 0.0))
-    scale = np.where(std > 0, std, 1.0)
-    values, vectors = np.linalg.eigh(covariance / scale[..., :, None] / scale[..., None, :])
-    half = vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :]
-    root: Array = scale[..., :, None] * (half @ np.swapaxes(vectors, -1, -2))
-    return root
-
-
-def settled(values: Array, vectors: Array) -> Array:
-    """Return eigenvectors whose signs are settled, and their turn where eigenvalues are equal, (n, k).
-
-    values : (k,), in order; vectors : (n, k), orthonormal
-    The first vector of equal ones is the projection of that unit vector which is nearest to all of them, and so on.
-    """
-    apart = np.abs(np.diff(values)) > _EQUAL * np.abs(values[1:]) + 4 * len(vectors) * _EPS * np.max(np.abs(values))
-    found = np.empty_like(vectors)
-    for part in np.split(np.arange(len(values)), 1 + np.flatnonzero(apart)):
-        left = vectors[:, part]
-        for column in part:
-            lengths = np.linalg.norm(left, axis=1)
-            nearest = np.argmax(lengths > (1 - _NEAR) * lengths.max())  # the first one where several are as near
-            found[:, column] = left @ left[nearest] / lengths[nearest]
-            left = left - np.outer(found[:, column], found[:, column] @ left)
-    return found

@@ -1,53 +1,17 @@
-"""Functions of an axis that repeat with a period, and functions that step at joints, as splines with breaks.
+"""Functions that step at joints, as splines with breaks: straight between them, and their rows sum to one.
 
-Between breaks both are cubic (or straight), and their rows sum to one. So all that is exact for a spline is exact for
-them: integrals over quadrature of the breaks, lines of a gain, certified steps.
+So all that is exact for a spline is exact for them: integrals over quadrature of the breaks, lines of a gain.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import CyclicSpline, Integrated, even_knots
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Repeated(Integrated):
-    """A cyclic cubic spline over one period, again and again: S(t) = S(t + period).
-
-    start, stop : the stretch, m or rad; period : m or rad; size : control values in a period, 3 or more
-    Eight of them follow a sine within 1.2 thousandths of it.
-    """
-
-    start: float
-    stop: float
-    period: float
-    size: int
-    _one: CyclicSpline = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        one = CyclicSpline(even_knots(self.start, self.start + self.period, self.size + 1))
-        object.__setattr__(self, "_one", one)
-
-    @property
-    def knots(self) -> Array:
-        """All breaks within the stretch, both ends included, (n,)."""
-        step = self.period / self.size
-        inside = self.start + step * np.arange(1, np.ceil((self.stop - self.start) / step - 1e-9))
-        return np.concatenate([[self.start], inside, [self.stop]])
-
-    @property
-    def control_positions(self) -> Array:
-        """Positions of the control values in the first period, (size,)."""
-        return self._one.control_positions
-
-    def rows(self, t: ArrayLike, derivative: int = 0) -> Array:
-        """Return m(t)ᵀ, or its derivative of order 0 to 3: (m, size).  Raises ShapeError."""
-        return self._one.rows(t, derivative)
+from axiscal_core.splines import Integrated
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,4 +1,4 @@
-"""The set-ups that would bring a target which no reading of a campaign can reach, and what they take."""
+"""The rows that set-ups can show, and those that would bring a target which no reading of a campaign can reach."""
 
 from __future__ import annotations
 
@@ -9,15 +9,17 @@ from functools import partial
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.stated_type_b import lacks_temperature
-from axiscal.description.target import Target
+from axiscal.description.target import RowName, Target, Want, rows_of
 from axiscal.description.type_b import MEASURED_TEMPERATURE, TEMPERATURE
 from axiscal.estimation.case import Case
+from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.known_rows import known_rows
 from axiscal.exceptions import InputError, PlanError
 from axiscal.language.spoken import joined, put, quoted, said
 from axiscal.machine import Machine
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.setup import Setup
+from axiscal.numerics.remembered import Memo
 from axiscal.planning.enough import enough, goal_of, reached_by
 from axiscal.planning.next_readings import posed
 from axiscal.planning.other_readings import with_rooms
@@ -34,6 +36,8 @@ _NEARER = 0.9
 """Share of what was missed: set-ups that leave more of it are not worth a word."""
 _OF_TOOL = 5e-6
 """m: a presetter, or the master ball of the instrument, shows as much of the place of what is in the spindle."""
+_SHOWN = Memo(32)
+"""Rows that set-ups can show, by the texts of campaign and machine: a page asks for those of each instrument again."""
 _CANDIDATES = 400
 """Enough for the readings and minutes of a plan that is only told."""
 
@@ -52,6 +56,17 @@ class Helping:
     reached: bool
     measured: bool = False
     tool: bool = False
+
+
+def rows_shown(description: CampaignDescription) -> tuple[RowName, ...]:
+    """Return the rows that endless readings of a campaign's set-ups would measure."""
+
+    def shown() -> tuple[RowName, ...]:
+        target = replace(description.target, wants=tuple(Want(row) for row in rows_of(description.machine)))
+        case = case_of(replace(description, target=target))
+        return tuple(row.row for row in known_rows(case, case.knowledge, ()) if row.reachable)
+
+    return _SHOWN.answer((description.text, description.machine.text), shown)
 
 
 def helping_setups(case: Case, target: Target) -> Helping | None:

@@ -27,7 +27,6 @@ from axiscal.language.stages import stage
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.enough import enough, goal_of, roughly
 from axiscal.planning.other_readings import (
     columns_of,
@@ -43,6 +42,7 @@ from axiscal.planning.plan.order import in_order, seconds_along
 from axiscal.planning.plan.plan import MANY, Plan, make_plan, renewed
 from axiscal.planning.plan.task import PATIENCE, Goal, Limits, Task
 from axiscal.record.events import Asked, Gap
+from axiscal_core.threads import one_thread
 
 CANDIDATES = 2000
 """Places that a plan chooses from; beyond, readings are brought to the best places between them anyway."""

@@ -19,10 +19,9 @@ from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import listed, put, said
-from axiscal.measurement.reading import Place, reading_unit
+from axiscal.measurement.reading import Place, Places, reading_unit
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.travel import reading_seconds
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.bound.lower_bound import prove
 from axiscal.planning.bound.relaxation import Relaxation
 from axiscal.planning.enough import enough, reached
@@ -38,6 +37,7 @@ from axiscal.planning.plan.tour import retoured
 from axiscal.planning.promise import asked, foreseen
 from axiscal.planning.step.ground import regions
 from axiscal.units import format_quantity, said_quantity, to_unit
+from axiscal_core.threads import one_thread
 
 _NAMED = 3
 """Sentences that are read; the others would repeat them."""
@@ -229,12 +229,11 @@ class Bought(NamedTuple):
 
 
 @one_thread()
-def bought(case: Case, proposal: Proposal, candidates: int) -> tuple[Bought, ...]:
+def bought(case: Case, places: Places, seconds: float, candidates: int = CANDIDATES) -> tuple[Bought, ...]:
     """Return what a quarter of the time of a plan up to twice as much buys; none where it has no readings.
 
-    candidates : places that the plan was chosen from
+    places, seconds : of the plan; candidates : places that it was chosen from
     """
-    places, seconds = proposal.plan.places, proposal.plan.seconds
     task = posed(case, case.knowledge, candidates=candidates).coarse
     setups = tuple(np.unique(places.setups).tolist())
     found = list[Bought]()

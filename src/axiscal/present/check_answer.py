@@ -218,10 +218,15 @@ def check_plan(check: Check, places: Places) -> tuple[dict[str, object], list[st
 
 def check_screen(answer: CheckAnswer) -> list[str]:
     """Return what was judged in so few lines that a screen holds them, next to what comes next."""
-    lines = [shown for line in [*_judged(answer), *_unchecked(answer)] for shown in wrapped(line)]
+    lines = [shown for line in check_sentences(answer) for shown in wrapped(line)]
     if len(lines) <= _LINES:
         return lines
     return [*lines[: _LINES - 1], said("The rest: --details.")]
+
+
+def check_sentences(answer: CheckAnswer) -> list[str]:
+    """Return what was judged, the verdict first, and what was not checked."""
+    return [*_judged(answer), *_unchecked(answer)]
 
 
 def _judged(answer: CheckAnswer) -> list[str]:
@@ -264,8 +269,7 @@ def check_details(answer: CheckAnswer) -> list[str]:
         "be expected over the volume."
     )
     return [
-        *_judged(answer),
-        *_unchecked(answer),
+        *check_sentences(answer),
         said(proved, decision=said(_PROVED[answer.decision]), u=answer.U_um, promised=answer.expected_um),
         said(
             "Read by {person} from {source}. In force by the control: {names}.",

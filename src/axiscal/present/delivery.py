@@ -15,7 +15,6 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import said, speaking
 from axiscal.language.stages import stage
-from axiscal.numerics.threads import one_thread
 from axiscal.present.result_document import EFFECT, READINGS, readings_csv, result_json
 from axiscal.present.result_set import RECORD, result_set, write_manifest
 from axiscal.present.statement import NOT_KNOWN
@@ -25,6 +24,7 @@ from axiscal.present.whose_language import named_language
 from axiscal.tables import registry
 from axiscal.tables.offer import Export, effect_sentence
 from axiscal.units import to_unit
+from axiscal_core.threads import one_thread
 
 _ALWAYS = "csv"
 """What every finished campaign gets beside the files for its own controls; `axiscal export` makes others."""
@@ -119,6 +119,7 @@ def introduced(offered: Export, warnings: Sequence[str], agreement: str, record:
     agreement : whether the readings agree, "" before the first
     """
     origin = "" if record is None else f"From the record {record.file} at event {record.event}: {record.hash}\n"
+    origin += "" if record is None or not record.signed else f"{record.signed}\n"
     before = origin + (f"{agreement}.\n" if agreement else "")
     text = offered.readme.replace("\nThese files hold ", f"\n{before}These files hold ", 1)
     if warnings:

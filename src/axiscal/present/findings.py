@@ -26,7 +26,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.usual import Kind
 from axiscal.errors.gauge import undescribed
 from axiscal.errors.iso230 import words
 from axiscal.estimation.agreement_words import STRANGE, farthest, membership_words
@@ -44,6 +43,7 @@ from axiscal.numerics import Array
 from axiscal.present.beside import beside_the_tool
 from axiscal.present.summary import Finding
 from axiscal.units import format_quantity, said_quantity, to_unit
+from axiscal_core.theta import Kind
 
 _RARELY = 1e-2
 """Of displays as coarse as may be and curves that stay where they show the same, one in a hundred; hardly any other."""

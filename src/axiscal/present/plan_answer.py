@@ -33,15 +33,15 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_rows
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Place, shown_approach, shown_pose
-from axiscal.measurement.reading_rows import blank_readings
-from axiscal.numerics.threads import one_thread
+from axiscal.measurement.reading_rows import blank_readings, places_of
 from axiscal.planning.helping import helping_setups
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import Blank, alike, blank_problem, unseen_parts
-from axiscal.planning.proposal import Bought, Proposal
+from axiscal.planning.proposal import Bought, Proposal, bought
 from axiscal.units import to_unit
+from axiscal_core.threads import one_thread
 
 _MOSTLY, _NOUGHT = 0.5, 1e-30
 """Of the variance; no division by nought."""
@@ -109,7 +109,7 @@ def plan_answer(
     begin: list[StepCode] = ["start"] if ends else ["target", "start"]
     answer = _planned(case, places, lambda count: plan.readings[count - 1].seconds if count else 0.0, limits, begin)
     return PlanAnswer(
-        **{**dict(answer), "bought": [_bought(each) for each in buys]},
+        **{**dict(answer), "bought": _bought(buys)},
         criterion=case.description.target.criterion,
         points=list(_points(case, places, plan)),
         units={axis.name: axis.unit for axis in case.description.machine.axes},
@@ -128,12 +128,6 @@ def plan_answer(
     )
 
 
-def _bought(buys: Bought) -> BoughtAccuracy:
-    return BoughtAccuracy(
-        minutes=to_unit(buys.seconds, "min"), expanded_um=to_unit(buys.expanded, "um"), mark=buys.mark
-    )
-
-
 @one_thread()
 def coming_answer(campaign: Campaign) -> PlannedAnswer | None:
     """Return what is known after the readings to come of a campaign that has none yet; None after its first."""
@@ -143,6 +137,20 @@ def coming_answer(campaign: Campaign) -> PlannedAnswer | None:
     target = case.description.target
     limits = Limits(readings=target.readings, budget=target.budget)
     return _planned(case, places, lambda count: campaign.seconds(places[:count]), limits, ["measure"])
+
+
+def minutes_curve(campaign: Campaign) -> list[BoughtAccuracy]:
+    """Return what other minutes than those of the readings to come buy; nothing where none come."""
+    coming, setups = campaign.state.coming, campaign.description.setups
+    places = places_of(setups, blank_readings(setups, coming))
+    return _bought(bought(campaign.estimate().case, places, campaign.seconds(coming)))
+
+
+def _bought(buys: Sequence[Bought]) -> list[BoughtAccuracy]:
+    return [
+        BoughtAccuracy(minutes=to_unit(each.seconds, "min"), expanded_um=to_unit(each.expanded, "um"), mark=each.mark)
+        for each in buys
+    ]
 
 
 def _planned(

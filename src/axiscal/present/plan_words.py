@@ -175,10 +175,10 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
 
 
 def _curve(bought: Sequence[BoughtAccuracy]) -> str:
-    """Return what minutes buy as a small picture, a bar for each, the highest the largest U; "" for none."""
-    if not bought:
+    """Return what minutes buy as a small picture, a bar for each, the highest the largest U; "" where U is nought."""
+    most, tops = max((each.expanded_um for each in bought), default=0.0), len(_BARS) - 1
+    if not most:
         return ""
-    most, tops = max(each.expanded_um for each in bought), len(_BARS) - 1
     bars = "".join(_BARS[round(tops * each.expanded_um / most)] for each in bought)
     marks = [
         put("{minutes:.3g} min ± {u}", minutes=each.minutes, u=um_text(each.expanded_um))

@@ -19,7 +19,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
-from axiscal.document.durable import drafts_left, exchanged, sync_folder, written
+from axiscal.document.durable import drafts_left, exchanged, sync_folder, write_whole
 from axiscal.present.summary import RecordState
 from axiscal.record.signing import signature
 
@@ -90,7 +90,7 @@ def write_manifest(
     }
     if (by := signature(document)) is not None:
         document["signed"] = by._asdict()
-    written(folder / name, (json.dumps(document, indent=2, ensure_ascii=False) + "\n").encode())
+    write_whole(folder / name, (json.dumps(document, indent=2, ensure_ascii=False) + "\n").encode())
 
 
 def _holds_nothing_else(folder: Path, manifest: str) -> bool:

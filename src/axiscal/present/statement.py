@@ -92,7 +92,8 @@ def _source(row: BudgetRow) -> list[str]:
 def answered(summary: Summary) -> AnswerText:
     """Return the answer of a report in words."""
     record = RECORD if summary.record is None or summary.tables else summary.record.file  # with tables come copies
-    return answer_text(summary.answer, summary.agreement_words, record)
+    signed = "" if summary.record is None else summary.record.signed
+    return answer_text(summary.answer, summary.agreement_words, record, evidence=signed)
 
 
 def _figures(summary: Summary) -> Iterator[tuple[str, str]]:

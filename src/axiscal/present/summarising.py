@@ -18,6 +18,7 @@ from axiscal.answers.answer import ResultAnswer, TablesChecked
 from axiscal.answers.answer_of_campaign import answer_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text, reaches
+from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import CampaignDescription, Equipment
 from axiscal.description.type_b import Distribution
@@ -45,7 +46,6 @@ from axiscal.measurement.reading import (
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
-from axiscal.numerics.ties import ALIKE, ranked
 from axiscal.present.curves import constants, curves
 from axiscal.present.drawn_by_standards import ball_bar_circles, positioning_curves
 from axiscal.present.findings import findings, observability
@@ -65,6 +65,7 @@ from axiscal.present.summary import (
 from axiscal.present.volume_error import bent_volume, planes, volume_error
 from axiscal.tables.offer import Export
 from axiscal.units import said_quantity, to_unit
+from axiscal_core.ties import ALIKE, ranked
 
 _FEWEST_TARGETS, _FEWEST_RUNS = 5, 2
 """ISO 230-2 asks for five targets at least; a standard deviation needs two runs."""
@@ -271,7 +272,7 @@ def _checksums(campaign: Campaign) -> dict[str, str]:
 
 def record_state(campaign: Campaign) -> RecordState:
     """Return from which state of which record figures and tables are made."""
-    return RecordState(campaign.path.name, campaign.state.last, campaign.state.name)
+    return RecordState(campaign.path.name, campaign.state.last, campaign.state.name, evidence_words(campaign))
 
 
 def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:

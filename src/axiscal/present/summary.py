@@ -183,11 +183,15 @@ class BudgetRow:
 
 @dataclass(frozen=True, slots=True)
 class RecordState:
-    """What all figures come from: a record's file, the number of its last event, the hash up to there."""
+    """What all figures come from: a record's file, the number of its last event, the hash up to there.
+
+    signed : who answers for it, in a sentence, "" for nobody
+    """
 
     file: str
     event: int
     hash: str
+    signed: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from pathlib import Path
 from typing import Self
 
@@ -12,7 +13,6 @@ from numpy.typing import ArrayLike
 from axiscal.description.file_readings import file_readings
 from axiscal.document.ports import ours
 from axiscal.errors.model import ErrorFunction
-from axiscal.errors.prior import matern
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.estimate import in_detail
@@ -26,18 +26,16 @@ from axiscal.exceptions import ReadingError, ShapeError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
-from axiscal.numerics import Array
-from axiscal.numerics.cubic import NaturalSpline, Spline, even_knots
-from axiscal.numerics.line import largest_along
 from axiscal.present.delivery import write_files
 from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, line_trace
 from axiscal.python.measured_case import FILL, HEIGHT, LINE, Case, NotebookPicture, Quantity, html_table, si
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.units import format_quantity, to_unit
+from axiscal_core import curve as alone
+from axiscal_core.normal import Normal
+from axiscal_core.splines import Spline
 
-_NODES = 7
-"""N and D of a reading's gain are squares of cubics between two knots, of degree 6 (B&H eq. 23)."""
 _SHOWN = 201
 """Points of a drawn line: more than a page has pixels for its bends."""
 
@@ -47,19 +45,15 @@ class Curve:
 
     travel : its two ends; std : of its values before any reading; length : over which they are alike, None for
         independent control values; knots : how many, evenly spaced
-    raises UnitError, KnotError
+    raises UnitError, axiscal_core.InputError
     """
 
     def __init__(
         self, travel: Sequence[Quantity], std: Quantity, length: Quantity | None = None, knots: int = 7
     ) -> None:
-        start, stop = (si(end, "length") for end in travel)
-        self.spline: Spline = NaturalSpline(even_knots(start, stop, knots))
-        at, size = self.spline.control_positions, si(std, "length")
-        apart = np.abs(at[:, None] - at)
-        alike = np.eye(len(at)) if length is None else matern(apart / si(length, "length"))
-        self.name, self.belief, self.rest = "curve", Belief(np.zeros(len(at)), size**2 * alike), 0.0
-        self.unit, self.position_unit = "um", "mm"
+        over = None if length is None else si(length, "length")
+        self._known = alone.Curve([si(end, "length") for end in travel], si(std, "length"), knots, over)
+        self.name, self.rest, self.unit, self.position_unit = "curve", 0.0, "um", "mm"
 
     @classmethod
     def of(
@@ -71,31 +65,33 @@ class Curve:
         unit, position_unit : in which it is shown
         """
         curve = cls.__new__(cls)
-        curve.name, curve.spline, curve.belief, curve.rest = name, spline, belief, rest
-        curve.unit, curve.position_unit = unit, position_unit
+        known = alone.Curve.of(spline, Normal(belief.mean, belief.covariance))
+        curve._known, curve.name, curve.rest, curve.unit, curve.position_unit = known, name, rest, unit, position_unit
         return curve
+
+    @property
+    def spline(self) -> Spline:
+        """The spline."""
+        return self._known.spline
+
+    @property
+    def belief(self) -> Belief:
+        """What is known of its control values."""
+        return Belief(self._known.known.mean, self._known.known.covariance)
 
     def __call__(self, t: ArrayLike) -> Band:
         """Return mean and standard deviation at positions t, m or rad: a number, or (m,)."""
-        known = self.belief.predict(self.spline.rows(np.atleast_1d(np.asarray(t, dtype=np.float64))))
+        known = self._known.known.through(self.spline.rows(t))
         return Band(known.mean, np.hypot(known.std, self.rest))
 
     @property
     def rms(self) -> float:
         """The root of the mean variance over the travel, rest included (B&H eq. 26), m or rad."""
-        weight = self._weight
-        return float(np.sqrt(np.sum((weight @ self.belief.factor) ** 2) + self.rest**2))
+        return float(np.hypot(self._known.rms, self.rest))
 
     def next(self, noise: Quantity) -> float:
         """Return where a reading lets the mean variance over the travel fall most, exactly (B&H eq. 27), m or rad."""
-        knots, factor = self.spline.knots, self.belief.factor
-        weighted, variance = self._weight @ factor, si(noise, "length") ** 2
-
-        def forms(places: Array) -> tuple[Array, Array]:
-            along = self.spline.rows(places[:, 0]) @ factor
-            return np.sum((along @ weighted.T) ** 2, axis=1), variance + np.sum(along**2, axis=1)
-
-        return largest_along(forms, np.column_stack([knots[:-1], knots[1:]]), _NODES)[0]
+        return self._known.next(si(noise, "length"))
 
     def read(self, t: Quantity, value: Quantity, noise: Quantity) -> Self:
         """Return the curve after a reading at t; raises ShapeError for one of an estimate, which has its readings.
@@ -104,9 +100,10 @@ class Curve:
         """
         if self.rest > 0:
             raise ShapeError(f"{self.name} has a rest that readings share; give its readings to `ac.estimate`")
-        row = self.spline.rows(np.array([si(t, "length")]))
-        belief = self.belief.update(row, [si(value, "length")], [si(noise, "length") ** 2])
-        return self.of(self.name, self.spline, belief)
+        at, read, std = (si(each, "length") for each in (t, value, noise))
+        after = copy(self)
+        after._known = self._known.read(at, read, std)
+        return after
 
     def plot(self) -> NotebookPicture:
         """Return a picture: mean, and the band that holds it with 95 %."""
@@ -121,12 +118,6 @@ class Curve:
         axes = axis_style(f"position, {self.position_unit}"), axis_style(f"{self.name}, {self.unit}")
         data = [band(x, middle, half, FILL), line_trace(x, middle, LINE, 1.5)]
         return {"name": self.name, "data": data, "layout": layout(*axes, HEIGHT)}
-
-    @property
-    def _weight(self) -> Array:
-        """V with VᵀV the mean of mᵀm over the travel."""
-        low, high = self.spline.knots[0], self.spline.knots[-1]
-        return np.linalg.cholesky(self.spline.gram() / (high - low)).T
 
     def __repr__(self) -> str:
         low, high = (to_unit(float(end), self.position_unit) for end in self.spline.knots[[0, -1]])

@@ -6,6 +6,7 @@ Where a record is kept follows from its name: a file, or, as "store:NAME", the s
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from axiscal.record.events import Created, Recorded
 from axiscal.record.line_form import EventText
 from axiscal.record.log import STORED, EventLog, in_one
 from axiscal.record.payload import encode
-from axiscal.record.store import Record, content_of, record_errors
+from axiscal.record.store import Record, content_of, record_errors, refuse_existing
 
 _DATABASE, _SERVER_LOG = "ports.postgres.database:opened_database", "ports.postgres.server_log:ServerLog"
 
@@ -53,7 +54,26 @@ def _name(path: str | Path) -> str:
     name = str(path).removeprefix(STORED)
     if not name.strip():
         raise RecordError("No campaign of the store is named", "Name one: store:NAME", path)
+    refuse_unfit(name, path)
     return name
+
+
+_NO_FILE = re.compile(r'[/\\:*?"<>|]|^[-. ]|[. ]$|^(con|prn|aux|nul|com\d|lpt\d)(\.|$)', re.IGNORECASE)
+"""What no name of a file may have, on one system or another, or what a command takes for an option."""
+_LONGEST = 100
+"""Letters of a name: the file beside it has more, and most file systems take 255 bytes."""
+
+
+def unfit(name: str) -> bool:
+    """Return whether a name is no name of a file on every system."""
+    return not 0 < len(name) <= _LONGEST or not name.isprintable() or _NO_FILE.search(name) is not None
+
+
+def refuse_unfit(name: str, path: str | Path) -> None:
+    """Raise RecordError for a name of a campaign of a store that is no name of a file on every system."""
+    if unfit(name):
+        remedy = "Use up to {most} letters, digits, blanks, _ - and . between; what is there already goes by its id"
+        raise RecordError("A campaign of the store cannot have this name", remedy, path, most=_LONGEST)
 
 
 def is_store(named: Path) -> bool:
@@ -93,6 +113,17 @@ def write_copy(log: EventLog, path: Path) -> None:
     refuse_other(log, path)
     with record_errors(path):
         write_whole(path, content_of(in_one([text.row for text in log.texts()]))[0])
+
+
+def end_at(path: Path, last: int) -> Path:
+    """Let a record end at an event, and return where all of it stays, beside; raises RecordError."""
+    kept = path.with_name(f"{path.stem}-whole{path.suffix}")
+    refuse_existing(kept)
+    with Record.open(path) as record, record_errors(path):
+        rows = [text.row for text in record.texts()[:last]]
+        write_whole(kept, path.read_bytes())
+        write_whole(path, content_of(in_one(rows))[0])
+    return kept
 
 
 def refuse_other(log: EventLog, path: Path) -> None:

@@ -23,16 +23,19 @@ MARKS = (BLOCK, 2 * BLOCK)
 """Where they stand: a block for each behind that of the head."""
 START = 3 * BLOCK
 """Where the lines begin."""
-FORM = 2
-"""This one."""
+FORM = 3
+"""This one. In the second the head had no guard; all else is the same, and such records go on as they are."""
 MARK = 160
 """Bytes of a mark: some 130 with the largest numbers there will be."""
 MOST_TORN = 1 << 26
 """Bytes that are looked at behind marks of which one is torn: of one transaction, the largest of which has a tenth."""
 _SUM = 8
 """Hex digits of a CRC-32."""
-_LINE = re.compile(rb"[0-9a-f]{64} [^\n]*\n")
-_HEAD = re.compile(rb"axiscal record (\d{1,9}) ([0-9a-f]{8})\n")
+_LINE = re.compile(rb"[0-9a-f]{64} [^\n]*\n?")
+_MARK = re.compile(rb"mark \d{1,18} \d{1,18} \d{1,18} [0-9a-f]{64} [0-9a-f]{8}")
+_GUARD = b"\x89\r\n\x1a\n\0\n"
+"""Against text mode, as PNG has it: what changes line ends changes this, and a NUL tells editors that it is no text."""
+_HEAD = re.compile(rb"(axiscal record (\d{1,9})) ([0-9a-f]{8})\r?\n")
 _WORDS = """
 The record of one calibration: what happened, event by event, oldest first; only ever added to.
 One line for each event from byte 12288 on: chain, time (UTC), kind, what happened (JSON), "." and a sum (CRC-32).
@@ -71,16 +74,28 @@ def _sum(text: bytes) -> bytes:
     return b"%08x" % zlib.crc32(text)
 
 
-def head() -> bytes:
-    """Return the first block of a record."""
-    title = b"axiscal record %d" % FORM
-    return (title + b" " + _sum(title) + b"\n" + _WORDS.encode()).ljust(BLOCK - 1) + b"\n"
+def head(form: int = FORM) -> bytes:
+    """Return the first block of a record; of an earlier form, too."""
+    title = b"axiscal record %d" % form
+    guard = _GUARD if form == FORM else b""
+    return (title + b" " + _sum(title) + b"\n" + guard + _WORDS.encode()).ljust(BLOCK - 1) + b"\n"
+
+
+HEADS = tuple(head(form) for form in (2, FORM))
+"""The heads of records that can be written to."""
 
 
 def form_of(start: bytes) -> int | None:
     """Return the form that the first bytes of a file name, None if they name none."""
     found = _HEAD.match(start)
-    return int(found[1]) if found and _sum(found[0][: -_SUM - 2]) == found[2] else None
+    return int(found[2]) if found and _sum(found[1]) == found[3] else None
+
+
+def taken_for_text(start: bytes) -> bool:
+    """Return whether line ends or blanks of a head were changed, as by an editor or a transfer in text mode."""
+    found = _HEAD.match(start)
+    guarded = found is None or int(found[2]) < FORM or start[found.end() :].startswith(_GUARD)
+    return found is not None and (found[0].endswith(b"\r\n") or not guarded or 16 * b" " not in start[:BLOCK])
 
 
 def mark_bytes(mark: Mark) -> bytes:
@@ -153,16 +168,22 @@ class WholeLine(NamedTuple):
 
 
 def whole_lines(content: bytes) -> Iterator[WholeLine]:
-    """Yield every line of a file that is as it was written, whatever stands before it."""
-    at = START
+    """Yield every line of a file that is as it was written, wherever it stands and whatever blanks and CR end it."""
+    at = 0
     while found := _LINE.search(content, at):
         try:
-            row, chain = _row(found[0], 0)
+            row, chain = _row(found[0].rstrip() + b"\n", 0)
         except DamageError:
             at = found.start() + 1
         else:
             at = found.end()
             yield WholeLine(found.start(), at, row, chain)
+
+
+def marks_in(content: bytes) -> list[Mark]:
+    """Return every mark of a file that is as it was written, wherever it stands, in order."""
+    texts = {found[0].ljust(MARK - 1) + b"\n" for found in _MARK.finditer(content)}
+    return sorted(mark for text in texts if isinstance(mark := read_mark(text), Mark))
 
 
 def damaged_row(line: bytes) -> EventText | None:

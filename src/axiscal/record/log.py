@@ -15,7 +15,7 @@ from uuid import UUID, uuid5
 from axiscal.document.durable import Closing
 from axiscal.document.quoting import shown
 from axiscal.exceptions import NewerError, OvertakenError, RecordError
-from axiscal.record.events import Event, EventOrderError, Folding, Newer, Signed, State, Stored
+from axiscal.record.events import Event, EventOrderError, Folding, Newer, Signed, State, Stored, fold
 from axiscal.record.line_form import DamageError, EventText, chained
 from axiscal.record.payload import PayloadError, decode, encode, hand_of
 from axiscal.record.signing import Hand, Signature, holds, key_file, own_hand, signature, what_is_signed
@@ -110,22 +110,33 @@ class EventLog(Closing):
 
 
 class SignedUntil(NamedTuple):
-    """The last signature of a log: the number of its event, whose it is, and whether it is of what stands before it."""
+    """How far a log is signed: the number of the event, whose it is, whether every signature is of what was before.
+
+    reading : the number of the last reading that stood then
+    """
 
     number: int
     by: Signature
     holds: bool
+    reading: int
 
 
 def signed_until(texts: Sequence[ChainedText]) -> SignedUntil | None:
-    """Return the last signature of a log, None where nobody has signed."""
-    for number in range(len(texts), 0, -1):
-        row = texts[number - 1].row
+    """Return the last signature of a log, or the first that does not hold; None where nobody has signed."""
+    found: SignedUntil | None = None
+    for number, text in enumerate(texts, 1):
+        row = text.row
         event = decode(row.kind, row.payload) if row.kind == "signed" else None
         if isinstance(event, Signed):
             by = Signature(*(hand_of(row.payload) or Hand("", "")), event.key, event.signature)
-            return SignedUntil(number, by, holds(_signable(row.at, texts[: number - 1]), by))
-    return None
+            found = SignedUntil(number, by, holds(_signable(row.at, texts[: number - 1]), by), 0)
+            if not found.holds:
+                break
+    if found is None:
+        return None
+    rows = (text.row for text in texts[: found.number])
+    readings = fold(Stored(n, row.at, decode(row.kind, row.payload)) for n, row in enumerate(rows, 1)).readings
+    return found._replace(reading=readings[-1].numbered(len(readings) - 1) if readings else 0)
 
 
 def _signable(at: str, texts: Sequence[ChainedText]) -> dict[str, object]:

@@ -10,6 +10,7 @@ the person's key certifies it (X.509, RFC 8410).
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 import getpass
 import hashlib
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ec import EllipticCurvePublicKey
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
 
-PERSON, KEY = "AXISCAL_PERSON", "AXISCAL_KEY"
-"""Variables of the environment: the name of who writes, and the file of the key."""
+PERSON, KEY, PEOPLE = "AXISCAL_PERSON", "AXISCAL_KEY", "AXISCAL_PEOPLE"
+"""Variables of the environment: the name of who writes, the file of the key, and that of the keys of people."""
 
 
 class Hand(NamedTuple):
@@ -62,6 +63,22 @@ def key_file() -> Path:
         return Path(named)
     folder = os.environ.get("XDG_CONFIG_HOME") or os.environ.get("APPDATA")
     return (Path(folder) if folder else Path.home() / ".config") / "axiscal" / "key.pem"
+
+
+def people_file() -> Path:
+    """Return where the keys of the people are that this one knows: lines of a public key in hex and a name."""
+    return Path(os.environ.get(PEOPLE) or key_file().with_name("people.txt"))
+
+
+def is_known(key: str) -> bool:
+    """Return whether a public key is this person's own, or of somebody in the file of people."""
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        if key in (line.split()[0].lower() for line in people_file().read_text("utf-8").splitlines() if line.strip()):
+            return True
+    with contextlib.suppress(RecordError):
+        own = _own_key()
+        return own is not None and own.public_key().public_bytes_raw().hex() == key
+    return False
 
 
 def make_key() -> None:

@@ -28,9 +28,11 @@ from axiscal.document.durable import (
 from axiscal.exceptions import NewerError, RecordError
 from axiscal.language.spoken import said
 from axiscal.record.events import Created
+from axiscal.record.lease import leave, take
 from axiscal.record.line_form import (
     BLOCK,
     FORM,
+    HEADS,
     MARK,
     MARKS,
     MOST_TORN,
@@ -43,6 +45,7 @@ from axiscal.record.line_form import (
     mark_bytes,
     read_mark,
     rows_after,
+    taken_for_text,
     transaction,
     whole_after,
 )
@@ -61,6 +64,7 @@ class Record(EventLog):
         super().__init__(path)
         self._handle, self._write = handle, write
         self._mark, self._older = Mark(), MARKS[0]
+        self._leased = False
 
     @classmethod
     def create(cls, path: str | Path, created: Created) -> Self:
@@ -116,6 +120,10 @@ class Record(EventLog):
         handle = self._handle
         if handle == _CLOSED or not self._write:
             raise RecordError("The record was opened to be read", "Open it to write", self.path)
+        with record_errors(self.path):
+            if self.path.exists() and take(self.path):
+                self._open_anew()
+            self._leased = True
         with record_errors(self.path), alone(handle, PATIENCE):
             if not (self.path.exists() and os.path.samestat(os.fstat(handle), os.stat(self.path))):
                 what = "The record is no longer here: it was moved, or another file was put in its place"
@@ -127,14 +135,43 @@ class Record(EventLog):
                 rows = in_one(rows)
                 content, mark = transaction(self._mark, rows)
                 story = self._story.then(rows, self.path)
+                other = MARKS[self._older == MARKS[0]]
+                newest = read_at(handle, other, MARK)
                 os.ftruncate(handle, self._mark.end)
                 write_at(handle, self._mark.end, content)
                 sync(handle)
                 write_at(handle, self._older, mark_bytes(mark))
                 sync(handle)
-                self._older = MARKS[self._older == MARKS[0]]
+                stands = {self._mark.end: content, self._older: mark_bytes(mark), other: newest}
+                if any(self._read_back(at, len(text)) != text for at, text in stands.items()):
+                    raise self._branched(rows, mark)
+                self._older = other
                 self._mark, self._story = mark, story
         return self._mark.last
+
+    def _open_anew(self) -> None:
+        """Let go of what the system remembers of the file: another computer may have written to it."""
+        anew = os.open(self.path, os.O_RDWR | getattr(os, "O_BINARY", 0))
+        if os.path.samestat(os.fstat(anew), os.fstat(self._handle)):
+            os.dup2(anew, self._handle)
+        os.close(anew)
+
+    def _read_back(self, at: int, size: int) -> bytes:
+        """Return what another opening of the file sees."""
+        anew = os.open(self.path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+        try:
+            return read_at(anew, at, size)
+        finally:
+            os.close(anew)
+
+    def _branched(self, rows: Sequence[EventText], mark: Mark) -> RecordError:
+        """Keep events beside a record that another computer writes to at the same place; return what to say."""
+        before = rows_after(Mark(), self._read_back(START, self._mark.end - START))
+        branch = self.path.with_name(f"{self.path.stem}-{mark.chain[:8]}.axiscal")
+        Record.made(branch, [*(row for row, _ in before), *rows]).close()
+        what = "Another computer has written at the same place; what was to be written is in {branch}"
+        remedy = "Let one computer write at a time. Take it over: axiscal shop adopt {path} {branch}"
+        return RecordError(what, remedy, self.path, branch=branch, path=self.path)
 
     def last(self) -> int:
         """Return the number of the last event, 0 if there is none."""
@@ -152,6 +189,8 @@ class Record(EventLog):
     def close(self) -> None:
         """Close the file; what was appended is safe without it."""
         if self._handle != _CLOSED:
+            if self._leased:
+                leave(self.path)
             os.close(self._handle)
             self._handle = _CLOSED
 
@@ -232,8 +271,10 @@ def _refuse_other_form(path: Path) -> None:
         what = "This record was written by a newer axiscal (form {form}; this one knows {known})"
         remedy = "Install the newer version to go on with it; nothing was changed"
         raise NewerError(what, remedy, path, form=form, known=FORM)
-    if start[:BLOCK] == head():
+    if start[:BLOCK] in HEADS:
         return
+    if taken_for_text(start):
+        raise DamageError("a program took it for text and changed line ends or blanks; salvage undoes that")
     if any(isinstance(read_mark(start[at:]), Mark) for at in MARKS):
         raise DamageError("its first lines are not as they were written")
     if start[:16] == b"SQLite format 3\0" and start[68:72] == b"AXIS":

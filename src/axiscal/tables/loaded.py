@@ -26,7 +26,7 @@ from axiscal.tables.table import CompensationTable
 from axiscal.tables.volumetric import SampledError, distinct, tip_control
 
 _SECTION = re.compile(r"^\s*\[\w+\]", re.MULTILINE)
-_JOINT = re.compile(r"(?:JOINT|AXIS)_(\d+)")
+_JOINT = re.compile(r"(?:JOINT|AXIS)_(\d{1,2})")
 _NAMED = re.compile(r"([A-Z][0-9]?)=(.+)")
 _OTHERS = re.compile(r"README\.txt|manifest.*\.json")
 """Files of an export that no control loads."""

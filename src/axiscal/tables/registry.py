@@ -15,11 +15,11 @@ from axiscal.exceptions import AxiscalError, Faults, TableError
 from axiscal.language.spoken import joined, later
 from axiscal.language.stages import stage
 from axiscal.machine.description import Machine
-from axiscal.numerics.threads import one_thread
 from axiscal.tables.exporter import Draft, Exporter, ExportOptions, asked_about, informed, on_top
 from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import Export, tried_out, tried_over_box
 from axiscal.tables.surface import Control
+from axiscal_core.threads import one_thread
 
 _ABSURD = 1.0
 """m or rad: no compensation is as large; any value above what a machine can be off by would do."""

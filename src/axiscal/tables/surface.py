@@ -25,10 +25,10 @@ from axiscal.machine.kinematics import frames, solved, turn_between
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import gauss
 from axiscal.tables.sampling import cross_tables, hats_along, knots_of
 from axiscal.tables.table import Hats
 from axiscal.units import format_quantity
+from axiscal_core.splines import gauss
 
 Sent = Callable[[Array, Array], Array]
 """(commands (m, q), approaches (m, q)) -> where the axes are sent, (m, q), m or rad."""

@@ -18,9 +18,9 @@ from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.machine.entry import AXIS_NAME
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import gauss
-from axiscal.numerics.from_scipy import sparse_product, sparse_solution
 from axiscal.units import format_quantity
+from axiscal_core.from_scipy import sparse_product, sparse_solution
+from axiscal_core.splines import gauss
 
 _CUBIC = np.linalg.pinv(np.vander(np.polynomial.legendre.leggauss(5)[0], 4, increasing=True))
 """Mathematics: from the values at five points of Gauss to the cubic's coefficients."""

@@ -21,10 +21,10 @@ from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.numerics.rigid import about
 from axiscal.tables.conditional import taken_by_rotor
 from axiscal.tables.surface import Control, Mesh, by_linear_axes, mesh_control
 from axiscal.units import from_unit, to_unit
+from axiscal_core.rigid import about
 
 KNOTS, MOTIONS = 96, 6
 """By the component's source: knots of an axis, error motions of an axis."""

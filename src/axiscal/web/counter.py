@@ -13,15 +13,15 @@ from concurrent.futures import Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from threading import Lock, get_ident
 from time import monotonic
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.language.spoken import said, speaking, spoken_now
 from axiscal.language.stages import Listener, Stage, listening, stage_text
-from axiscal.numerics.threads import one_thread
 from axiscal.web import shapes
 from axiscal.web.desk import Desk
+from axiscal_core.threads import one_thread
 
 _NEARLY = 0.5
 """s that work which is nearly done is waited for."""
@@ -30,8 +30,8 @@ LOOKS = 0.25
 _Result = TypeVar("_Result")
 
 
-class BrokenOffError(Exception):
-    """Work that was waiting when the record was closed."""
+def _overtaken() -> OvertakenError:
+    return OvertakenError("This was broken off", "Something newer is under way")
 
 
 class Counter:
@@ -44,6 +44,7 @@ class Counter:
         self._pool, self._language = ThreadPoolExecutor(1, thread_name_prefix="campaign"), spoken_now()
         self._lock, self._closing = Lock(), False
         self._at_work: int | None = None
+        self._drawn_up = Future[Any]()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._ending, self._asked, self._news = False, set[Future[str]](), asyncio.Event()
         self._stages = list[Stage]()
@@ -88,13 +89,35 @@ class Counter:
             self._open(record)
             return said("{record} is open.", record=record.name)
 
+        self._break_off()
         sentence = await self.work(opened)
         self._think()
         return sentence
 
+    async def leave(self) -> None:
+        """Close the record, after the steps that are under way."""
+
+        def closed() -> None:
+            self.desk.campaign.close()
+            self._desk = self._state = None
+
+        await self.work(closed)
+        self._news.set()
+
     async def work(self, work: Callable[[], _Result]) -> _Result:
         """Return what a function of no record returns, on the thread of the campaign."""
         return await asyncio.wrap_future(self._submitted(work))
+
+    async def draw_up(self, work: Callable[[], _Result]) -> _Result:
+        """Return what a function of the draft returns; raises OvertakenError where a newer one has broken it off."""
+        self._break_off()
+        asked = self._drawn_up = self._submitted(work)
+        try:
+            return await asyncio.wrap_future(asked)
+        except asyncio.CancelledError:
+            if asked.cancelled():
+                raise _overtaken() from None
+            raise
 
     async def do(self, step: Callable[[Desk], str]) -> str:
         """Do a step on the campaign's thread, then what can wait, and return what was done in words."""
@@ -149,8 +172,7 @@ class Counter:
         while not wait([free], _NEARLY).done:  # an interruption that comes while Python clears up is lost
             with self._lock:
                 if self._at_work is not None:
-                    interrupted = ctypes.c_ulong(self._at_work), ctypes.py_object(KeyboardInterrupt)
-                    broken_off |= ctypes.pythonapi.PyThreadState_SetAsyncExc(*interrupted) == 1
+                    broken_off |= self._interrupt(self._at_work)
         if self._desk is not None:
             self._pool.submit(self._desk.campaign.close).result()
         self._pool.shutdown()
@@ -159,6 +181,18 @@ class Counter:
                 "A step that a page had asked for was broken off; what had been kept of it is shown at the next start."
             )
         return "What was being computed is begun anew at the next start." if broken_off else ""
+
+    def _break_off(self) -> None:
+        """Break off what is made of the draft."""
+        with self._lock:
+            if not self._drawn_up.cancel() and self._drawn_up.running() and self._at_work is not None:
+                self._interrupt(self._at_work)
+
+    @staticmethod
+    def _interrupt(thread: int) -> bool:
+        """Break off what a thread does, and return whether it was there."""
+        interrupted = ctypes.c_ulong(thread), ctypes.py_object(KeyboardInterrupt)
+        return bool(ctypes.pythonapi.PyThreadState_SetAsyncExc(*interrupted) == 1)
 
     def _open(self, record: Path) -> None:
         self._desk = Desk(Campaign.open(record), self._publish)
@@ -169,11 +203,13 @@ class Counter:
     def _done(self, work: Callable[[], _Result]) -> _Result:
         with self._lock:
             if self._closing:
-                raise BrokenOffError
+                raise _overtaken()
             self._at_work = get_ident()
         try:
             with one_thread(), speaking(self._language), listening(Listener(self._stages, lambda: None)):
                 return work()
+        except KeyboardInterrupt:
+            raise _overtaken() from None
         finally:
             with self._lock:
                 self._at_work = None

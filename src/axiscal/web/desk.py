@@ -6,24 +6,21 @@ on since, so that no reading answers another question.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterator, Sequence
-from datetime import datetime, timedelta
+from collections.abc import Callable, Sequence
 from pathlib import Path
-
-import numpy as np
 
 from axiscal.answers.answer import PlannedAnswer, ResultAnswer
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside, standing_answer
 from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
-from axiscal.campaign.sources import virtual_machine
+from axiscal.campaign.evidence import evidence_words
+from axiscal.campaign.sources import virtual_in, virtual_machine
 from axiscal.campaign.sources.source import SimulatedSource
-from axiscal.estimation.agreement_words import agreement_words
-from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
+from axiscal.estimation.agreement_words import agreement_words, change_words
+from axiscal.estimation.promise.agreement import Explained
+from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError, RecordError
 from axiscal.language.spoken import decimals, said, spoken_now
-from axiscal.measurement.reading import reading_unit, shown_coordinate
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import (
@@ -34,23 +31,38 @@ from axiscal.present.guide.progress import (
     doubted,
     due,
     last_step,
+    latest,
     named_now,
     others_doubted,
     set_anew,
     take_back,
     take_note,
 )
-from axiscal.present.guide.question import SURPRISING, Question, Word, answer, asked_text, stands
+from axiscal.present.guide.question import SURPRISING, Question, asked_text, stands
+from axiscal.present.guide.slips import (
+    CAUSES,
+    Cause,
+    causes,
+    display_text,
+    jog,
+    keep_as,
+    surprise_text,
+    try_jog,
+    value_of,
+)
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_text
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
+from axiscal.tables import registry
 from axiscal.units import to_unit
-from axiscal.web.shapes import AnswerShape, CostShape, ReadingShape, StateShape, TypedShape
-
-_LATEST = 3
-"""Readings that are listed; a person looks back at no more."""
+from axiscal.web.shapes import (
+    AnswerShape,
+    CostShape,
+    StateShape,
+    TypedShape,
+)
 
 
 def _answer(campaign: Campaign, answer: ResultAnswer | PlannedAnswer, results: Path) -> AnswerShape:
@@ -59,44 +71,8 @@ def _answer(campaign: Campaign, answer: ResultAnswer | PlannedAnswer, results: P
         text = plan_text(answer, campaign.path.name)
     else:
         agreement = agreement_words(campaign.so_far()) if answer.readings else ""
-        text = answer_text(answer, agreement, campaign.path.name, results.name)
+        text = answer_text(answer, agreement, campaign.path.name, results.name, evidence_words(campaign))
     return AnswerShape.of(text, answer)
-
-
-def _latest(campaign: Campaign) -> Iterator[ReadingShape]:
-    """Yield the last readings, the latest first, each where its axes stood that move: "X 120.5, C 30"."""
-    doubted = {doubt.reading for doubt in campaign.estimate().outliers}
-    begun, axes = datetime.fromisoformat(campaign.begun), campaign.description.machine.axes
-    for index, reading in list(enumerate(campaign.state.readings))[: -_LATEST - 1 : -1]:
-        setup, seconds = campaign.description.setup(reading.setup), reading.time
-        unit, moved = reading_unit(setup), [(axes[k], reading.pose[k]) for k in setup.moves]
-        moved.sort(key=lambda each: (each[0].rotary, each[0].name))
-        stood = (f"{axis.name} {round(shown_coordinate(at, axis), 3) + 0.0:.9g}" for axis, at in moved)
-        yield ReadingShape(
-            number=reading.numbered(index),
-            setup=reading.setup,
-            place=", ".join(stood),
-            values=to_unit(np.array(reading.values), unit).tolist(),
-            unit=unit,
-            at="" if seconds is None else (begun + timedelta(seconds=seconds)).isoformat(timespec="milliseconds"),
-            doubted=index in doubted,
-        )
-
-
-_VIRTUAL = re.compile(r"virtual machine (sim:\d+)")
-"""The note with which a campaign on a virtual machine begins."""
-
-
-def virtual_note(seed: int) -> str:
-    """Return what the record of a campaign says whose readings a virtual machine gives."""
-    return f"virtual machine sim:{seed}"
-
-
-def _source(campaign: Campaign) -> SimulatedSource | None:
-    """Return the virtual machine of a campaign, None on a real one."""
-    found = next((_VIRTUAL.fullmatch(note.text) for note in campaign.state.notes[:1]), None)
-    simulator = Simulator(campaign.description.machine, campaign.description.setups)
-    return None if found is None else SimulatedSource(*virtual_machine(found[1], simulator))
 
 
 Publisher = Callable[[StateShape], None]
@@ -109,12 +85,9 @@ class SurprisingError(ReadingError):
     surprise : in standard deviations
     """
 
-    def __init__(self, surprise: float) -> None:
-        self.surprise = surprise
-        super().__init__(
-            said("It is {size} standard deviations from what is expected", size=decimals(f"{surprise:.1f}")),
-            said("Read again, or say that it is to be kept"),
-        )
+    def __init__(self, question: Question, values: Array) -> None:
+        self.surprise = question.surprise(values)
+        super().__init__(spelt(surprise_text(question, values)), said("Read again, or say what it was"))
 
 
 class Desk:
@@ -124,7 +97,7 @@ class Desk:
     """
 
     def __init__(self, campaign: Campaign, publish: Publisher) -> None:
-        self.campaign, self.publish, self._source = campaign, publish, _source(campaign)
+        self.campaign, self.publish, self.virtual = campaign, publish, virtual_in(campaign.state.notes)
         self._question: Question | None = None
         self._ended: str | None = None
         self._trouble = ""
@@ -159,7 +132,10 @@ class Desk:
 
     def think(self) -> None:
         """Do what the next question need not wait for: second thoughts on the last reading, and the answer."""
-        minds = [*self._minds, *([] if self._before is None else others_doubted(self.campaign, self._before))]
+        minds = [
+            *self._minds,
+            *([] if self._before is None else others_doubted(self.campaign, self._before, command=False)),
+        ]
         if self._before is not None and (named := named_now(self.campaign)) != self._named:
             self._asks = named
         new_question, self._before = self._asks is not None and not self.state.asks, None
@@ -180,33 +156,47 @@ class Desk:
         """Return what a typed text would mean for the question that is open."""
         question = self._question
         if question is None or not text.strip():
-            return TypedShape(values=[], surprise=0.0, surprising=False, sentence="")
+            return TypedShape()
         try:
             values = self._value(text, question)
         except AxiscalError as failure:
-            return TypedShape(values=[], surprise=0.0, surprising=False, sentence=str(failure))
+            return TypedShape(sentence=str(failure))
         surprise = question.surprise(values)
         shown = [float(to_unit(float(each), question.unit)) for each in values]
-        sentence = str(SurprisingError(surprise)) if surprise >= SURPRISING else ""
-        return TypedShape(values=shown, surprise=surprise, surprising=surprise >= SURPRISING, sentence=sentence)
+        if surprise < SURPRISING:
+            return TypedShape(values=shown, surprise=surprise)
+        named, sentence = causes(question, values), str(SurprisingError(question, values))
+        words = {cause: said(CAUSES[cause]) for cause in named}
+        return TypedShape(values=shown, surprise=surprise, surprising=True, sentence=sentence, causes=words)
 
-    def keep(self, after: int, text: str, *, keep: bool = False, vouch: bool = False, anew: bool = False) -> str:
-        """Keep a reading of what is asked; raises SurprisingError where nobody has confirmed a strange one."""
+    def keep(self, after: int, text: str, cause: Cause | None = None) -> str:
+        """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one."""
         self._refuse_overtaken(after)
         asked = self.campaign.open_question()
         question = self._question or Question.from_campaign(self.campaign, asked)
         typed = self._value(text, question)
-        surprise = question.surprise(typed)
-        if surprise >= SURPRISING and not (keep or vouch or anew):
-            raise SurprisingError(surprise)
-        if anew:
-            set_anew(self.campaign, question.setup)
+        if question.surprise(typed) >= SURPRISING and cause is None:
+            raise SurprisingError(question, typed)
         before, jump = doubted(self.campaign), named_now(self.campaign)
-        value, *others = (float(each) for each in typed)
-        kept = self.campaign.record(value, accepted=vouch, others=tuple(others))
+        kept, told = keep_as(self.campaign, question, typed, cause)
         self._before, self._named = before, jump
         self._show()
-        return said("Kept reading {number}; it is on the disk.", number=kept.number)
+        return f"{said('Kept reading {number}; it is on the disk.', number=kept.number)} {told}".rstrip()
+
+    def jog(self, after: int, text: str, *, anyway: bool) -> str:
+        """Keep what the display shows at the test of its sign; raises ReadingError where that is wrong."""
+        self._refuse_overtaken(after)
+        return self._noted(lambda: try_jog(self.campaign, text, anyway=anyway))
+
+    def accept(self, after: int) -> str:
+        """Put right the mistake that readings name; raises RecordError where they name none."""
+        self._refuse_overtaken(after)
+        named = self._explained()
+        if named is None:
+            raise RecordError(said("The readings name no mistake"), said("Go on with the readings"))
+        told = self.campaign.accept(named.mistake, self.campaign.description.setups[named.setups[0]].name)
+        self._show()
+        return said("Put right: {change}; undo takes it back.", change=change_words(told))
 
     def skip(self, after: int, reason: str, *, rest: bool = False) -> str:
         """Keep in mind that the reading asked for cannot be taken; rest : nor any other of its set-up."""
@@ -223,11 +213,16 @@ class Desk:
         """Keep a sentence in the record; who has seen the state before may still answer what is asked."""
         if self._moved_on():  # somebody else has: what is seen on a page is no longer what is asked
             self._show()
+        return self._noted(lambda: take_note(self.campaign, text))
+
+    def _noted(self, told: Callable[[], str]) -> str:
+        """Keep a note, and return a sentence of it; who has seen the state before may still answer what is asked."""
         seen = self.campaign.state.last
-        told = take_note(self.campaign, text)
-        self._alike.add(seen)
-        self._show(self._minds, noted=True)
-        return told
+        try:
+            return told()
+        finally:
+            self._alike.add(seen)
+            self._show(self._minds, noted=True)
 
     def setup_picture(self, width: float) -> str:
         """Return the set-up of the next reading, on the machine, as SVG; "" if there is none.  width : pixels"""
@@ -284,6 +279,11 @@ class Desk:
             self._show()
         return said("Ended. Report, figures and tables are in {folder}.", folder=self.results.name)
 
+    def _explained(self) -> Explained | None:
+        """Return the mistake that readings name which contradict each other, None for none."""
+        found = self.campaign.estimate().agreement
+        return found.explained[0] if found.contradicts and found.explained else None
+
     def _refuse_overtaken(self, after: int) -> None:
         if self._moved_on():
             self._show()
@@ -320,17 +320,20 @@ class Desk:
             question=self._question,
             ended=None if self._ended is None else spelt(because_text(self._ended)),
             finished=None if state.finished is None else spelt(because_text(state.finished)),
+            jog=jog(campaign),
             shows=self._shows(),
             trouble=self._trouble,
-            readings=list(_latest(campaign)),
+            readings=list(latest(campaign)),
             notes=state.notes,
             due=due(campaign),
             undo=last_step(campaign)[0],
-            minds=[spelt(each) for each in [*self._minds, *contradictions(campaign)]],
+            minds=[spelt(each) for each in [*self._minds, *contradictions(campaign, command=False)]],
+            named=state.finished is None and self._explained() is not None,
             asks="" if self._asks is None else spelt(self._asks.question),
             answer=None if self._answer is None or overtaken else _answer(campaign, self._answer, results),
             results=results.name if written else "",
             tables=sorted(each.name for each in (results / "tables").glob("*/")) if written else (),
+            controls=registry.controllers(),
         )
 
     def _asked(self) -> tuple[Question | None, str | None, str]:
@@ -348,11 +351,14 @@ class Desk:
     def _shows(self) -> str:
         """Return what the instrument on a virtual machine shows at the question, "" where there is none."""
         asked = self.campaign.state.pending
-        if self._source is None or self._question is None or asked is None:
+        if not self.virtual or self._question is None or asked is None:
             return ""
-        answer = self._source.read(self.campaign.request(asked))
-        shown = to_unit(np.array([answer.value, *answer.others]), self._question.unit)
-        return " ".join(decimals(f"{each:.2f}") for each in shown)
+        if (test := jog(self.campaign)) is not None:
+            return decimals(f"{test.shows:.2f}")
+        description = self.campaign.description
+        simulator = Simulator(description.machine, description.setups)
+        answer = SimulatedSource(*virtual_machine(self.virtual, simulator)).read(self.campaign.request(asked))
+        return display_text([answer.value, *answer.others], description.setup(asked.place.setup))
 
     def _next(self) -> Asked | Ended:
         """Return what is asked; another program may be asking at the same moment."""
@@ -364,8 +370,4 @@ class Desk:
             return self.campaign.next()
 
     def _value(self, text: str, question: Question) -> Array:
-        typed = answer(text, self.campaign.description.setup(question.setup), stands(self.campaign))
-        if isinstance(typed, Word):
-            what = said('"{text}" is no reading', text=text.strip())
-            raise ReadingError(what, said("Type the number that the instrument shows"))
-        return typed
+        return value_of(text, self.campaign.description.setup(question.setup), stands(self.campaign))

@@ -10,44 +10,62 @@ import secrets
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from pydantic import ValidationError
 
 from axiscal.answers.answer_of_campaign import results_beside
+from axiscal.answers.row_words import said_row
 from axiscal.campaign.beginning import begun_campaign
 from axiscal.campaign.campaign import Campaign
-from axiscal.description.campaign import campaign_from_texts, read_campaign
-from axiscal.description.first_campaign import OFFERED, UNSAID
+from axiscal.campaign.sources import virtual_note
+from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.description.first_campaign import OFFERED, UNSAID, Purpose
 from axiscal.description.first_files import (
+    SIZES,
     Beginning,
+    first_described,
     first_files,
     linear_travels,
     of_builtin,
-    of_file,
+    of_text,
     offered_words,
+    with_carriers,
+    with_errors_times,
     with_travels,
     write_files,
 )
+from axiscal.description.target import rows_of
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import AxiscalError, DescriptionError, InputError, PlanError, RecordError
 from axiscal.language.spoken import later, said
 from axiscal.machine import machine_from_text
+from axiscal.planning.helping import rows_shown
 from axiscal.present.machine_drawing.setup_picture import machine_scene, setup_picture, setup_scene
-from axiscal.present.plan_answer import coming_answer
+from axiscal.present.plan_answer import coming_answer, minutes_curve
 from axiscal.present.plan_words import open_questions, plan_text
 from axiscal.present.sentences import spelt
 from axiscal.record.copies import opened_log
 from axiscal.record.store import record_errors
 from axiscal.units import to_unit, within
-from axiscal.web.desk import virtual_note
-from axiscal.web.shapes import AnswerShape, BegunShape, DraftShape, MachineQuery, MachineShape, PlanShape, StartShape
+from axiscal.web.shapes import (
+    AnswerShape,
+    BegunShape,
+    CurveShape,
+    DraftShape,
+    MachineQuery,
+    MachineShape,
+    PlanShape,
+    RowsShape,
+    StartShape,
+)
 
 FOLDER, _CHOSEN, _OF_PLAN = "axiscal-draft", "draft.json", "planned.json"
 """Of a draft, of its choices, and of those that its plan was made for."""
 MACHINES = {
-    "portal-mill": later("router"),
+    "router": later("router"),
     "three-axis-mill": later("mill"),
+    "lathe": later("lathe"),
+    "portal-mill": later("portal mill"),
     "dmu60": later("five axes"),
     "printer-gantry": later("printer"),
     "one-axis": later("one axis"),
@@ -139,14 +157,31 @@ def record_of(here: Path, name: str) -> Path:
 def picture(here: Path, query: MachineQuery) -> str:
     """Return the machine, with an instrument on it if one is named, as SVG; raises InputError where there is none."""
     begun = of_builtin(query.machine) if query.machine else _beginning(kept(here), {})
-    machine = machine_from_text(begun.text)
     if not query.instrument:
-        return setup_picture(machine_scene(machine, lengths=not query.small), query.width)
-    if query.instrument not in OFFERED:
-        raise DescriptionError("There is no such instrument", "Known are {known}", known=", ".join(OFFERED))
-    texts = first_files(begun, [query.instrument], "").texts
-    campaign = campaign_from_texts(texts["campaign.toml"], "campaign.toml", texts["machine.toml"], "machine.toml")
+        return setup_picture(machine_scene(machine_from_text(begun.text), lengths=not query.small), query.width)
+    campaign = _with(begun, query.instrument)
     return setup_picture(setup_scene(campaign, campaign.setups[0], ()), query.width)
+
+
+def shown_rows(here: Path, instrument: str) -> RowsShape:
+    """Return the rows that an instrument can show on the machine of the draft, or why it cannot be set up there."""
+    try:
+        shown = rows_shown(_with(_beginning(kept(here), {}), instrument))
+    except InputError as failure:
+        return RowsShape(fault=str(failure))
+    return RowsShape(rows={row.name: said_row(row.name) for row in shown})
+
+
+def curve(here: Path) -> CurveShape:
+    """Return what minutes buy beside those of the plan of the draft; raises InputError as `plan`."""
+    with _planned(here) as campaign:
+        return CurveShape(marks=minutes_curve(campaign))
+
+
+def _with(begun: Beginning, instrument: str) -> CampaignDescription:
+    if instrument not in OFFERED:
+        raise DescriptionError("There is no such instrument", "Known are {known}", known=", ".join(OFFERED))
+    return first_described(begun, [instrument], Purpose())
 
 
 def _planned(here: Path) -> Campaign:
@@ -154,9 +189,14 @@ def _planned(here: Path) -> Campaign:
     draft, folder, faults = kept(here), here / FOLDER, dict[str, InputError]()
     begun = _beginning(draft, faults)
     target = _length(draft.target, "um", _FINEST) if draft.target.strip() else ""
-    files = first_files(begun, draft.instruments, target)
     for fault in faults.values():
         raise fault
+    shown = {row for instrument in draft.instruments for row in rows_shown(_with(begun, instrument))}
+    wants = [row.name for row in rows_of(machine_from_text(begun.text)) if row in shown]
+    wants = [name for name in wants if name not in draft.without]
+    if shown and not wants:
+        raise DescriptionError("Nothing is to be known", "Tick a row at least")
+    files = first_files(begun, draft.instruments, Purpose(target, wants, draft.budget))
     chosen = draft.model_copy(update={"screen": "start"}).model_dump_json().encode()
     record, made = next(folder.glob("*.axiscal"), None), folder / _OF_PLAN
     if record is not None and made.exists() and made.read_bytes() == chosen:
@@ -178,13 +218,7 @@ def _planned(here: Path) -> Campaign:
 def _beginning(draft: DraftShape, faults: dict[str, InputError]) -> Beginning:
     """Return the machine of a draft with the travels that can be; raises InputError.  faults : takes the others"""
     if draft.file:
-        with TemporaryDirectory() as folder:
-            file = Path(folder) / draft.file
-            file.write_text(draft.text, encoding="utf-8")
-            try:
-                begun = of_file(file, Path(folder))
-            except InputError as failure:
-                raise failure.placed(draft.file, failure.line) from failure
+        begun = of_text(draft.text, draft.file)
     elif draft.machine:
         begun = of_builtin(draft.machine)
     else:
@@ -198,7 +232,7 @@ def _beginning(draft: DraftShape, faults: dict[str, InputError]) -> Beginning:
                 faults[f"travels.{axis}"] = failure
     if draft.compensated and begun.active == UNSAID:
         begun = replace(begun, active=_ACTIVE[draft.compensated])
-    return with_travels(begun, lengths)
+    return with_travels(with_carriers(with_errors_times(begun, SIZES[draft.size]), draft.switched), lengths)
 
 
 def _length(text: str, unit: str, least: float = _SHORTEST) -> str:
@@ -224,12 +258,14 @@ def _shown(draft: DraftShape) -> MachineShape:
         if draft.file or draft.machine:
             faults["file"] = failure
         in_words = {field: str(fault) for field, fault in faults.items()}
-        return MachineShape(title="", faults=in_words, lengths={}, look=(), offered=(), asks=False)
+        return MachineShape(faults=in_words)
     machine = machine_from_text(begun.text)
     return MachineShape(
         title=machine.name,
         faults={field: str(fault) for field, fault in faults.items()},
         lengths=linear_travels(begun),
+        carried=[axis.name for axis in machine.axes if axis.workpiece_side],
+        radii=[axis.name for axis in machine.axes if axis.diameters],
         look=begun.look,
         offered=[name for name, offer in OFFERED.items() if next(offer.setups(machine), None) is not None],
         asks=begun.active in (UNSAID, *_ACTIVE.values()),

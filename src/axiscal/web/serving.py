@@ -18,13 +18,14 @@ from fastapi import FastAPI, Query, Response
 from fastapi.responses import FileResponse
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from axiscal.exceptions import InputError
-from axiscal.web import draft, shapes
+from axiscal.answers.answer import AnswerDocument
+from axiscal.exceptions import InputError, OvertakenError
+from axiscal.web import after_end, draft, shapes
 from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
 from axiscal.web.guard import ROOT, Guard, document, page_application, problem
 
-_FILES = ("page.css", "elements.js", "start.js", "page.js", "pictures.js", "words.js", "icon.svg")
+_FILES = ("page.css", "elements.js", "start.js", "page.js", "after.js", "pictures.js", "words.js", "icon.svg")
 
 
 def application(counter: Counter, port: int, here: Path) -> Guard:
@@ -52,13 +53,22 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
     app.get("/machine.svg", include_in_schema=False)(beginning.picture)
     app.get(f"{ROOT}/start", response_model=shapes.StartShape)(beginning.start)
     app.get(f"{ROOT}/stage", response_model=shapes.StageShape)(beginning.stage)
-    app.get(f"{ROOT}/plan", response_model=shapes.PlanShape)(beginning.plan)
+    app.get(f"{ROOT}/plan", response_model=shapes.PlanShape | None)(beginning.plan)
+    app.get(f"{ROOT}/curve", response_model=shapes.CurveShape | None)(beginning.curve)
+    app.get(f"{ROOT}/rows", response_model=shapes.RowsShape)(beginning.shown_rows)
     app.post(f"{ROOT}/draft", response_model=shapes.MachineShape)(beginning.keep)
     app.post(f"{ROOT}/open", response_model=shapes.DoneShape)(beginning.open)
     app.get(f"{ROOT}/state", response_model=shapes.StateShape)(api.state)
     app.get(f"{ROOT}/typed", response_model=shapes.TypedShape)(api.typed)
     app.get(f"{ROOT}/cost", response_model=shapes.CostShape)(api.cost)
     app.post(f"{ROOT}/readings", response_model=shapes.DoneShape)(api.keep)
+    app.post(f"{ROOT}/jogs", response_model=shapes.DoneShape)(api.jog)
+    app.post(f"{ROOT}/accepts", response_model=shapes.DoneShape)(api.accept)
+    app.post(f"{ROOT}/leave", response_model=shapes.StageShape)(api.leave)
+    app.get(f"{ROOT}/texts", response_model=shapes.TextsShape)(api.table_texts)
+    app.post(f"{ROOT}/load", response_model=shapes.DoneShape)(api.put_into)
+    app.get(f"{ROOT}/check", response_model=shapes.CheckShape)(api.check)
+    app.post(f"{ROOT}/check", response_model=shapes.CheckedShape)(api.judge)
     app.post(f"{ROOT}/skips", response_model=shapes.DoneShape)(api.skip)
     app.post(f"{ROOT}/notes", response_model=shapes.DoneShape)(api.note)
     app.post(f"{ROOT}/zeros", response_model=shapes.DoneShape)(api.set_anew)
@@ -95,8 +105,11 @@ class _Api:
 
     async def keep(self, asked: shapes.KeepRequest) -> Response:
         """Keep a reading of what is asked."""
-        how = {"keep": asked.keep, "vouch": asked.vouch, "anew": asked.anew}
-        return await self._done(lambda desk: desk.keep(asked.after, asked.text, **how))
+        return await self._done(lambda desk: desk.keep(asked.after, asked.text, asked.cause))
+
+    async def jog(self, asked: shapes.JogRequest) -> Response:
+        """Keep what the display shows at the test of its sign."""
+        return await self._done(lambda desk: desk.jog(asked.after, asked.text, anyway=asked.anyway))
 
     async def skip(self, asked: shapes.SkipRequest) -> Response:
         """Note that the reading asked for cannot be taken."""
@@ -132,15 +145,37 @@ class _Api:
 
     async def tables(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
         """The tables of a control as one file."""
-        desk, packed = self._counter.desk, io.BytesIO()
-        if query.control not in desk.state.tables:
-            return problem(404, "missing", "There are no such tables yet")
-        folder = desk.results / "tables" / query.control
+        made, packed = await self._counter.ask(lambda desk: after_end.table_texts(desk, query.control)), io.BytesIO()
         with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-            for file in sorted(folder.rglob("*")):
-                archive.write(file, file.relative_to(folder.parent))
-        headers = {"Content-Disposition": f'attachment; filename="{query.control}.zip"'}
+            for name, text in made.files.items():
+                archive.writestr(f"{made.control}/{name}", text)
+        headers = {"Content-Disposition": f'attachment; filename="{made.control}.zip"'}
         return Response(packed.getvalue(), media_type="application/zip", headers=headers)
+
+    async def table_texts(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
+        """The tables of a control as texts to copy."""
+        return document(await self._counter.ask(lambda desk: after_end.table_texts(desk, query.control)))
+
+    async def put_into(self, asked: shapes.LoadRequest) -> Response:
+        """Put the tables into a printer."""
+        return await self._done(lambda desk: after_end.put_into(desk, asked.control, asked.printer))
+
+    async def check(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
+        """Where the tables of a control are to be checked."""
+        return document(await self._counter.ask(lambda desk: after_end.check(desk, query.control)))
+
+    async def judge(self, asked: shapes.CheckedRequest) -> Response:
+        """What readings without the tables and with them say."""
+        return document(await self._counter.ask(lambda desk: after_end.judge(desk, asked)))
+
+    async def accept(self, asked: shapes.StepRequest) -> Response:
+        """Put right the mistake that readings name."""
+        return await self._done(lambda desk: desk.accept(asked.after))
+
+    async def leave(self) -> Response:
+        """Close the record, and show the start again."""
+        await self._counter.leave()
+        return document(shapes.StageShape(stage=""))
 
     def _result(self, name: str, headers: Mapping[str, str]) -> Response:
         desk = self._counter.desk
@@ -179,7 +214,22 @@ class _BeginningApi:
 
     async def plan(self) -> Response:
         """The plan of the draft in words; it takes seconds."""
-        return document(await self._counter.work(lambda: draft.plan(self._here)))
+        return await self._drawn_up(draft.plan)
+
+    async def curve(self) -> Response:
+        """What other minutes than those of the plan buy; it takes seconds."""
+        return await self._drawn_up(draft.curve)
+
+    async def shown_rows(self, query: Annotated[shapes.RowsQuery, Query()]) -> Response:
+        """The rows that an instrument can show on the machine of the draft."""
+        return document(await asyncio.to_thread(draft.shown_rows, self._here, query.instrument))
+
+    async def _drawn_up(self, made: Callable[[Path], AnswerDocument]) -> Response:
+        """Return what is made of the draft, null where a newer choice has broken it off."""
+        try:
+            return document(await self._counter.draw_up(lambda: made(self._here)))
+        except OvertakenError:
+            return Response("null", media_type="application/json")
 
     async def open(self, asked: shapes.OpenRequest) -> Response:
         """Open a campaign of the start, or begin that of the draft and open it."""

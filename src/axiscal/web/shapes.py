@@ -7,11 +7,13 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, PlannedAnswer, ResultAnswer
+from axiscal.answers.answer import AnswerDocument, BoughtAccuracy, PlannedAnswer, ResultAnswer
 from axiscal.answers.answer_words import AnswerText
 from axiscal.campaign.possible import LONGEST_TEXT
-from axiscal.present.guide.progress import Due, Progress
+from axiscal.present.guide.checking import CheckPlace
+from axiscal.present.guide.progress import Due, KeptReading, Progress
 from axiscal.present.guide.question import Question
+from axiscal.present.guide.slips import Cause, Jog
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Note
 
@@ -21,28 +23,15 @@ After = Annotated[int, Field(ge=0, description="`last` of the state that is answ
 Short = Annotated[str, Field(max_length=LONGEST_TEXT)]
 
 
-class ReadingShape(AnswerDocument):
-    """A reading that is kept: where, what, when (ISO 8601, UTC; "" where nobody knows), and whether it is doubted."""
-
-    number: int
-    setup: str
-    place: str
-    values: list[float]
-    unit: str
-    at: str
-    doubted: bool
-
-
 class AnswerShape(AnswerDocument):
     """The result, or before the first reading the plan, in words as every screen has it, and as their document.
 
-    first : the first line in parts; rows : heading and cells; commands : what to do next
+    first : the first line in parts; rows : heading and cells
     """
 
     first: list[str]
     rows: list[list[str]]
     sentences: list[str]
-    commands: list[str]
     document: ResultAnswer | PlannedAnswer
 
     @classmethod
@@ -52,7 +41,6 @@ class AnswerShape(AnswerDocument):
             first=[spelt(part) for part in text.first.parts],
             rows=[[spelt(cell) for cell in row] for row in text.rows],
             sentences=[spelt(sentence) for sentence in text.sentences],
-            commands=text.commands,
             document=document,
         )
 
@@ -60,9 +48,12 @@ class AnswerShape(AnswerDocument):
 class StateShape(AnswerDocument):
     """All that the page shows. `last` names the state of the record, `version` this document.
 
-    minds : what to mind about the last reading; asks : whether a zero was set anew before some reading, "" for nothing
+    minds : what to mind about the last reading; named : whether it names a mistake that can be put right
+    asks : whether a zero was set anew before some reading, "" for nothing
+    jog : the test with which the mounting begins, null where it is done
     shows : what the instrument on a virtual machine shows at the question, "" on a real one
     answer : null until it is known for the first time; tables : the controls that there are tables for, once it ended
+    controls : all that tables can be made for
     """
 
     document: Literal["axiscal-page/1"] = "axiscal-page/1"
@@ -74,17 +65,20 @@ class StateShape(AnswerDocument):
     question: Question | None
     ended: str | None
     finished: str | None
+    jog: Jog | None
     shows: str
     trouble: str
-    readings: list[ReadingShape]
+    readings: list[KeptReading]
     notes: Sequence[Note]
     due: Due
     undo: str
     minds: list[str]
+    named: bool
     asks: str
     answer: AnswerShape | None
     results: str
     tables: Sequence[str]
+    controls: Sequence[str]
 
 
 class TablesQuery(AnswerDocument):
@@ -93,11 +87,50 @@ class TablesQuery(AnswerDocument):
     control: Short
 
 
+class LoadRequest(TablesQuery):
+    """The printer that is to take them: moonraker:HOST or duet:HOST."""
+
+    printer: Short
+
+
+class TextsShape(AnswerDocument):
+    """The files for a control, by name."""
+
+    control: str
+    files: Mapping[str, str]
+
+
+class CheckShape(AnswerDocument):
+    """A check of loaded tables: what is read and why, in words; tolerance : the largest deviation, as text"""
+
+    sentences: Sequence[str]
+    tolerance: str
+    places: Sequence[CheckPlace]
+
+
+class CheckedRequest(TablesQuery):
+    """Readings of a check as they are typed, in the order of its places, without the tables and with them."""
+
+    tolerance: Short
+    found: Annotated[Sequence[Short], Field(max_length=500)]
+    left: Annotated[Sequence[Short], Field(max_length=500)]
+
+
+class CheckedShape(AnswerDocument):
+    """What a check says; faults : what is wrong, by its field ("tolerance", "found.0", "left.0")."""
+
+    verdict: str = ""
+    sentences: Sequence[str] = ()
+    faults: Mapping[str, str] = {}
+
+
 class DraftShape(AnswerDocument):
     """What was chosen of a campaign that has not begun, as a person typed it; kept on the disk at every touch.
 
     screen : which is open; machine : built-in, or file : a file of a control with its text
-    travels : of linear axes, such as "600 mm"; compensated : whether a compensation is active, "" where nobody knows
+    travels : of linear axes, such as "600 mm"; switched : axes on the other side than usual, table instead of head
+    size : of its errors, as `first_files.SIZES` has them; without : rows that instruments could show and nobody wants
+    budget : of machine time, such as "90 min"; compensated : whether a compensation is active, "" where nobody knows
     virtual : whether a virtual machine is to give the readings
     """
 
@@ -106,8 +139,12 @@ class DraftShape(AnswerDocument):
     file: Annotated[str, Field(max_length=60, pattern=r"^([^./\\\x00-\x1f\x7f][^/\\\x00-\x1f\x7f]*)?$")] = ""
     text: Annotated[str, Field(max_length=48_000)] = ""
     travels: Mapping[str, Short] = {}
+    switched: Sequence[Short] = ()
+    size: Literal["new", "used", "home-made"] = "used"
     instruments: Sequence[Short] = ()
+    without: Sequence[Short] = ()
     target: Short = ""
+    budget: Short = ""
     compensated: Literal["", "no", "yes"] = ""
     virtual: bool = False
 
@@ -116,16 +153,19 @@ class MachineShape(AnswerDocument):
     """What a draft makes of a machine.
 
     faults : what is wrong, by its field ("file", "travels.X", "target", "instruments")
-    lengths : how far each linear axis travels, mm; look : what the file could not say
+    lengths : how far each linear axis travels, mm; carried : those whose table moves, not the head
+    radii : those whose display shows diameters; look : what the file could not say
     offered : the instruments that it can be read with; asks : whether it is open if a compensation is active
     """
 
-    title: str
+    title: str = ""
     faults: Mapping[str, str]
-    lengths: Mapping[str, float]
-    look: Sequence[str]
-    offered: Sequence[str]
-    asks: bool
+    lengths: Mapping[str, float] = {}
+    carried: Sequence[str] = ()
+    radii: Sequence[str] = ()
+    look: Sequence[str] = ()
+    offered: Sequence[str] = ()
+    asks: bool = False
 
 
 class BegunShape(AnswerDocument):
@@ -154,6 +194,28 @@ class StartShape(AnswerDocument):
     instruments: Mapping[str, str]
     draft: DraftShape
     machine: MachineShape
+
+
+class RowsQuery(AnswerDocument):
+    """An instrument by its name."""
+
+    instrument: Short
+
+
+class RowsShape(AnswerDocument):
+    """The rows that an instrument can show on the machine of the draft, in words by their names.
+
+    fault : why it cannot be set up there
+    """
+
+    rows: Mapping[str, str] = {}
+    fault: str = ""
+
+
+class CurveShape(AnswerDocument):
+    """What minutes buy: U of the volume after each."""
+
+    marks: Sequence[BoughtAccuracy]
 
 
 class PlanShape(AnswerDocument):
@@ -230,14 +292,18 @@ class StepRequest(AnswerDocument):
 class KeepRequest(StepRequest):
     """A reading as it is typed: "-1,7", "0.0021 mm", three numbers in one line; by default in the unit of the question.
 
-    keep : keep it although it surprises; vouch : and believe it, however much the others contradict it
-    anew : keep it, the zero was set anew before it
+    cause : what was behind it where it surprises
     """
 
     text: Annotated[str, Field(max_length=LONGEST_TEXT)]
-    keep: bool = False
-    vouch: bool = False
-    anew: bool = False
+    cause: Cause | None = None
+
+
+class JogRequest(StepRequest):
+    """What the display shows at the test of its sign, as it is typed; anyway : go on although that is wrong."""
+
+    text: Annotated[str, Field(max_length=LONGEST_TEXT)]
+    anyway: bool = False
 
 
 class AnewRequest(StepRequest):
@@ -260,12 +326,16 @@ class NoteRequest(AnswerDocument):
 
 
 class TypedShape(AnswerDocument):
-    """What a typed text means: its values in the unit of the question, how surprising; what there is to say of it."""
+    """What a typed text means: its values in the unit of the question, how surprising; what there is to say of it.
 
-    values: list[float]
-    surprise: float
-    surprising: bool
-    sentence: str
+    causes : what may be behind a surprise, in words
+    """
+
+    values: Sequence[float] = ()
+    surprise: float = 0.0
+    surprising: bool = False
+    sentence: str = ""
+    causes: Mapping[Cause, str] = {}
 
 
 class DoneShape(AnswerDocument):

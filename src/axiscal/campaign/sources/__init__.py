@@ -5,17 +5,20 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from axiscal.campaign.sources.source import Answer, CsvSource, Request, SimulatedSource, Skip, Source
 from axiscal.document.ports import one_of, ours
 from axiscal.exceptions import SourceError
+from axiscal.record.events import Note
 
 if TYPE_CHECKING:
     from axiscal.measurement.simulation import Simulator, VirtualMachine
 
-__all__ = ["Answer", "Request", "Skip", "Source", "open_source", "virtual_machine"]
+__all__ = ["Answer", "Request", "Skip", "Source", "open_source", "virtual_in", "virtual_machine", "virtual_note"]
 
 VIRTUAL = "sim", "truth"
 """Kinds of virtual machines."""
@@ -79,6 +82,21 @@ def virtual_machine(text: str, simulator: Simulator) -> tuple[VirtualMachine, in
         return simulator.from_curves(Path(rest), TRUTH_SEED), TRUTH_SEED
     seed = _seed(rest) if colon else 0
     return simulator.drawn(seed), seed
+
+
+_VIRTUAL_NOTE = re.compile(r"virtual machine (sim:\d+)")
+"""The note with which a campaign on a virtual machine begins."""
+
+
+def virtual_note(seed: int) -> str:
+    """Return what the record of a campaign says whose readings a virtual machine gives."""
+    return f"virtual machine sim:{seed}"
+
+
+def virtual_in(notes: Sequence[Note]) -> str:
+    """Return the source that the notes of a campaign name whose readings a virtual machine gives, "" for none."""
+    found = next((_VIRTUAL_NOTE.fullmatch(note.text) for note in notes[:1]), None)
+    return "" if found is None else found[1]
 
 
 def _nothing_named(text: str, kind: str) -> SourceError:

@@ -37,7 +37,7 @@ _AHEAD = 100
 _PASSED = 1000
 """Lines of its stderr that are passed on for each reading; a flood is not to fill the terminal or its file."""
 _WORDS = 300
-"""Characters of each of its last words."""
+"""Characters of each line of its stderr that is passed on, or said as its last words."""
 WIDEST = 1e6
 """A standard deviation this many times larger or smaller than the noise of its set-up is a slip."""
 
@@ -109,10 +109,10 @@ class ExecSource:
     def _pass_on(self) -> None:
         with _pipe(self._process.stderr) as stream:
             while line := stream.readline(LONGEST + 1):
-                self._last_words.append(line.strip()[:_WORDS])
+                self._last_words.append(shortened(line.strip(), _WORDS))
                 self._passed += 1
                 if self._passed <= _PASSED:
-                    sys.stderr.write(line)
+                    sys.stderr.write(shortened(line.rstrip(), _WORDS) + "\n")  # no terminal obeys an instrument
                     sys.stderr.flush()
 
     def _send(self, line: str) -> None:
@@ -146,12 +146,12 @@ class ExecSource:
         status = self._process.returncode
         what = "the command `{command}` ended with status {status} before it answered"
         what = "the command `{command}` closed its output before it answered" if status is None else what
-        ended, words = said(what, command=self._command, status=status), " / ".join(self._last_words)
+        ended, words = said(what, command=shortened(self._command), status=status), " / ".join(self._last_words)
         last = said('{ended}; its last words were "{words}"', ended=ended, words=words)
         return self._failure(last if self._last_words else ended, "Mend it, then go on with --resume")
 
     def _failure(self, what: str, remedy: str, **values: object) -> SourceError:
-        return SourceError(what, remedy, None, None, command=self._command, **values)
+        return SourceError(what, remedy, None, None, command=shortened(self._command), **values)
 
     def _understood(self, line: str, request: Request) -> Answer | Skip:
         try:
@@ -262,7 +262,7 @@ def _start(command: str) -> subprocess.Popen[str]:
         words = shlex.split(command)
     except ValueError as error:
         what = "the command `{command}` cannot be split: {error}"
-        raise SourceError(what, remedy, command=command, error=error) from None
+        raise SourceError(what, remedy, command=shortened(command), error=error) from None
     if not words:
         raise SourceError("exec: names no command", remedy)
     try:
@@ -279,7 +279,7 @@ def _start(command: str) -> subprocess.Popen[str]:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         what = "the command `{command}` cannot be started: {reason}"
-        raise SourceError(what, remedy, command=command, reason=reason) from None
+        raise SourceError(what, remedy, command=shortened(command), reason=reason) from None
 
 
 def _pipe(stream: IO[str] | None) -> IO[str]:
@@ -296,4 +296,4 @@ def _signal(process: subprocess.Popen[str], number: signal.Signals) -> None:
 
 
 def _quoted(line: str) -> str:
-    return shortened(line.strip(), 80) or said("an empty line")
+    return shortened(line.strip()) or said("an empty line")

@@ -15,7 +15,8 @@ import numpy as np
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import EVERY_WAY, Counted, VolumeMoments, levers_and_rest
 from axiscal.machine.kinematics import frames
-from axiscal.numerics import Array, rigid
+from axiscal.numerics import Array
+from axiscal_core import rigid
 
 _BLOCK = 1000
 """Poses at once: of memory, not of the result."""

@@ -24,8 +24,8 @@ from axiscal.errors.volume import EVERY_WAY, Counted
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import chi_square_quantile, chi_square_share, f_quantile
-from axiscal.numerics.threads import one_thread
+from axiscal_core.from_scipy import chi_square_quantile, chi_square_share, f_quantile
+from axiscal_core.threads import one_thread
 
 LEVEL = 0.95
 """Probability of every band and every expanded uncertainty."""

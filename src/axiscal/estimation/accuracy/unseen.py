@@ -18,8 +18,9 @@ from axiscal.language.spoken import joined, later, said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.observation import Observation
-from axiscal.numerics import Array, rigid
+from axiscal.numerics import Array
 from axiscal.units import said_quantity
+from axiscal_core import rigid
 
 _SAID = 0.3
 """Share of what cannot be seen from which it is said by itself."""

@@ -21,7 +21,8 @@ from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.candidates import corners
-from axiscal.numerics import Array, even_points, even_subset
+from axiscal.numerics import Array, even_subset
+from axiscal_core.points import even_points
 
 _INNER_POINTS = 400
 

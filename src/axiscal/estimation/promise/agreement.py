@@ -30,11 +30,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.draws import Weighed
 from axiscal.estimation.promise.problem import Problem
+from axiscal.estimation.promise.spaces import Given
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import binomial_tail, chi_square_tail
+from axiscal_core.draws import Weighed
+from axiscal_core.from_scipy import binomial_tail, chi_square_tail
 
 CONTRADICTS = 0.001
 """Probability below which readings contradict."""
@@ -181,12 +182,12 @@ def surprises(residuals: Array, covariances: Array) -> Array:
 
 def agreement(
     problem: Problem,
-    found: Weighed,
+    found: Weighed[Given],
     z: Array,
     left_out: int = 0,
     turned: Iterable[Turned] = (),
     framed: Iterable[Framed] = (),
-    every: tuple[Problem, Weighed] | None = None,
+    every: tuple[Problem, Weighed[Given]] | None = None,
     told: Sequence[Tried] = (),
 ) -> Agreement:
     """Return how readings agree.
@@ -220,7 +221,7 @@ def agreement(
     return Agreement(count, int(np.sum(z <= AGREES)), float(np.mean(z**2)), p, explained, described)
 
 
-def tail_of(problem: Problem, found: Weighed) -> float:
+def tail_of(problem: Problem, found: Weighed[Given]) -> float:
     """Return how probable readings are that agree no better, Σ w P(χ²_m ≥ Q_θ)."""
     tails = [chi_square_tail(len(problem.values), given.misfit) for given in found.given]
     return float(found.weights @ np.array(tails))
@@ -242,7 +243,7 @@ def _explained(tried: Iterable[Tried]) -> list[Explained]:
     return [one for one in likely if first[one.mistake, one.setups] is one]
 
 
-def _tried(problem: Problem, found: Weighed, gains: Array, squares: Array, mistake: Explained) -> Tried:
+def _tried(problem: Problem, found: Weighed[Given], gains: Array, squares: Array, mistake: Explained) -> Tried:
     """Return a mistake that is tried at all draws, with its log odds, 1 % before any reading, the sizes integrated out.
 
     gains, squares : (d,) gain of log L, taken off yᵀK⁻¹y
@@ -254,7 +255,7 @@ def _tried(problem: Problem, found: Weighed, gains: Array, squares: Array, mista
     return Tried(mistake._replace(log_odds=odds), float(weights @ tails / weights.sum()))
 
 
-def _units(problem: Problem, found: Weighed) -> Iterator[Tried]:
+def _units(problem: Problem, found: Weighed[Given]) -> Iterator[Tried]:
     """Yield the likeliest reading from which on a set-up has another unit, at the sizes as stated, where that fits."""
     given = found.drawn.stated
     for setup in np.unique(problem.setup).tolist():
@@ -278,7 +279,7 @@ def _units(problem: Problem, found: Weighed) -> Iterator[Tried]:
                 yield Tried(Explained("unit", odds, (int(setup),), int(readings[best]) if best else -1, factor), p)
 
 
-def _in_frames(problem: Problem, found: Weighed, framed: Iterable[Framed]) -> Iterator[Tried]:
+def _in_frames(problem: Problem, found: Weighed[Given], framed: Iterable[Framed]) -> Iterator[Tried]:
     """Yield the set-ups whose values are along the machine's x, y, z, at the sizes as stated: |det T| = 1."""
     given = found.drawn.stated
     for setup, other in framed:
@@ -287,7 +288,7 @@ def _in_frames(problem: Problem, found: Weighed, framed: Iterable[Framed]) -> It
         yield Tried(Explained("frame", odds, (setup,)), chi_square_tail(len(other.values), square))
 
 
-def _turned(problem: Problem, found: Weighed) -> Iterator[Tried]:
+def _turned(problem: Problem, found: Weighed[Given]) -> Iterator[Tried]:
     """Yield the mistakes that change the values themselves."""
     for mistake, setups, values, factor in _other_values(problem):
         squares = np.empty(len(found.given))
@@ -296,7 +297,7 @@ def _turned(problem: Problem, found: Weighed) -> Iterator[Tried]:
         yield _tried(problem, found, 0.5 * squares, squares, Explained(mistake, 0.0, setups, factor=factor))
 
 
-def _against(problem: Problem, found: Weighed, turned: Iterable[Turned]) -> Iterator[Tried]:
+def _against(problem: Problem, found: Weighed[Given], turned: Iterable[Turned]) -> Iterator[Tried]:
     """Yield that some axes count the other way than described."""
     for axes, other in turned:
         space, gains, squares = space_of(other), np.full(len(found.given), -np.inf), np.zeros(len(found.given))

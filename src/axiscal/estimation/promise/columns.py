@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.errors.plane import PlaneError
-from axiscal.errors.prior import matern, matern_by_length
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root
+from axiscal_core.splines import matern, matern_by_length
 
 _NUGGET = 1e-9
 """Added to correlations of one: long lengths make knots nearly equal, and Cholesky needs more than rounding."""

@@ -34,12 +34,12 @@ from axiscal.estimation.promise.agreement import (
     numbers_of_one,
     tail_of,
 )
-from axiscal.estimation.promise.draws import Weighed, as_stated, sized
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.spaces import Given
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import chi_square_tail
+from axiscal_core.draws import Weighed, as_stated, sized
+from axiscal_core.from_scipy import chi_square_tail
 
 _JUMPS = 30.0, 1e3, 3e4
 """Noises: standard deviations of a jump, one as likely as the other: it slips, is nudged, or is set to zero anew."""
@@ -72,8 +72,8 @@ class Jumped(NamedTuple):
     """
 
     problem: Problem
-    found: Weighed
-    without: Weighed
+    found: Weighed[Given]
+    without: Weighed[Given]
     jumps: tuple[Explained, ...] = ()
     log_prior: float = 0.0
 
@@ -83,7 +83,7 @@ class Jumped(NamedTuple):
         return self.found.log_evidence - self.without.log_evidence + self.log_prior
 
 
-def jumped(problem: Problem, found: Weighed | None = None) -> Jumped | None:
+def jumped(problem: Problem, found: Weighed[Given] | None = None) -> Jumped | None:
     """Return the jumps that readings tell, one after the other; None for none.
 
     found : draws for the readings without any
@@ -92,7 +92,7 @@ def jumped(problem: Problem, found: Weighed | None = None) -> Jumped | None:
     while suspected := [
         one for one in suspects(known.problem if known else problem, told) if one.mistake.log_odds > _NAMED
     ]:
-        found = found or sized(problem)
+        found = found or sized(space_of(problem))
         following = _weighed(known or Jumped(problem, found, found), suspected)
         if following is None:
             break
@@ -100,7 +100,9 @@ def jumped(problem: Problem, found: Weighed | None = None) -> Jumped | None:
     return known
 
 
-def likelier(moved: Jumped, here: tuple[Problem, Weighed], there: tuple[Problem, Weighed]) -> tuple[Tried, ...]:
+def likelier(
+    moved: Jumped, here: tuple[Problem, Weighed[Given]], there: tuple[Problem, Weighed[Given]]
+) -> tuple[Tried, ...]:
     """Return jumps where these are 20 times as likely as bad readings alone, and the readings agree with them.
 
     here, there : the readings without the bad ones, beside the jumps and without any, with their draws
@@ -118,10 +120,10 @@ def likelier(moved: Jumped, here: tuple[Problem, Weighed], there: tuple[Problem,
     return tuple(Tried(each._replace(log_odds=moved.log_odds), p) for each in moved.jumps)
 
 
-def _evidence(problem: Problem, found: Weighed, kept: NDArray[np.intp]) -> float:
+def _evidence(problem: Problem, found: Weighed[Given], kept: NDArray[np.intp]) -> float:
     """Return the log evidence of some of the readings, up to a constant."""
     among = np.isin(problem.reading, kept)
-    return (found if among.all() else sized(problem.only(among))).log_evidence
+    return (found if among.all() else sized(space_of(problem.only(among)))).log_evidence
 
 
 def _weighed(known: Jumped, suspected: list[Suspect]) -> Jumped | None:
@@ -129,7 +131,7 @@ def _weighed(known: Jumped, suspected: list[Suspect]) -> Jumped | None:
     for suspect in sorted(suspected, key=lambda one: -one.mistake.log_odds)[:_WEIGHED]:
         wider = known.problem.wider(suspect.columns)
         prior = float(np.log(PRIOR / suspect.places))
-        more = known._replace(problem=wider, found=sized(wider), log_prior=known.log_prior + prior)
+        more = known._replace(problem=wider, found=sized(space_of(wider)), log_prior=known.log_prior + prior)
         if more.log_odds - known.log_odds > _NAMED:
             return more._replace(jumps=(*known.jumps, suspect.mistake))
     return None

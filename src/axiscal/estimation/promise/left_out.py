@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from axiscal.description.usual import BAD
 from axiscal.estimation.promise.agreement import BAD_SHARE, surprises
-from axiscal.estimation.promise.draws import Weighed
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
 from axiscal.estimation.promise.spaces import Given, parts_of
 from axiscal.numerics import Array
+from axiscal_core.draws import Weighed
 
 _ODDS = BAD_SHARE / (1 - BAD_SHARE)
 """Of a bad reading before any is taken, by definition."""
@@ -43,7 +43,7 @@ class LeftOut:
     z: float
 
 
-def left_out(problem: Problem, found: Weighed) -> dict[int, LeftOut]:
+def left_out(problem: Problem, found: Weighed[Given]) -> dict[int, LeftOut]:
     """Return what the others expect of each reading, by its index.
 
     The heaviest draw goes first if numbers are many; all draws then judge only the readings that it suspects.
@@ -57,7 +57,7 @@ def left_out(problem: Problem, found: Weighed) -> dict[int, LeftOut]:
     return dict(sorted(result.items()))
 
 
-def with_stated(problem: Problem, found: Weighed, left: Mapping[int, LeftOut]) -> dict[int, LeftOut]:
+def with_stated(problem: Problem, found: Weighed[Given], left: Mapping[int, LeftOut]) -> dict[int, LeftOut]:
     """Return what is known of the readings that are left out, their odds with one draw more: the sizes as stated.
 
     A bad reading makes noise seem large: without it the sizes may be those stated, of which no draw is left.
@@ -72,7 +72,7 @@ def with_stated(problem: Problem, found: Weighed, left: Mapping[int, LeftOut]) -
     return result
 
 
-def _of_many(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[LeftOut]:
+def _of_many(problem: Problem, found: Weighed[Given], part: NDArray[np.intp]) -> list[LeftOut]:
     """Return what the others expect of many readings of k numbers.  part : (r, k)"""
     heaviest = int(np.argmax(found.weights))
     alone = replace(found, thetas=found.thetas[[heaviest]], weights=np.ones(1), given=(found.given[heaviest],))
@@ -84,7 +84,7 @@ def _of_many(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[L
     return result
 
 
-def _of_draws(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[LeftOut]:
+def _of_draws(problem: Problem, found: Weighed[Given], part: NDArray[np.intp]) -> list[LeftOut]:
     """Return what the others expect of readings of k numbers each, over all draws.  part : (r, k)"""
     each = [_of_draw(problem, given, theta, part) for given, theta in zip(found.given, found.thetas, strict=True)]
     residuals, covariances, ratios = (np.array(one) for one in zip(*each, strict=True))

@@ -13,20 +13,20 @@ from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.spaces import (
     Answered,
     Given,
-    Slope,
     factors_of,
     raw_cells,
     variances_of,
 )
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
+from axiscal_core.draws import Slope
+from axiscal_core.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
 
 
 class Numbers:
     """The room of the numbers: K (m, m)."""
 
     def __init__(self, problem: Problem) -> None:
-        self.problem = problem
+        self.problem, self.sizes = problem, problem.sizes
         plain = np.ones(problem.rows.shape[1], dtype=bool)
         for curves in problem.curves:
             plain[curves.columns] = False

@@ -17,8 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.usual import CYCLE, DRIFT, GROWTH, WAY, Kind, Sizes, needs_a_way
-from axiscal.errors.prior import matern
+from axiscal.description.usual import CYCLE, DRIFT, GROWTH, WAY, needs_a_way
 from axiscal.machine.entry import ROUGH
 from axiscal.measurement.cells import Course, wandering
 from axiscal.measurement.observation import Observation, directions_of
@@ -27,6 +26,8 @@ from axiscal.measurement.reading_rows import times_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root
+from axiscal_core.splines import matern
+from axiscal_core.theta import Kind, Sizes
 
 _FUNCTIONS = 20
 """They leave 0.5 % of the variance of Brownian motion: 1 − Σ 2/((k − ½)π)²."""

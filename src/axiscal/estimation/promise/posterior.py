@@ -23,7 +23,6 @@ from functools import cached_property
 
 import numpy as np
 
-from axiscal.description.usual import Kind
 from axiscal.estimation.promise.agreement import (
     MOST_BAD,
     SEVERAL,
@@ -33,15 +32,16 @@ from axiscal.estimation.promise.agreement import (
     Turned,
     agreement,
 )
-from axiscal.estimation.promise.draws import Draws, Weighed, sized
 from axiscal.estimation.promise.jumps import jumped, likelier
 from axiscal.estimation.promise.left_out import LeftOut, left_out, with_stated
 from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.spaces import Sources
+from axiscal.estimation.promise.spaces import Given, Sources
 from axiscal.estimation.promise.stuck import Repeats, stuck
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
+from axiscal_core.draws import Draws, Weighed, sized
+from axiscal_core.theta import Kind
+from axiscal_core.threads import one_thread
 
 _UNSURE = 0.01
 """Probability below which a size is not so small: of what is said never to be reached."""
@@ -115,7 +115,7 @@ class _Judged:
     """Readings, and draws of the sizes that they teach."""
 
     problem: Problem
-    found: Weighed
+    found: Weighed[Given]
 
     @cached_property
     def left(self) -> dict[int, LeftOut]:
@@ -123,9 +123,9 @@ class _Judged:
         return with_stated(self.problem, self.found, left_out(self.problem, self.found))
 
 
-def _judged(problem: Problem, apart: Sequence[int], before: Draws | None = None) -> _Judged:
+def _judged(problem: Problem, apart: Sequence[int], before: Draws[Given] | None = None) -> _Judged:
     mine = problem.only(~np.isin(problem.reading, apart)) if apart else problem
-    return _Judged(mine, sized(mine, before))
+    return _Judged(mine, sized(space_of(mine), before))
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +174,7 @@ class Sorted:
         kept = np.isin(self.problem.reading, [*left])
         z = np.array([each.z for each in left.values()])
         out = self.count - len(left)
-        every = (self.problem, sized(self.problem)) if out >= SEVERAL else None
+        every = (self.problem, sized(space_of(self.problem))) if out >= SEVERAL else None
         others = ((axes, other.only(kept)) for axes, other in turned)
         frames = ((setup, other.only(kept)) for setup, other in framed)
         told = (*self.jumps, *stuck(mine, found, repeated))
@@ -287,7 +287,7 @@ def _moments(judged: Sequence[_Judged], volume: Array) -> tuple[Array, Array, Ar
     return about + shift, total, moved @ moved.T, degrees, cells
 
 
-def _surely(problem: Problem, found: Weighed) -> float:
+def _surely(problem: Problem, found: Weighed[Given]) -> float:
     """Return the lower 1 % quantile of a size of errors over its root mean square, the least of all; 1 for none."""
     shares = [1.0]
     for size, thetas in zip(problem.sizes.of, found.thetas.T, strict=True):
@@ -298,7 +298,7 @@ def _surely(problem: Problem, found: Weighed) -> float:
     return min(shares)
 
 
-def _sizes(problem: Problem, found: Weighed) -> dict[tuple[Kind, str], float]:
+def _sizes(problem: Problem, found: Weighed[Given]) -> dict[tuple[Kind, str], float]:
     """Return each size as a factor on what is stated: variances add up, and lengths do not."""
     if not len(problem.sizes):
         return {}

@@ -15,10 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.usual import Kind, Sizes
 from axiscal.errors.model import ErrorFunction, Term
 from axiscal.errors.plane import PlaneError
-from axiscal.errors.prior import covariance, distances, ramp
+from axiscal.errors.prior import covariance
 from axiscal.estimation.promise.causes import Contribution, contributions
 from axiscal.estimation.promise.columns import Bent, Curves, PlaneUnknowns, Scale
 from axiscal.estimation.promise.passing import passing_columns
@@ -35,7 +34,9 @@ from axiscal.measurement.reading_rows import (
     with_cells,
 )
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import unique_root
+from axiscal_core.eigen import unique_root
+from axiscal_core.splines import distances, ramp
+from axiscal_core.theta import Kind, Sizes
 
 _WIDE = 0.06
 """Share of the travel over which half of the variance of a rest is common."""

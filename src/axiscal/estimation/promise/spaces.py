@@ -37,14 +37,7 @@ from numpy.typing import NDArray
 
 from axiscal.estimation.promise.problem import Problem, by_blocks
 from axiscal.numerics import Array
-
-
-class Slope(NamedTuple):
-    """log L of θ, its gradient (k,) and the Fisher information (k, k)."""
-
-    value: float
-    gradient: Array
-    information: Array
+from axiscal_core.draws import Slope
 
 
 class Answered(NamedTuple):

@@ -20,10 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.promise.agreement import NAMED, PRIOR, SEVERAL, Explained, Tried, tail_of
-from axiscal.estimation.promise.draws import Weighed, sized
 from axiscal.estimation.promise.problem import Problem
+from axiscal.estimation.promise.spaces import Given
+from axiscal.estimation.promise.unknowns import space_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
+from axiscal_core.draws import Weighed, sized
 
 _OF_NOISE = float(np.sqrt(12.0))
 """Steps of a display whose rounding alone has the noise's standard deviation."""
@@ -71,7 +73,7 @@ def _repeats(before: Reading, here: Reading) -> bool:
     return here.values == before.values and not here.accepted
 
 
-def stuck(problem: Problem, found: Weighed, repeated: Iterable[Repeats]) -> Iterator[Tried]:
+def stuck(problem: Problem, found: Weighed[Given], repeated: Iterable[Repeats]) -> Iterator[Tried]:
     """Yield the readings that an instrument was stuck at, where sizes as stated and as learnt both say so."""
     for each in repeated:
         again = np.isin(problem.reading, each.readings)
@@ -83,13 +85,13 @@ def stuck(problem: Problem, found: Weighed, repeated: Iterable[Repeats]) -> Iter
         prior = float(np.log(PRIOR) - each.log_places - np.sum(np.log(steps)))
         if prior - _log_density_as_stated(problem, found, again) <= np.log(NAMED):
             continue
-        others = sized(problem.only(~again))
+        others = sized(space_of(problem.only(~again)))
         density = found.log_evidence - others.log_evidence - 0.5 * float(again.sum()) * np.log(2 * np.pi)
         first = int(each.readings.min())
         yield Tried(Explained("stuck", prior - density, each.setups, first), tail_of(problem.only(~again), others))
 
 
-def _log_density_as_stated(problem: Problem, found: Weighed, some: NDArray[np.bool_]) -> float:
+def _log_density_as_stated(problem: Problem, found: Weighed[Given], some: NDArray[np.bool_]) -> float:
     """Return log p(yₛ | others) at the sizes as stated: Λ = (K⁻¹)ₛₛ is the precision of yₛ, given the others."""
     given = found.drawn.stated
     weighted = given.judged(np.column_stack([np.eye(len(some))[:, some], problem.values]))[some]

@@ -15,7 +15,6 @@ from axiscal.estimation.promise.spaces import (
     Answered,
     Caused,
     Given,
-    Slope,
     factors_of,
     raw_cells,
     times_roots,
@@ -23,7 +22,8 @@ from axiscal.estimation.promise.spaces import (
     variances_of,
 )
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import back_solution, inverse_of_product, root_in_place, solution
+from axiscal_core.draws import Slope
+from axiscal_core.from_scipy import back_solution, inverse_of_product, root_in_place, solution
 
 _AT_ONCE = 600
 """Numbers whose rows are worked through at once: more would not stay in the cache."""
@@ -33,7 +33,7 @@ class Unknowns:
     """The room of the unknowns: Q (p, p)."""
 
     def __init__(self, problem: Problem) -> None:
-        self.problem = problem
+        self.problem, self.sizes = problem, problem.sizes
         self.groups = np.unique(problem.groups).tolist() or [-1]
         each = [problem] if len(self.groups) == 1 else [problem.only(problem.groups == i) for i in self.groups]
         self.counts = [len(mine.values) for mine in each]

@@ -23,10 +23,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import Frames, frames, linear_axes, tool_point
+from axiscal.machine.kinematics import frames, linear_axes, tool_point
 from axiscal.measurement.bodies import lever
 from axiscal.measurement.charts.room import Chart, Room
 from axiscal.numerics import Array
+from axiscal_core.axes import Frames
 
 _SAME_WAY = 1e-12
 """Rounding of two directions that are one."""

@@ -46,7 +46,8 @@ from axiscal.measurement.instruments.kind import (
 )
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.touched import touch_frames
-from axiscal.numerics import Array, rigid
+from axiscal.numerics import Array
+from axiscal_core import rigid
 
 RADIUS = "radius"
 ZEROS = ("zero_x", "zero_y", "zero_z")

@@ -21,7 +21,8 @@ from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Deviation, frames
 from axiscal.measurement.setup import Setup
-from axiscal.numerics import Array, rigid
+from axiscal.numerics import Array
+from axiscal_core import rigid
 
 Reads = Literal["length", "angle"]
 

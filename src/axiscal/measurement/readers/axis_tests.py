@@ -43,7 +43,7 @@ _WAYS = {
 }
 """Words of directions by their sign."""
 _SIGNS = {word: sign for sign, words in _WAYS.items() for word in words.split()}
-_PARTS = re.compile(r"\d+|[+-]|[^\W\d_]+")
+_PARTS = re.compile(r"\d{1,9}|[+-]|[^\W\d_]+")
 _RUN = re.compile(r"[0-9]{1,9}")
 
 

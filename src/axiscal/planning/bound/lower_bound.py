@@ -26,14 +26,14 @@ from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import Forms, largest_ratio, patches
-from axiscal.numerics.threads import one_thread
-from axiscal.numerics.ties import scattered
 from axiscal.planning.bound.boxes import by_boxes
 from axiscal.planning.bound.certificate import Dual, groups, rank_bound, zeros_each, zeros_of
 from axiscal.planning.bound.relaxation import Relaxation
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.step.ground import Region, regions
+from axiscal_core.threads import one_thread
+from axiscal_core.ties import scattered
 
 _ROUNDS = 60
 """Any round proves a bound, and rounds end where the gap is closed; this only ends what would go on."""

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import solution_of_product
 from axiscal.numerics.gaussian import lower_root
 from axiscal.planning.bound.certificate import Dual
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance, informed
+from axiscal_core.from_scipy import solution_of_product
 
 _ADDED, _PART = 40, 2
 """So many candidates enter at once, or this part of the support: more make fewer, longer rounds to the same weights."""

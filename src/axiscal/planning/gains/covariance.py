@@ -23,9 +23,9 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import PlaceRows, rows_at, visited
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import solution, solution_of_product, take_off
 from axiscal.numerics.gaussian import condition, lower_root
 from axiscal.planning.gains.gain import Scorer
+from axiscal_core.from_scipy import solution, solution_of_product, take_off
 
 _MODERATE = 1e13
 """By Cholesky up to here, by singular values beyond: the first loses digits only near the inverse of rounding."""

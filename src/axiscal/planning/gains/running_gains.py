@@ -21,10 +21,11 @@ from numpy.typing import NDArray
 
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import take_off
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance, LowRank, ReadNumbers
-from axiscal.planning.gains.gain import Scorer, joint_gains
+from axiscal.planning.gains.gain import Scorer
+from axiscal_core.from_scipy import take_off
+from axiscal_core.state import joint_gains
 
 _SMALLEST = 1e-9
 """Share of the noise of a reading that counts as left of it where nothing is: no division by nought."""

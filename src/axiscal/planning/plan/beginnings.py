@@ -19,9 +19,9 @@ from axiscal.measurement.observation import directions_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.numerics.ties import ALIKE, first_best, first_best_each, ranked
 from axiscal.planning.plan.task import Patience, Task
 from axiscal.planning.step.starts_stacked import Grid, StackedStarts, adds_up, stack_of
+from axiscal_core.ties import ALIKE, first_best, first_best_each, ranked
 
 _SEED = 1
 """Any: a plan is the same every time."""

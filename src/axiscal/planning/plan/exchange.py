@@ -24,14 +24,15 @@ from axiscal.measurement.charts.room import Chart, has_room
 from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import lowest
-from axiscal.numerics.ties import ALIKE, first_best, ranked
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.gains.running_gains import Allowed, Scores
 from axiscal.planning.plan.task import Clock, Patience, work_of_climb
-from axiscal.planning.step.climb import Climb
+from axiscal.planning.step.ground import ground_of
+from axiscal_core.climb import Climb
+from axiscal_core.from_scipy import lowest
+from axiscal_core.ties import ALIKE, first_best, ranked
 
 _STEP = 1e-6
 """Share of the travel: central differences of smooth rows lose below 1e-8 to bending or rounding, ten times off too."""
@@ -308,15 +309,32 @@ def _climbed(pool: Pool, scorer: Scorer, gains: Array, old: Places) -> Places:
     Cells visited by others are taken for fresh ones meanwhile: their edges would cut every line into small pieces.
     """
     order = ranked(gains, ALIKE, _CANDIDATES)
-    begun = Places.joined([old, pool.lattice.within(order[np.isfinite(gains[order])])])
-    climbs = [_climb(scorer, setup, *begun.in_setup(setup)) for setup, _ in begun.by_setup()]
-    best = climbs[first_best(np.array([climb.gains.max() for climb in climbs]), ALIKE)]
-    top = first_best(best.gains, ALIKE)
-    return Places.one(best.setup, *(part[top] for part in best.readings))
+    starts = Places.joined([old, pool.lattice.within(order[np.isfinite(gains[order])])])
+    setups = [setup for setup, _ in starts.by_setup()]
+    climbs = [_climb(scorer, setup, *starts.in_setup(setup)) for setup in setups]
+    best = first_best(np.array([climb.gains.max() for climb in climbs]), ALIKE)
+    top = first_best(climbs[best].gains, ALIKE)
+    return Places.one(setups[best], *(part[top] for part in climbs[best].readings))
+
+
+def climb_from(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb:
+    """Return the climb from readings of a set-up.  poses, approaches : (n, q)"""
+    ground = ground_of(scorer.observation, setup)
+
+    def gained(places: Array, sides: Array) -> Array:
+        taken = ground.approachable(places, sides)
+        if taken is None:
+            return scorer.gains_at(setup, *ground.as_poses(places, sides))
+        gains = np.full(len(places), -np.inf)
+        if taken.any():
+            gains[taken] = scorer.gains_at(setup, *ground.as_poses(places[taken], sides[taken]))
+        return gains
+
+    return Climb.begun(ground, gained, *ground.as_places(poses, approaches))
 
 
 def _climb(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb:
-    climb = Climb.begun(scorer, setup, poses, approaches)
+    climb = climb_from(scorer, setup, poses, approaches)
     climb.newton(3)
     climb = climb.distinct().best(1, 0.0, 1.0)
     climb.uphill()

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from axiscal.measurement.reading import Places
 from axiscal.numerics import even_subset
 from axiscal.numerics.remembered import remembered
-from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import informed
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import Clock, Limits, Task, clock
+from axiscal_core.ties import ALIKE, first_best
 
 _TRIED = 150
 _WORTH = 1e-3

@@ -28,9 +28,9 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import reading_seconds, short_way, way_seconds
 from axiscal.numerics import Array
-from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.plan.task import Limits, Task
+from axiscal_core.ties import ALIKE, first_best
 
 
 def seconds_along(task: Task, order: Places) -> float:

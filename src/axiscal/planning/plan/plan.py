@@ -25,8 +25,6 @@ from axiscal.exceptions import PlanError
 from axiscal.language.stages import stage
 from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import reading_seconds
-from axiscal.numerics.threads import one_thread
-from axiscal.numerics.ties import ALIKE, ranked
 from axiscal.planning.bound.lower_bound import Bound, lower_bound
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import RunningAccuracy, after_each
@@ -39,6 +37,8 @@ from axiscal.planning.plan.order import arriving, in_order, interleaved, seconds
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import PATIENCE, Goal, Limits, Patience, Task, clock
 from axiscal.planning.plan.tour import grown, quickest, retoured, toured
+from axiscal_core.threads import one_thread
+from axiscal_core.ties import ALIKE, ranked
 
 _SWEEPS = 3
 _WORTH = 0.01

@@ -21,7 +21,6 @@ import numpy as np
 
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
-from axiscal.numerics.ties import ALIKE, first_best, ranked
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.exchange import Minutes, relocated
@@ -29,6 +28,7 @@ from axiscal.planning.plan.greedy import Setups, of_best_size, openings
 from axiscal.planning.plan.order import seconds_along, seconds_around, set_ups_in_order
 from axiscal.planning.plan.run import Run, Ways
 from axiscal.planning.plan.task import Goal, Limits, Patience, Task, work_of_climb
+from axiscal_core.ties import ALIKE, first_best, ranked
 
 _STARTS, _SEED = 8, 1
 """Tours that are begun for one set of set-ups; any seed: a plan is the same every time."""

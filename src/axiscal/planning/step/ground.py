@@ -35,14 +35,12 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import misfit, patches
-from axiscal.numerics.line import node_count
+from axiscal_core.roots import node_count
 
 _LOOKS = np.array([1, 3, 5]) / 6
 """Shares of each stretch between breaks that are looked at."""
 _EVEN = 73
 """Places along a coordinate of a chart that are looked at: every five degrees of a turn."""
-_NODES = 21
-"""Nodes of a piece on a chart."""
 _LOOKED_AT = 721
 """Places along a coordinate at which it is looked whether they can be taken: every half degree of a turn."""
 _PARTS, _ROUNDS = 32, 10
@@ -69,6 +67,11 @@ class _Axes:
         """From where to where each coordinate goes, (size, 2)."""
         mounted, machine = self.observation.setups[self.setup], self.observation.machine
         return np.array([mounted.span(machine.axes[axis], axis) for axis in mounted.moves])
+
+    @cached_property
+    def spans(self) -> Array:
+        """The travel of every axis of the machine, (q,)."""
+        return _spans(self.observation)
 
     @cached_property
     def continuous(self) -> list[int]:
@@ -115,10 +118,6 @@ class _Axes:
         breaks = breaks_along(self.observation, self._moves[number], self.setup)
         return np.stack([breaks[:-1], breaks[1:]], axis=1)
 
-    def nodes(self, number: int) -> int:
-        """Return how many nodes follow the gain's forms along such a piece."""
-        return node_count(*smoothness_along(self.observation, self._moves[number], self.setup))
-
 
 @dataclass(frozen=True, eq=False)
 class _OnChart:
@@ -131,6 +130,10 @@ class _OnChart:
     @cached_property
     def ends(self) -> Array:
         return np.array([each[:2] for each in self.chart.coordinates])
+
+    @cached_property
+    def spans(self) -> Array:
+        return _spans(self.observation)
 
     @cached_property
     def continuous(self) -> list[int]:
@@ -178,8 +181,9 @@ class _OnChart:
         kept = inside & (right - left > _SHORTEST * (high - low))
         return np.stack([left[kept], right[kept]], axis=1)
 
-    def nodes(self, number: int) -> int:
-        return _NODES
+
+def _spans(observation: Observation) -> Array:
+    return np.array([axis.length for axis in observation.machine.axes])
 
 
 Ground = _Axes | _OnChart

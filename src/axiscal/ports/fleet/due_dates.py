@@ -29,9 +29,9 @@ from axiscal.estimation.type_prior import SisterRecord
 from axiscal.exceptions import AxiscalError, InputError, RecordError, TableError, TargetError
 from axiscal.language.spoken import listed, put
 from axiscal.language.stages import staged
-from axiscal.numerics.threads import one_thread
 from axiscal.ports.fleet.sister_records import ACTIVE, MachineRecord, equation_of, other_machine, read_records, why_not
 from axiscal.ports.fleet.worn_machine import YEAR, Aging, Pair, Wearing, aging, found_by, worn
+from axiscal_core.threads import one_thread
 
 _HORIZON = 20.0
 """Years: nobody plans farther."""

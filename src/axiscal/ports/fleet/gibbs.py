@@ -22,9 +22,7 @@ import numpy as np
 from axiscal.estimation.data_equation import DataEquation
 from axiscal.language.stages import staged
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import back_solution, inverse_of_product, solution
 from axiscal.numerics.gaussian import lower_root
-from axiscal.numerics.threads import one_thread
 from axiscal.ports.fleet.hierarchy import (
     CERTAINTY,
     LEVEL,
@@ -36,6 +34,8 @@ from axiscal.ports.fleet.hierarchy import (
     Sisters,
     usual,
 )
+from axiscal_core.from_scipy import back_solution, inverse_of_product, solution
+from axiscal_core.threads import one_thread
 
 _SCALES, _SHARES = 9, 11
 """Places tried for a scale and for a share at once; any few do."""

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from axiscal.errors.model import ErrorModel, Term
 from axiscal.errors.plane import PlaneError
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import settled
+from axiscal_core.eigen import settled
 
 SPREAD, LEVEL = 0.5, 0.9
 """Standard deviations of log c_f about log c, and of log c about 0: a stated std is right within a factor of 2.5."""

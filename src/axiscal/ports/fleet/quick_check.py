@@ -37,9 +37,7 @@ from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.travel import short_way
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import chi_square_tail, solution
 from axiscal.numerics.gaussian import lower_root
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.other_readings import with_rooms
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
@@ -47,6 +45,8 @@ from axiscal.ports.fleet.due_dates import again, case_again
 from axiscal.ports.fleet.worn_machine import Wearing, found_by, without_tables
 from axiscal.tables.registry import offered_control
 from axiscal.tables.surface import Control
+from axiscal_core.from_scipy import chi_square_tail, solution
+from axiscal_core.threads import one_thread
 
 _FAR = 3.0
 """Standard deviations as stated that a crash is off: nearer is no crash, and farther shows anyway."""

@@ -18,7 +18,6 @@ from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior
 from axiscal.exceptions import RecordError, TargetError
 from axiscal.language.spoken import listed, put
 from axiscal.machine.description import Machine, machine_from_text
-from axiscal.numerics.threads import one_thread
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
@@ -26,6 +25,7 @@ from axiscal.ports.fleet.gibbs import SisterPrior, sister_prior
 from axiscal.ports.fleet.hierarchy import Hierarchy, PriorUnits, prior_units
 from axiscal.ports.fleet.sister_records import MachineRecord, equations_of, read_records, usual_machine
 from axiscal.record.copies import gathered
+from axiscal_core.threads import one_thread
 
 DIRECTIONS, DOUBT = 3, 0.1
 """In which sisters differ together; that a machine is no sister, before it is measured. A user states them."""

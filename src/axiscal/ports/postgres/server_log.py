@@ -13,8 +13,10 @@ from pathlib import Path
 from typing import NamedTuple, Self
 
 from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
+from axiscal.language.spoken import capital
 from axiscal.ports.postgres.database import Database, not_known, opened_database
 from axiscal.ports.postgres.tables import refuse_other
+from axiscal.record.copies import refuse_unfit, unfit
 from axiscal.record.events import Created
 from axiscal.record.line_form import DamageError, EventText, chained
 from axiscal.record.log import (
@@ -35,6 +37,10 @@ _SHOWN = 13
 """Digits of an id that are shown: enough to tell any two campaigns."""
 _ENTRIES = "SELECT CAST(id AS text), name, CAST(branch_of AS text), branch_at FROM axiscal.campaigns"
 
+_ENTER = """
+SELECT axiscal.enter(CAST(:id AS uuid), :name, CAST(:branch_of AS uuid), CAST(:branch_at AS bigint),
+    CAST(:kinds AS text[]), CAST(:payloads AS text[]), CAST(:times AS text[]), CAST(:digests AS text[]))
+"""
 _INSERT = """
 SELECT axiscal.append(CAST(:id AS uuid), CAST(:last AS bigint), CAST(:kinds AS text[]),
     CAST(:payloads AS text[]), CAST(:times AS text[]), CAST(:digests AS text[]))
@@ -74,11 +80,8 @@ class ServerLog(EventLog):
         entry = Entry(campaign_of(first), name, None, None)
 
         def begun() -> None:
-            if entries(database, name):
-                remedy = "Go on with it by `axiscal step next`, or give the campaign another name"
-                raise RecordError("The store has a campaign of this name already", remedy, f"{STORED}{name}")
-            enter(database, entry)
-            insert(database, entry.id, 0, [first])
+            refuse_taken(database, entry, "go on with it by `axiscal step next`, or give the campaign another name")
+            enter(database, entry, [first])
 
         with _closed_at_a_fault(database):
             refuse_other(database)
@@ -235,8 +238,9 @@ def _closed_at_a_fault(database: Database) -> Iterator[None]:
 def entries(database: Database, name: str | None = None) -> list[Entry]:
     """Return the campaigns of a store: all, or those of a name or an id that begins so."""
     rows = database.select(
-        f"{_ENTRIES} WHERE CAST(:name AS text) IS NULL OR name = :name "
-        "OR (length(:name) >= :few AND starts_with(CAST(id AS text), :name)) "
+        f"{_ENTRIES} AS c WHERE EXISTS (SELECT FROM axiscal.events AS e WHERE e.campaign = c.id) "
+        "AND (CAST(:name AS text) IS NULL OR name = :name "
+        "OR (length(:name) >= :few AND starts_with(CAST(id AS text), :name))) "
         "ORDER BY name, id",
         name=name,
         few=_FEWEST,
@@ -250,12 +254,19 @@ def entry_of(database: Database, campaign: str) -> Entry | None:
     return Entry(*rows[0]) if rows else None
 
 
-def enter(database: Database, entry: Entry) -> None:
-    """Add a campaign to a store; nothing where it is there."""
-    database.select(
-        "SELECT axiscal.enter(CAST(:id AS uuid), :name, CAST(:branch_of AS uuid), CAST(:branch_at AS bigint))",
-        **entry._asdict(),
-    )
+def refuse_taken(database: Database, entry: Entry, remedy: str) -> None:
+    """Raise RecordError for a name that does not fit file systems, or that another campaign of the store has."""
+    named = Path(f"{STORED}{entry.name}")
+    refuse_unfit(entry.name, named)
+    taken = "SELECT count(*) FROM axiscal.campaigns AS c WHERE branch_of IS NULL AND lower(name) = lower(:name) AND id "
+    behind = "<> CAST(:id AS uuid) AND EXISTS (SELECT FROM axiscal.events AS e WHERE e.campaign = c.id)"
+    if database.select(taken + behind, name=entry.name, id=entry.id)[0][0]:
+        raise RecordError("The store has a campaign of this name already", capital(remedy), named)
+
+
+def enter(database: Database, entry: Entry, texts: Sequence[ChainedText]) -> None:
+    """Add a campaign with its first events to a store, within a transaction."""
+    database.select(_ENTER, **entry._asdict() | _columns(texts))
 
 
 def insert(database: Database, campaign: str, last: int, texts: Sequence[ChainedText]) -> None:
@@ -265,9 +276,16 @@ def insert(database: Database, campaign: str, last: int, texts: Sequence[Chained
 
 
 def _inserted(campaign: str, last: int, texts: Sequence[ChainedText]) -> dict[str, object]:
-    columns = zip(*((t.row.kind, t.row.payload, t.row.at, t.chain) for t in texts), strict=True)
-    lists = dict(zip(("kinds", "payloads", "times", "digests"), map(list, columns), strict=True))
-    return {"id": campaign, "last": last, **lists}
+    return {"id": campaign, "last": last, **_columns(texts)}
+
+
+def _columns(texts: Sequence[ChainedText]) -> dict[str, object]:
+    return {
+        "kinds": [text.row.kind for text in texts],
+        "payloads": [text.row.payload for text in texts],
+        "times": [text.row.at for text in texts],
+        "digests": [text.chain for text in texts],
+    }
 
 
 def _ancestors(database: Database, entry: Entry) -> list[Entry]:
@@ -307,6 +325,6 @@ def all_there() -> list[Path]:
 def _path(entry: Entry, alone: bool) -> Path:
     """Return "store:NAME", or "store:ID" of a branch, or where the name is no single one."""
     by_name = Path(f"{STORED}{entry.called}")
-    if alone and by_name.name == f"{STORED}{entry.called}":  # a name such as a/b is one of a folder and a file
+    if alone and not unfit(entry.called):
         return by_name
     return Path(f"{STORED}{entry.id[:_SHOWN]}")

@@ -10,11 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from shlex import quote
 from typing import Literal
 from uuid import UUID, uuid5
 
+from axiscal.exceptions import RecordError
 from axiscal.ports.postgres.database import Database
-from axiscal.ports.postgres.server_log import Entry, ServerLog, enter, entry_of, insert
+from axiscal.ports.postgres.server_log import Entry, ServerLog, enter, entry_of, insert, refuse_taken
 from axiscal.ports.postgres.tables import refuse_other
 from axiscal.record.log import EMPTY, ChainedText, EventLog, campaign_of, shared_events
 from axiscal.record.signing import own_hand
@@ -48,6 +50,11 @@ def synced(database: Database, record: EventLog, name: str) -> Synced:
     texts = record.texts()
     entry = Entry(campaign_of(texts[0]), name, None, None)
 
+    if first := set_aside(database, entry.id, texts):
+        what = "Whoever keeps the store has set event {first} of this record aside, and all behind it"
+        remedy = "Go on without them: axiscal shop sync {record} --drop; all of it stays in a file beside"
+        raise RecordError(what, remedy, record.path, first=first, record=quote(str(record.path)))
+
     def brought() -> tuple[Synced, Sequence[ChainedText]]:
         there = entry_of(database, entry.id)
         found, rest = _new(database, entry, texts) if there is None else _sent(database, there, texts)
@@ -60,9 +67,20 @@ def synced(database: Database, record: EventLog, name: str) -> Synced:
     return found
 
 
+def set_aside(database: Database, campaign: str, texts: Sequence[ChainedText]) -> int:
+    """Return the number of the first event that the store has set aside, of a campaign or its branches; 0 for none."""
+    rows = database.select(
+        "SELECT min(number) FROM axiscal.aside WHERE digest = ANY(CAST(:digests AS text[])) AND campaign IN "
+        "(SELECT id FROM axiscal.campaigns WHERE CAST(:id AS uuid) IN (id, branch_of))",
+        id=campaign,
+        digests=[text.chain for text in texts],
+    )
+    return int(rows[0][0] or 0)
+
+
 def _new(database: Database, entry: Entry, texts: Sequence[ChainedText]) -> tuple[Synced, Sequence[ChainedText]]:
-    enter(database, entry)
-    insert(database, entry.id, 0, texts)
+    refuse_taken(database, entry, "give this one another name: --name NAME")
+    enter(database, entry, texts)
     return Synced("new", entry, sent=len(texts)), ()
 
 
@@ -75,7 +93,8 @@ def _countersigned(database: Database, record: str, path: Path, there: Entry, te
         **of_this,
     )
     number, digest = rows[0] if rows else (0, EMPTY)
-    if (number, digest) != (len(texts), texts[-1].chain):
+    may = database.select("SELECT has_function_privilege('axiscal.saw(uuid, text, uuid, bigint)', 'EXECUTE')")[0][0]
+    if may and (number, digest) != (len(texts), texts[-1].chain):
         seen = "SELECT axiscal.saw(CAST(:record AS uuid), :copy, CAST(:campaign AS uuid), CAST(:number AS bigint))"
         database.select(seen, **of_this, campaign=there.id, number=len(texts))
     kept = number <= len(texts) and digest in (EMPTY, texts[number - 1].chain)
@@ -100,6 +119,5 @@ def _sent(database: Database, entry: Entry, texts: Sequence[ChainedText]) -> tup
     branch = Entry(str(uuid5(UUID(entry.id), texts[shared].chain)), entry.name, entry.id, shared)
     if known := entry_of(database, branch.id):
         return _sent(database, known, texts)
-    enter(database, branch)
-    insert(database, branch.id, shared, texts[shared:])
+    enter(database, branch, texts[shared:])
     return Synced("fork", branch, sent=len(texts) - shared, shared=shared), ()

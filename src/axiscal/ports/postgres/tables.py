@@ -18,8 +18,9 @@ from __future__ import annotations
 from axiscal.exceptions import RecordError
 from axiscal.ports.postgres.database import Database
 
-FORM = 3
-"""Of the tables; the first had no functions, and in the second a client could keep others waiting."""
+FORM = 4
+"""Of the tables; the first had no functions, in the second a client could keep others waiting, and in the third a
+campaign could have no event, and any name."""
 _FIRST = """
 CREATE SCHEMA axiscal;
 CREATE TABLE axiscal.form (number integer PRIMARY KEY);
@@ -37,20 +38,28 @@ BEGIN
     RAISE EXCEPTION 'events are only ever added' USING ERRCODE = '42501';
 END $body$;
 """
-_NOW = """
-INSERT INTO axiscal.form VALUES (3);
+_LONGEST, _MOST = 20_000_000, 200_000
+"""Letters of an event, and events that come at once: ten times what the largest campaign has."""
+_SESSIONS = 200
+"""Connections that a store takes, where its owner has not said."""
+_LIMIT = (
+    "DO $body$ BEGIN IF (SELECT datconnlimit FROM pg_database WHERE datname = current_database()) < 0 THEN EXECUTE "
+    "format('ALTER DATABASE %I CONNECTION LIMIT {sessions}', current_database()); END IF; END $body$"
+)
+_NOW = r"""
+INSERT INTO axiscal.form VALUES (4);
 CREATE TABLE IF NOT EXISTS axiscal.seen (
     id bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY, record uuid NOT NULL REFERENCES axiscal.campaigns,
     copy text NOT NULL, campaign uuid NOT NULL, number bigint NOT NULL, at timestamptz NOT NULL DEFAULT now(),
     writer text NOT NULL DEFAULT session_user);
 CREATE INDEX IF NOT EXISTS seen_record_copy_id_idx ON axiscal.seen (record, copy, id);
 ALTER TABLE axiscal.events DROP CONSTRAINT IF EXISTS events_pkey CASCADE;
-CREATE INDEX events_in_order ON axiscal.events (campaign, number);
-CREATE TABLE axiscal.aside (
+CREATE INDEX IF NOT EXISTS events_in_order ON axiscal.events (campaign, number);
+CREATE TABLE IF NOT EXISTS axiscal.aside (
     campaign uuid, number bigint, digest text, at timestamptz NOT NULL DEFAULT now(), PRIMARY KEY (campaign, digest));
-CREATE VIEW axiscal.standing AS SELECT * FROM axiscal.events AS e WHERE NOT EXISTS (
+CREATE OR REPLACE VIEW axiscal.standing AS SELECT * FROM axiscal.events AS e WHERE NOT EXISTS (
     SELECT FROM axiscal.aside AS a WHERE a.campaign = e.campaign AND a.digest = e.digest);
-CREATE FUNCTION axiscal.quarantine(campaign uuid, first bigint) RETURNS bigint LANGUAGE plpgsql AS $body$
+CREATE OR REPLACE FUNCTION axiscal.quarantine(campaign uuid, first bigint) RETURNS bigint LANGUAGE plpgsql AS $body$
 DECLARE
     count bigint;
 BEGIN
@@ -104,20 +113,8 @@ BEGIN
     END IF;
     INSERT INTO axiscal.seen (record, copy, campaign, number) VALUES ($1, $2, $3, $4);
 END $body$;
-CREATE OR REPLACE FUNCTION axiscal.enter(id uuid, name text, branch_of uuid, branch_at bigint) RETURNS void
-LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, pg_temp AS $body$
-BEGIN
-    IF $2 !~ '[^[:space:]]' OR $2 ~ '[[:cntrl:]]' OR length($2) > 500 THEN
-        RAISE EXCEPTION 'a campaign cannot have this name';
-    END IF;
-    IF $3 IS NOT NULL AND NOT EXISTS (SELECT FROM axiscal.standing AS e JOIN axiscal.campaigns AS c ON c.id = e.campaign
-        WHERE c.id = $3 AND c.name = $2 AND e.number = $4) THEN
-        RAISE EXCEPTION 'a branch needs the event that it follows, and the name of its campaign';
-    END IF;
-    INSERT INTO axiscal.campaigns VALUES ($1, $2, $3, $4) ON CONFLICT DO NOTHING;
-END $body$;
 DROP FUNCTION IF EXISTS axiscal.append(uuid, bigint, bigint, text[], text[], text[], text[]);
-CREATE FUNCTION axiscal.append(
+CREATE OR REPLACE FUNCTION axiscal.append(
     campaign uuid, last bigint, kinds text[], payloads text[], times text[], digests text[])
 RETURNS void LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, pg_temp AS $body$
 DECLARE
@@ -128,12 +125,38 @@ BEGIN
         AND json_typeof(e.payload::json) = 'object' AND e.at ~
             '^[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9.]{2,9}[+-][0-9]{2}:[0-9]{2}$') IS NOT TRUE
         LIMIT 1;
+    IF (SELECT max(length(p)) FROM unnest($4) AS p) > {longest} OR cardinality($3) > {most} THEN
+        RAISE EXCEPTION 'more than {most} events at once, or one of more than {longest} letters';
+    END IF;
     IF wrong IS NOT NULL THEN
         RAISE EXCEPTION 'event % is none: its kind, its time or what it says cannot be', $2 + wrong;
     END IF;
     INSERT INTO axiscal.events (campaign, number, kind, payload, at, digest)
         SELECT $1, $2 + e.n, e.kind, e.payload, e.at, e.digest
         FROM unnest($3, $4, $5, $6) WITH ORDINALITY AS e (kind, payload, at, digest, n) ORDER BY e.n;
+END $body$;
+DROP FUNCTION IF EXISTS axiscal.enter(uuid, text, uuid, bigint);
+CREATE OR REPLACE FUNCTION axiscal.enter(id uuid, name text, branch_of uuid, branch_at bigint,
+    kinds text[], payloads text[], times text[], digests text[]) RETURNS void
+LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, pg_temp AS $body$
+BEGIN
+    IF ($2 ~ E'[[:cntrl:]/\\\\:*?"<>|]' OR $2 ~ '^[-. ]' OR $2 ~ '[. ]$' OR length($2) NOT BETWEEN 1 AND 100
+        OR $2 ~ E'[\\u00ad\\u200b-\\u200f\\u2028-\\u202e\\u2060-\\u2069\\ufeff]') IS NOT FALSE THEN
+        RAISE EXCEPTION 'a campaign cannot have this name';
+    END IF;
+    IF $3 IS NOT NULL AND NOT EXISTS (SELECT FROM axiscal.standing AS e JOIN axiscal.campaigns AS c ON c.id = e.campaign
+        WHERE c.id = $3 AND c.name = $2 AND e.number = $4) THEN
+        RAISE EXCEPTION 'a branch needs the event that it follows, and the name of its campaign';
+    END IF;
+    IF $3 IS NULL AND EXISTS (SELECT FROM axiscal.campaigns AS c WHERE c.branch_of IS NULL AND c.id <> $1
+        AND lower(c.name) = lower($2) AND EXISTS (SELECT FROM axiscal.events AS e WHERE e.campaign = c.id)) THEN
+        RAISE EXCEPTION 'another campaign has this name';
+    END IF;
+    IF coalesce(cardinality($5), 0) = 0 THEN
+        RAISE EXCEPTION 'a campaign begins with an event';
+    END IF;
+    INSERT INTO axiscal.campaigns VALUES ($1, $2, $3, $4) ON CONFLICT DO NOTHING;
+    PERFORM axiscal.append($1, coalesce($4, 0), $5, $6, $7, $8);
 END $body$;
 """
 _KEPT = """
@@ -149,8 +172,7 @@ GRANT USAGE ON SCHEMA axiscal TO axiscal_reader, axiscal_measurer;
 GRANT SELECT ON ALL TABLES IN SCHEMA axiscal TO axiscal_reader, axiscal_measurer;
 REVOKE INSERT ON ALL TABLES IN SCHEMA axiscal FROM axiscal_measurer;
 REVOKE ALL ON ALL FUNCTIONS IN SCHEMA axiscal FROM PUBLIC;
-GRANT EXECUTE ON FUNCTION axiscal.append, axiscal.enter TO axiscal_measurer;
-GRANT EXECUTE ON FUNCTION axiscal.saw TO axiscal_measurer, axiscal_reader;
+GRANT EXECUTE ON FUNCTION axiscal.append, axiscal.enter, axiscal.saw TO axiscal_measurer;
 """
 ROLES = "axiscal_reader", "axiscal_measurer"
 """Who may read, and who may read and add; a person's account is made a member of one: GRANT axiscal_reader TO anna."""
@@ -169,7 +191,9 @@ def prepare(database: Database) -> bool:
             database.select(_ROLE.format(role=role))
         if not there:
             _make(database, _FIRST, "campaigns", "events")
-        _make(database, _NOW, "seen", "aside")
+        quotas = _NOW.replace("{longest}", str(_LONGEST)).replace("{most}", str(_MOST))
+        _make(database, quotas, "seen", "aside")
+        database.select(_LIMIT.format(sessions=_SESSIONS))
         database.select(_RIGHTS)
 
     database.transaction(made)

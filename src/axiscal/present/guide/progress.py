@@ -7,8 +7,11 @@ Words say what `undo` would take back or has taken back, and which readings are 
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
 from typing import Literal, NamedTuple
+
+import numpy as np
 
 from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
@@ -19,7 +22,7 @@ from axiscal.estimation.agreement_words import acceptance, agreement_words, chan
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.promise.agreement import ASKED, Mistake
 from axiscal.language.spoken import counted, decimals, said
-from axiscal.measurement.reading import reading_text, reading_unit
+from axiscal.measurement.reading import reading_text, reading_unit, shown_coordinate
 from axiscal.planning.promise import foreseen, rejected
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted
@@ -77,10 +80,10 @@ def last_doubt(campaign: Campaign) -> Doubt | None:
     return next((doubt for doubt in campaign.estimate().outliers if doubt.reading == last), None)
 
 
-def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
+def others_doubted(campaign: Campaign, before: frozenset[int], *, command: bool = True) -> list[str]:
     """Return sentences about what the last reading changed: earlier readings doubted or believed, and its own surprise.
 
-    before : what was doubted before it
+    before : what was doubted before it; command : whether the option is said that keeps it all the same
     """
     last, now, known = len(campaign.state.readings) - 1, doubted(campaign), campaign.estimate()
     doubtful = "with this one, {reading}, is no longer relied on. Read there again."
@@ -90,7 +93,8 @@ def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
     size = (surprise.chi_square / surprise.degrees) ** 0.5
     if doubt is not None:
         refused = "{why}. It is not used: take it back and read there again. If it is right, record it with --accept."
-        minds.append(said(refused, why=known.objection_to(doubt)))
+        kept = "{why}. It is not used: take it back and read there again. If it is right, keep it as really so."
+        minds.append(said(refused if command else kept, why=known.objection_to(doubt)))
     elif not campaign.state.readings[last].accepted and size >= _SURPRISING:
         strange = (
             "it is {size} standard deviations from what was expected. It is believed so far; take it back and read "
@@ -150,12 +154,15 @@ def open_temperature(campaign: Campaign) -> bool:
     return asked is not None and lacks_temperature(described.setup(asked.place.setup), described.machine)
 
 
-def contradictions(campaign: Campaign) -> list[str]:
-    """Return what is to be said of readings that contradict each other; nothing where they agree, or at the end."""
+def contradictions(campaign: Campaign, *, command: bool = True) -> list[str]:
+    """Return what is to be said of readings that contradict each other; nothing where they agree, or at the end.
+
+    command : whether the one that puts it right is said besides
+    """
     if campaign.state.finished is not None:
         return []
     known = campaign.estimate()
-    return [agreement_words(known, campaign.path)] if known.agreement.contradicts else []
+    return [agreement_words(known, campaign.path if command else None)] if known.agreement.contradicts else []
 
 
 def _shown(campaign: Campaign, index: int) -> str:
@@ -248,3 +255,39 @@ def due(campaign: Campaign) -> Due:
     first = next((n for n, place in enumerate(places) if place in read), None)
     until = None if first is None else to_unit(campaign.seconds(places[:first]) - campaign.seconds(), "min")
     return Due(temperature_degc=warm, minutes_ago=ago, ask=asked, marker_minutes=until)
+
+
+_LATEST = 3
+"""Readings that are listed; a person looks back at no more."""
+
+
+class KeptReading(AnswerDocument):
+    """A reading that is kept: where, what, when (ISO 8601, UTC; "" where nobody knows), and whether it is doubted."""
+
+    number: int
+    setup: str
+    place: str
+    values: list[float]
+    unit: str
+    at: str
+    doubted: bool
+
+
+def latest(campaign: Campaign) -> Iterator[KeptReading]:
+    """Yield the last readings, the latest first, each where its axes stood that move: "X 120.5, C 30"."""
+    doubted = {doubt.reading for doubt in campaign.estimate().outliers}
+    begun, axes = datetime.fromisoformat(campaign.begun), campaign.description.machine.axes
+    for index, reading in list(enumerate(campaign.state.readings))[: -_LATEST - 1 : -1]:
+        setup, seconds = campaign.description.setup(reading.setup), reading.time
+        unit, moved = reading_unit(setup), [(axes[k], reading.pose[k]) for k in setup.moves]
+        moved.sort(key=lambda each: (each[0].rotary, each[0].name))
+        stood = (f"{axis.name} {round(shown_coordinate(at, axis), 3) + 0.0:.9g}" for axis, at in moved)
+        yield KeptReading(
+            number=reading.numbered(index),
+            setup=reading.setup,
+            place=", ".join(stood),
+            values=to_unit(np.array(reading.values), unit).tolist(),
+            unit=unit,
+            at="" if seconds is None else (begun + timedelta(seconds=seconds)).isoformat(timespec="milliseconds"),
+            doubted=index in doubted,
+        )

@@ -9,7 +9,7 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.language.spoken import counted, said
-from axiscal.machine import Machine
+from axiscal.machine import Axis, Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
@@ -88,15 +88,19 @@ def machine_scene(machine: Machine, *, lengths: bool = True) -> SetupScene:
     """Return a machine that stands amid its travels.  lengths : whether its axes say how far they travel, in mm"""
     room = StandingMachine(machine, np.array([sum(axis.travel) / 2 for axis in machine.axes]))
     named = {
-        name_of(room, k): f"{name_of(room, k)} {1e3 * axis.length:.0f}"
-        for k, axis in enumerate(machine.axes)
-        if not axis.rotary
+        name_of(room, k): _travel(name_of(room, k), axis) for k, axis in enumerate(machine.axes) if not axis.rotary
     }
     parts = [
         replace(part, name=named.get(part.name, part.name)) if lengths and isinstance(part, Arrow) else part
         for part in machine_parts(room)
     ]
     return SetupScene([*parts, *reach_edges(room)], machine.name, "", _reach_note(room) if lengths else "")
+
+
+def _travel(name: str, axis: Axis) -> str:
+    """Return an axis with how far it travels, mm; where its display shows diameters, that too."""
+    text = f"{name} {1e3 * axis.length:.0f}"
+    return f"{text} (⌀ {2e3 * axis.length:.0f})" if axis.diameters else text
 
 
 def _reach_note(room: StandingMachine) -> str:

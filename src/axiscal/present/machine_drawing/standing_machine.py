@@ -15,8 +15,9 @@ import numpy as np
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.numerics import Array, rigid
+from axiscal.numerics import Array
 from axiscal.present.drawing.scene import EYE, Arrow, Part
+from axiscal_core import rigid
 
 BED = -1
 """The part that nothing moves."""

@@ -1,4 +1,6 @@
 // What pages are made of: elements by name, new ones, the line that says how a step went, and what they ask of the API.
+import { said } from "/words.js";
+
 export const find = (id) => document.getElementById(id);
 
 export function element(name, words, kind) {
@@ -30,6 +32,21 @@ export async function call(path, body) {
   const posted = { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body), keepalive: true };
   const answer = await fetch(`/api/1${path}`, body === undefined ? {} : posted);
   return { ok: answer.ok, status: answer.status, document: await answer.json() };
+}
+
+const PATIENCE = 1000; // ms after which it is said what is being computed
+
+export async function waiting(work) {
+  const look = setInterval(async () => {
+    const { document: now } = await call("/stage");
+    text("doing", [said("one moment"), now.stage].filter((words) => words).join(": "));
+  }, PATIENCE);
+  try {
+    return await work;
+  } finally {
+    clearInterval(look);
+    text("doing", "");
+  }
 }
 
 // A plan or a result in words: its first line in parts, and a table of a heading and rows.

@@ -1,5 +1,6 @@
 // The dialogue: shows the newest state, sends what is typed, and says which state that answers.
-import { call, element, find, hear, on, renderWords, show, text } from "/elements.js";
+import { call, element, find, hear, on, renderWords, show, text, waiting } from "/elements.js";
+import { renderControls } from "/after.js";
 import { drawDirection, shown, strip, unitText } from "/pictures.js";
 import { said, translate } from "/words.js";
 
@@ -20,15 +21,12 @@ function step(path, body) {
 }
 
 async function sent(path, body) {
-  const waiting = setTimeout(() => hear(said("one moment: the plan is being made anew")), 1000);
   try {
-    const done = await call(path, body);
+    const done = await waiting(call(path, body));
     if (done.ok) render(done.document.state);
     return done;
   } catch {
     return { ok: false, document: { problem: "away", sentence: said("axiscal does not answer. Look at the last readings before you go on.") } };
-  } finally {
-    clearTimeout(waiting);
   }
 }
 
@@ -52,6 +50,7 @@ function renderPlaces(question) {
   for (const c of moving) {
     const line = element("p", "", `${c.unit === "mm" ? "linear" : "rotary"} ${c.changed ? "changed" : ""}`);
     line.append(element("span", c.axis, "axis"), element("span", number(c.value)), element("small", c.unit));
+    if (c.diameter) line.append(element("span", `⌀ ${number(2 * c.value)}`, "side"));
     if (c.side) line.append(element("span", c.side === "+" ? `→ ${said("from below")}` : `← ${said("from above")}`, "side"));
     go.append(line);
   }
@@ -75,7 +74,9 @@ function renderQuestion() {
   const question = state.question;
   const key = question ? `${question.number} ${question.setup} ${JSON.stringify(question.places)}` : "";
   const mounting = question !== null && question.mount && mounted !== question.setup;
-  show("task", question !== null && !mounting);
+  const jogging = question !== null && !mounting && state.jog !== null;
+  show("task", question !== null && !mounting && !jogging);
+  show("jog", jogging);
   show("mount", mounting);
   if (question === null) { asked = ""; return; }
   if (!question.mount) mounted = question.setup;
@@ -93,9 +94,35 @@ function renderQuestion() {
   text("unit", unitText(question.unit));
   find("field").className = question.expected.length > 1 ? "several" : "";
   text("expect", expectWords(question));
+  if (jogging) renderJog();
   text("shows", state.shows && said("the instrument on the virtual machine shows {value}", { value: state.shows }));
   if (key !== asked) newQuestion(key);
   if (mounting && document.activeElement !== find("stands") && !find("stopping").contains(document.activeElement)) find("stands").focus();
+}
+
+function renderJog() {
+  text("jog-words", `${state.jog.sentence}.`);
+  text("jog-unit", unitText(state.jog.unit));
+  text("jog-shows", state.shows && said("the instrument on the virtual machine shows {value}", { value: state.shows }));
+}
+
+async function tryJog(anyway) {
+  const typed = find("jogged").value.trim();
+  if (!typed) return;
+  const done = await step("/jogs", { text: typed, anyway });
+  text("jog-fault", done.ok ? "" : done.document.sentence);
+  show("jog-anyway", !done.ok && done.document.problem === "refused");
+  if (!done.ok) { find("jogged").select(); return; }
+  find("jogged").value = "";
+  hear(done.document.sentence);
+  begun();
+}
+
+// The set-up stands and shows what it should: the temperature, then the readings.
+function begun() {
+  if (state.jog !== null) find("jogged").focus();
+  else if (state.due.ask) asksForNote(true, true);
+  else find("field").focus();
 }
 
 // What was typed for another reading must not be sent for this one.
@@ -122,6 +149,7 @@ function renderKept() {
   find("notes").replaceChildren(...state.notes.slice(-3).map((n) => element("li", `${clock(n.at)} ${n.text}`)));
   renderDue();
   find("minds").replaceChildren(...state.minds.map((m) => element("li", m)));
+  show("accept", state.named);
 }
 
 // Whether a zero was set anew: asked once, until a person says no or the next reading is kept.
@@ -147,19 +175,11 @@ function clock(at) {
 function renderAnswer() {
   show("answer", state.answer !== null);
   if (state.answer === null) return;
-  const { first, rows, sentences, commands, document: found } = state.answer;
+  const { first, rows, sentences, document: found } = state.answer;
   find("first").className = `box ${found.verdict}`;
   find("answer").className = found.verdict === "unreachable" && state.progress.taken === 0 ? "ahead" : "";
   renderWords(first, rows);
-  const next = state.finished === null ? [] : commands.map((command) => element("code", command));
-  find("known").replaceChildren(...sentences.map((words) => element("p", words)), ...next);
-}
-
-function download(control) {
-  const link = element("a", said("Tables for {control}", { control }));
-  link.href = `/tables.zip?${new URLSearchParams({ control })}`;
-  link.download = "";
-  return link;
+  find("known").replaceChildren(...sentences.map((words) => element("p", words)));
 }
 
 function renderEnd() {
@@ -172,7 +192,7 @@ function renderEnd() {
   text("end-title", done ? said("The campaign has ended") : state.ended ? said("Nothing more to measure") : said("There is no next reading"));
   text("end-words", done ? `${state.finished}.` : state.ended ? `${state.ended}.` : "");
   show("report", done && state.results !== "");
-  find("tables").replaceChildren(...state.tables.map(download));
+  renderControls(done && state.results !== "" ? state : null);
   text("finish", done ? said("Write the results") : said("End the campaign and write its results"));
   show("finish", !done || state.results === "");
   show("more", !done);
@@ -236,8 +256,9 @@ async function record(how = {}) {
 }
 
 async function recorded({ last, typed }, how) {
-  const meant = how.keep || how.vouch || how.anew ? null : await understood(typed);
+  const meant = how.cause ? null : await understood(typed);
   if (meant?.sentence) {
+    find("causes").replaceChildren(...Object.entries(meant.causes).map(([cause, words]) => causeButton(cause, words)));
     refuse({ problem: meant.surprising ? "surprising" : "refused", sentence: meant.sentence });
     return;
   }
@@ -245,6 +266,13 @@ async function recorded({ last, typed }, how) {
   const lost = done.document.problem === "overtaken" ? `${said("“{text}” was not kept.", { text: typed })} ` : "";
   if (done.ok) hear(done.document.sentence);
   else refuse({ ...done.document, sentence: lost + done.document.sentence });
+}
+
+function causeButton(cause, words) {
+  const button = element("button", words);
+  button.type = "button";
+  button.addEventListener("click", async () => { await record({ cause }); home(); });
+  return button;
 }
 
 let refused = null; // the text that was refused: a look at it that comes later says nothing more
@@ -268,7 +296,7 @@ async function plain(path, body = {}) {
 
 // The place where the hands of the person are.
 function home() {
-  const first = ["field", "stands", "finish"].map(find).find((e) => e.offsetParent !== null);
+  const first = ["field", "stands", "jogged", "finish"].map(find).find((e) => e.offsetParent !== null);
   first?.focus();
 }
 
@@ -331,9 +359,10 @@ function asksToStop(visible) {
 
 on("form", "submit", () => record());
 on("reread", "click", () => { show("doubt", false); find("field").select(); find("field").focus(); });
-on("keep", "click", async () => { await record({ keep: true }); home(); });
-on("vouch", "click", async () => { await record({ vouch: true }); home(); });
-on("moved", "click", async () => { await record({ anew: true }); home(); });
+on("jog-form", "submit", () => tryJog(false));
+on("jog-anyway", "click", () => tryJog(true));
+on("accept", "click", () => plain("/accepts"));
+on("to-start", "click", async () => { if ((await call("/leave", {})).ok) location.assign("/"); });
 on("anew", "click", () => plain("/zeros"));
 on("was-anew", "click", () => plain("/zeros", { asked: true }));
 on("was-not", "click", () => { denied = state.asks; renderAsking(); home(); });
@@ -368,8 +397,7 @@ on("stands", "click", () => {
   renderQuestion();
   drawMachine();
   drawStrips();
-  if (state.due.ask) asksForNote(true, true);
-  else find("field").focus();
+  begun();
 });
 find("field").addEventListener("input", () => { show("doubt", false); preview(); });
 addEventListener("resize", () => {

@@ -1,16 +1,21 @@
 // From nothing to the first reading: one question a screen; every touch is kept on the disk.
-import { call, element, find, on, renderWords, show, text } from "/elements.js";
+import { call, element, find, on, renderWords, show, text, waiting } from "/elements.js";
 import { language, said, translate } from "/words.js";
 
 const SCREENS = ["start", "machine", "with", "plan"];
-const PATIENCE = 1000; // ms after which it is said what is being computed
 const LONGEST = 48000; // letters of a file: a control's own is shorter, and of another one its beginning tells what it is
+const OF_MACHINE = { travels: {}, switched: [], size: "used", without: [], budget: "" }; // what another machine has as usual
 let start = null; // what there is to choose from
 let draft = null; // what was chosen
 let machine = null; // what that makes of a machine
 let version = 0;
+let leaving = false; // a campaign is being opened: nothing more is asked about the draft
 let touched = ""; // the instrument that is drawn
 let turn = Promise.resolve();
+const rows = new Map(); // what each instrument can show, by machine and instrument
+const faults = new Map(); // why it cannot be set up there
+let planned = { of: "" }; // the newest plan, and the choices that it is of
+let curve = { of: "", marks: [] }; // what minutes buy, whatever the budget
 
 translate(document.body);
 
@@ -42,6 +47,7 @@ function choose(change) {
     machine = made;
     version += 1;
     render();
+    renew();
   });
   return turn;
 }
@@ -50,13 +56,13 @@ async function go(screen) {
   const kept = choose({ screen });
   find(`${screen}-title`).focus();
   await kept;
-  if (screen === "plan") makePlan();
 }
 
 function render() {
-  const faults = Object.keys(machine.faults), known = machine.title !== "";
-  const travels = known && faults.every((field) => field === "target");
-  const ready = { start: true, machine: known, with: travels, plan: known && faults.length === 0 && draft.instruments.length > 0 };
+  const wrong = Object.keys(machine.faults), known = machine.title !== "";
+  const travels = known && wrong.every((field) => field === "target");
+  const plan = known && wrong.length === 0 && draft.instruments.length > 0;
+  const ready = { start: true, machine: known, with: travels, plan };
   for (const screen of SCREENS) show(screen, screen === draft.screen);
   for (const step of find("path").querySelectorAll("button")) {
     step.disabled = !ready[step.dataset.screen];
@@ -64,6 +70,9 @@ function render() {
   }
   renderMachine();
   renderInstruments();
+  renderShown();
+  text("instruments-fault", draft.instruments.map((name) => faults.get(ofMachine(name)) ?? "").join(" ").trim());
+  show("coming", plan && ["with", "plan"].includes(draft.screen));
   find("machine-next").disabled = !ready.with;
   find("with-next").disabled = !ready.plan;
   drawMachine();
@@ -111,17 +120,25 @@ function renderMachine() {
   for (const field of find("travels").querySelectorAll("input")) {
     if (field !== document.activeElement) field.value = draft.travels[field.dataset.axis] ?? `${machine.lengths[field.dataset.axis]} mm`;
     field.parentElement.querySelector(".fault").textContent = machine.faults[`travels.${field.dataset.axis}`] ?? "";
+    const carries = field.parentElement.querySelector("button"), carried = machine.carried.includes(field.dataset.axis);
+    carries.textContent = carried ? said("the table moves") : said("the head moves");
+    carries.setAttribute("aria-label", `${field.dataset.axis}: ${carries.textContent}`);
   }
+  show("sizes", axes.length > 0);
+  for (const button of find("sizes").children) button.setAttribute("aria-pressed", button.dataset.size === draft.size);
   find("look").replaceChildren(...machine.look.map((words) => element("li", said("To be looked at in machine.toml: {what}", { what: words }))));
 }
 
 function travel(axis) {
-  const line = element("p", ""), label = element("label", said("travel of {axis}", { axis })), field = document.createElement("input");
+  const line = element("p", ""), field = document.createElement("input"), carries = element("button", "");
+  const label = element("label", machine.radii.includes(axis) ? said("travel of {axis}: the radius, its display shows diameters", { axis }) : said("travel of {axis}", { axis }));
   Object.assign(field, { id: `travel-${axis}`, type: "text", maxLength: 40, spellcheck: false });
   field.dataset.axis = axis;
   label.htmlFor = field.id;
   field.addEventListener("input", () => choose({ travels: { ...draft.travels, [axis]: field.value } }));
-  line.append(label, field, element("span", "", "fault"));
+  carries.type = "button";
+  carries.addEventListener("click", () => choose({ switched: toggled(draft.switched, axis) }));
+  line.append(label, field, carries, element("span", "", "fault"));
   return line;
 }
 
@@ -138,10 +155,80 @@ function renderInstruments() {
   show("compensation", machine.asks);
 }
 
+function toggled(names, name) {
+  return names.includes(name) ? names.filter((each) => each !== name) : [...names, name];
+}
+
 function touch(name) {
-  const there = draft.instruments.includes(name);
-  touched = there ? "" : name;
-  choose({ instruments: there ? draft.instruments.filter((each) => each !== name) : [...draft.instruments, name] });
+  touched = draft.instruments.includes(name) ? "" : name;
+  choose({ instruments: toggled(draft.instruments, name) });
+}
+
+// What instruments can show follows from the machine alone.
+function ofMachine(instrument) {
+  const { machine: kind, file, travels, switched, size } = draft;
+  return JSON.stringify([kind, file, travels, switched, size, instrument]);
+}
+
+function rowsOf(instrument) {
+  return rows.get(ofMachine(instrument)) ?? {};
+}
+
+// Rows to be ticked, of one kind in a line, and what other instruments would show besides, in grey.
+function renderShown() {
+  const { volume, ...others } = Object.assign({}, ...draft.instruments.map(rowsOf)), known = volume ? { ...others, volume } : others;
+  const kinds = Map.groupBy(Object.entries(known), ([, words]) => words.split(" ")[0]);
+  const lines = [...kinds].map(([kind, each]) => {
+    const line = element("p", "");
+    line.append(element("span", each[0][1] === kind ? "" : kind, "kind"), ...each.map(([name, words]) => tick(name, words, words.slice(kind.length).trim() || words)));
+    return line;
+  });
+  const before = document.activeElement?.dataset?.row;
+  find("shown").replaceChildren(...lines);
+  if (before) find("shown").querySelector(`[data-row="${before}"]`)?.focus();
+  const seen = new Set(Object.keys(known)), helps = [];
+  for (const name of machine.offered.filter((each) => !draft.instruments.includes(each))) {
+    const more = Object.entries(rowsOf(name)).filter(([row]) => !seen.has(row));
+    if (!more.length || !draft.instruments.length) continue;
+    for (const [row] of more) seen.add(row);
+    const line = element("li", ""), grouped = Map.groupBy(more.map(([, words]) => words.split(" ")), ([kind]) => kind);
+    line.append(choice(`+ ${start.instruments[name]}`, false, () => touch(name)), element("span", [...grouped].map(([kind, each]) => `${kind} ${each.map((parts) => parts.slice(1).join(" ")).join(", ")}`).join(" · ")));
+    helps.push(line);
+  }
+  find("helps").replaceChildren(...helps);
+}
+
+function tick(name, words, short) {
+  const label = element("label", ""), box = document.createElement("input");
+  Object.assign(box, { type: "checkbox", checked: !draft.without.includes(name) });
+  box.dataset.row = name;
+  box.setAttribute("aria-label", words);
+  box.addEventListener("change", () => choose({ without: toggled(draft.without, name) }));
+  label.append(box, short);
+  return label;
+}
+
+// Rows of the instruments that were touched, then the plan; what others would show, and what minutes buy, at leisure.
+let later = 0;
+function renew() {
+  clearTimeout(later);
+  if (!["with", "plan"].includes(draft.screen) || !machine.title) return;
+  later = setTimeout(async () => {
+    const of = version, around = () => [...machine.offered].map((name) => () => look(name));
+    const steps = [...draft.instruments.map((name) => () => look(name)), makePlan];
+    steps.push(...(draft.screen === "plan" ? [makeCurve, ...around()] : [...around(), makeCurve]));
+    for (const step of steps) if (of === version && !leaving) await step();
+  }, 250);
+}
+
+async function look(name) {
+  const of = ofMachine(name);
+  if (rows.has(of)) return;
+  rows.set(of, {}); // asked for once
+  const found = await call(`/rows?${new URLSearchParams({ instrument: name })}`);
+  rows.set(of, found.document.rows ?? {});
+  faults.set(of, found.document.fault ?? found.document.sentence);
+  if (of === ofMachine(name)) render();
 }
 
 // The machine with its travels, and on it the instrument that was touched last.
@@ -157,41 +244,67 @@ function drawMachine() {
 
 // A campaign that is here, or that of the draft, which begins.
 async function openRecord(record) {
-  find("begin").disabled = true;
+  find("begin").disabled = leaving = true;
   if (await waiting(asked("/open", { record })) !== null) location.assign("/");
-  else find("begin").disabled = false;
+  else find("begin").disabled = leaving = false;
 }
 
-// What is being computed is said from the second second on.
-async function waiting(work) {
-  const look = setInterval(async () => {
-    const { document: now } = await call("/stage");
-    text("doing", [said("one moment"), now.stage].filter((words) => words).join(": "));
-  }, PATIENCE);
-  try {
-    return await work;
-  } finally {
-    clearInterval(look);
-    text("doing", "");
-  }
-}
-
+// A plan is made for each choice; one that has been overtaken by another says nothing.
 async function makePlan() {
-  const of = version;
-  find("begin").disabled = true;
-  show("first", false);
-  for (const id of ["strip", "known", "minds"]) find(id).replaceChildren();
-  renderWords([], []);
-  text("doing", said("one moment"));
-  const plan = await waiting(asked("/plan"));
-  if (plan === null || of !== version || draft.screen !== "plan") return;
+  if (find("coming").hidden) return;
+  const { screen, ...chosen } = draft, of = JSON.stringify(chosen);
+  if (planned.of !== of) {
+    find("begin").disabled = true;
+    find("coming").className = "old";
+    show("buying", false);
+    text("doing", said("one moment"));
+    const { ok, document: plan } = await waiting(call("/plan"));
+    if (plan === null) return;
+    alarm(ok ? "" : plan.sentence);
+    if (!ok) return;
+    planned = { of, plan };
+  }
+  renderPlan(planned.plan);
+}
+
+// The curve is made once for all budgets, when nothing else is asked for.
+async function makeCurve() {
+  const { screen, budget, ...timeless } = draft, of = JSON.stringify(timeless);
+  if (find("coming").hidden || planned.plan === undefined) return;
+  if (curve.of !== of) {
+    const { ok, document: bought } = await call("/curve");
+    if (!ok || bought === null) return;
+    curve = { of, marks: bought.marks };
+  }
+  renderCurve(planned.plan.answer.document.minutes);
+}
+
+function renderPlan(plan) {
+  find("coming").className = "";
   show("first", true);
   renderWords(plan.answer.first, plan.answer.rows);
   find("strip").replaceChildren(...plan.answer.document.setups.map(mounted));
   find("known").replaceChildren(...plan.answer.sentences.map((words) => element("p", words)));
   find("minds").replaceChildren(...plan.minds.map((words) => element("li", words)));
   find("begin").disabled = false;
-  find("begin").focus();
+  if (draft.screen === "plan" && [document.body, find("plan-title")].includes(document.activeElement)) find("begin").focus();
+}
+
+// What minutes buy stands on a line between marks that were planned once: a move of the slider asks nobody.
+function renderCurve(minutes) {
+  const marks = curve.marks;
+  show("buying", marks.length > 1);
+  if (marks.length < 2) return;
+  Object.assign(find("minutes"), { min: Math.ceil(marks[0].minutes), max: Math.floor(marks.at(-1).minutes) });
+  find("minutes").value = Math.round(minutes);
+  sayBought();
+}
+
+function sayBought() {
+  const minutes = Number(find("minutes").value), marks = curve.marks, n = Math.max(1, marks.findIndex((mark) => mark.minutes >= minutes));
+  const [low, high] = [marks[n - 1], marks[n]], share = Math.log(minutes / low.minutes) / Math.log(high.minutes / low.minutes);
+  const u = low.expanded_um * (high.expanded_um / low.expanded_um) ** Math.min(Math.max(share, 0), 1);
+  text("buys", said("≈ {minutes} min: U ≈ {u} µm over the volume", { minutes, u: Number(u.toPrecision(2)) }));
 }
 
 // A set-up of the plan, as wide as it has readings; its minutes are those of the end.
@@ -210,12 +323,12 @@ async function take(file) {
   const letters = (await file.slice(0, LONGEST).text()).replaceAll("\0", " ").slice(0, LONGEST);
   const name = file.name.slice(-60).replace(/^\.+/, "");
   const usual = /^\s*\[stepper_/m.test(letters) ? ["probe"] : [];
-  draft = { ...draft, file: name, text: letters, machine: "", travels: {}, instruments: usual };
+  draft = { ...draft, ...OF_MACHINE, file: name, text: letters, machine: "", instruments: usual };
   return go("machine");
 }
 
 function chooseMachine(name) {
-  choose({ machine: name, file: "", text: "", travels: {}, instruments: name === draft.machine ? draft.instruments : [] });
+  choose({ ...OF_MACHINE, machine: name, file: "", text: "", instruments: name === draft.machine ? draft.instruments : [] });
 }
 
 function anew(virtual) {
@@ -235,6 +348,9 @@ addEventListener("drop", (event) => {
 on("machine-next", "click", () => go("with"));
 on("with-next", "click", () => go("plan"));
 on("begin", "click", () => openRecord(""));
+on("minutes", "input", sayBought);
+on("minutes", "change", () => choose({ budget: `${find("minutes").value} min` }));
+for (const button of find("sizes").children) button.addEventListener("click", () => choose({ size: button.dataset.size }));
 for (const step of find("path").querySelectorAll("button")) step.addEventListener("click", () => go(step.dataset.screen));
 for (const back of document.querySelectorAll(".back")) back.addEventListener("click", () => go(SCREENS[SCREENS.indexOf(draft.screen) - 1]));
 find("target").addEventListener("input", () => choose({ target: find("target").value }));
@@ -258,5 +374,5 @@ if (start !== null) {
   }));
   renderStart();
   render();
-  if (draft.screen === "plan") makePlan();
+  renew();
 }

@@ -19,9 +19,9 @@ from axiscal.exceptions import TableError
 from axiscal.language.spoken import listed, said
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.numerics.rigid import about
 from axiscal.tables.surface import Control
 from axiscal.units import from_unit, to_unit
+from axiscal_core.rigid import about
 
 _SETP = re.compile(r"setp (xyz[ab]c-trt-kins)\.([xyz]-(?:rot-point|offset)|conventional-directions) (-?[\d.]+)")
 _CONVENTIONAL = "conventional-directions"

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.numerics import Array
+from axiscal_core.refusals import Array
 
 TIE = 1e-12
 """Share of the larger value within which two computed afresh count as equal: they keep fourteen digits."""

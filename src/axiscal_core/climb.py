@@ -1,21 +1,20 @@
-"""Climbing to the best reading: along each coordinate by looks and exactly, along all at once by Newton's step.
+"""Climbing to the best reading: along each coordinate by looks, along all at once by Newton's step.
 
-A coordinate is an axis that moves, or one of a chart (`ground`).
+A coordinate is an axis that moves, or whatever else a place has.
 """
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.numerics import Array
-from axiscal.numerics.line import largest_along
-from axiscal.numerics.ties import TIE, first_best_each, ranked, scattered, surely_more
-from axiscal.planning.gains.gain import Scorer
-from axiscal.planning.step.ground import Ground, ground_of, places_along
+from axiscal_core.refusals import Array
+from axiscal_core.ties import TIE, first_best_each, ranked, surely_more
 
 _ROUNDS = 60
 """Rounds end where none rises; this only ends what would go round."""
@@ -33,27 +32,53 @@ _STEP = 3e-5
 """A share of the travel: second differences keep six digits, of rounding (1e-16/h²) and of bending (h²)."""
 
 
+class Ground(Protocol):
+    """What may change between readings: coordinates u, and from which side each is come to, +1 or −1."""
+
+    @property
+    def ends(self) -> Array:
+        """From where to where each coordinate goes, (size, 2)."""
+
+    @property
+    def spans(self) -> Array:
+        """The travel of every axis of the machine, (q,)."""
+
+    @property
+    def continuous(self) -> list[int]:
+        """The coordinates without steps."""
+
+    @property
+    def sided(self) -> NDArray[np.intp]:
+        """The coordinates that may be come to from either side, where it shows in what is read from which."""
+
+    def as_poses(self, places: Array, sides: Array) -> tuple[Array, Array]:
+        """Return poses and approaches, (m, q) each.  places, sides : (m, size)"""
+
+    def looks(self, number: int) -> Array:
+        """Return a few values all along a coordinate, or all that it has, (p,)."""
+
+
+Gained = Callable[[Array, Array], Array]
+"""Places and sides (m, size) -> gains (m,), −∞ where no reading can be taken."""
+
+
 @dataclass(eq=False, slots=True)
 class Climb:
-    """Several readings of one set-up on their way up.
+    """Several readings on their way up.
 
     places, sides : (n, size) u and from where they are come to, gains : (n,), all changed in place
     """
 
-    scorer: Scorer
-    setup: int
     ground: Ground
+    gained: Gained
     places: Array
     sides: Array
     gains: Array
 
     @classmethod
-    def begun(cls, scorer: Scorer, setup: int, poses: Array, approaches: Array, gains: Array | None = None) -> Climb:
-        """Return the climb from readings.  poses, approaches : (n, q); gains : (n,) where they are known"""
-        ground = ground_of(scorer.observation, setup)
-        climb = cls(scorer, setup, ground, *ground.as_places(poses, approaches), np.zeros(len(poses)))
-        climb.gains = climb._gains(climb.places, climb.sides) if gains is None else gains
-        return climb
+    def begun(cls, ground: Ground, gained: Gained, places: Array, sides: Array) -> Climb:
+        """Return the climb from readings.  places, sides : (n, size)"""
+        return cls(ground, gained, places, sides, gained(places, sides))
 
     @property
     def readings(self) -> tuple[Array, Array]:
@@ -62,23 +87,18 @@ class Climb:
 
     def keep(self, chosen: NDArray[np.bool_] | NDArray[np.intp]) -> Climb:
         """Return the climb of the chosen ones."""
-        parts = self.places[chosen], self.sides[chosen], self.gains[chosen]
-        return Climb(self.scorer, self.setup, self.ground, *parts)
+        return Climb(self.ground, self.gained, self.places[chosen], self.sides[chosen], self.gains[chosen])
 
     def best(self, count: int, share: float, than: float) -> Climb:
         """Return the best `count` that gain at least a share of `than`."""
         order = ranked(self.gains, TIE, count)
         return self.keep(order[self.gains[order] >= share * than - TIE * abs(than)])
 
-    def scattered(self, count: int, apart: float) -> Climb:
-        """Return the best, no two of them closer than a share of every travel.  apart : share"""
-        return self.keep(np.sort(scattered(self._shares, ranked(self.gains, TIE), count, apart)))
-
     def distinct(self) -> Climb:
         """Return the climb without those that stand where a better one stands."""
         order = ranked(self.gains, TIE)
-        poses, sides = self._shares[order], self.sides[order][:, self.ground.sided]
-        near = np.all(np.abs(poses[:, None] - poses) <= _APART, axis=2) & np.all(sides[:, None] == sides, axis=2)
+        shares, sides = self.readings[0][order] / self.ground.spans, self.sides[order][:, self.ground.sided]
+        near = np.all(np.abs(shares[:, None] - shares) <= _APART, axis=2) & np.all(sides[:, None] == sides, axis=2)
         return self.keep(order[~np.any(np.tril(near, -1), axis=1)])
 
     def newton(self, steps: int) -> None:
@@ -91,30 +111,13 @@ class Climb:
             gained = self._newton_step(numbers, ends[numbers], going)
             going = going[gained > _SETTLED * self.gains[going]]
 
-    @property
-    def _shares(self) -> Array:
-        """Positions of the axes in lengths of their travel, (n, q)."""
-        spans = np.array([axis.length for axis in self.scorer.observation.machine.axes])
-        shares: Array = self.readings[0] / spans
-        return shares
-
-    def _gains(self, places: Array, sides: Array) -> Array:
-        """Return the gains at places, (m,); −∞ where no reading can be taken."""
-        taken = self.ground.approachable(places, sides)
-        if taken is None:
-            return self.scorer.gains_at(self.setup, *self.ground.as_poses(places, sides))
-        gains = np.full(len(places), -np.inf)
-        if taken.any():
-            gains[taken] = self.scorer.gains_at(self.setup, *self.ground.as_poses(places[taken], sides[taken]))
-        return gains
-
     def _gains_at(self, numbers: list[int], values: Array, going: NDArray[np.intp]) -> Array:
         """Return gains (g, p) where some coordinates have other values.  values : (g, p, numbers)"""
         count, tries, _ = values.shape
         owner = np.repeat(going, tries)
         places = self.places[owner]
         places[:, numbers] = values.reshape(count * tries, len(numbers))
-        return self._gains(places, self.sides[owner]).reshape(count, tries)
+        return self.gained(places, self.sides[owner]).reshape(count, tries)
 
     def _newton_step(self, numbers: list[int], ends: Array, going: NDArray[np.intp]) -> Array:
         """Return by how much the gains of those on the way have risen; those beside what cannot be taken stay."""
@@ -154,33 +157,6 @@ class Climb:
             if np.all(self.gains <= before * (1 + _IMPROVED)):
                 return
 
-    def finish(self) -> None:
-        """Climb on from where neither steps nor looks lead higher, until no coordinate does, alone and exactly."""
-        for _ in range(_ROUNDS):
-            before = self.gains.copy()
-            self.exactly()
-            if np.all(self.gains <= before * (1 + _SETTLED)):
-                return
-            self.uphill()
-
-    def exactly(self) -> None:
-        """Move each reading along one continuous coordinate after another to the best on its line (B&H eq. 27, 37)."""
-        for i, number in itertools.product(range(len(self.places)), self.ground.continuous):
-            place, side = self.places[i].copy(), self.sides[i]
-
-            def forms(
-                values: Array, place: Array = place, side: Array = side, number: int = number
-            ) -> tuple[Array, Array]:
-                places = places_along(place, number, values.ravel())
-                poses = self.ground.as_poses(places, np.tile(side, (len(places), 1)))
-                return self.scorer.gain_forms(self.setup, *poses)
-
-            pieces = self.ground.pieces(number, place, side)
-            if len(pieces):
-                there, gain = largest_along(forms, pieces, self.ground.nodes(number), float(self.gains[i]))
-                if gain > self.gains[i]:
-                    self.places[i, number], self.gains[i] = there, gain
-
     def _looked(self, number: int) -> tuple[int, Array, Array]:
         """Return a coordinate, the best of a few of its values for each reading, and the gain there."""
         values, every = self.ground.looks(number), np.arange(len(self.places))
@@ -206,7 +182,7 @@ class Climb:
             return
         turned = np.tile(self.sides[:, None], (1, len(sided), 1))
         turned[:, np.arange(len(sided)), sided] *= -1
-        gains = self._gains(np.repeat(self.places, len(sided), axis=0), turned.reshape(-1, size)).reshape(count, -1)
+        gains = self.gained(np.repeat(self.places, len(sided), axis=0), turned.reshape(-1, size)).reshape(count, -1)
         every, best = np.arange(count), first_best_each(gains, TIE)
         better = surely_more(gains[every, best], self.gains, TIE)
         self.sides[better], self.gains[better] = turned[every, best][better], gains[every, best][better]

@@ -1,4 +1,4 @@
-"""Functions of scipy that axiscal uses, loaded at the first call: most commands save the half second that this takes.
+"""Functions of scipy that are used here, loaded at the first call: most commands save the half second that this takes.
 
 scipy brings a second BLAS, limited to one thread like that of numpy.
 """
@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.numerics import Array
-from axiscal.numerics.threads import hold_loaded_libraries
+from axiscal_core.refusals import Array
+from axiscal_core.threads import hold_loaded_libraries
 
 _COLUMNS = 32
 """Of a QR at a time; twice or half as many take as long."""

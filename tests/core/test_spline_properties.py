@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import CyclicSpline, NaturalSpline, quadrature
+from axiscal_core.splines import CyclicSpline, NaturalSpline, quadrature
 
 Kind = type[NaturalSpline | CyclicSpline]
 kinds: st.SearchStrategy[Kind] = st.sampled_from([NaturalSpline, CyclicSpline])

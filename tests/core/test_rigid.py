@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from axiscal.numerics.from_scipy import sparse_product, take_off
-from axiscal.numerics.rigid import cross, turned_about
+from axiscal_core.from_scipy import sparse_product, take_off
+from axiscal_core.rigid import cross, turned_about
 
 
 def test_turns_about_one_direction_are_those_of_their_rotation_vectors() -> None:

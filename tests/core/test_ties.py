@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.numerics.ties import first_best, first_best_each, ranked, scattered, surely_more
+from axiscal_core.ties import first_best, first_best_each, ranked, scattered, surely_more
 
 SHARE = 1e-9
 LEVELS = st.lists(st.integers(1, 6), min_size=1, max_size=30)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.numerics import Array
+from axiscal_core.refusals import Array
 
 _SMALL = 1e-2
 """rad: below, two terms of the series of (θ − sin θ)/θ³ are right to 1e-12, and above it loses no more digits."""

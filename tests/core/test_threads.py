@@ -11,7 +11,7 @@ import pytest
 TWO_THREADS = """
 import numpy as np
 from threadpoolctl import ThreadpoolController
-from axiscal.numerics.threads import one_thread
+from axiscal_core.threads import one_thread
 
 def threads():
     return sorted({library.num_threads for library in ThreadpoolController().select(user_api="blas").lib_controllers})
@@ -47,10 +47,10 @@ PREPARED = """
 from axiscal.description.campaign import read_campaign
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.step.best_step import best_step
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.planning.next_readings import posed
+from axiscal.measurement.reading import Reading
 from axiscal.planning.proposal import proposed
 
 case = case_of(read_campaign("campaign.toml"))
@@ -82,7 +82,7 @@ except ValueError:
 
 def test_a_library_that_is_loaded_behind_a_door_is_held_as_well(tmp_path: Path) -> None:
     script = """
-from axiscal.numerics.from_scipy import solution
+from axiscal_core.from_scipy import solution
 import sys
 with one_thread():
     assert "scipy.linalg" not in sys.modules
@@ -119,7 +119,7 @@ print(threads())
 def test_every_command_computes_with_one_thread(tmp_path: Path) -> None:
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)
     script = """
-import axiscal.numerics.cubic
+import axiscal_core.splines
 from axiscal.cli.app import run
 for command in (
     "machine check three-axis-mill",
@@ -141,8 +141,8 @@ def test_the_library_plans_with_one_thread(tmp_path: Path) -> None:
     script = f"""
 {PREPARED}
 knowledge = Knowledge(case.observation, case.prior)
-step = best_step(knowledge, task.root, task.lattice)
-knowledge.read([step.reading(case.observation, 1e-6)])
+place = task.lattice.single(0)
+knowledge.read([Reading("probe", tuple(place.poses[0]), tuple(place.approaches[0]), 1e-6)])
 make_plan(task, Limits(readings=3))
 proposed(case, Limits(readings=3), 50)
 print(outside, threads())

@@ -1,0 +1,33 @@
+"""Who answers for how much of a record, and whether it was changed since: one sentence for every surface."""
+
+from __future__ import annotations
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.language.spoken import counted, said
+from axiscal.record.signing import is_known, people_file
+
+
+def signed_text(campaign: Campaign) -> str:
+    """Return who answers for how much of the record, in words behind "the record is", "" where nobody does."""
+    found = campaign.signed()
+    if found is None:
+        return ""
+    person, computer, key, _ = found.by
+    by = said("{person} on {computer}", person=person, computer=computer)
+    if not is_known(key):
+        people = people_file()
+        unknown = "{by}, whose key {key} is not in {file}" if people.exists() else "{by}, key {key}"
+        by = said(unknown, by=by, key=key[:16], file=people)
+    if not found.holds:
+        return said("changed since it was signed at event {number} by {by}", number=found.number, by=by)
+    signed, last = said("signed by {by} until reading {reading}", by=by, reading=found.reading), campaign.state.last
+    if found.number == last:
+        return signed
+    since = counted("{count} event", "{count} events", last - found.number)
+    return said("{signed}; unsigned since: {events}", signed=signed, events=since)
+
+
+def evidence_words(campaign: Campaign) -> str:
+    """Return the sentence for screens, pages and reports; "" for a record that nobody has signed."""
+    signed = signed_text(campaign)
+    return said("The record is {signed}.", signed=signed) if signed else ""

@@ -1,0 +1,186 @@
+"""Slips at a display: the test of sign, unit and scale with which a mounting begins, and the causes of a surprise."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+
+from axiscal.answers.answer import AnswerDocument
+from axiscal.answers.answer_words import digits
+from axiscal.campaign.campaign import Campaign
+from axiscal.exceptions import ReadingError
+from axiscal.language.spoken import decimals, later, put, said
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.reading import Reading, reading_unit
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal.present.guide.progress import set_anew
+from axiscal.present.guide.question import SURPRISING, Question, Stands, Word, answer
+from axiscal.units import to_unit
+
+_STEP = 1e-4
+"""m: far beyond backlash and the resolution of a dial, and no dial has less range."""
+_ALONG = 0.9
+"""Of the step that an instrument has to look along: askew a sign shows, but no scale."""
+_ABOUT = 1.6
+"""Of what it should show, up or down: backlash of a home-made machine takes as much; units are farther apart."""
+_PER_UM = {"mm": 1e-3, "in": 1e-3 / 25.4, "thou": 1 / 25.4}
+"""What a display shows for a micrometre in other units."""
+_STILL = 0.01
+_PASSED = re.compile(r'test of sign "(.*)": .* \((?:right|taken all the same)\)')
+
+Cause = Literal["sign", "mm", "anew", "bumped", "really", "keep"]
+CAUSES: dict[Cause, str] = {
+    "sign": later("wrong sign"),
+    "mm": later("in mm"),
+    "anew": later("zero set anew"),
+    "bumped": later("bumped"),
+    "really": later("really so"),
+    "keep": later("keep it, unsure"),
+}
+"""What may be behind a surprise, in words."""
+_FACTORS: dict[Cause, float] = {"sign": -1.0, "mm": 1000.0}
+
+
+class Jog(AnswerDocument):
+    """The test of a mounting: what to do in words, and what the display shows after it in the unit of readings.
+
+    far : which axis how far, such as "Z +0.100 mm"
+    """
+
+    far: str
+    sentence: str
+    shows: float
+    unit: str
+
+
+def value_of(text: str, setup: Setup, stands: Stands | None = None) -> Array:
+    """Return a reading that was typed, (k,) m or rad, as `answer` does; raises ReadingError, also for a word."""
+    typed = answer(text, setup, stands)
+    if isinstance(typed, Word):
+        what = said('"{text}" is no reading', text=text.strip())
+        raise ReadingError(what, said("Type the number that the instrument shows"))
+    return typed
+
+
+def display_text(values: Sequence[float], setup: Setup) -> str:
+    """Return what a display shows of a reading.  values : m or rad"""
+    return " ".join(decimals(f"{each:.2f}") for each in to_unit(np.array(values), reading_unit(setup)))
+
+
+def surprise_text(question: Question, values: Array) -> str:
+    """Return how far the most surprising number is from what was expected.  values : (k,) m or rad"""
+    means, halves = np.array([(each.mean, each.half) for each in question.expected]).T
+    away = np.abs(to_unit(values, question.unit) - means)
+    most = int(np.argmax(away / halves))
+    what = "It is about {away} {unit} away from what is expected, ± {half}"
+    return said(what, away=digits(float(away[most])), unit=question.unit, half=digits(float(halves[most])))
+
+
+def causes(question: Question, values: Array) -> list[Cause]:
+    """Return what may be behind a surprise; another sign or unit only where the value is none with it."""
+    return [
+        cause
+        for cause in CAUSES
+        if question.surprise(_FACTORS.get(cause, 0.0) * values) < SURPRISING or cause not in _FACTORS
+    ]
+
+
+def keep_as(campaign: Campaign, question: Question, values: Array, cause: Cause | None) -> tuple[Reading, str]:
+    """Keep a reading as its cause puts it right; return it, and a sentence of what else was done.
+
+    cause : None where it is no surprise.  Raises ReadingError for one that does not explain it.
+    """
+    if cause is not None and cause not in causes(question, values):
+        raise ReadingError(said("It would be a surprise all the same"), said("Read again, or name another cause"))
+    told = set_anew(campaign, question.setup) if cause in ("anew", "bumped") else ""
+    factor = 1.0 if cause is None else _FACTORS.get(cause, 1.0)
+    value, *others = (factor * float(each) for each in values)
+    kept = campaign.record(value, accepted=cause == "really", others=tuple(others))
+    if cause in ("sign", "mm", "bumped"):
+        told = told or said("It is put right, and that is noted.")
+        campaign.note(put("reading {number}: {cause}", number=kept.number or 0, cause=said(CAUSES[cause])))
+    return kept, told
+
+
+def jog(campaign: Campaign) -> Jog | None:
+    """Return the test that the set-up asked for begins with; None where it needs none, or has passed it."""
+    found = _jog(campaign)
+    return None if found is None or _passed(campaign) else found
+
+
+def _jog(campaign: Campaign) -> Jog | None:
+    """Return the test of a set-up that is mounted now; None for a display that no axis alone moves."""
+    asked, readings, machine = campaign.state.pending, campaign.state.readings, campaign.description.machine
+    if asked is None or (readings and readings[-1].setup == asked.place.setup):
+        return None
+    setup, pose = campaign.description.setup(asked.place.setup), np.array(asked.place.pose)
+    if not INSTRUMENTS[setup.instrument].display or setup.base is not None:
+        return None
+    ways = (1.0 if x + _STEP <= axis.travel[1] else -1.0 for axis, x in zip(machine.axes, pose, strict=True))
+    steps = np.array([0.0 if axis.rotary else _STEP * way for axis, way in zip(machine.axes, ways, strict=True)])
+    moved = frames(machine, pose + np.diag(steps)).tcp - frames(machine, pose[None]).tcp
+    shows = moved @ np.array(setup.direction)
+    axis = int(np.argmax(np.abs(shows)))
+    if abs(shows[axis]) < _ALONG * _STEP:
+        return None
+    millimetres = to_unit(float(steps[axis]), "mm")
+    far = put("{axis} {step:+.3f} mm", axis=machine.axes[axis].name, step=millimetres)
+    if machine.axes[axis].diameters:
+        far = said("{place} (the diameter {twice} mm)", place=far, twice=put("{step:+.3f}", step=2 * millimetres))
+    words = said("Jog {far} from where it stands; type what the display shows more than before", far=far)
+    unit = reading_unit(setup)
+    return Jog(far=far, sentence=words, shows=float(to_unit(float(shows[axis]), unit)), unit=unit)
+
+
+def _passed(campaign: Campaign) -> bool:
+    asked, readings = campaign.state.pending, campaign.state.readings
+    last = readings[-1].numbered(len(readings) - 1) if readings else 0
+    found = [_PASSED.fullmatch(note.text) for note in campaign.state.notes if note.after == last]
+    return any(each is not None and asked is not None and each[1] == asked.place.setup for each in found)
+
+
+def try_jog(campaign: Campaign, text: str, *, anyway: bool = False) -> str:
+    """Keep what the display shows after the test in the record as a note, and return a sentence of it.
+
+    anyway : go on although it is not as it should be
+    Raises ReadingError for what shows a wrong sign, another unit or scale.
+    """
+    test, asked = _jog(campaign), campaign.state.pending
+    if test is None or asked is None:
+        raise ReadingError(said("There is nothing to test"), said("Go on with the readings"))
+    setup = campaign.description.setup(asked.place.setup)
+    ratio = float(to_unit(value_of(text, setup)[0], test.unit)) / test.shows
+    wrong = _wrong(ratio)
+    verdict = "taken all the same" if anyway and wrong else wrong[0] if wrong else "right"
+    campaign.note(f'test of sign "{setup.name}": {test.far} shows {text.strip()} ({verdict})')
+    if wrong and not anyway:
+        raise ReadingError(wrong[1], wrong[2])
+    return said("The display follows the tool; that is kept in the record.")
+
+
+def _wrong(ratio: float) -> tuple[str, str, str] | None:
+    """Return what is wrong with a display: in the record, in words, and what to do; None for nothing.
+
+    ratio : of what it shows to what it should
+    """
+    size = abs(ratio)
+    unit = next((unit for unit, per in _PER_UM.items() if per / _ABOUT <= size <= per * _ABOUT), None)
+    if unit is not None:
+        what = said(
+            "The display is in {unit}, not in µm", unit=said("thousandths of an inch") if unit == "thou" else unit
+        )
+        example = "0.012 mm" if unit == "mm" else "0.0005 in"
+        return f"in {unit}", what, said("Type the unit behind each number, as in {example}", example=example)
+    if size < _STILL:
+        what = said("The display does not follow the axis")
+        return "still", what, said("Look whether it touches, and which way it looks")
+    if not 1 / _ABOUT <= size <= _ABOUT:
+        what = said("The display shows {times} times what the axis moved", times=digits(size))
+        return "scale", what, said("Look at its range and unit")
+    remedy = said("Turn it round, or change its sign; set it to zero and type it anew")
+    return ("wrong sign", said("The display counts the other way"), remedy) if ratio < 0 else None

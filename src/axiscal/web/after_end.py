@@ -1,0 +1,78 @@
+"""After the end: tables for a control as texts, into a printer, and whether they work once they are loaded."""
+
+from __future__ import annotations
+
+from axiscal.answers.answer_words import digits
+from axiscal.document.durable import write_whole
+from axiscal.document.ports import ours
+from axiscal.estimation.agreement_words import agreement_words
+from axiscal.estimation.estimation import Estimation
+from axiscal.evaluation.check import Check, Taken
+from axiscal.exceptions import TableError
+from axiscal.language.spoken import said
+from axiscal.measurement.readers.csv_readings import filled_sheet
+from axiscal.measurement.reading import Places
+from axiscal.present.check_answer import check_answer, check_plan, check_sentences
+from axiscal.present.guide.checking import check_places, typed_readings
+from axiscal.present.sentences import spelt
+from axiscal.record.signing import own_hand
+from axiscal.tables import registry
+from axiscal.tables.exporter import ExportOptions, informed
+from axiscal.units import to_unit
+from axiscal.web.desk import Desk
+from axiscal.web.shapes import CheckedRequest, CheckedShape, CheckShape, TextsShape
+
+
+def table_texts(desk: Desk, control: str) -> TextsShape:
+    """Return the files for a control as they were written, or made now; raises InputError, TableError."""
+    if control in desk.state.tables:
+        folder = desk.results / "tables" / control
+        return TextsShape(control=control, files={file.name: file.read_text() for file in sorted(folder.iterdir())})
+    offered = registry.offered(_standing(desk), control)
+    return TextsShape(control=offered.controller, files={**offered.files, "README.txt": offered.readme})
+
+
+def _standing(desk: Desk) -> Estimation:
+    """Return what is known at the end; raises TableError where readings contradict each other."""
+    known = desk.campaign.estimate(ended=True)
+    if known.agreement.withheld:
+        raise TableError(agreement_words(known), said("Take readings again"))
+    return known
+
+
+def put_into(desk: Desk, control: str, printer: str) -> str:
+    """Put the files of a control into a printer, and return what it did; raises InputError."""
+    loader, known = ours("ports.printers.printer_source:loader_at")(printer, control), _standing(desk)
+    options = informed(ExportOptions(zero=loader.zero()), known.case.description, control)
+    files = registry.export(known.estimate(), control, options).files
+    return str(loader.load(loader.accepted_text(files), options.name))
+
+
+def check(desk: Desk, control: str) -> CheckShape:
+    """Return where the tables of a control are to be checked, and by which tolerance."""
+    checked, places = _check(desk, control)
+    lines = check_plan(checked, places)[1]
+    return CheckShape(
+        sentences=[spelt(line) for line in lines],
+        tolerance=f"{digits(to_unit(checked.tightest(None) or checked.tables.U, 'um'))} um",
+        places=check_places(checked, places, desk.virtual),
+    )
+
+
+def judge(desk: Desk, asked: CheckedRequest) -> CheckedShape:
+    """Return what readings without the tables and with them say, or what is wrong with each by its field."""
+    checked, places = _check(desk, asked.control)
+    readings, faults = typed_readings(checked, places, asked.found, asked.left, asked.tolerance)
+    if faults:
+        return CheckedShape(faults=faults)
+    for name, each in zip(("found.csv", "left.csv"), readings, strict=True):  # as `axiscal verify` takes them
+        sheet = filled_sheet(checked.description.machine.axes, each)
+        write_whole(desk.campaign.path.with_name(name), sheet.encode())
+    judged = checked.judged(readings, asked.tolerance)
+    answer = check_answer(judged, len(places), checked.tables.U, Taken(own_hand().person, "page"))
+    return CheckedShape(verdict=answer.verdict, sentences=[spelt(line) for line in check_sentences(answer)])
+
+
+def _check(desk: Desk, control: str) -> tuple[Check, Places]:
+    check = Check.from_campaign(desk.campaign, control)
+    return check, check.planned(tolerance=check.tightest(None))

@@ -1,0 +1,121 @@
+// After the end: the tables for a control, how they come into it, and whether they work.
+import { call, element, find, on, show, text, waiting } from "/elements.js";
+import { unitText } from "/pictures.js";
+import { said } from "/words.js";
+
+let shown = null; // what the page shows, null before the end
+let check = null; // the places to read for the control that is chosen
+
+export function renderControls(state) {
+  shown = state;
+  show("controls", state !== null);
+  if (state === null) { show("check", false); return; }
+  const select = find("control");
+  if (select.options.length === 0) {
+    const others = state.controls.filter((name) => !state.tables.includes(name));
+    select.append(...[...state.tables, ...others].map((name) => Object.assign(element("option", name), { value: name })));
+    select.value = state.tables.find((name) => name !== "csv") ?? "csv";
+    choose();
+  }
+}
+
+function control() {
+  return find("control").value;
+}
+
+function choose() {
+  find("download").href = `/tables.zip?${new URLSearchParams({ control: control() })}`;
+  show("load-form", ["klipper", "reprapfirmware"].includes(control()));
+  find("texts").replaceChildren();
+  text("controls-fault", "");
+  show("check", false);
+}
+
+async function asked(path, body) {
+  const { ok, document: answer } = await waiting(call(path, body));
+  text("controls-fault", ok ? "" : answer.sentence);
+  return ok ? answer : null;
+}
+
+async function copy() {
+  const texts = await asked(`/texts?${new URLSearchParams({ control: control() })}`);
+  if (texts === null) return;
+  find("texts").replaceChildren(...Object.entries(texts.files).flatMap(([name, content]) => {
+    const copied = Object.assign(element("button", said("Copy {file}", { file: name })), { type: "button" });
+    copied.addEventListener("click", () => navigator.clipboard.writeText(content));
+    const box = Object.assign(element("pre", content), { tabIndex: 0 });
+    return [copied, box];
+  }));
+}
+
+// What was typed is kept by the browser until it is judged: a closed tab loses nothing.
+function kept() {
+  return `axiscal ${shown.record} ${control()}`;
+}
+
+function fields(side) {
+  return [...find("check-places").querySelectorAll(`input[data-side=${side}]`)];
+}
+
+function keep() {
+  const typed = { found: fields("found").map((e) => e.value), left: fields("left").map((e) => e.value), tolerance: find("tolerance").value };
+  localStorage.setItem(kept(), JSON.stringify(typed));
+  return typed;
+}
+
+async function verify() {
+  check = await asked(`/check?${new URLSearchParams({ control: control() })}`);
+  show("check", check !== null);
+  show("judged", false);
+  if (check === null) return;
+  const typed = JSON.parse(localStorage.getItem(kept()) ?? "{}");
+  find("tolerance").value = typed.tolerance ?? check.tolerance;
+  find("check-words").replaceChildren(...check.sentences.map((words) => element("li", words)));
+  show("check-virtual", check.places.some((place) => place.shows.length));
+  find("check-places").replaceChildren(...check.places.map((place, n) => {
+    const row = document.createElement("tr");
+    row.append(element("td", `${place.setup}: ${place.place}`), ...["found", "left"].map((side) => cell(place, side, n, typed[side]?.[n] ?? "")));
+    return row;
+  }));
+  fields("found")[0]?.focus();
+}
+
+function cell(place, side, n, value) {
+  const made = document.createElement("td"), field = document.createElement("input"), fault = element("span", "", "fault");
+  Object.assign(field, { type: "text", value, maxLength: 200, spellcheck: false, placeholder: unitText(place.unit) });
+  field.dataset.side = side;
+  fault.id = `${side}-${n}-fault`;
+  field.setAttribute("aria-describedby", fault.id);
+  field.setAttribute("aria-label", `${side === "found" ? said("without the tables") : said("with them")}, ${place.setup}: ${place.place}`);
+  field.addEventListener("input", keep);
+  made.append(field, fault);
+  return made;
+}
+
+async function judge() {
+  const answer = await asked("/check", { control: control(), ...keep() });
+  if (answer === null) return;
+  for (const fault of find("check-places").querySelectorAll(".fault")) fault.textContent = "";
+  text("tolerance-fault", answer.faults.tolerance ?? "");
+  for (const [field, words] of Object.entries(answer.faults)) if (field !== "tolerance") text(`${field.replace(".", "-")}-fault`, words);
+  show("judged", answer.verdict !== "");
+  find("judged").className = `box ${answer.verdict === "pass" ? "reached" : "unreachable"}`;
+  find("judged").replaceChildren(...answer.sentences.map((words, n) => element(n ? "span" : "strong", words)));
+}
+
+on("control", "change", choose);
+on("copy", "click", copy);
+on("verify", "click", verify);
+on("check", "submit", judge);
+on("check-virtual", "click", () => {
+  for (const [n, side] of ["found", "left"].entries()) fields(side).forEach((field, k) => { field.value = check.places[k].shows[n]; });
+  keep();
+});
+on("load-form", "submit", async () => {
+  const done = await asked("/load", { control: control(), printer: find("printer").value.trim() });
+  if (done !== null) text("controls-fault", done.sentence);
+});
+on("print", "click", () => {
+  const report = window.open("/report.html");
+  report?.addEventListener("load", () => report.print());
+});

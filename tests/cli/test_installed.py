@@ -1,0 +1,101 @@
+"""The program without a checkout: the wheel, installed in an environment of its own, and the entry of the desktop."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+import venv
+import zipfile
+from configparser import ConfigParser
+from pathlib import Path
+
+import pytest
+
+from tests.commands import Command
+from tests.web.served import Served
+
+CHECKOUT = Path(__file__).parents[2]
+
+
+def without_checkout(folder: Path) -> dict[str, str]:
+    """Return surroundings in which no checkout is found."""
+    return {name: value for name, value in os.environ.items() if name != "PYTHONPATH"} | {
+        "AXISCAL_LANGUAGE": "de",
+        "XDG_DATA_HOME": str(folder / "data"),
+    }
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The command of the wheel in an environment that has nothing else of the checkout, only what axiscal needs."""
+    folder = tmp_path_factory.mktemp("wheel")
+    source, surroundings = folder / "source", without_checkout(folder)
+    shutil.copytree(CHECKOUT / "src", source / "src", ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
+    for name in ("pyproject.toml", "LICENSE", "docs/package.md"):
+        (source / name).parent.mkdir(exist_ok=True)
+        shutil.copy(CHECKOUT / name, source / name)
+    build = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--quiet", "-w", str(folder)]
+    subprocess.run([*build, str(source)], env=surroundings, check=True)
+    (wheel,) = folder.glob("axiscal-*.whl")
+    with zipfile.ZipFile(wheel) as packed:
+        held = set(packed.namelist())
+    files = {path.relative_to(source / "src").as_posix() for path in (source / "src").rglob("*") if path.is_file()}
+    assert {name for name in files - held if "build" not in name and "egg-info" not in name} == set()
+    venv.create(folder / "bare", with_pip=True)
+    python = folder / "bare" / "bin" / "python"
+    install = ["-m", "pip", "install", "--no-deps", "--no-index", "--quiet", str(wheel)]
+    subprocess.run([python, *install], env=surroundings, check=True)
+    (site,) = (folder / "bare" / "lib").glob("*/site-packages")
+    # what it needs, without the hook by which the checkout is installed here: links of a path file are not followed
+    (site / "needed.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    return folder / "bare" / "bin" / "axiscal"
+
+
+@pytest.mark.long
+def test_the_wheel_brings_the_program_its_page_and_its_languages(program: Path, tmp_path: Path) -> None:
+    def said(*words: str) -> str:
+        done = subprocess.run(
+            [program, *words], cwd=tmp_path, env=without_checkout(tmp_path), capture_output=True, text=True, check=True
+        )
+        return done.stdout
+
+    where = [str(program.with_name("python")), "-c", "import axiscal; print(axiscal.__file__)"]
+    found = subprocess.run(where, cwd=tmp_path, env=without_checkout(tmp_path), capture_output=True, check=True)
+    assert str(program.parents[1]) in found.stdout.decode()
+    assert "lathe" in said("machine", "list")
+    said("init", "mill", "--machine", "one-axis", "--instrument", "laser", "--target", "20 um")
+    assert (tmp_path / "mill" / "campaign.schema.json").is_file()
+    assert "MESSUNGEN" in said("plan", "mill/campaign.toml")
+    serve = [str(program), "serve", "--start"]
+    with subprocess.Popen(
+        serve, cwd=tmp_path, env=without_checkout(tmp_path), stdout=subprocess.PIPE, text=True
+    ) as page:
+        try:
+            assert page.stdout is not None
+            address = next(word for word in page.stdout.readline().split() if word.startswith("http://"))
+            served = Served(address, tmp_path, page.pid)
+            for path in ("/", "/start.js", "/page.css", "/machine.svg?width=300&machine=lathe"):
+                assert served.ask("GET", path, Authorization=f"Bearer {served.token}").status == 200, path
+            words = served.ask("GET", "/words.json", Authorization=f"Bearer {served.token}").document
+        finally:
+            page.terminate()
+    assert words["messages"]["Next"] == "Weiter"
+
+
+def test_the_page_stands_in_the_menu_of_the_desktop(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    monkeypatch.setattr("shutil.which", lambda name: f"/opt/100% it's/{name}")
+    assert "axiscal stands in the menu" in command("--install-desktop").out
+    entry = ConfigParser(interpolation=None)
+    entry.optionxform = str  # type: ignore[assignment,method-assign]
+    entry.read(tmp_path / "applications" / "axiscal.desktop")
+    assert entry["Desktop Entry"]["Exec"] == '"/opt/100%% it\'s/axiscal" serve --start --browser'
+    picture = tmp_path / "icons" / "hicolor" / "scalable" / "apps" / "axiscal.svg"
+    assert picture.read_text().startswith("<svg")
+    monkeypatch.setattr("sys.platform", "win32")
+    assert "no menu as freedesktop.org describes it" in command("--install-desktop").refusal

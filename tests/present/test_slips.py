@@ -1,0 +1,134 @@
+"""Slips at a display: the test with which a mounting begins, and what may be behind a surprise."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.description.first_campaign import Purpose
+from axiscal.description.first_files import (
+    SIZES,
+    first_described,
+    of_builtin,
+    with_carriers,
+    with_errors_times,
+)
+from axiscal.exceptions import ReadingError
+from axiscal.machine import machine_from_text
+from axiscal.planning.helping import rows_shown
+from axiscal.present.guide.question import Question
+from axiscal.present.guide.slips import CAUSES, Cause, causes, jog, keep_as, surprise_text, try_jog
+from axiscal.record.events import Asked
+from tests.generators.texts import FOUR_READINGS
+from tests.web.served import started
+
+
+@pytest.fixture
+def campaign(tmp_path: Path) -> Campaign:
+    """A campaign with a laser whose first reading is asked for."""
+    opened = Campaign.open(started(tmp_path, FOUR_READINGS))
+    opened.next()
+    return opened
+
+
+@pytest.mark.parametrize(
+    ("typed", "verdict", "words"),
+    [
+        ("-98", "wrong sign", "counts the other way"),
+        ("0.1", "in mm", "is in mm"),
+        ("-0.100", "in mm", "is in mm"),
+        ("0.0039", "in in", "is in in"),
+        ("3.9", "in thou", "thousandths of an inch"),
+        ("0", "still", "does not follow"),
+        ("1000", "scale", "shows 10 times"),
+    ],
+)
+def test_a_display_that_is_wrong_is_named_before_anything_is_written(
+    campaign: Campaign, typed: str, verdict: str, words: str
+) -> None:
+    test = jog(campaign)
+    assert test is not None
+    assert test.far == "X +0.100 mm"
+    assert test.shows == pytest.approx(100.0)
+    with pytest.raises(ReadingError, match=words):
+        try_jog(campaign, typed)
+    assert campaign.state.notes[-1].text == f'test of sign "laser": X +0.100 mm shows {typed} ({verdict})'
+    assert (campaign.state.readings, jog(campaign)) == ((), test)
+    try_jog(campaign, typed, anyway=True)
+    assert jog(campaign) is None
+
+
+def test_a_display_that_follows_is_tested_once_a_mounting(campaign: Campaign) -> None:
+    with pytest.raises(ReadingError, match="is no reading"):
+        try_jog(campaign, "skip")
+    try_jog(campaign, "0,102 mm")
+    assert campaign.state.notes[-1].text.endswith("0,102 mm (right)")
+    assert jog(campaign) is None
+    campaign.record(0.0)
+    campaign.next()
+    assert jog(campaign) is None
+    with pytest.raises(ReadingError, match="nothing to test"):
+        try_jog(campaign, "100")
+
+
+def asked(campaign: Campaign) -> Question:
+    """Return what is asked behind a reading of 400 um."""
+    campaign.record(400e-6)
+    reading = campaign.next()
+    assert isinstance(reading, Asked)
+    return Question.from_campaign(campaign, reading)
+
+
+@pytest.mark.parametrize(
+    ("typed", "cause", "kept"),
+    [(-400e-6, "sign", 400e-6), (0.4e-6, "mm", 400e-6), (-300e-6, "really", -300e-6), (-300e-6, "bumped", -300e-6)],
+)
+def test_a_cause_does_what_it_says_and_is_noted(campaign: Campaign, typed: float, cause: Cause, kept: float) -> None:
+    question, value = asked(campaign), np.array([typed])
+    assert surprise_text(question, value).startswith(f"It is about {abs(1e6 * typed - 400):.0f} um away")
+    assert cause in causes(question, value)
+    reading, told = keep_as(campaign, question, value, cause)
+    assert reading.value == pytest.approx(kept)
+    assert reading.accepted is (cause == "really")
+    noted = [note.text for note in campaign.state.notes]
+    assert noted == ([] if cause == "really" else [f"reading 2: {CAUSES[cause]}"])
+    assert bool(told) is (cause != "really")
+    assert [each.mistake for each in campaign.state.accepted] == ["jump"] * (cause == "bumped")
+
+
+def test_a_cause_that_explains_nothing_is_refused(campaign: Campaign) -> None:
+    question, value = asked(campaign), np.array([-300e-6])
+    assert causes(question, value) == ["anew", "bumped", "really", "keep"]
+    with pytest.raises(ReadingError, match="a surprise all the same"):
+        keep_as(campaign, question, value, "sign")
+
+
+@pytest.mark.parametrize(
+    ("instrument", "shown", "hidden"),
+    [("interferometer", "backlash X", "squareness XY"), ("ballbar", "squareness XY", "positioning X")],
+)
+def test_an_instrument_shows_the_rows_that_endless_readings_would_measure(
+    instrument: str, shown: str, hidden: str
+) -> None:
+    rows = {row.name for row in rows_shown(first_described(of_builtin("router"), [instrument], Purpose()))}
+    assert {shown, "volume"} <= rows
+    assert hidden not in rows
+
+
+def test_a_switched_axis_moves_next_to_the_bed_and_sizes_follow() -> None:
+    mill = of_builtin("three-axis-mill")
+    assert [axis.name + "'" * axis.workpiece_side for axis in machine_from_text(mill.text).axes] == ["X'", "Y'", "Z"]
+    other = machine_from_text(with_errors_times(with_carriers(mill, ["X", "Z"]), SIZES["home-made"]).text)
+    assert [axis.name + "'" * axis.workpiece_side for axis in other.axes] == ["Y'", "Z'", "X"]
+    sizes = {entry.name: entry.std for entry in other.errors}
+    assert sizes["EXX"] == pytest.approx(30e-6)
+    assert sizes["C0Y"] == pytest.approx(3 * of_squareness())
+
+
+def of_squareness() -> float:
+    """Return the size of C0Y of the mill as it is built in."""
+    entries = machine_from_text(of_builtin("three-axis-mill").text).errors
+    return next(entry.std for entry in entries if entry.name == "C0Y")
