@@ -31,6 +31,7 @@ _ABOUT = 1.6
 _PER_UM = {"mm": 1e-3, "in": 1e-3 / 25.4, "thou": 1 / 25.4}
 """What a display shows for a micrometre in other units."""
 _STILL = 0.01
+"""Of what it should show: a display that moves by less stands still, in whatever unit."""
 _PASSED = re.compile(r'test of sign "(.*)": .* \((?:right|taken all the same)\)')
 
 Cause = Literal["sign", "mm", "anew", "bumped", "really", "keep"]
@@ -44,6 +45,7 @@ CAUSES: dict[Cause, str] = {
 }
 """What may be behind a surprise, in words."""
 _FACTORS: dict[Cause, float] = {"sign": -1.0, "mm": 1000.0}
+"""By definition: what a value is multiplied by, mm for um."""
 
 
 class Jog(AnswerDocument):
