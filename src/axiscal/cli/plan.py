@@ -138,8 +138,8 @@ def plan(
         machine, setups = case.description.machine, case.description.setups
         count = len(write_programs(machine, setups, placed(case, proposal.plan), gcode, out, log))
         written.append(f"{out} ({count} files, README.txt there)")
-    plan, shown = proposal.plan, details or json or limits.timed
-    buys = bought(case, plan.places, plan.seconds, candidates) if shown else ()
+    plan = proposal.plan
+    buys = bought(case, plan.places, plan.seconds, candidates) if details or json else ()
     answer = plan_answer(case, proposal, limits, buys, ends=ends)
     if details and limits.accurate:
         with suppress(PlanError):
