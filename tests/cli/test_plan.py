@@ -175,7 +175,13 @@ def test_what_half_the_minutes_these_and_twice_as_many_buy_is_shown(campaign: Pa
     assert [half["minutes"], twice["minutes"]] == pytest.approx([own["minutes"] / 2, 2 * own["minutes"]])
     assert own["minutes"] == pytest.approx(document["minutes"])
     assert half["expanded_um"] > own["expanded_um"] > twice["expanded_um"]
-    assert "What minutes buy" in command("plan", campaign, "--readings", "8", "--details").printed
+    printed = command("plan", campaign, "--readings", "8", "--details").printed
+    bars = re.search(r"What minutes buy, over the volume: (\S+) ", printed)
+    assert bars is not None
+    assert list(bars[1]) == sorted(bars[1], reverse=True)
+    assert len(bars[1]) == len(document["bought"])
+    assert bars[1][0] == "█"
+    assert "What minutes buy" not in command("plan", campaign, "--readings", "8").printed
 
 
 def test_a_set_up_that_no_budget_reaches_is_named(
