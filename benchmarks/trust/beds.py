@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -89,14 +90,16 @@ def _bed(kind: str, x: Array, y: Array, z: Array) -> Bed:
 
 
 @cache
-def _case() -> Case:
-    return Case(campaign_from_texts(_CAMPAIGN, "campaign.toml", load_machine(_PRINTER).text, _PRINTER))
+def _case(std: str = "60 um") -> Case:
+    """Return the built-in printer.  std : stated of the heights along X, along Y, and of both together"""
+    text = re.sub(r'(EZX|EZY|EZXY) = \{ std = "60 um"', rf'\1 = {{ std = "{std}"', load_machine(_PRINTER).text)
+    return Case(campaign_from_texts(_CAMPAIGN, "campaign.toml", text, _PRINTER))
 
 
 @cache
-def _planned(count: int) -> Array:
+def _planned(count: int, std: str) -> Array:
     """Return where a plan of so many readings probes, (n, 2) m."""
-    plan = proposed(_case(), Limits(count), 1000).plan
+    plan = proposed(_case(std), Limits(count), 1000).plan
     return np.clip([_on_bed(pose) for pose in plan.places.poses], _LOW, _HIGH)
 
 
@@ -118,15 +121,15 @@ def _poses(places: Array) -> Array:
     return poses
 
 
-def kept(bed: Bed, count: int) -> Kept:
-    """Return what so many readings leave of a bed."""
-    planned, even = (_estimated(bed, places) for places in (_planned(count), _even(count)))
+def kept(bed: Bed, count: int, std: str = "60 um") -> Kept:
+    """Return what so many readings leave of a bed.  std : that is stated of its heights"""
+    planned, even = (_estimated(bed, places, std) for places in (_planned(count, std), _even(count)))
     at = _even(count)
     spline = RBFInterpolator(at, bed.between(at[:, ::-1]), kernel="thin_plate_spline")(bed.places)
     return Kept((planned[0], even[0], _spread(bed.heights - spline)), (planned[1], even[1]))
 
 
-def _estimated(bed: Bed, places: Array) -> tuple[float, float]:
+def _estimated(bed: Bed, places: Array, std: str) -> tuple[float, float]:
     """Return what readings at places of the bed leave, m RMS, and which share of the bed lies within U."""
     values = bed.between(places[:, ::-1])
     poses = _poses(places)
@@ -134,7 +137,7 @@ def _estimated(bed: Bed, places: Array) -> tuple[float, float]:
         Reading("probe", tuple(pose.tolist()), tuple(0 for _ in pose), float(value))
         for pose, value in zip(poses, values, strict=True)
     ]
-    known = concluded(_case(), readings)
+    known = concluded(_case(std), readings)
     where = _poses(bed.places)
     left = bed.heights - known.estimate().deviation(where, np.zeros_like(where))[:, 2]
     left -= left.mean()

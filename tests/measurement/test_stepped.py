@@ -207,7 +207,8 @@ def _described(setup: str) -> CampaignDescription:
         (LEVEL.replace('"y"', '"z"'), "no straightness error of X"),
         (LEVEL.replace('["X"]', '["X", "Z"]'), "here X, Z move"),
         (LEVEL.replace("level", "probe"), "a probe has no feet"),
-        (LEVEL + 'raster = { X = "760 mm" }', "no multiple of"),
+        (LEVEL + 'raster = { X = "760 mm" }', "no multiple of 760 mm lies in the travel"),
+        (LEVEL + 'reach = { X = ["210 mm", "390 mm"] }\nraster = { X = "200 mm" }', "lies in the reach of X"),
     ],
 )
 def test_set_ups_that_make_no_sense_are_refused(setup: str, reason: str) -> None:

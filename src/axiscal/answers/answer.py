@@ -189,10 +189,19 @@ class LargestCause(AnswerDocument):
     measurable: bool
 
 
+class BoughtAccuracy(AnswerDocument):
+    """What some minutes buy: U of the volume after them.  mark : which share of a plan's minutes they are"""
+
+    minutes: float
+    expanded_um: float
+    mark: Literal["half", "asked", "double"] | None
+
+
 class PlannedAnswer(AnswerDocument):
     """What is known after readings to come.
 
     rows, aims : after them, with all that a result counts; setups : in the order in which they are mounted
+    bought : a curve, what a quarter of the minutes up to twice as many buy
     alike : a set-up whose zero these places cannot tell from a curve; allowed : readings, None for any number
     checks : of the readings, drawn at random
     """
@@ -210,6 +219,7 @@ class PlannedAnswer(AnswerDocument):
     allowed: int | None
     minutes: float
     budget_minutes: float | None
+    bought: Sequence[BoughtAccuracy] = ()
 
 
 class TablesChecked(AnswerDocument):

@@ -32,6 +32,8 @@ _WRITTEN = 1e-3
 _DEPTH = 50e-3
 """m of the travel of Z that heights of balls leave free: below the lowest, and over the highest for its touches and the
 first run above it."""
+_STEPS = (("10 mm", 0.1), ("1 mm", 0.01), ("0.1 mm", 0.0))
+"""Steps, and travels from which on they are offered, m: half a travel then has several multiples."""
 _ARM = 0.9
 """Of what would just turn: then it can also go aside."""
 _CROSS = (
@@ -116,8 +118,19 @@ def templates() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    made.filters |= {"way": _way, "part": _within, "place": _place, "mm": partial(format_quantity, unit="mm")}
+    made.filters |= {
+        "way": _way,
+        "part": _within,
+        "step": _step,
+        "place": _place,
+        "mm": partial(format_quantity, unit="mm"),
+    }
     return made
+
+
+def _step(axis: Axis) -> str:
+    """Return a step that an axis, or half of it, has several multiples of: a centimetre, or less where it is short."""
+    return next((step for step, least in _STEPS if axis.length >= least), _STEPS[-1][0])
 
 
 def _setups() -> Any:

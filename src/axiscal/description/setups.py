@@ -272,7 +272,7 @@ class _Reader(SiteReader):
         for name, step in self._table.raster.items() if site.chart is None else ():
             with self._at("raster", name):
                 index = self._moving(name, site.moves, "{axis} has a raster, but does not move in this set-up")
-                _refuse_no_multiple(step, self._machine.axes[index], base / 2)
+                _refuse_no_multiple(step, self._machine.axes[index], self._table.reach.get(name), base / 2)
                 steps[index] = step
         return tuple(steps)
 
@@ -338,13 +338,21 @@ class _Reader(SiteReader):
         return replace(setup, unknowns=(*own, *turns))
 
 
-def _refuse_no_multiple(step: float, axis: Axis, margin: float) -> None:
-    """Raise DescriptionError for a raster without a place on an axis.  margin : m or rad, that its ends are kept off"""
-    low, high = axis.travel[0] + margin, axis.travel[1] - margin
-    if math.ceil(low / step - 1e-9) * step > high + 1e-9 * axis.length:
-        what, remedy = (
-            "no multiple of {text} lies in the travel of {axis}",
-            "Give a smaller step; the axis goes from {travel}",
-        )
-        size = format_quantity(step, axis.unit)
-        raise DescriptionError(what, remedy, text=size, axis=axis.name, travel=axis.travel_text)
+def _refuse_no_multiple(step: float, axis: Axis, reach: tuple[float, float] | None, margin: float) -> None:
+    """Raise DescriptionError for a raster without a place where an axis is read.
+
+    reach : from where to where; None for the whole travel; margin : m or rad, that its ends are kept off
+    """
+    ends = axis.travel if reach is None else reach
+    low, high = ends[0] + margin, ends[1] - margin
+    if math.ceil(low / step - 1e-9) * step <= high + 1e-9 * axis.length:
+        return
+    size = format_quantity(step, axis.unit)
+    if reach is not None:
+        what, remedy = "no multiple of {text} lies in the reach of {axis}", "Give a smaller step, or a longer reach"
+        raise DescriptionError(what, remedy, text=size, axis=axis.name)
+    what, remedy = (
+        "no multiple of {text} lies in the travel of {axis}",
+        "Give a smaller step; the axis goes from {travel}",
+    )
+    raise DescriptionError(what, remedy, text=size, axis=axis.name, travel=axis.travel_text)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -50,8 +50,9 @@ MOST = 1000
 MOST_CANDIDATES = 500_000
 _ABSURD = 100
 """So many times more time than a plan can fill is a slip; any factor between that of a long day and a year would do."""
-_SHARES = (0.5, 1.0, 2.0)
-"""Of the time of a plan, for which it is said what they buy."""
+Mark = Literal["half", "asked", "double"]
+_SHARES: dict[float, Mark | None] = {0.25: None, 0.5: "half", 0.75: None, 1.0: "asked", 1.5: None, 2.0: "double"}
+"""Of the time of a plan, for which it is said what they buy, with those that are marked."""
 _INSTANT = 1e-3
 """Seconds of a reading that is said to take no time."""
 
@@ -220,26 +221,27 @@ def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...]) -> 
 
 
 class Bought(NamedTuple):
-    """What some time buys: s, and U of the volume after it, m."""
+    """What some time buys: s, and U of the volume after it, m.  mark : which share of the plan's time it is"""
 
     seconds: float
     expanded: float
+    mark: Mark | None
 
 
 @one_thread()
 def bought(case: Case, places: Places, seconds: float, candidates: int = CANDIDATES) -> tuple[Bought, ...]:
-    """Return what half the time of a plan, its own and twice as much buy; none where it has no readings.
+    """Return what a quarter of the time of a plan up to twice as much buys; none where it has no readings.
 
     places, seconds : of the plan; candidates : places that it was chosen from
     """
     task = posed(case, case.knowledge, candidates=candidates).coarse
     setups = tuple(np.unique(places.setups).tolist())
     found = list[Bought]()
-    for share in _SHARES if len(places) else ():
+    for share, mark in _SHARES.items() if len(places) else ():
         limits = Limits(budget=share * seconds)
         each = places if share == 1.0 else retoured(task, limits, setups, places, 0.0)
         known = foreseen(case, (), with_rooms(case, each))
-        found.append(Bought(limits.budget or 0.0, expanded(case.yardstick, known.belief).space))
+        found.append(Bought(share * seconds, expanded(case.yardstick, known.belief).space, mark))
     return tuple(found)
 
 

@@ -12,6 +12,7 @@ from pydantic import Field
 from axiscal.answers.answer import (
     Aim,
     AnswerDocument,
+    BoughtAccuracy,
     LargestCause,
     NextStep,
     PlannedAnswer,
@@ -66,25 +67,17 @@ class PlanPoint(AnswerDocument):
     check: bool = Field(False, exclude_if=lambda check: not check)
 
 
-class BoughtAccuracy(AnswerDocument):
-    """What some minutes buy: U of the volume after them."""
-
-    minutes: float
-    expanded_um: float
-
-
 class PlanAnswer(PlannedAnswer):
     """A plan in full.
 
     `points`, `J`, `rms_um`, `worst_um` and `ratio` leave out what no reading shows, such as the error of a wavelength
-    units : of the axes; bought : what half the minutes, these, and twice as many buy
+    units : of the axes
     certain_minutes : of a plan for the same target if all that is stated were exact, and nothing else went wrong
     ratio : of the mean variances that the two RMS figures are the roots of; of J where the criterion is another one
     """
 
     kind: Literal["axiscal-plan/1"] = Field("axiscal-plan/1", alias="schema")
     certain_minutes: float | None = None
-    bought: Sequence[BoughtAccuracy] = ()
     criterion: str
     points: Sequence[PlanPoint]
     units: Mapping[str, str]
@@ -116,8 +109,7 @@ def plan_answer(
     begin: list[StepCode] = ["start"] if ends else ["target", "start"]
     answer = _planned(case, places, lambda count: plan.readings[count - 1].seconds if count else 0.0, limits, begin)
     return PlanAnswer(
-        **dict(answer),
-        bought=_bought(buys),
+        **{**dict(answer), "bought": _bought(buys)},
         criterion=case.description.target.criterion,
         points=list(_points(case, places, plan)),
         units={axis.name: axis.unit for axis in case.description.machine.axes},
@@ -156,7 +148,8 @@ def minutes_curve(campaign: Campaign) -> list[BoughtAccuracy]:
 
 def _bought(buys: Sequence[Bought]) -> list[BoughtAccuracy]:
     return [
-        BoughtAccuracy(minutes=to_unit(each.seconds, "min"), expanded_um=to_unit(each.expanded, "um")) for each in buys
+        BoughtAccuracy(minutes=to_unit(each.seconds, "min"), expanded_um=to_unit(each.expanded, "um"), mark=each.mark)
+        for each in buys
     ]
 
 

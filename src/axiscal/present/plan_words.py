@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from axiscal.answers.answer import PlannedAnswer, PlannedRow, ReachAnswer
+from axiscal.answers.answer import BoughtAccuracy, PlannedAnswer, PlannedRow, ReachAnswer
 from axiscal.answers.answer_words import (
     ROOM,
     AnswerText,
@@ -35,6 +35,8 @@ LINES = 16
 """Of a terminal that nobody scrolls."""
 _MUCH = 0.5
 """Share of the bound from which it is worth a sentence."""
+_BARS = "▁▂▃▄▅▆▇█"
+"""Bars of the picture of what minutes buy."""
 _READ = 0.9
 """Share of the U before below which a plan measures a row."""
 
@@ -51,7 +53,7 @@ def plan_screen(answer: PlannedAnswer, campaign: str, files: Sequence[str] = ())
 def plan_text(answer: PlannedAnswer, campaign: str) -> AnswerText:
     """Return a plan in words; arguments as of `plan_screen`."""
     reach = "" if answer.reach is None else reach_text(answer.reach, answer.rows)
-    sentences = [_mounted(answer), _fewer(answer), reach or _mostly(answer) or _alike(answer)]
+    sentences = [_mounted(answer), _fewer(answer), _curve(answer.bought), reach or _mostly(answer) or _alike(answer)]
     found = [sentence for sentence in sentences if sentence]
     coming = list(commands_of(answer.steps, campaign, readings=answer.readings))
     return AnswerText(_first(answer), _cells(answer.rows, ROOM), found, coming)
@@ -166,20 +168,24 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
         after = f"RMS {um_text(point.rms_um):>8}, {point.minutes:6.1f} min"
         check = "  " + said("check") if point.check else ""
         yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}{check}"
-    if answer.bought:
-        yield _bought(answer)
     yield bound_sentence(answer)
     if answer.certain_minutes is not None:
         minutes = put("{minutes:.0f}", minutes=answer.certain_minutes)
         yield said("If all that is stated were exact, and nothing else went wrong: {minutes} min.", minutes=minutes)
 
 
-def _bought(answer: PlanAnswer) -> str:
-    """Return what half the minutes, these, and twice as many buy."""
+def _curve(bought: Sequence[BoughtAccuracy]) -> str:
+    """Return what minutes buy as a small picture, a bar for each, the highest the largest U; "" where U is nought."""
+    most, tops = max((each.expanded_um for each in bought), default=0.0), len(_BARS) - 1
+    if not most:
+        return ""
+    bars = "".join(_BARS[round(tops * each.expanded_um / most)] for each in bought)
     marks = [
-        put("{minutes:.3g} min ± {u}", minutes=each.minutes, u=um_text(each.expanded_um)) for each in answer.bought
+        put("{minutes:.3g} min ± {u}", minutes=each.minutes, u=um_text(each.expanded_um))
+        for each in bought
+        if each.mark is not None
     ]
-    return said("What minutes buy, over the volume: {marks}.", marks=listed(", ", marks))
+    return said("What minutes buy, over the volume: {bars} {marks}.", bars=bars, marks=listed(", ", marks))
 
 
 def bound_sentence(answer: PlanAnswer) -> str:

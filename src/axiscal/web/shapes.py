@@ -7,14 +7,13 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, PlannedAnswer, ResultAnswer
+from axiscal.answers.answer import AnswerDocument, BoughtAccuracy, PlannedAnswer, ResultAnswer
 from axiscal.answers.answer_words import AnswerText
 from axiscal.campaign.possible import LONGEST_TEXT
 from axiscal.present.guide.checking import CheckPlace
 from axiscal.present.guide.progress import Due, KeptReading, Progress
 from axiscal.present.guide.question import Question
 from axiscal.present.guide.slips import Cause, Jog
-from axiscal.present.plan_answer import BoughtAccuracy
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Note
 
