@@ -46,7 +46,7 @@ def test_the_odds_of_exact_sizes_are_those_of_the_dense_density() -> None:
     rest = log_density(problem.values[~some], zero[~some], covariance[np.ix_(~some, ~some)])
     density = whole - rest - 0.5 * len(again) * log(2 * np.pi)
     odds = log(0.01 / 7) - density - float(np.sum(np.log(step / problem.noise[some])))
-    repeated = Repeats((0,), again, {0: step}, log(7.0))
+    repeated = Repeats((0,), again, log(7.0), {0: step})
     (found,) = stuck(problem, weighed(space_of(problem)), [repeated])
     assert found.mistake[2:4] == ((0,), 3)
     assert found.mistake.log_odds == pytest.approx(odds, abs=0.05)

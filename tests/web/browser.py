@@ -10,6 +10,7 @@ import select
 import shutil
 import subprocess
 import time
+from contextlib import suppress
 from importlib import resources
 from pathlib import Path
 from types import TracebackType
@@ -29,6 +30,12 @@ _KEYS = {
     "ArrowRight": ("", 39),
     " ": (" ", 32),
 }
+_NAVIGATED = {"Inspected target navigated or closed", "Cannot find default execution context"}
+"""What the browser answers of a page that has just gone for the next one."""
+
+
+class NavigatedError(AssertionError):
+    """The page that was asked has gone for the next one."""
 
 
 class Browser:
@@ -82,6 +89,8 @@ class Browser:
             if answer.get("id") != self._number:
                 self.events.append(answer)
                 continue
+            if answer.get("error", {}).get("message") in _NAVIGATED:
+                raise NavigatedError(method)
             assert "error" not in answer, f"{method}: {answer['error']}"
             result: dict[str, Any] = answer["result"]
             return result
@@ -150,8 +159,9 @@ class Page:
         """Wait until an expression is true in the page, and return it."""
         deadline = time.monotonic() + PATIENCE
         while time.monotonic() < deadline:
-            if found := self.value(expression):
-                return found
+            with suppress(NavigatedError):  # the next page is asked
+                if found := self.value(expression):
+                    return found
             time.sleep(0.03)
         raise AssertionError(f"never came: {expression}\n{self.value('document.body?.innerText')}")
 

@@ -1,7 +1,7 @@
 """How far the screws under a bed are to be turned, by the plane of the map that was read.
 
-With z = G R m the heights at the screws of the plane nearest to the map at places of an even grid, R its rows and m the
-estimate, screw i is turned by (z_0 − z_i) / pitch: the first one stays.
+The plane is the nearest one to the map at places of an even grid. With R the rows of the map there and m the estimate,
+z = G R m are its heights at the screws. Screw i is turned by (z_0 − z_i) / pitch: the first one stays.
 """
 
 from __future__ import annotations

@@ -8,8 +8,10 @@ from __future__ import annotations
 import asyncio
 import ctypes
 import logging
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from pathlib import Path
 from threading import Lock, get_ident
 from time import monotonic
@@ -28,6 +30,22 @@ _NEARLY = 0.5
 LOOKS = 0.25
 """s between looks at the record: what others write is shown within a second."""
 _Result = TypeVar("_Result")
+
+
+@contextmanager
+def lost_interruptions() -> Iterator[None]:
+    """Let Python say nothing of an interruption that comes while it clears up, and is lost; it says all else."""
+    before = sys.unraisablehook
+
+    def said_of(lost: sys.UnraisableHookArgs) -> None:
+        if not isinstance(lost.exc_value, KeyboardInterrupt):
+            before(lost)
+
+    sys.unraisablehook = said_of
+    try:
+        yield
+    finally:
+        sys.unraisablehook = before
 
 
 def _overtaken() -> OvertakenError:

@@ -21,7 +21,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from axiscal.answers.answer import AnswerDocument
 from axiscal.exceptions import InputError, OvertakenError
 from axiscal.web import after_end, draft, shapes
-from axiscal.web.counter import Counter
+from axiscal.web.counter import Counter, lost_interruptions
 from axiscal.web.desk import Desk
 from axiscal.web.guard import ROOT, Guard, document, page_application, problem
 
@@ -242,6 +242,7 @@ _ASKING, _BURST, _PATIENCE, _HEAD = 100, 100, 5.0, 16 * 1024
 """Connections that have not asked to the end; those taken in at once; seconds to ask in; bytes of a request's head."""
 
 
+@lost_interruptions()
 def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> str:
     """Serve the page of a record, or the start of one in this folder, until Ctrl-C.
 

@@ -11,9 +11,10 @@ showed two values is that of its noise, √12 σ. Sizes as stated tell first whe
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
-from math import lgamma
 from typing import NamedTuple
 
 import numpy as np
@@ -27,7 +28,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal_core.draws import Weighed, sized
 
-_OF_NOISE = float(np.sqrt(12.0))
+_OF_NOISE = math.sqrt(12.0)
 """Steps of a display whose rounding alone has the noise's standard deviation."""
 _FINEST = 0.01
 """Noises: what differs by less differs by the arithmetic of a program."""
@@ -36,41 +37,53 @@ _FINEST = 0.01
 class Repeats(NamedTuple):
     """Readings that show what the one before in their set-up shows.
 
-    setups : whose; readings : (s,) their indices; step : of the display, m or rad, by set-up
-    log_places : logarithm of the number of other patterns, one as likely as the other
+    setups : whose; readings : (s,) their indices; log_places : logarithm of the number of patterns as likely as theirs
+    steps : smallest difference of two values that the instrument of a set-up showed, m or rad; none where it showed one
     """
 
     setups: tuple[int, ...]
     readings: NDArray[np.intp]
-    step: dict[int, float | None]
     log_places: float
+    steps: Mapping[int, float]
 
 
 def repeats(setups: Sequence[Setup], readings: Sequence[Reading]) -> Iterator[Repeats]:
     """Yield what may be stuck: the longest run of each set-up, all that each repeats, and all that all repeat."""
-    every = list[tuple[int, NDArray[np.intp], int]]()
-    steps = {index: _step(setup, setups, readings) for index, setup in enumerate(setups)}
-    for index, setup in enumerate(setups):
-        mine = [k for k, reading in enumerate(readings) if reading.setup == setup.name]
-        again = np.array(
-            [readings[b].values == readings[a].values and not readings[b].accepted for a, b in pairwise(mine)]
-        )
-        if not again.any():
-            continue
-        places = np.array(mine[1:], dtype=np.intp)
-        longest = max(_runs(again), key=len)
-        if SEVERAL - 1 <= len(longest) < again.sum():
-            yield Repeats((index,), places[longest], steps, 2 * float(np.log(len(mine))) - float(np.log(2.0)))
-        every.append((index, places[again], len(again)))
-    for found in [[each] for each in every] + ([every] if len(every) > 1 else []):
-        count, many = sum(len(each) for _, each, _ in found), sum(possible for _, _, possible in found)
-        if count >= SEVERAL - 1:
-            indices = tuple(index for index, _, _ in found)
-            yield Repeats(indices, np.concatenate([each for _, each, _ in found]), steps, _log_patterns(many, count))
+    numbers, mine = {setup.name: number for number, setup in enumerate(setups)}, defaultdict[int, list[int]](list)
+    for index, reading in enumerate(readings):
+        mine[numbers[reading.setup]].append(index)
+    again = {number: np.array([*_repeating(readings, each)], dtype=np.intp) for number, each in mine.items()}
+    again = {number: each for number, each in again.items() if len(each)}
+    if not again:
+        return
+    steps = _steps(setups, readings, again)
+    for number, each in again.items():
+        longest = max(_runs(np.searchsorted(mine[number], each)), key=len)
+        if SEVERAL - 1 <= len(longest) < len(each):
+            log_places = 2 * math.log(len(mine[number])) - math.log(2)
+            yield Repeats((number,), np.array(mine[number])[longest], log_places, steps)
+    for chosen in [*([number] for number in again), *([[*again]] if len(again) > 1 else [])]:
+        found = np.concatenate([again[number] for number in chosen])
+        if len(found) >= SEVERAL - 1:
+            possible = sum(len(mine[number]) - 1 for number in chosen)
+            yield Repeats(tuple(chosen), found, _log_patterns(possible, len(found)), steps)
 
 
-def _repeats(before: Reading, here: Reading) -> bool:
-    return here.values == before.values and not here.accepted
+def _repeating(readings: Sequence[Reading], mine: Sequence[int]) -> Iterator[int]:
+    """Yield the indices of readings that nobody vouches for and that show what the one before shows."""
+    for before, index in pairwise(mine):
+        if readings[index].values == readings[before].values and not readings[index].accepted:
+            yield index
+
+
+def _steps(setups: Sequence[Setup], readings: Sequence[Reading], some: Iterable[int]) -> dict[int, float]:
+    """Return the steps of some set-ups."""
+    shown = defaultdict[str, set[float]](set)
+    instruments = {setup.name: setup.instrument for setup in setups}
+    for reading in readings:
+        shown[instruments[reading.setup]].update(reading.values)
+    values = {number: np.sort([*shown[setups[number].instrument]]) for number in some}
+    return {number: float(np.diff(each).min()) for number, each in values.items() if len(each) > 1}
 
 
 def stuck(problem: Problem, found: Weighed[Given], repeated: Iterable[Repeats]) -> Iterator[Tried]:
@@ -79,16 +92,16 @@ def stuck(problem: Problem, found: Weighed[Given], repeated: Iterable[Repeats]) 
         again = np.isin(problem.reading, each.readings)
         if not again.any() or again.all():
             continue
-        noise = problem.noise[again]
-        steps = np.array([each.step[int(index)] or np.inf for index in problem.setup[again]]) / noise
-        steps = np.maximum(np.where(np.isfinite(steps), steps, _OF_NOISE), _FINEST)
-        prior = float(np.log(PRIOR) - each.log_places - np.sum(np.log(steps)))
-        if prior - _log_density_as_stated(problem, found, again) <= np.log(NAMED):
+        pairs = zip(problem.setup[again].tolist(), problem.noise[again].tolist(), strict=True)
+        steps = (each.steps[setup] / noise if setup in each.steps else _OF_NOISE for setup, noise in pairs)
+        prior = math.log(PRIOR) - each.log_places - sum(math.log(max(step, _FINEST)) for step in steps)
+        if prior - _log_density_as_stated(problem, found, again) <= math.log(NAMED):
             continue
-        others = sized(space_of(problem.only(~again)))
-        density = found.log_evidence - others.log_evidence - 0.5 * float(again.sum()) * np.log(2 * np.pi)
+        rest = problem.only(~again)
+        others = sized(space_of(rest))
+        density = found.log_evidence - others.log_evidence - 0.5 * int(again.sum()) * math.log(2 * math.pi)
         first = int(each.readings.min())
-        yield Tried(Explained("stuck", prior - density, each.setups, first), tail_of(problem.only(~again), others))
+        yield Tried(Explained("stuck", prior - density, each.setups, first), tail_of(rest, others))
 
 
 def _log_density_as_stated(problem: Problem, found: Weighed[Given], some: NDArray[np.bool_]) -> float:
@@ -100,19 +113,11 @@ def _log_density_as_stated(problem: Problem, found: Weighed[Given], some: NDArra
     return 0.5 * float(np.linalg.slogdet(precision / (2 * np.pi))[1] - square)
 
 
-def _step(setup: Setup, setups: Sequence[Setup], readings: Sequence[Reading]) -> float | None:
-    """Return the smallest difference of two values that an instrument showed, m or rad; None where it showed one."""
-    alike = {each.name for each in setups if each.instrument == setup.instrument}
-    shown = np.unique([value for reading in readings if reading.setup in alike for value in reading.values])
-    return float(np.diff(shown).min()) if len(shown) > 1 else None
-
-
-def _runs(again: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
-    """Return the indices of each run of true values."""
-    where = np.flatnonzero(again)
-    return np.split(where, np.flatnonzero(np.diff(where) > 1) + 1)
+def _runs(places: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    """Return the runs of places that follow each other.  places : (s,) ascending"""
+    return np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
 
 
 def _log_patterns(count: int, some: int) -> float:
     """Return log of (n + 1) binomial(n, s): any share of readings may repeat."""
-    return float(np.log1p(count)) + lgamma(count + 1) - lgamma(some + 1) - lgamma(count - some + 1)
+    return math.log1p(count) + math.lgamma(count + 1) - math.lgamma(some + 1) - math.lgamma(count - some + 1)
