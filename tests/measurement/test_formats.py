@@ -107,6 +107,12 @@ def test_a_map_that_is_turned_upside_down_stays_as_it_is(tmp_path: Path, form: s
     assert heights(read(tmp_path, "\n".join(lines), MAPS[1])) == pytest.approx(MAPS[1].probed(), abs=1e-9)
 
 
+def test_heights_between_the_probed_ones_are_no_readings(tmp_path: Path) -> None:
+    """What G81 of Prusa and the end of BED_MESH_OUTPUT print, back row first, is the mesh that corrects."""
+    with pytest.raises(ReadingError, match="these heights lie between the probed ones"):
+        read(tmp_path, "Num X,Y: 2,2\nZ search height: 5.00\nMeasured points:\n  0.1  0.2\n  0.3  0.4\n", MAPS[0])
+
+
 BARE = [
     form
     for form in FORMS
@@ -205,6 +211,7 @@ NO_USE = {
     "a Marlin map (M421, M503)": ("I1 J1", "I1 J1 Q2", "says no height of a point"),
     "an OpenCNCPilot height map": ("SizeX", 'ZOffset="0.3" SizeX', "ZOffset is not known"),
     "a Candle height map": ("0;20;20\r\n", "0;20;20\r\n0;0;0;0;0\r\n", "5 rows are announced, and there are 6"),
+    "touches of grbl": (":1]", ":1] Q2", "is not X, Y and Z"),
     "a bCNC probe file": ("-1 5 100\n\n", "-1 5 100\n\n9 9 9\n", "25 points are announced, and there are 26"),
     "a list of points X Y Z, of nine axes": ("0.0 0.0 0.0 0.0", "0.0 0.0 0.0 0.5", "the point has U"),
     "a circular test (ISO 230-4)": ("angle_deg", "note;angle_deg", "5 cells|'note' is not known|3 cells"),

@@ -64,6 +64,7 @@ FORMATS = (
     Format(later("an OpenCNCPilot height map"), point_lists.is_xml, point_lists.xml, True),
     Format(later("a Candle height map"), point_lists.is_candle, point_lists.candle, True),
     Format(later("a bCNC probe file"), point_lists.is_bcnc, point_lists.bcnc, True),
+    Format(later("touches of grbl"), point_lists.is_grbl, point_lists.grbl, True),
     Format(later("a list of points X Y Z"), point_lists.is_list, point_lists.listed, True),
     Format(later("a circular test (ISO 230-4)"), axis_tests.is_circle, axis_tests.circle, True),
     Format(later("a test of one axis, a column a run"), axis_tests.is_wide, axis_tests.wide_table, True),

@@ -80,6 +80,10 @@ def printed(file: TextFile, around: Around) -> Found:
             rows.append((number, row[2].split()))
         elif rows:
             break
+    if not rows and rows_below(file, _PRINTED)[0]:
+        what = "these heights lie between the probed ones: they are those that the printer corrects by"
+        remedy = "give what was probed: the mesh of printer.cfg, or the answer to BED_MESH_OUTPUT or to M420 V"
+        raise file.fail(what, remedy, begin)
     return without_places(file, rows, begin, around).readings()
 
 

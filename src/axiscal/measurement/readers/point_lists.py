@@ -1,7 +1,7 @@
 """Heights as probing programs of routers and mills write them: points X Y Z, and maps of Candle and OpenCNCPilot.
 
 A list has one point a line, by blanks, tabs, commas or semicolons. That of bCNC begins with its two sides and the
-depth; LinuxCNC (`smartprobe.ngc`) writes all nine axes.
+depth; LinuxCNC (`smartprobe.ngc`) writes all nine axes; grbl tells each touch to whatever program sends.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from axiscal.document.file import number_or_none
 from axiscal.language.spoken import said
-from axiscal.measurement.readers.bed_map import Rows, grid, height, probed_of
+from axiscal.measurement.readers.bed_map import Rows, grid, height, points_of, probed_of, telling
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
 from axiscal.measurement.readers.text_file import TextFile
 
@@ -29,6 +29,11 @@ _POINT = re.compile(r'<point\s+X="(\d{1,4})"\s+Y="(\d{1,4})"\s*>([^<]*)</point>'
 _ATTRIBUTE = re.compile(r'(\w+)="([^"]*)"')
 _OF_XML = {"MinX": "min_x", "MaxX": "max_x", "MinY": "min_y", "MaxY": "max_y", "SizeX": "x_count", "SizeY": "y_count"}
 _WHOLE = "copy the whole file"
+_TOUCH = re.compile(r"\[PRB:([^,\]]+),([^,\]]+),([^,:\]]+)[^:\]]*:1\](.*)")
+"""What grbl answers to G38.2, in machine coordinates; a touch that met nothing ends with 0."""
+
+is_grbl = telling(re.compile(r"\[PRB:"))
+"""Whether a line is such an answer."""
 
 
 def is_list(file: TextFile) -> bool:
@@ -65,6 +70,11 @@ def listed(file: TextFile, around: Around) -> Found:
             raise file.fail("the header names its unit, and --unit names another", "leave --unit out", number)
         file = replace(file, unit=_BRACKETS.sub("", named or file.unit).lower())
     return _noted(file, _points(file, list(_lines(file))))
+
+
+def grbl(file: TextFile, around: Around) -> Found:
+    """Return the readings of touches in the log of a sender; raises ReadingError."""
+    return _noted(file, points_of(file, _TOUCH))
 
 
 def bcnc(file: TextFile, around: Around) -> Found:
