@@ -150,8 +150,10 @@ FORMS: Mapping[str, Callable[[DrawnMap], str]] = {
     "probed points of Marlin (G29 V4), in a log of Repetier-Host": lambda found: _points(
         found, "12:33:44.123 : Bed X: {x:.3f} Y: {y:.3f} Z: {z:.3f}\n"
     ),
-    "touches of grbl": lambda found: "[PRB:0.000,0.000,-9.000:0]\nALARM:5\n"
-    + _points(found, ">>> G38.2 Z-5 F50\n[PRB:{x:.3f},{y:.3f},{z:.3f}:1]\nok\n"),
+    "touches of grbl": lambda found: (
+        "[PRB:0.000,0.000,-9.000:0]\nALARM:5\n"
+        + _points(found, ">>> G38.2 Z-5 F50\n[PRB:{x:.3f},{y:.3f},{z:.3f}:1]\nok\n")
+    ),
     "a bCNC probe file": _bcnc,
     "a Candle height map": _candle,
     "an OpenCNCPilot height map": _xml,
