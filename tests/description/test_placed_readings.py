@@ -87,9 +87,41 @@ def test_set_ups_that_a_file_cannot_tell_apart_are_refused() -> None:
     for dimension in ("length", "angle"):
         assert "rotary for deg, and reads along it" in refusal(level, **as_read("positioning", dimension))
     assert "moves one linear axis and reads across it" in refusal(alone, **as_read("straightness", "length"))
-    assert "names no axes" in refusal(alone, **as_read("circle", "length"))
+    assert "needs a ball bar that reads in a plane" in refusal(alone, **as_read("circle", "length"))
+    assert '"laser" reads no circle' in refusal(alone, **{**as_read("circle", "length"), "setup": "laser"})
     both = described(LEVELS)
     assert "several set-ups read what this test reads: " in refusal(both, **as_read("angular", "angle"))
+
+
+def _bar(name: str, plane: str, **more: Any) -> str:
+    return setup_text(name, "ballbar", length="150 mm", station=["300 mm", "200 mm", "80 mm"], plane=plane, **more)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("angle", [20.0, 130.0, 250.0])
+def test_a_circular_test_is_read_where_its_angle_is(angle: float, way: int) -> None:
+    """In the plane xy the bar points along x at 0 and turns to y; the axes come from where it came."""
+    campaign, turned = described(_bar("flat", "xy")), np.radians(angle)
+    tested = RawReading("", {"": float(turned)}, {"": way}, 1e-6, None, "length", 3, test="circle")
+    (reading,) = placed_readings((tested,), campaign, "r.csv")
+    machine, towards = campaign.machine, np.array([np.cos(turned), np.sin(turned), 0.0])
+    assert frames(machine, np.array([reading.pose])).tcp[0] == pytest.approx([0.3, 0.2, 0.08] + 0.15 * towards)
+    axes = {axis.name: k for k, axis in enumerate(machine.axes)}
+    came = [reading.approach[axes[name]] for name in "XYZ"]
+    assert came == [-way * np.sign(np.sin(turned)), way * np.sign(np.cos(turned)), 0]
+
+
+def test_a_circular_test_names_its_set_up_or_its_only_one_and_stays_on_the_arc() -> None:
+    both = described(_bar("flat", "xy", arc=["0 deg", "90 deg"]) + _bar("up", "zx"))
+    assert "several set-ups read what this test reads: flat and up. Give a column" in refusal(
+        both, **as_read("circle", "length")
+    )
+    off = {**as_read("circle", "length"), "setup": "flat", "position": {"": 2.0}}
+    assert "the angle lies outside the arc of the set-up. That of \"flat\" goes from 0 deg to 90 deg" in refusal(both, **off)
+    (reading,) = placed_readings(
+        (RawReading("up", {"": 0.1}, {"": 1}, 1e-6, None, "length", 3, test="circle"),), both, "r.csv"
+    )
+    assert reading.setup == "up"
 
 
 def test_levels_are_told_apart_by_their_base() -> None:

@@ -20,7 +20,8 @@ from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingErro
 from axiscal.language.spoken import joined, said
 from axiscal.machine import Axis, Machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.charts.kinds import Held
+from axiscal.measurement.candidates import arrivals_of
+from axiscal.measurement.charts.kinds import Circle, Held
 from axiscal.measurement.charts.room import Chart
 from axiscal.measurement.instrument import LENGTH, values_of
 from axiscal.measurement.readers.csv_readings import RawReading
@@ -157,6 +158,8 @@ def _reading(
 
 _OFF = 1e-4
 """m, how far from its place the tool point may be said to stand."""
+_ROUND = 1e-9
+"""rad, of an angle: rounding."""
 _STILL = {False: 1e-6, True: math.radians(1e-5)}
 """How far from its park position an axis may be said to stand: 1 um, or 1e-5 deg."""
 
@@ -246,7 +249,9 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     refuse_other_values(setup, 1 + len(row.others) if named else 0, row.dimension)
     refuse_other_base(row, setup)
     position, approach = row.position, row.approach
-    if row.test is not None:
+    if row.test == "circle":
+        position, approach = _on_circle(row, setup, campaign.machine)
+    elif row.test is not None:
         moving = campaign.machine.axes[setup.moves[0]].name
         position, approach = {moving: position[""]}, {moving: approach[""]}
     pose = placed_pose(setup, campaign.machine, in_radii(position, campaign.machine.axes))
@@ -256,6 +261,26 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
         value, *others = off_ball(campaign.machine, setup, np.array(pose), (value, *others))
     reading = Reading(setup.name, pose, directions, value, row.std, row.line, others=tuple(others), time=row.time)
     return replace(reading, number=row.number, check=row.check)
+
+
+def _on_circle(row: RawReading, setup: Setup, machine: Machine) -> tuple[dict[str, float], dict[str, int]]:
+    """Return where the axes stand at an angle of a circular test, and from which sides they come, by axis.
+
+    Raises ReadingError where the set-up reads no circle, and for an angle that is off its arc.
+    """
+    chart = setup.chart
+    if not isinstance(chart, Circle):
+        what = '"{setup}" reads no circle'
+        raise ReadingError(what, "Name the set-up of a ball bar that has a plane", setup=setup.name)
+    pose = chart.poses(np.array([[row.position[""]]]))
+    place, (low, high, *_) = chart.places(pose), chart.coordinates[0]
+    if not low - _ROUND <= place[0, 0] <= high + _ROUND:
+        low_text, high_text = (format_quantity(each, "deg", 6) for each in (low, high))
+        what, remedy = "the angle lies outside the arc of the set-up", 'That of "{setup}" goes from {low} to {high}'
+        raise ReadingError(what, remedy, setup=setup.name, low=low_text, high=high_text)
+    sides = arrivals_of(machine, setup, chart, place, np.array([[float(row.approach[""])]]))[0]
+    moving = [(k, machine.axes[k].name) for k in setup.moves]
+    return {name: float(pose[0, k]) for k, name in moving}, {name: int(sides[k]) for k, name in moving if sides[k]}
 
 
 def _refuse_unknown_axis(names: Mapping[str, object], machine: Machine) -> None:

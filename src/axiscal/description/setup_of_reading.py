@@ -8,6 +8,7 @@ from axiscal.language.spoken import joined, later
 from axiscal.machine import Machine
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.entry import parse_error_name
+from axiscal.measurement.charts.kinds import Circle
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.setup import Setup
@@ -87,7 +88,7 @@ _ASKS = {
     ),
     "angular": later("an angular test needs a set-up that moves one linear axis and reads an angle"),
     "straightness": later("a test of straightness needs a set-up that moves one linear axis and reads across it"),
-    "circle": later("a circular test names no axes: its figures are those of `axiscal data iso230`"),
+    "circle": later("a circular test needs a ball bar that reads in a plane"),
 }
 _ASIDE = 0.1
 """Of a direction, along an axis: less is across it."""
@@ -101,12 +102,16 @@ def _tested(row: RawReading, campaign: CampaignDescription) -> Setup:
     what, names = _ASKS[row.test or "circle"], joined([each.name for each in fitting])
     what = "several set-ups read what this test reads: {names}" if fitting else what
     remedy = "Give the columns setup and X_mm, or a campaign of the one set-up that was tested"
+    if row.test == "circle":
+        remedy = "Give a column setup, or a campaign of the one set-up that was tested"
     raise ReadingError(what, remedy, names=names)
 
 
 def _reads_test(row: RawReading, setup: Setup, machine: Machine) -> bool:
+    if row.test == "circle":
+        return isinstance(setup.chart, Circle)
     axis, reads = machine.axes[setup.moves[0]], INSTRUMENTS[setup.instrument].model.reads
-    if len(setup.moves) != 1 or reads != row.dimension or row.test == "circle":
+    if len(setup.moves) != 1 or reads != row.dimension:
         return False
     across = abs(setup.direction[letter_direction(axis.letter)]) < _ASIDE
     fits = reads == "angle" or across == (row.test == "straightness")

@@ -67,8 +67,10 @@ def is_wide(file: TextFile) -> bool:
 def circle(file: TextFile, around: Around) -> Found:
     """Return the readings of a circular test; raises ReadingError."""
     table = _renamed(file)
-    angle, direction, deviation = table.needed(_OF_CIRCLE, "angle_deg", "direction", "deviation_um")
-    return Found(tuple(_read(row, angle, _direction(row, direction), 0, deviation, "circle") for row in table.rows))
+    angle, direction, deviation = table.needed(_OF_CIRCLE | {"setup": TEXT}, "angle_deg", "direction", "deviation_um")
+    read = (_read(row, angle, _direction(row, direction), 0, deviation, "circle") for row in table.rows)
+    names = ["".join(row.text(column) for column in table.all_of("setup")) for row in table.rows]
+    return Found(tuple(replace(each, setup=name) for each, name in zip(read, names, strict=True)))
 
 
 def long_table(file: TextFile, around: Around) -> Found:
