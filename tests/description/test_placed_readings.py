@@ -117,7 +117,9 @@ def test_a_circular_test_names_its_set_up_or_its_only_one_and_stays_on_the_arc()
         both, **as_read("circle", "length")
     )
     off = {**as_read("circle", "length"), "setup": "flat", "position": {"": 2.0}}
-    assert "the angle lies outside the arc of the set-up. That of \"flat\" goes from 0 deg to 90 deg" in refusal(both, **off)
+    assert 'the angle lies outside the arc of the set-up. That of "flat" goes from 0 deg to 90 deg' in refusal(
+        both, **off
+    )
     (reading,) = placed_readings(
         (RawReading("up", {"": 0.1}, {"": 1}, 1e-6, None, "length", 3, test="circle"),), both, "r.csv"
     )

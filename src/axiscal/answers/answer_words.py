@@ -39,6 +39,8 @@ _LEFT = 2
 """Controls whose tables are shown beside each other."""
 _TOLD = 0.9
 """Of the U before the first reading: what is known no better was not read."""
+_UNSEEN = 0.99
+"""The same, from which on readings of the axis say nothing of what is asked: an angle knows no centre."""
 _NEAR = 0.1
 """Share of a limit within which a number has three digits."""
 ROOM = 12
@@ -253,6 +255,8 @@ def _why(rows: Sequence[AnswerRow]) -> str:
     if not places:
         told = worst.known_to < _TOLD * worst.known_before
         return said("readings elsewhere tell too little: {size}", size=size) if told else said("not read")
+    if worst.known_to > _UNSEEN * worst.known_before:
+        return said("no reading shows it")
     one, many = "{count} place read tells too little: {size}", "{count} places read tell too little: {size}"
     return counted(one, many, places, size=size)
 

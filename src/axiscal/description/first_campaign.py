@@ -161,6 +161,12 @@ _levels = partial(_tilts, what="level", ways="xy")
 _autocollimators = partial(_tilts, what="autocollimator", ways="xyz")
 
 
+def _indexers(machine: Machine) -> Iterator[str]:
+    """Yield set-ups that read the angle of each rotary axis that turns about a direction of the workpiece."""
+    rotary = (axis for axis in machine.axes if axis.rotary)
+    yield from (_setups().indexer(axis) for axis in rotary if abs(axis.direction[letter_direction(axis.letter)]) == 1)
+
+
 def _middle(machine: Machine, **places: float) -> Array:
     """Return where the tool point is with all axes amid their travels.  places : of axes that are elsewhere, by name"""
     at = [places.get(axis.name, sum(axis.travel) / 2) for axis in machine.axes]
@@ -272,6 +278,7 @@ OFFERED = {
     "probe": Offer(later("probe, bed probe, Z probe"), _probes),
     "level": Offer(later("level, electronic level, spirit level, inclinometer"), _levels),
     "autocollimator": Offer(later("autocollimator, collimator"), _autocollimators),
+    "indexer": Offer(later("rotary indexer, indexer, rotary calibrator, polygon, reference encoder"), _indexers),
     "tracker": Offer(later("tracker, laser tracker"), _trackers),
 }
 """The instruments whose set-ups follow from the machine alone."""
