@@ -30,7 +30,6 @@ from axiscal.numerics import Array
 from axiscal.planning.enough import enough, goal_of, roughly
 from axiscal.planning.other_readings import (
     columns_of,
-    plane_start,
     planned_with_markers,
     with_both_sides,
     with_checks,
@@ -38,7 +37,6 @@ from axiscal.planning.other_readings import (
     without_markers,
 )
 from axiscal.planning.plan.greedy import worth_most
-from axiscal.planning.plan.order import in_order, seconds_along
 from axiscal.planning.plan.plan import MANY, Plan, make_plan, renewed
 from axiscal.planning.plan.task import PATIENCE, Goal, Limits, Task
 from axiscal.record.events import Asked, Gap
@@ -68,8 +66,6 @@ def planned_places(
     gaps : places that could not be read, which are planned around
     left : of an earlier plan and in no gap, to begin with
     """
-    if begin := first_places(case, task, limits, readings, gaps):
-        return begin
     unsure = 1 + 1 / math.sqrt(2 * max(len(task.taken), 1)) if len(case.sizes) and left else 1.0
     goal = goal_of(case, limits, readings, believed, unsure)
 
@@ -102,16 +98,6 @@ def reaching(
         return planned_places(case, task, search, readings, gaps, left, believed)
 
     return with_checks(case, task, limits, readings, left, beside_checks)
-
-
-def first_places(
-    case: Case, task: Task, limits: Limits, readings: Sequence[Reading] = (), gaps: Sequence[Gap] = ()
-) -> tuple[Place, ...]:
-    """Return the readings with which a plane begins whose scales are to be learnt, where there is time for them."""
-    start = in_order(task, plane_start(case, readings, limits.readings))
-    if limits.budget is not None and seconds_along(task, start) > limits.budget:
-        return ()
-    return tuple(place for place in with_rooms(case, start) if not in_gap(case, place, gaps))
 
 
 def _chosen(

@@ -5,10 +5,6 @@ Markers: where a zero may wander, its first place is read again every so often, 
 Both sides: where a backlash is wanted, two places at least are read from both. A model whose reversal is the same
 everywhere would read one place again and again.
 
-A plane: where two axes act together and nobody knows how much, nine readings over it are the first ones: corners, then
-middle, then edges, as many as there are to come. Scales that are not learnt yet choose places that learn the scales
-badly. On measured maps the bands then cover less often (docs/evidence/planes.md).
-
 Checks: a fifth of all readings, 3 to 12, are drawn at random and put where they cost least time. There are none below
 12 readings, nor where nothing usually goes wrong. So no place of a check follows from what the model thinks.
 
@@ -31,10 +27,9 @@ from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.exceptions import PlanError
 from axiscal.machine.axis import Axis
 from axiscal.machine.motion import inward
-from axiscal.measurement.candidates import distinct, drawn_places, snapped
+from axiscal.measurement.candidates import distinct, drawn_places
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import Setup
-from axiscal.numerics import Array
 from axiscal.planning.plan.order import inserted, seconds_along
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.promise import EVERY
@@ -249,56 +244,6 @@ def _there(case: Case, setup: Setup, axis: int, like: Place, at: float, side: in
     pose = tuple(at if k == axis else value for k, value in enumerate(like.pose))
     approach = tuple(side if k == axis else value for k, value in enumerate(like.approach))
     return Place(setup.name, *with_room(case.errors, setup, pose, approach))
-
-
-_NINE = ((0, 0), (1, 1), (0, 1), (1, 0), (0.5, 0.5), (0.5, 0), (0.5, 1), (0, 0.5), (1, 0.5))
-"""Shares of the spans: of up to nine readings on maps the first ones miss no more than an even grid of as many."""
-_READ = 0.01
-"""Share of each travel within which a place counts as read."""
-_FELT = 1e-12
-"""m/rad, 1, or rad/rad: rounding of a lever."""
-
-
-def plane_start(case: Case, readings: Sequence[Reading], left: int | None) -> Places:
-    """Return those of the nine that are not read yet; none where scales of a plane are not learnt.
-
-    They are asked for where one set-up alone is there and moves just two axes that act together.
-    left : how many readings may still come; None for any number
-    """
-    setups = case.description.setups
-    none = Places.none(len(case.description.machine.axes))
-    if len(setups) != 1 or len(readings) >= len(_NINE) or not _learns_a_plane(case, setups[0]):
-        return none
-    poses = _nine(case, setups[0])[: None if left is None else left + len(readings)]
-    spans = np.array([axis.length for axis in case.description.machine.axes])
-    read = np.array([reading.pose for reading in readings]).reshape(-1, len(spans))
-    away = np.abs(poses[:, None] - read) / spans
-    fresh = ~np.any(np.all(away < _READ, axis=2), axis=1)
-    sides = np.zeros_like(poses)
-    sides[:, list(setups[0].moves)] = setups[0].sides[0]
-    return Places.of_setup(0, poses[fresh], sides[fresh])
-
-
-def _learns_a_plane(case: Case, setup: Setup) -> bool:
-    """Return whether a set-up moves two axes alone that act together, sees it, and its size is to be learnt."""
-    learnt = {owner for size in case.sizes.of if size.kind == "together" for owner in size.owners}
-    levers = np.abs(case.observation.levers(0, np.array([setup.park])))[:, len(case.errors.functions) :, 0]
-    seen = zip(case.errors.planes, levers.max(axis=0).tolist(), strict=True)
-    plain = setup.chart is None and setup.base is None
-    return plain and any(
-        set(plane.axes) == set(setup.moves) and plane.name in learnt and lever > _FELT for plane, lever in seen
-    )
-
-
-def _nine(case: Case, setup: Setup) -> Array:
-    """Return corners, middle and edges of where a set-up can be read, on its raster, each once, (m, q)."""
-    machine, poses = case.description.machine, np.tile(np.array(setup.park), (len(_NINE), 1))
-    for axis, shares in zip(setup.moves, np.array(_NINE).T, strict=True):
-        low, high = setup.span(machine.axes[axis], axis)
-        poses[:, axis] = low + shares * (high - low)
-    poses = snapped(machine, setup, poses)
-    _, first = np.unique(poses, axis=0, return_index=True)
-    return np.asarray(poses[np.sort(first)])
 
 
 _SHARE, _FEWEST, _MOST, _LEAST = 5, 3, 12, 12

@@ -16,11 +16,9 @@ from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.estimation.known_rows import refuse_unmade
-from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import listed, put, said
-from axiscal.measurement.reading import Place, Places, reading_unit
-from axiscal.measurement.reading_rows import blank_readings
+from axiscal.measurement.reading import Places, reading_unit
 from axiscal.measurement.travel import reading_seconds
 from axiscal.planning.bound.lower_bound import prove
 from axiscal.planning.bound.relaxation import Relaxation
@@ -28,11 +26,11 @@ from axiscal.planning.enough import enough, reached
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.helping import helping_setups, helping_words
-from axiscal.planning.next_readings import CANDIDATES, first_places, planned_places, posed, reaching
-from axiscal.planning.other_readings import columns_of, with_checks, with_rooms
+from axiscal.planning.next_readings import CANDIDATES, posed, reaching
+from axiscal.planning.other_readings import columns_of, with_rooms
 from axiscal.planning.plan.plan import Plan, judged
 from axiscal.planning.plan.run import first_seconds
-from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.plan.tour import retoured
 from axiscal.planning.promise import asked, foreseen
 from axiscal.planning.step.ground import regions
@@ -190,34 +188,9 @@ def proposed(
     refuse_unmade(case)
     task = posed(case, case.knowledge, candidates=candidates)
     heeded = enough(case, limits)
-    if places := first_places(case, task, heeded):
-        places += _after(case, task, heeded, places)
-    else:
-        places = reaching(case, task, limits, heeded)
+    places = reaching(case, task, limits, heeded)
     plan = judged(task, heeded, columns_of(case, places), bounded)
     return Proposal(replace(plan, checks=frozenset(i for i, place in enumerate(places) if place.check)))
-
-
-def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...]) -> tuple[Place, ...]:
-    """Return the readings that follow on the first ones, whatever these show."""
-    readings = blank_readings(case.description.setups, first)
-    count = None if limits.readings is None else limits.readings - len(first)
-    if count == 0:
-        return ()
-    spent = timed(case, readings).seconds
-    left = replace(limits, readings=count, budget=None if limits.budget is None else max(limits.budget - spent, 0.0))
-    then = posed(case, case.knowledge.read(readings), readings=readings, candidates=len(task.lattice))
-    try:
-        return with_checks(
-            case,
-            then,
-            left,
-            readings,
-            (),
-            lambda within, _: planned_places(case, then, within, readings, believed=readings),
-        )
-    except PlanError:  # there is no time for another
-        return ()
 
 
 class Bought(NamedTuple):
