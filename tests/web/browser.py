@@ -146,8 +146,13 @@ class Page:
 
     def open(self, address: str) -> None:
         """Go to an address and wait until the page is there."""
-        self.call("Page.navigate", url=address)
+        for each in ("about:blank", address):  # an address that differs behind the # alone loads nothing
+            self.call("Page.navigate", url=each)
         self.until("document.body && document.readyState === 'complete'")
+
+    def saves_into(self, folder: Path) -> None:
+        """Save downloads in this folder."""
+        self.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
 
     def value(self, expression: str) -> Any:
         """Return the value of an expression in the page."""

@@ -53,7 +53,7 @@ class Served:
     @property
     def token(self) -> str:
         """The token that it printed."""
-        return self.address.rpartition("=")[2]
+        return self.address.rpartition("#")[2]
 
     def ask(self, method: str, path: str, body: bytes | None = None, **headers: str) -> Answer:
         """Return the answer to a request with just these headers beside Host; `_` in a name stands for `-`."""
@@ -71,7 +71,7 @@ class Served:
         finally:
             line.close()
 
-    def call(self, path: str, **body: Any) -> Answer:
+    def call(self, path: str, /, **body: Any) -> Answer:
         """Return the answer to a program that has the token: a POST where there is a body."""
         bearer = {"Authorization": f"Bearer {self.token}"}
         if not body:

@@ -16,6 +16,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from axiscal.web.guard import Addresses
 from tests.web.served import Served, served, started
 
 HOSTS = ["evil.example", "127.0.0.1", "127.0.0.1:1", "localhost", "[::1]:{port}", "127.0.0.2:{port}", "0.0.0.0:{port}"]
@@ -35,13 +36,6 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
         yield running
 
 
-def cookie(page: Served) -> str:
-    """Return the cookie that a browser has after opening the address."""
-    first = page.ask("GET", f"/?token={page.token}")
-    assert first.status == 200
-    return first.headers["set-cookie"].partition(";")[0]
-
-
 def test_it_listens_on_the_loopback_alone(page: Served) -> None:
     listening = [line.split()[1] for line in Path("/proc/net/tcp").read_text().splitlines()[1:]]
     assert next(each for each in listening if each.endswith(f":{page.port:04X}")).startswith("0100007F")
@@ -52,53 +46,72 @@ def test_it_listens_on_the_loopback_alone(page: Served) -> None:
 def test_a_page_that_renamed_itself_is_refused(page: Served) -> None:
     assert len(HOSTS) >= 100
     for host in HOSTS:
-        answer = page.ask("GET", f"/?token={page.token}", Host=host.format(port=page.port))
+        answer = page.ask("GET", "/", Host=host.format(port=page.port))
         assert answer.status == 400, host
-        assert "set-cookie" not in answer.headers
 
 
-@pytest.mark.parametrize(
-    "path",
-    ["/", "/?token=", "/?token=wrong", "/page.js", "/api/1/state", "/api/1/start", "/machine.svg", "/report.html"],
-)
-def test_nothing_is_shown_without_the_token(page: Served, path: str) -> None:
-    answer = page.ask("GET", path)
-    assert (answer.status, answer.document["problem"]) == (403, "forbidden")
-    assert "set-cookie" not in answer.headers
+@pytest.mark.parametrize("path", ["/api/1/state", "/api/1/start", "/machine.svg", "/setup.svg", "/report.html", "/x"])
+@pytest.mark.parametrize("query", ["", "?token=", "?token={token}"])
+def test_nothing_of_the_campaign_is_shown_without_the_token(page: Served, path: str, query: str) -> None:
+    for cookie in ("", f"axiscal-{page.port}={page.token}"):
+        answer = page.ask("GET", path + query.format(token=page.token), Cookie=cookie)
+        assert (answer.status, answer.document["problem"]) == (403, "forbidden")
 
 
-def test_the_token_is_long_and_the_cookie_is_for_our_page_alone(page: Served) -> None:
+def test_the_token_is_long_and_no_answer_holds_it(page: Served) -> None:
     assert len(page.token) * 6 >= 128
-    given = page.ask("GET", f"/?token={page.token}").headers["set-cookie"]
-    assert {"HttpOnly", "SameSite=Strict", "Path=/"} <= {part.strip() for part in given.split(";")}
-    assert page.ask("GET", "/api/1/state", Cookie=cookie(page)).status == 200
-    assert page.ask("GET", "/api/1/state", Cookie=cookie(page)[:-1]).status == 403
+    for path in ("/", "/elements.js", "/api/1/state", "/api/1/openapi.json"):
+        answer = page.ask("GET", path, Authorization=f"Bearer {page.token}")
+        assert answer.status == 200
+        assert page.token not in f"{answer.headers} {answer.body!r}"
+        assert "set-cookie" not in answer.headers
+    assert page.ask("GET", "/api/1/state", Authorization=f"Bearer {page.token[:-1]}").status == 403
+
+
+def test_an_address_for_the_browser_itself_answers_once(page: Served) -> None:
+    address = page.call("addresses", path="/setup.svg?width=640").document["address"]
+    assert page.token not in address
+    assert page.ask("POST", address).status == 403
+    assert page.ask("GET", f"{address}x").status == 403
+    drawn = page.ask("GET", address)
+    assert (drawn.status, drawn.headers["content-type"]) == (200, "image/svg+xml")
+    assert page.ask("GET", address).status == 403
+
+
+def test_an_address_that_nobody_asked_for_in_time_is_void(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [0.0]
+    monkeypatch.setattr("axiscal.web.guard.monotonic", lambda: now[0])
+    addresses = Addresses()
+    first, second = addresses.once("/report.pdf"), addresses.once("/tables.zip?control=csv")
+    now[0] = 59.0
+    assert addresses.meant(first) == ("/report.pdf", "")
+    now[0] = 61.0
+    assert addresses.meant(second) is None
 
 
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", "https://127.0.0.1:{port}", "http://127.0.0.1", ""])
 def test_another_page_cannot_post(page: Served, origin: str) -> None:
     last = page.state()["last"]
     body = json.dumps({"after": last, "text": "1"}).encode()
-    headers = {"Cookie": cookie(page), "Origin": origin.format(port=page.port)}
+    headers = {"Authorization": f"Bearer {page.token}", "Origin": origin.format(port=page.port)}
     assert page.ask("POST", "/api/1/readings", body, **headers).status == 403
-    assert page.ask("POST", "/api/1/readings", body, Cookie=cookie(page)).status == 403
+    assert page.ask("POST", "/api/1/readings", body).status == 403
     assert page.state()["last"] == last
 
 
 def test_no_path_leads_to_another_file(page: Served) -> None:
     assert len(TRAVERSALS) == 200
     for path in TRAVERSALS:
-        assert page.ask("GET", path, Cookie=cookie(page)).status == 404, path
+        assert page.ask("GET", path, Authorization=f"Bearer {page.token}").status == 404, path
 
 
 def test_every_answer_forbids_scripts_that_are_not_ours(page: Served) -> None:
-    known = cookie(page)
     for path in ("/", "/page.css", "/api/1/state", "/nothing"):
-        policy = page.ask("GET", path, Cookie=known).headers["content-security-policy"]
+        policy = page.ask("GET", path).headers["content-security-policy"]
         assert "default-src 'none'" in policy
         assert "unsafe" not in policy
     start = resources.files("axiscal.web").joinpath("static", "start.html").read_text()
-    html = page.ask("GET", "/", Cookie=known).body.decode() + start
+    html = page.ask("GET", "/").body.decode() + start
     assert "<script>" not in html
     assert re.search(r"\son\w+=", html) is None
     assert "style=" not in html

@@ -43,7 +43,7 @@ FAULTS = """(() => {
   }
   return found;
 })()"""
-STRANGE = 'img:not([src^="/setup.svg?"])'
+STRANGE = 'img:not([data-path^="/setup.svg?"])'
 """Pictures that are not the one of the set-up."""
 PALE = """(() => {
   const part = c => { const s = c / 255; return s <= 0.04045 ? s / 12.92 : ((s + 0.055) / 1.055) ** 2.4; };
@@ -133,7 +133,7 @@ def test_a_whole_campaign_by_keyboard_alone(browser: Browser, tmp_path: Path) ->
     page = browser.page(1400, 900)
     with served(record) as server:
         arrived(page, server)
-        assert "token" not in page.value("location.href + document.referrer")
+        assert server.token not in page.value("location.href + document.referrer + document.cookie")
         looked_at(page)
         stand(page, "21.4")
         page.until("document.getElementById('due').textContent.startsWith('temperature 21.4 °C')")
@@ -242,6 +242,24 @@ def test_the_page_speaks_german_and_so_do_its_answers(browser: Browser, tmp_path
         page.until("document.getElementById('stop-words').textContent.startsWith('Jetzt ')")
         looked_at(page)
         assert page.complaints() == []
+
+
+@pytest.mark.long
+@pytest.mark.chromium
+def test_the_token_stays_in_the_tab_that_opened_the_printed_address(browser: Browser, tmp_path: Path) -> None:
+    page, other = browser.page(768, 1024), browser.page(768, 1024)
+    with served(started(tmp_path)) as server:
+        bare = server.address.partition("#")[0]
+        other.open(bare)
+        refused = "document.getElementById('trouble').textContent.startsWith('Open the address that axiscal serve')"
+        other.until(refused)
+        other.call("Page.navigate", url=server.address)  # in the tab that shows the page already
+        other.until(f"{SHOWN}('mount')")
+        arrived(page, server)
+        page.open(bare)
+        page.until("document.activeElement.id === 'stands'")
+        assert page.value("location.href") == bare
+        assert browser.call("Storage.getCookies")["cookies"] == []
 
 
 @pytest.mark.long

@@ -1,7 +1,10 @@
 """The guard before the page: only this computer, only who knows the token, only our own page, nothing large.
 
 A page from elsewhere that is open in the same browser can reach the port. Three things stop it: its Host if it has
-renamed itself (rebinding), its Origin if it posts, and the cookie, which browsers keep from other sites.
+renamed itself (rebinding), its Origin, and the token, which each request carries in its head. A browser would send a
+cookie to every port of this computer; what a tab keeps for itself, other ports cannot read.
+
+Pictures, downloads and the report are fetched by the browser, which adds no head. Each has an address for one request.
 
 Then the page answers: by files, documents that FastAPI describes, refusals as documents, defects that hide nothing.
 """
@@ -10,15 +13,16 @@ from __future__ import annotations
 
 import hmac
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import partial
 from importlib import resources
+from time import monotonic
 from typing import Any
 
 from fastapi import FastAPI, Request, Response, Security
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
-from fastapi.security import APIKeyCookie, HTTPBearer
+from fastapi.security import HTTPBearer
 from starlette.datastructures import MutableHeaders
 from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection
@@ -51,10 +55,9 @@ def page_application(page: Callable[[], str], files: tuple[str, ...], **settings
     """Return the application of a page, with the files that it loads.
 
     page : says which file it is now; settings : as of FastAPI
-    Its guard asks for token or cookie; here they are only described.
+    Its guard asks for the token; here it is only described.
     """
     token = HTTPBearer(scheme_name="token", description="The token that axiscal serve prints", auto_error=False)
-    cookie = APIKeyCookie(name="axiscal-PORT", scheme_name="page", description="The page's own", auto_error=False)
     named: dict[str, Callable[[], str]] = {"/": page, **{f"/{name}": partial(str, name) for name in files}}
     return FastAPI(
         routes=[
@@ -65,7 +68,7 @@ def page_application(page: Callable[[], str], files: tuple[str, ...], **settings
             RequestValidationError: _malformed, AxiscalError: _refused, HTTPException: _not_here, Exception: _defect
         },
         responses=_REFUSALS,
-        dependencies=[Security(token), Security(cookie)],
+        dependencies=[Security(token)],
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
@@ -122,6 +125,8 @@ async def _defect(request: Request, failure: Exception) -> Response:
 
 
 _TOKEN_BYTES = 32  # 256 bits; from 128 on nobody guesses
+_WITHIN = 60.0
+"""s in which an address that answers once has to be asked for: a browser does it at once, a busy one within seconds."""
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
@@ -135,25 +140,46 @@ _HEADERS = {
 }
 
 
+class Addresses:
+    """Addresses that answer one request, for what a browser fetches without the token."""
+
+    def __init__(self) -> None:
+        self._kept = dict[str, tuple[str, str, float]]()
+
+    def once(self, path: str) -> str:
+        """Return an address that answers one request for `path`, with its query, within a minute."""
+        plain, _, query = path.partition("?")
+        now, name = monotonic(), plain.rpartition("/")[2]
+        self._kept = {each: kept for each, kept in self._kept.items() if kept[2] > now}
+        address = f"/once/{secrets.token_urlsafe(_TOKEN_BYTES)}/{name}"
+        self._kept[address] = plain, query, now + _WITHIN
+        return address
+
+    def meant(self, address: str) -> tuple[str, str] | None:
+        """Return path and query that an address stands for, and forget it; None for one that stands for nothing."""
+        path, query, until = self._kept.pop(address, ("", "", 0.0))
+        return (path, query) if until > monotonic() else None
+
+
 class Guard:
     """Lets a request through to `app`, or refuses it with its reason; sets the headers of every answer.
 
+    free : paths of what everybody may see: the files of the page
     port : we listen on; address : to open, with a token that is new at every start
+    The token stands behind the #, which a browser sends to nobody.
     """
 
-    def __init__(self, app: ASGIApp, port: int) -> None:
-        self._app, self._token = app, secrets.token_urlsafe(_TOKEN_BYTES)
+    def __init__(self, app: ASGIApp, port: int, free: Collection[str], addresses: Addresses) -> None:
+        self._app, self._free, self._addresses = app, free, addresses
+        self._token = secrets.token_urlsafe(_TOKEN_BYTES)
         self._hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
-        self._cookie = f"axiscal-{port}"  # all ports of a computer share theirs
-        self.address = f"http://127.0.0.1:{port}/?token={self._token}"
+        self.address = f"http://127.0.0.1:{port}/#{self._token}"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        asked = HTTPConnection(scope)
-        refusal = self._refusal(asked)
 
         async def answered(message: Message) -> None:
             if message["type"] == "http.response.start":
@@ -161,10 +187,9 @@ class Guard:
                 for name, value in _HEADERS.items():
                     answer[name] = value
                 answer.setdefault("Content-Security-Policy", _POLICY)
-                if refusal is None and self._carried(asked):
-                    answer["Set-Cookie"] = f"{self._cookie}={self._token}; Path=/; HttpOnly; SameSite=Strict"
             await send(message)
 
+        refusal = self._refusal(HTTPConnection(scope))
         if refusal is not None:
             await problem(*refusal)(scope, receive, answered)
             return
@@ -173,28 +198,24 @@ class Guard:
     def _refusal(self, asked: HTTPConnection) -> tuple[int, str, str] | None:
         """Return status, code and sentence of what is wrong; None where nothing is."""
         headers = asked.headers
-        origin = headers.get("origin")
         if headers.getlist("host") not in ([host] for host in self._hosts):
             return 400, "host", "This page answers under http://127.0.0.1 only"
-        if origin is not None and origin not in [f"http://{host}" for host in self._hosts]:
+        if headers.get("origin") not in (None, *(f"http://{host}" for host in self._hosts)):
             return 403, "forbidden", "This request comes from another page"
         scheme, _, token = headers.get("authorization", "").partition(" ")
-        if scheme.lower() == "bearer" and self._is_ours(token):
+        ours = hmac.compare_digest(token.encode("utf-8", "replace"), self._token.encode())
+        if (scheme.lower() == "bearer" and ours) or self._is_free(asked.scope):
             return None
-        if not (self._is_ours(asked.cookies.get(self._cookie, "")) or self._carried(asked)):
-            return 403, "forbidden", "Open the address that axiscal serve has printed: it holds the token"
-        if asked.scope["method"] not in ("GET", "HEAD") and origin is None:
-            return 403, "forbidden", "This request does not say from which page it comes"
-        return None
+        return 403, "forbidden", "Open the address that axiscal serve has printed: it holds the token"
 
-    def _is_ours(self, token: str) -> bool:
-        """Return whether a token is ours, in a time that does not depend on the token."""
-        return hmac.compare_digest(token.encode("utf-8", "replace"), self._token.encode())
-
-    def _carried(self, asked: HTTPConnection) -> bool:
-        """Whether a request for the page has the token in its address."""
-        page = asked.scope["path"] == "/" and asked.scope["method"] in ("GET", "HEAD")
-        return page and self._is_ours(asked.query_params.get("token", ""))
+    def _is_free(self, scope: Scope) -> bool:
+        """Return whether a request needs no token; one for an address that answers once is led to what that means."""
+        if scope["method"] not in ("GET", "HEAD"):
+            return False
+        meant = self._addresses.meant(scope["path"])
+        if meant is not None:
+            scope["path"], scope["raw_path"], scope["query_string"] = meant[0], meant[0].encode(), meant[1].encode()
+        return meant is not None or scope["path"] in self._free
 
 
 def _bounded(receive: Receive) -> Receive:

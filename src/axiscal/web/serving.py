@@ -23,14 +23,15 @@ from axiscal.exceptions import InputError, OvertakenError
 from axiscal.web import after_end, draft, shapes
 from axiscal.web.counter import Counter, lost_interruptions
 from axiscal.web.desk import Desk
-from axiscal.web.guard import ROOT, Guard, document, page_application, problem
+from axiscal.web.guard import ROOT, Addresses, Guard, document, page_application, problem
 
 _FILES = ("page.css", "elements.js", "start.js", "page.js", "after.js", "pictures.js", "words.js", "icon.svg")
 
 
 def application(counter: Counter, port: int, here: Path) -> Guard:
     """Return the whole page behind its guard.  here : the folder of what begins on it"""
-    api, beginning = _Api(counter), _BeginningApi(counter, here)
+    addresses = Addresses()
+    api = _Api(counter, here, addresses)
 
     @asynccontextmanager
     async def watching(app: FastAPI) -> AsyncIterator[None]:
@@ -50,14 +51,15 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
     app.get("/report.pdf", include_in_schema=False)(api.pdf)
     app.get("/tables.zip", include_in_schema=False)(api.tables)
     app.get("/setup.svg", include_in_schema=False)(api.setup_picture)
-    app.get("/machine.svg", include_in_schema=False)(beginning.picture)
-    app.get(f"{ROOT}/start", response_model=shapes.StartShape)(beginning.start)
-    app.get(f"{ROOT}/stage", response_model=shapes.StageShape)(beginning.stage)
-    app.get(f"{ROOT}/plan", response_model=shapes.PlanShape | None)(beginning.plan)
-    app.get(f"{ROOT}/curve", response_model=shapes.CurveShape | None)(beginning.curve)
-    app.get(f"{ROOT}/rows", response_model=shapes.RowsShape)(beginning.shown_rows)
-    app.post(f"{ROOT}/draft", response_model=shapes.MachineShape)(beginning.keep)
-    app.post(f"{ROOT}/open", response_model=shapes.DoneShape)(beginning.open)
+    app.get("/machine.svg", include_in_schema=False)(api.machine_picture)
+    app.post(f"{ROOT}/addresses", response_model=shapes.AddressShape)(api.once)
+    app.get(f"{ROOT}/start", response_model=shapes.StartShape)(api.start)
+    app.get(f"{ROOT}/stage", response_model=shapes.StageShape)(api.stage)
+    app.get(f"{ROOT}/plan", response_model=shapes.PlanShape | None)(api.plan)
+    app.get(f"{ROOT}/curve", response_model=shapes.CurveShape | None)(api.curve)
+    app.get(f"{ROOT}/rows", response_model=shapes.RowsShape)(api.shown_rows)
+    app.post(f"{ROOT}/draft", response_model=shapes.MachineShape)(api.choose)
+    app.post(f"{ROOT}/open", response_model=shapes.DoneShape)(api.open)
     app.get(f"{ROOT}/state", response_model=shapes.StateShape)(api.state)
     app.get(f"{ROOT}/typed", response_model=shapes.TypedShape)(api.typed)
     app.get(f"{ROOT}/cost", response_model=shapes.CostShape)(api.cost)
@@ -75,20 +77,24 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
     app.post(f"{ROOT}/undo", response_model=shapes.DoneShape)(api.undo)
     app.post(f"{ROOT}/next", response_model=shapes.DoneShape)(api.go_on)
     app.post(f"{ROOT}/finish", response_model=shapes.DoneShape)(api.finish)
-    return Guard(app, port)
+    return Guard(app, port, {"/", "/words.json", *(f"/{name}" for name in _FILES)}, addresses)
 
 
 class _Api:
     """What the routes answer; the description of the API says of each what stands here."""
 
-    def __init__(self, counter: Counter) -> None:
-        self._counter = counter
+    def __init__(self, counter: Counter, here: Path, addresses: Addresses) -> None:
+        self._counter, self._here, self._addresses = counter, here, addresses
+
+    async def once(self, asked: shapes.AddressRequest) -> Response:
+        """Return an address that answers one request within a minute, for a picture, a download or the report."""
+        return document(shapes.AddressShape(address=self._addresses.once(asked.path)))
 
     async def state(self, query: Annotated[shapes.WaitQuery, Query()]) -> Response:
         """All that the page shows, at once or when it is newer than what was seen."""
         return document(await self._counter.newer(query.seen, query.wait))
 
-    async def typed(self, query: Annotated[shapes.TypedQuery, Query()]) -> Response:
+    async def typed(self, query: Annotated[shapes.TextRequest, Query()]) -> Response:
         """What a typed text would mean for the question that is open."""
         return document(self._counter.desk.read(query.text))
 
@@ -115,7 +121,7 @@ class _Api:
         """Note that the reading asked for cannot be taken."""
         return await self._done(lambda desk: desk.skip(asked.after, asked.reason, rest=asked.rest))
 
-    async def note(self, asked: shapes.NoteRequest) -> Response:
+    async def note(self, asked: shapes.TextRequest) -> Response:
         """Keep a sentence in the record."""
         return await self._done(lambda desk: desk.note(asked.text))
 
@@ -188,13 +194,6 @@ class _Api:
         said = await self._counter.do(step)
         return document(shapes.DoneShape(sentence=said, state=await self._counter.newer(0, 0.0)))
 
-
-class _BeginningApi:
-    """What the routes of the start answer."""
-
-    def __init__(self, counter: Counter, here: Path) -> None:
-        self._counter, self._here = counter, here
-
     async def start(self) -> Response:
         """All that the start shows."""
         return document(draft.start(self._here))
@@ -203,11 +202,11 @@ class _BeginningApi:
         """What is being computed."""
         return document(shapes.StageShape(stage=self._counter.stage))
 
-    async def keep(self, chosen: shapes.DraftShape) -> Response:
+    async def choose(self, chosen: shapes.DraftShape) -> Response:
         """Keep what was chosen of a new campaign, and say what that makes of its machine."""
         return document(draft.keep(self._here, chosen))
 
-    async def picture(self, query: Annotated[shapes.MachineQuery, Query()]) -> Response:
+    async def machine_picture(self, query: Annotated[shapes.MachineQuery, Query()]) -> Response:
         """A machine, with an instrument on it if one is named."""
         drawn = await asyncio.to_thread(draft.picture, self._here, query)
         return Response(drawn, media_type="image/svg+xml")

@@ -231,6 +231,18 @@ class StageShape(AnswerDocument):
     stage: str
 
 
+class AddressRequest(AnswerDocument):
+    """A path of the page, with its query, that the browser itself will fetch."""
+
+    path: Annotated[str, Field(pattern=r"^/[a-z]+\.[a-z]+(\?[!-~]*)?$", max_length=LONGEST_TEXT)]
+
+
+class AddressShape(AnswerDocument):
+    """An address that answers one request, without the token."""
+
+    address: str
+
+
 class OpenRequest(AnswerDocument):
     """A record of the start to go on with; "" for the campaign of the draft, which begins."""
 
@@ -277,12 +289,6 @@ class WaitQuery(AnswerDocument):
     wait: Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False)] = 0.0
 
 
-class TypedQuery(AnswerDocument):
-    """A text as it is typed."""
-
-    text: Annotated[str, Field(max_length=LONGEST_TEXT)]
-
-
 class StepRequest(AnswerDocument):
     """A step that needs no more words."""
 
@@ -295,14 +301,14 @@ class KeepRequest(StepRequest):
     cause : what was behind it where it surprises
     """
 
-    text: Annotated[str, Field(max_length=LONGEST_TEXT)]
+    text: Short
     cause: Cause | None = None
 
 
 class JogRequest(StepRequest):
     """What the display shows at the test of its sign, as it is typed; anyway : go on although that is wrong."""
 
-    text: Annotated[str, Field(max_length=LONGEST_TEXT)]
+    text: Short
     anyway: bool = False
 
 
@@ -315,14 +321,14 @@ class AnewRequest(StepRequest):
 class SkipRequest(StepRequest):
     """The reading asked for cannot be taken; rest : nor any other of its set-up, which is left."""
 
-    reason: Annotated[str, Field(max_length=LONGEST_TEXT)]
+    reason: Short
     rest: bool = False
 
 
-class NoteRequest(AnswerDocument):
-    """A sentence for the record; it answers no question, so no state has to be named."""
+class TextRequest(AnswerDocument):
+    """A text as it is typed, or a sentence for the record: it answers no question, so no state has to be named."""
 
-    text: Annotated[str, Field(max_length=LONGEST_TEXT)]
+    text: Short
 
 
 class TypedShape(AnswerDocument):

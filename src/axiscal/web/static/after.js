@@ -1,5 +1,5 @@
 // After the end: the tables for a control, how they come into it, and whether they work.
-import { call, element, find, on, show, text, waiting } from "/elements.js";
+import { call, element, find, on, once, show, text, waiting } from "/elements.js";
 import { unitText } from "/pictures.js";
 import { said } from "/words.js";
 
@@ -24,7 +24,6 @@ function control() {
 }
 
 function choose() {
-  find("download").href = `/tables.zip?${new URLSearchParams({ control: control() })}`;
   show("load-form", ["klipper", "reprapfirmware"].includes(control()));
   find("texts").replaceChildren();
   text("controls-fault", "");
@@ -35,6 +34,11 @@ async function asked(path, body) {
   const { ok, document: answer } = await waiting(call(path, body));
   text("controls-fault", ok ? "" : answer.sentence);
   return ok ? answer : null;
+}
+
+// A refusal is a download that fails, and the page stays.
+async function save(path) {
+  Object.assign(element("a", ""), { href: await once(path), download: "" }).click();
 }
 
 async function copy() {
@@ -115,7 +119,10 @@ on("load-form", "submit", async () => {
   const done = await asked("/load", { control: control(), printer: find("printer").value.trim() });
   if (done !== null) text("controls-fault", done.sentence);
 });
-on("print", "click", () => {
-  const report = window.open("/report.html");
+on("open-report", "click", async () => window.open(await once("/report.html"), "_blank", "noopener"));
+on("print", "click", async () => {
+  const report = window.open(await once("/report.html"));
   report?.addEventListener("load", () => report.print());
 });
+on("pdf", "click", () => save("/report.pdf"));
+on("download", "click", () => save(`/tables.zip?${new URLSearchParams({ control: control() })}`));

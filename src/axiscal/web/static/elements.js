@@ -27,11 +27,32 @@ export function on(id, kind, act) {
   find(id).addEventListener(kind, (event) => { event.preventDefault(); act(); });
 }
 
+// The printed address hands the token over, which this tab keeps until it is closed. Another tab opens that address too.
+if (location.hash) sessionStorage.setItem("token", location.hash.slice(1));
+history.replaceState(null, "", "/");
+addEventListener("hashchange", () => location.reload()); // a new address in a tab that shows the page
+
 // What was sent arrives even where the tab is closed in the same moment.
 export async function call(path, body) {
-  const posted = { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body), keepalive: true };
-  const answer = await fetch(`/api/1${path}`, body === undefined ? {} : posted);
+  const headers = { Authorization: `Bearer ${sessionStorage.getItem("token")}` };
+  const posted = { method: "POST", headers: { ...headers, "Content-Type": "application/json" }, body: JSON.stringify(body), keepalive: true };
+  const answer = await fetch(`/api/1${path}`, body === undefined ? { headers } : posted);
   return { ok: answer.ok, status: answer.status, document: await answer.json() };
+}
+
+// An address for the browser itself, which sends no token; it answers once.
+export async function once(path) {
+  return (await call("/addresses", { path })).document.address;
+}
+
+// The picture of a place, made if there is none; it stays while the same is asked for, and the newest wins.
+export async function draw(place, path, words) {
+  const picture = place.querySelector("img") ?? place.appendChild(document.createElement("img"));
+  picture.alt = words;
+  if (picture.dataset.path === path) return;
+  picture.dataset.path = path;
+  const address = await once(path);
+  if (picture.dataset.path === path) picture.src = address;
 }
 
 const PATIENCE = 1000; // ms after which it is said what is being computed

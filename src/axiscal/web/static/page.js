@@ -1,5 +1,5 @@
 // The dialogue: shows the newest state, sends what is typed, and says which state that answers.
-import { call, element, find, hear, on, renderWords, show, text, waiting } from "/elements.js";
+import { call, draw, element, find, hear, on, renderWords, show, text, waiting } from "/elements.js";
 import { renderControls } from "/after.js";
 import { drawDirection, shown, strip, unitText } from "/pictures.js";
 import { said, translate } from "/words.js";
@@ -224,10 +224,8 @@ function drawMachine() {
   if (question === null) return;
   const place = find(mounting ? "mount-drawing" : "machine-drawing"), width = Math.round(Math.min(place.clientWidth, 900));
   if (width < 200) return;
-  const picture = place.querySelector("img") ?? place.appendChild(document.createElement("img"));
-  const asked = new URLSearchParams({ width, version: state.version });
-  picture.alt = said("How the instrument stands: {instrument}", { instrument: said(question.instrument) });
-  if (picture.getAttribute("src") !== `/setup.svg?${asked}`) picture.src = `/setup.svg?${asked}`;
+  const words = said("How the instrument stands: {instrument}", { instrument: said(question.instrument) });
+  draw(place, `/setup.svg?${new URLSearchParams({ width, version: state.version })}`, words);
 }
 
 async function follow() {

@@ -1,5 +1,5 @@
 // From nothing to the first reading: one question a screen; every touch is kept on the disk.
-import { call, element, find, on, renderWords, show, text, waiting } from "/elements.js";
+import { call, draw, element, find, on, renderWords, show, text, waiting } from "/elements.js";
 import { language, said, translate } from "/words.js";
 
 const SCREENS = ["start", "machine", "with", "plan"];
@@ -235,11 +235,8 @@ async function look(name) {
 function drawMachine() {
   const kind = machine.title ? "" : Object.keys(start.machines)[0], place = find("machine-drawing"), width = Math.round(Math.min(place.clientWidth, 900));
   if (width < 200) return;
-  const picture = place.querySelector("img") ?? place.appendChild(document.createElement("img"));
   const instrument = ["start", "machine"].includes(draft.screen) ? "" : touched || (draft.instruments.at(-1) ?? "");
-  picture.alt = machine.title || start.machines[kind];
-  const address = `/machine.svg?${new URLSearchParams({ width, machine: kind, instrument, version })}`;
-  if (picture.getAttribute("src") !== address) picture.src = address;
+  draw(place, `/machine.svg?${new URLSearchParams({ width, machine: kind, instrument, version })}`, machine.title || start.machines[kind]);
 }
 
 // A campaign that is here, or that of the draft, which begins.
@@ -361,10 +358,10 @@ start = await asked("/start");
 if (start !== null) {
   ({ draft, machine } = start);
   find("kinds").replaceChildren(...Object.entries(start.machines).map(([name, words]) => {
-    const button = choice("", false, () => chooseMachine(name)), picture = document.createElement("img");
-    Object.assign(picture, { src: `/machine.svg?${new URLSearchParams({ width: 220, machine: name, small: true })}`, alt: "", width: 220, height: 209 });
+    const button = choice("", false, () => chooseMachine(name)), picture = Object.assign(document.createElement("img"), { width: 220, height: 209 });
     button.dataset.machine = name;
     button.append(picture, element("span", words));
+    draw(button, `/machine.svg?${new URLSearchParams({ width: 220, machine: name, small: true })}`, "");
     return button;
   }));
   find("instruments").replaceChildren(...Object.entries(start.instruments).map(([name, words]) => {
