@@ -39,8 +39,6 @@ _LEFT = 2
 """Controls whose tables are shown beside each other."""
 _TOLD = 0.9
 """Of the U before the first reading: what is known no better was not read."""
-_UNSEEN = 0.99
-"""The same, from which on readings of the axis say nothing of what is asked: an angle knows no centre."""
 _NEAR = 0.1
 """Share of a limit within which a number has three digits."""
 ROOM = 12
@@ -251,12 +249,12 @@ def _why(rows: Sequence[AnswerRow]) -> str:
         return said("one reading from the other side: {size}", size=_within(max(then), rows[0].unit))
     worst = max(rows, key=lambda row: row.known_to)
     places = min((line.read for line in worst.lines), default=0)
+    aimed = places and any(line.setup for line in worst.lines)  # the angles of an axis show nothing of its centre
+    if not aimed and worst.known_to >= _TOLD * worst.known_before:
+        return said("not read")
     size = _within(worst.known_to, worst.unit)
     if not places:
-        told = worst.known_to < _TOLD * worst.known_before
-        return said("readings elsewhere tell too little: {size}", size=size) if told else said("not read")
-    if worst.known_to > _UNSEEN * worst.known_before:
-        return said("no reading shows it")
+        return said("readings elsewhere tell too little: {size}", size=size)
     one, many = "{count} place read tells too little: {size}", "{count} places read tell too little: {size}"
     return counted(one, many, places, size=size)
 
