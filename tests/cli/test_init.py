@@ -29,6 +29,7 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import builtin_names, load_machine
+from axiscal.machine.kinematics import frames
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.present.plan_answer import reach_answer
 from tests.commands import Command
@@ -114,6 +115,22 @@ def test_every_instrument_that_is_offered_can_be_had(tmp_path: Path) -> None:
     assert written(tmp_path, "dmu60", *OFFERED) == 0
     offered = {*OFFERED, "straightedge"} - {"dial", "square", "indexer"}  # a straightedge twice, an autocollimator
     assert {setup.instrument for setup in read_campaign(tmp_path / "campaign.toml").setups} == offered
+
+
+@pytest.mark.parametrize("instrument", ["laser", "indexer"])
+def test_what_is_offered_on_five_axes_reads_along_its_axis(tmp_path: Path, instrument: str) -> None:
+    """A table that stands turned would turn the sign of a reading, or take a part of it."""
+    assert written(tmp_path, "dmu60", instrument) == 0
+    campaign = read_campaign(tmp_path / "campaign.toml")
+    for setup in campaign.setups:
+        (moving,) = setup.moves
+        before, after = np.array([setup.park, setup.park])
+        after[moving] += 1e-6
+        at = frames(campaign.machine, np.stack([before, after]))
+        turned = at.tool[1] @ at.tool[0].T
+        about = np.array([turned[2, 1], turned[0, 2], turned[1, 0]])
+        way = (about if instrument == "indexer" else at.tcp[1] - at.tcp[0]) / 1e-6
+        assert way == pytest.approx(np.array(setup.direction), abs=1e-5)
 
 
 @pytest.mark.parametrize("kind", OFFERED)

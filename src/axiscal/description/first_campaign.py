@@ -133,25 +133,29 @@ def _step(axis: Axis) -> str:
     return next((step for step, least in _STEPS if axis.length >= least), _STEPS[-1][0])
 
 
-def _setups() -> Any:
-    """Return the set-ups of the template, each a function of what it is mounted on."""
-    return templates().get_template("setups.jinja").module
+def _setups(machine: Machine) -> Any:
+    """Return the set-ups of the template, each a function of what it is mounted on.
+
+    Where a direction is that of an axis, rotary axes stand at zero: there the workpiece lies as the machine's axes do.
+    """
+    still = {axis.name: "0 deg" for axis in machine.axes if axis.rotary and axis.travel[0] <= 0 <= axis.travel[1]}
+    return templates().get_template("setups.jinja").make_module({"still": still})
 
 
 def _lasers(machine: Machine) -> Iterator[str]:
-    yield from map(_setups().laser, _linear(machine))
+    yield from map(_setups(machine).laser, _linear(machine))
 
 
 def _dials(machine: Machine) -> Iterator[str]:
     """Yield set-ups that read across each linear axis along something straight."""
-    ways, setups = {_way(axis) for axis in _linear(machine)}, _setups()
+    ways, setups = {_way(axis) for axis in _linear(machine)}, _setups(machine)
     for axis in _linear(machine):
         yield from (setups.dial(axis, way) for way in sorted(ways - {_way(axis)}))
 
 
 def _tilts(machine: Machine, what: str, ways: str) -> Iterator[str]:
     """Yield set-ups that read angles as one axis moves.  ways : about which `what` reads; a mirror sees no roll"""
-    setups = _setups()
+    setups = _setups(machine)
     for axis, way in product(_linear(machine), ways):
         if what == "level" or way != _way(axis):
             yield setups.tilt(what, axis, way)
@@ -164,7 +168,9 @@ _autocollimators = partial(_tilts, what="autocollimator", ways="xyz")
 def _indexers(machine: Machine) -> Iterator[str]:
     """Yield set-ups that read the angle of each rotary axis that turns about a direction of the workpiece."""
     rotary = (axis for axis in machine.axes if axis.rotary)
-    yield from (_setups().indexer(axis) for axis in rotary if abs(axis.direction[letter_direction(axis.letter)]) == 1)
+    yield from (
+        _setups(machine).indexer(axis) for axis in rotary if abs(axis.direction[letter_direction(axis.letter)]) == 1
+    )
 
 
 def _middle(machine: Machine, **places: float) -> Array:
@@ -177,16 +183,16 @@ def _middle(machine: Machine, **places: float) -> Array:
 def _trackers(machine: Machine) -> Iterator[str]:
     """Yield a tracker that stands aside of what the tool reaches, at half its height."""
     far = sum(axis.length for axis in _linear(machine))
-    yield _setups().tracker(_middle(machine) - [0.0, far, 0.0])
+    yield _setups(machine).tracker(_middle(machine) - [0.0, far, 0.0])
 
 
 def _squares(machine: Machine) -> Iterator[str]:
     """Yield a square for each two linear axes, with a dial on both of its legs."""
-    yield from starmap(_setups().square, combinations(_linear(machine), 2))
+    yield from starmap(_setups(machine).square, combinations(_linear(machine), 2))
 
 
 def _ball_bars(machine: Machine) -> Iterator[str]:
-    station, setups = [round(float(each), 9) + 0.0 for each in _middle(machine)], _setups()
+    station, setups = [round(float(each), 9) + 0.0 for each in _middle(machine)], _setups(machine)
     for one, other in combinations(sorted({_way(axis) for axis in _linear(machine)}), 2):
         yield setups.ball_bar({"xz": "zx"}.get(one + other, one + other), station)
 
@@ -206,7 +212,7 @@ def _spheres(machine: Machine) -> Iterator[str]:
         centre[:2] = about[:2]
     balls = _lowered(machine, {name: reach * np.array(each) for name, each in shares.items()})
     balls = balls or {"one": reach * np.array(shares["low"])}  # no tool gets between three: one of them tells much
-    yield _setups().spheres({name: centre + each for name, each in balls.items()}, rotary)
+    yield _setups(machine).spheres({name: centre + each for name, each in balls.items()}, rotary)
 
 
 def _lowered(machine: Machine, balls: Mapping[str, Array]) -> dict[str, Array]:
@@ -241,7 +247,7 @@ def _board(machine: Machine) -> Iterator[str]:
     arm = _ARM * (min(x, y) / 2 - _ROOM)
     if arm < _FEWEST:
         return
-    setups, lift = _setups(), min(2 * arm, max(z - _DEPTH, 0.0))
+    setups, lift = _setups(machine), min(2 * arm, max(z - _DEPTH, 0.0))
     every = _CROSS if arm >= _FULL else _CROSS[:4]
     crosses = ({name: np.array(at) * [arm, arm, lift] for name, *at in some} for some in (every, _CROSS[:4]))
     balls = next(filter(None, (_lowered(machine, cross) for cross in crosses)), None)
@@ -259,7 +265,7 @@ def _probes(machine: Machine) -> Iterator[str]:
     """Yield a probe that reads the height of the bed where Z is lowest, at places of X and Y."""
     axes = {axis.name: axis for axis in _linear(machine)}
     if {"X", "Y", "Z"} <= set(axes):
-        yield _setups().probe(axes["X"], axes["Y"], axes["Z"])
+        yield _setups(machine).probe(axes["X"], axes["Y"], axes["Z"])
 
 
 class Offer(NamedTuple):

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import joined, later
 from axiscal.machine import Machine
-from axiscal.machine.axis import letter_direction
 from axiscal.machine.entry import parse_error_name
+from axiscal.machine.kinematics import frames
 from axiscal.measurement.charts.kinds import Circle
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.readers.csv_readings import RawReading
@@ -25,7 +27,7 @@ def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int
     if row.setup:
         return campaign.setup(row.setup), 1
     if row.test is not None:
-        return _tested(row, campaign), 1
+        return _tested(row, campaign)
     if not row.error:
         return _only_setup(campaign), 1
     if row.error == "slope":
@@ -91,14 +93,18 @@ _ASKS = {
     "circle": later("a circular test needs a ball bar that reads in a plane"),
 }
 _ASIDE = 0.1
-"""Of a direction, along an axis: less is across it."""
+"""Of a direction, along an axis: less is across it, and of what is along it this much less than all."""
 
 
-def _tested(row: RawReading, campaign: CampaignDescription) -> Setup:
-    """Return the only set-up that reads what a test reads; raises ReadingError for none, and for several."""
+def _tested(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:
+    """Return the only set-up that reads what a test reads, and −1 where it reads against the way of its axis.
+
+    Raises ReadingError for none, and for several.
+    """
     fitting = [setup for setup in campaign.setups if _reads_test(row, setup, campaign.machine)]
     if len(fitting) == 1:
-        return fitting[0]
+        against = row.test == "positioning" and _along(fitting[0], campaign.machine) < 0
+        return fitting[0], -1 if against else 1
     what, names = _ASKS[row.test or "circle"], joined([each.name for each in fitting])
     what = "several set-ups read what this test reads: {names}" if fitting else what
     remedy = "Give the columns setup and X_mm, or a campaign of the one set-up that was tested"
@@ -113,9 +119,17 @@ def _reads_test(row: RawReading, setup: Setup, machine: Machine) -> bool:
     axis, reads = machine.axes[setup.moves[0]], INSTRUMENTS[setup.instrument].model.reads
     if len(setup.moves) != 1 or reads != row.dimension:
         return False
-    across = abs(setup.direction[letter_direction(axis.letter)]) < _ASIDE
-    fits = reads == "angle" or across == (row.test == "straightness")
+    fits = reads == "angle" or abs(_along(setup, machine)) < _ASIDE
+    if row.test == "positioning":
+        fits = abs(_along(setup, machine)) > 1 - _ASIDE
     return fits and axis.rotary == (row.target_dimension == "angle")
+
+
+def _along(setup: Setup, machine: Machine) -> float:
+    """Return the cosine between the direction of a set-up and the way of its axis, or what that turns about."""
+    moving = setup.moves[0]
+    turned = frames(machine, np.array([setup.park])).rotations[moving][0]
+    return float(turned @ np.array(machine.axes[moving].direction) @ np.array(setup.direction))
 
 
 def _only_setup(campaign: CampaignDescription) -> Setup:
