@@ -93,6 +93,24 @@ def test_set_ups_that_a_file_cannot_tell_apart_are_refused() -> None:
     assert "several set-ups read what this test reads: " in refusal(both, **as_read("angular", "angle"))
 
 
+@pytest.mark.parametrize(("direction", "sign"), [("x", 1), ("-x", -1)])
+def test_a_test_says_how_far_the_axis_goes_whichever_way_its_set_up_looks(direction: str, sign: int) -> None:
+    campaign = described(setup_text("laser", "interferometer", direction=direction, moves=["X"]))
+    tested = RawReading("", {"": 0.1}, {"": 1}, 1e-6, None, "length", 3, test="positioning")
+    (reading,) = placed_readings((tested,), campaign, "r.csv")
+    assert reading.value == sign * 1e-6
+
+
+def test_a_test_needs_a_set_up_that_looks_along_its_axis_where_the_table_stands() -> None:
+    laser: dict[str, Any] = {"direction": "x", "moves": ["X"]}
+    for turned, sign in (("0 deg", 1), ("180 deg", -1)):
+        campaign = described(setup_text("laser", "interferometer", **laser, park={"B": "0 deg", "C": turned}), "dmu60")
+        tested = RawReading("", {"": 0.1}, {"": 1}, 1e-6, None, "length", 3, test="positioning")
+        assert placed_readings((tested,), campaign, "r.csv")[0].value == sign * 1e-6
+    aslant = described(setup_text("laser", "interferometer", **laser, park={"B": "45 deg", "C": "0 deg"}), "dmu60")
+    assert "reads along it" in refusal(aslant, **as_read("positioning", "length"))
+
+
 def _bar(name: str, plane: str, **more: Any) -> str:
     return setup_text(name, "ballbar", length="150 mm", station=["300 mm", "200 mm", "80 mm"], plane=plane, **more)
 

@@ -154,6 +154,7 @@ FORMS: Mapping[str, Callable[[DrawnMap], str]] = {
         "[PRB:0.000,0.000,-9.000:0]\nALARM:5\n"
         + _points(found, ">>> G38.2 Z-5 F50\n[PRB:{x:.3f},{y:.3f},{z:.3f}:1]\nok\n")
     ),
+    "touches of grbl, of four axes": lambda found: _points(found, "[PRB:{x:.3f},{y:.3f},{z:.3f},0.000:1]\n"),
     "a bCNC probe file": _bcnc,
     "a Candle height map": _candle,
     "an OpenCNCPilot height map": _xml,

@@ -212,6 +212,7 @@ NO_USE = {
     "an OpenCNCPilot height map": ("SizeX", 'ZOffset="0.3" SizeX', "ZOffset is not known"),
     "a Candle height map": ("0;20;20\r\n", "0;20;20\r\n0;0;0;0;0\r\n", "5 rows are announced, and there are 6"),
     "touches of grbl": (":1]", ":1] Q2", "is not X, Y and Z"),
+    "touches of grbl, of four axes": (",0.000:1]", ",5.000:1]", "is not X, Y and Z"),
     "a bCNC probe file": ("-1 5 100\n\n", "-1 5 100\n\n9 9 9\n", "25 points are announced, and there are 26"),
     "a list of points X Y Z, of nine axes": ("0.0 0.0 0.0 0.0", "0.0 0.0 0.0 0.5", "the point has U"),
     "a circular test (ISO 230-4)": ("angle_deg", "note;angle_deg", "5 cells|'note' is not known|3 cells"),

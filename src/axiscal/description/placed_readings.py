@@ -248,14 +248,15 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     named = values_of(setup) == 1 or row.by_station == bool(setup.stations)
     refuse_other_values(setup, 1 + len(row.others) if named else 0, row.dimension)
     refuse_other_base(row, setup)
-    position, approach = row.position, row.approach
     if row.test == "circle":
-        position, approach = _on_circle(row, setup, campaign.machine)
-    elif row.test is not None:
-        moving = campaign.machine.axes[setup.moves[0]].name
-        position, approach = {moving: position[""]}, {moving: approach[""]}
-    pose = placed_pose(setup, campaign.machine, in_radii(position, campaign.machine.axes))
-    directions = placed_approach(setup, campaign.machine, approach)
+        pose, directions = _on_circle(row, setup, campaign.machine)
+    else:
+        position, approach = row.position, row.approach
+        if row.test is not None:
+            moving = campaign.machine.axes[setup.moves[0]].name
+            position, approach = {moving: position[""]}, {moving: approach[""]}
+        pose = placed_pose(setup, campaign.machine, in_radii(position, campaign.machine.axes))
+        directions = placed_approach(setup, campaign.machine, approach)
     value, *others = sign * row.value, *row.others
     if row.met:
         value, *others = off_ball(campaign.machine, setup, np.array(pose), (value, *others))
@@ -263,8 +264,8 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     return replace(reading, number=row.number, check=row.check)
 
 
-def _on_circle(row: RawReading, setup: Setup, machine: Machine) -> tuple[dict[str, float], dict[str, int]]:
-    """Return where the axes stand at an angle of a circular test, and from which sides they come, by axis.
+def _on_circle(row: RawReading, setup: Setup, machine: Machine) -> tuple[tuple[float, ...], tuple[int, ...]]:
+    """Return where the axes stand at an angle of a circular test, and from which sides they come.
 
     Raises ReadingError where the set-up reads no circle, and for an angle that is off its arc.
     """
@@ -278,9 +279,8 @@ def _on_circle(row: RawReading, setup: Setup, machine: Machine) -> tuple[dict[st
         low_text, high_text = (format_quantity(each, "deg", 6) for each in (low, high))
         what, remedy = "the angle lies outside the arc of the set-up", 'That of "{setup}" goes from {low} to {high}'
         raise ReadingError(what, remedy, setup=setup.name, low=low_text, high=high_text)
-    sides = arrivals_of(machine, setup, chart, place, np.array([[float(row.approach[""])]]))[0]
-    moving = [(k, machine.axes[k].name) for k in setup.moves]
-    return {name: float(pose[0, k]) for k, name in moving}, {name: int(sides[k]) for k, name in moving if sides[k]}
+    sides = arrivals_of(machine, setup, chart, place, np.array([[float(row.approach[""])]]))
+    return tuple(pose[0].tolist()), tuple(sides[0].astype(int).tolist())
 
 
 def _refuse_unknown_axis(names: Mapping[str, object], machine: Machine) -> None:

@@ -68,9 +68,11 @@ def circle(file: TextFile, around: Around) -> Found:
     """Return the readings of a circular test; raises ReadingError."""
     table = _renamed(file)
     angle, direction, deviation = table.needed(_OF_CIRCLE | {"setup": TEXT}, "angle_deg", "direction", "deviation_um")
+    named = next(iter(table.all_of("setup")), None)
     read = (_read(row, angle, _direction(row, direction), 0, deviation, "circle") for row in table.rows)
-    names = ["".join(row.text(column) for column in table.all_of("setup")) for row in table.rows]
-    return Found(tuple(replace(each, setup=name) for each, name in zip(read, names, strict=True)))
+    if named is not None:
+        read = (replace(each, setup=row.text(named)) for each, row in zip(read, table.rows, strict=True))
+    return Found(tuple(read))
 
 
 def long_table(file: TextFile, around: Around) -> Found:

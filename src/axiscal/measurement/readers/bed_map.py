@@ -37,7 +37,7 @@ _AT_NOZZLE = re.compile(r"probe at ([^\s,]+),([^\s,]+) is z=(\S+)(.*)")
 _AT_BED = re.compile(r"probe: at ([^\s,]+),([^\s,]+) bed will contact at z=(\S+)(.*)")
 """What Klipper prints of each touch, until 2025 and since."""
 _TIME = r"(?:[\d-]{10} )?\d\d?:\d\d(?::\d\d)?(?:[.,]\d+)?\s*(?:[AP]M\s*)?(?:- )?"
-_LOG = re.compile(rf"^\s*(?:\[?{_TIME}\]?\s*(?::\s)?\s*)?(?:Recv:|<<<|>>>|[<>])?\s*(?:echo:|//)?\s*")
+_LOG = re.compile(rf"^\s*(?:\[?{_TIME}\]?\s*(?::\s+)?)?(?:Recv:|<<<|>>>|[<>])?\s*(?:echo:|//)?\s*")
 _NUMBER = re.compile(r"[-+]?[\d.]+(?:e[-+]?\d+)?|nan")
 _NOT_PROBED = frozenset({"", ".", "nan"})
 _SLACK = 1e-4

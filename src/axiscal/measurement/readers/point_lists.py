@@ -1,7 +1,7 @@
 """Heights as probing programs of routers and mills write them: points X Y Z, and maps of Candle and OpenCNCPilot.
 
 A list has one point a line, by blanks, tabs, commas or semicolons. That of bCNC begins with its two sides and the
-depth; LinuxCNC (`smartprobe.ngc`) writes all nine axes; grbl tells each touch to whatever program sends.
+depth; LinuxCNC (`smartprobe.ngc`) writes all nine axes; grbl answers `[PRB:X,Y,Z:1]` to each touch.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ _POINT = re.compile(r'<point\s+X="(\d{1,4})"\s+Y="(\d{1,4})"\s*>([^<]*)</point>'
 _ATTRIBUTE = re.compile(r'(\w+)="([^"]*)"')
 _OF_XML = {"MinX": "min_x", "MaxX": "max_x", "MinY": "min_y", "MaxY": "max_y", "SizeX": "x_count", "SizeY": "y_count"}
 _WHOLE = "copy the whole file"
-_TOUCH = re.compile(r"\[PRB:([^,\]]+),([^,\]]+),([^,:\]]+)[^:\]]*:1\](.*)")
-"""What grbl answers to G38.2, in machine coordinates; a touch that met nothing ends with 0."""
+_TOUCH = re.compile(r"\[PRB:(?![^\]]*:0\])([^,\]]+),([^,\]]+),([^,:\]]+)(?:,-?0\.?0*(?=[,:]))*(?::1\])?(.*)")
+"""What grbl answers to G38.2, in machine coordinates; what ends with 0 met nothing. Other axes stand at 0."""
 
 is_grbl = telling(re.compile(r"\[PRB:"))
 """Whether a line is such an answer."""
