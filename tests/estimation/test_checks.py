@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from axiscal.campaign.agreement_words import agreement_words
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.agreement_words import agreement_words
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation

@@ -13,12 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
+from axiscal.description.type_text import is_type_text, type_prior
 from axiscal.errors.model import ErrorFunction, ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.type_prior import carried_over, is_type_text, rivals, type_prior
+from axiscal.estimation.type_prior import carried_over, rivals
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
