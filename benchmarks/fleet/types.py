@@ -12,10 +12,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from axiscal.description.type_text import TypePrior
 from axiscal.estimation.case import Rival
 from axiscal.estimation.data_equation import DataEquation
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.type_prior import TypePrior, rivals
+from axiscal.estimation.type_prior import rivals
 from axiscal.numerics import Array
 from axiscal.ports.fleet.type_learning import taught
 from axiscal_core.threads import one_thread

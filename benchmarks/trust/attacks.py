@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.description.type_b import type_b_names
 from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames

@@ -28,11 +28,13 @@ _ROOTS: frozenset[Kind] = frozenset({"scale", "reversal", "drift", "cycle", "gro
 _FARTHEST = 7.0
 """Of |θ|, a factor of a thousand: beyond it lies nothing but overflow."""
 _LARGEST: dict[Kind, float] = {
-    "length": _FARTHEST, "noise": math.log(30), "cycle": math.log(60), "drift": math.log(30), "growth": math.log(30)
+    "length": _FARTHEST, "noise": math.log(30), "cycle": math.log(60),
+    "drift": math.log(30), "growth": math.log(30), "way": math.log(30),
 }  # fmt: skip
 """Of θ: where noise or cycle are larger every reading is a bad one, of 30 noises, and what they contradict is neither.
 
-Nobody states what passes while a machine is read: one of nine ISO 230-2 tests has 19 times the usual drift.
+Nobody states what passes while a machine is read: one of nine ISO 230-2 tests has 19 times the usual drift. Where a way
+is 30 times as large, all of a reversal is missing when the axis has just turned.
 """
 _MOST = math.log(10.0)
 """Of θ of other sizes: what would have to be more than ten times as large as stated contradicts."""

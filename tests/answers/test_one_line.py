@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.answers.answer_of_campaign import AnsweredRow, answered
+from axiscal.answers.prediction import tcp_prediction
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.usual import OFFSET
 from axiscal.estimation.accuracy.expanded import BAND
@@ -16,7 +17,6 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.functionals.asked import EACH, beside_the_line, offset_each
-from axiscal.estimation.prediction import tcp_prediction
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from tests.generators.texts import machine_text, setup_text

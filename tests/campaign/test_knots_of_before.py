@@ -11,9 +11,9 @@ from scipy.interpolate import CubicSpline
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.type_text import type_prior
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.inheritance import inherited
-from axiscal.estimation.type_prior import type_prior
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.ports.fleet.type_learning import learnt_type

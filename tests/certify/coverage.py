@@ -12,13 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.answers.prediction import tcp_prediction
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import Term
 from axiscal.errors.plane import PlaneError
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.prediction import tcp_prediction
 from axiscal.machine import load_machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading

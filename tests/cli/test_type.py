@@ -8,7 +8,7 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
-from axiscal.estimation.type_prior import is_type_text
+from axiscal.description.type_text import is_type_text
 from tests.commands import Command
 from tests.generators.sisters import CAMPAIGN, MACHINE, shop
 

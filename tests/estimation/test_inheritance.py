@@ -10,15 +10,15 @@ from typing import cast
 import numpy as np
 import pytest
 
+from axiscal.answers.changes import changes
+from axiscal.campaign.agreement_words import farthest, membership_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import read_campaign
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.agreement_words import farthest, membership_words
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Rival
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, printed
-from axiscal.estimation.inheritance import changes
 from axiscal.estimation.membership import Membership
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import carried_over

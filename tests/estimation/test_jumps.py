@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.estimation.agreement_words import agreement_words
+from axiscal.campaign.agreement_words import agreement_words
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.jumps import jumped, suspects, ways_of

@@ -9,7 +9,7 @@ from math import comb, log
 import numpy as np
 import pytest
 
-from axiscal.estimation.agreement_words import acceptance, agreement_words, change_words
+from axiscal.campaign.agreement_words import acceptance, agreement_words, change_words
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.promise.stuck import Repeats, repeats, stuck
 from axiscal.estimation.promise.unknowns import space_of

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from axiscal.campaign import wrong_unit
+from axiscal.campaign.wrong_unit import _with_bends, refuse_implausible
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimation import wrong_unit
 from axiscal.estimation.case import Case
 from axiscal.estimation.judged import bent, limit, nearest_first, surprises
 from axiscal.estimation.stations import tips
-from axiscal.estimation.wrong_unit import _with_bends, refuse_implausible
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.cells import wandering

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
+from axiscal.description.type_text import Learned, SisterRecord, TypePrior, is_type_text, type_prior
 from axiscal.description.usual import NONE_VARY
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Rival
@@ -22,7 +23,7 @@ from axiscal.estimation.data_equation import (
 )
 from axiscal.estimation.membership import shares_of_rivals
 from axiscal.estimation.promise.problem import Inherited, problem
-from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior, is_type_text, rivals, type_prior
+from axiscal.estimation.type_prior import rivals
 from axiscal.exceptions import RecordError
 from axiscal.machine import machine_from_text
 from axiscal.numerics import Array

@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from axiscal.answers.changes import _change
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation, as_standard, expanded_uncertainty
-from axiscal.estimation.inheritance import _change, drifted
+from axiscal.estimation.inheritance import drifted
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.located import _towards
 from axiscal.estimation.membership import Membership

@@ -203,7 +203,7 @@ def test_growth_that_is_known_is_not_taken_for_a_deviation(
 
 @pytest.mark.long
 def test_checks_are_as_far_off_as_they_say(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:
-    """On machines drawn from the belief itself z² is 1 in the mean, and p below 0.1 one time in ten at most."""
+    """On machines drawn from the belief itself z² is 1 in the mean, and p is as likely to be anything."""
     estimate, used, control = state
     setups = description().setups
     places = plan_check(estimate, setups, candidates(), used, control, 8)
@@ -216,9 +216,10 @@ def test_checks_are_as_far_off_as_they_say(state: tuple[Estimate, tuple[Reading,
         )
         truth = VirtualMachine(estimate.model, curves, {})
         left = readings(truth, places, control, seed)
-        found.append(judge(estimate, setups, left, left, control, 6e-6).checks)
-    assert np.mean([(checks.s or 0.0) ** 2 for checks in found]) == pytest.approx(1.0, abs=0.15)
-    assert 0.01 < np.mean([checks.p < 0.1 for checks in found]) < 0.14
+        found.append(judge(estimate, setups, left, left, control, 6e-6))
+    assert np.mean([(each.checks.s or 0.0) ** 2 for each in found]) == pytest.approx(1.0, abs=0.15)
+    assert 0.05 < np.mean([each.agrees < 0.1 for each in found]) < 0.15
+    assert 0.4 < np.mean([each.agrees for each in found]) < 0.6
 
 
 @given(st.lists(st.floats(-1e-5, 1e-5), min_size=1, max_size=9), st.floats(1e-8, 1e-6), st.floats(1e-7, 1e-5))

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
+from axiscal.campaign.agreement_words import acceptance, agreement_words, mistake_words
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
-from axiscal.estimation.agreement_words import acceptance, agreement_words, mistake_words
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation

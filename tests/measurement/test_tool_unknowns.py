@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from axiscal.answers.prediction import tcp_prediction
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.prediction import tcp_prediction
 from axiscal.machine import load_machine
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Deviation, SmallMotions, frames, tool_motion

@@ -12,12 +12,12 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.description.type_text import TypePrior
 from axiscal.estimation.case import Case
 from axiscal.estimation.data_equation import DataEquation
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.type_prior import TypePrior
 from axiscal.exceptions import AmbiguityError, RecordError, TableError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array

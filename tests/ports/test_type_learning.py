@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from axiscal.campaign.agreement_words import farthest, membership_words
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.description.type_text import type_prior
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.agreement_words import farthest, membership_words
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.type_prior import over, rivals, type_prior
+from axiscal.estimation.type_prior import over, rivals
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.machine import machine_from_text
 from axiscal.ports.fleet.rehearsal import Imagined, summary_sentences

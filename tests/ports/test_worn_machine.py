@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.type_text import SisterRecord, TypePrior
 from axiscal.estimation.data_equation import data_equation
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.type_prior import SisterRecord, TypePrior
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.machine.kinematics import Deviation, frames, tool_motion
 from axiscal.measurement.reading import Place, Reading

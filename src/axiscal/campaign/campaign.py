@@ -16,6 +16,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Self
 
+from axiscal.campaign.agreement_words import named
 from axiscal.campaign.ending import (
     BUDGET,
     FUTILE,
@@ -35,7 +36,6 @@ from axiscal.campaign.possible import beginning_of, described, jump_told, kept_t
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.description.campaign import CampaignDescription
 from axiscal.document.durable import Closing
-from axiscal.estimation.agreement_words import named
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated, in_detail
 from axiscal.estimation.estimation import Estimation, path

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 
+from axiscal.campaign.agreement_words import jump_before
 from axiscal.campaign.ending import refuse_finished
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
 from axiscal.description.fields import WARM
 from axiscal.description.stated_type_b import takes_temperature
-from axiscal.estimation.agreement_words import jump_before
 from axiscal.estimation.case import Case
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import ReadingError, RecordError, UnitError

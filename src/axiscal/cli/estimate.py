@@ -9,15 +9,15 @@ from typing import Annotated
 
 import typer
 
+from axiscal.answers.prediction import predict_poses
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs, RecordFile, Unit, length_unit
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say, say_document, say_either, tell
 from axiscal.cli.progress import tell_mind, tell_unasked
 from axiscal.cli.record import placed_log
 from axiscal.description.file_readings import file_readings
-from axiscal.estimation.prediction import predict_poses
-from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.evaluation.standards import Positioning, evaluate, figures_of, positioning_test
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import decimals, later, said

@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 
 from axiscal.answers.answer_words import wrapped
+from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Anyway, Json, RecordFile, Template
@@ -18,7 +19,6 @@ from axiscal.cli.printing import say, say_document
 from axiscal.cli.rewriting import PROGRAM, Rewriting
 from axiscal.document.file import bounded_content
 from axiscal.document.ports import ours
-from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import ending, joined, said, speaking
 from axiscal.machine.axis import ROTARY_LETTERS

@@ -10,11 +10,11 @@ from typing import Annotated
 import typer
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.cli.arguments import Json, PlacesFile, RecordFile, Records, above_zero
 from axiscal.cli.printing import complain, say_either, tell
 from axiscal.description.placed_readings import placed_readings
 from axiscal.document.durable import write_whole
-from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import counted, ending, later, said
 from axiscal.measurement.readers.csv_readings import Around

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from axiscal.answers.answer_of_campaign import results_of, standing_answer
 from axiscal.answers.answer_words import screen
+from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import evidence_words
 from axiscal.cli.printing import say, say_document
-from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
 from axiscal.language.spoken import put, resaid, said
 from axiscal.present.delivery import deliver

@@ -12,12 +12,12 @@ import typer
 
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.cli.arguments import Json, Log, Programs, RecordFile
 from axiscal.cli.printing import say_either, tell
 from axiscal.cli.texts import next_text, opened_to_write, question_document
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import logged_readings, placed_approach, placed_pose, placed_readings
-from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import counted, joined, later, listed, quoted, said
 from axiscal.machine import Machine

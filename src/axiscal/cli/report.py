@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from axiscal.answers.answer_of_campaign import results_of, standing_answer
+from axiscal.campaign.agreement_words import agreement_document, agreement_words, change_words, membership_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text
 from axiscal.campaign.evidence import signed_text
@@ -15,8 +16,7 @@ from axiscal.cli.arguments import Anyway, Details, Json, OwnRecord, ReportLangua
 from axiscal.cli.outputs import standing_screen, write_outputs
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, asked_screen, opened_to_write
-from axiscal.estimation.agreement_words import agreement_document, agreement_words, change_words, membership_words
-from axiscal.estimation.type_prior import is_type_text
+from axiscal.description.type_text import is_type_text
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import capital, counted, decimals, said
 from axiscal.present.delivery import write_report

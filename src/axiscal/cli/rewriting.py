@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 from axiscal.answers.answer_words import wrapped
+from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
 from axiscal.cli.printing import say, say_document
 from axiscal.document.durable import write_whole
-from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import ending, said, speaking
 from axiscal.measurement.readers.text_file import TextFile, read_text

@@ -6,17 +6,17 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import Json, OwnRecord, RecordFile
-from axiscal.cli.printing import say, say_document, say_either
-from axiscal.cli.texts import next_text, opened_to_write, question_document
-from axiscal.estimation.agreement_words import (
+from axiscal.campaign.agreement_words import (
     acceptance,
     agreement_document,
     agreement_words,
     change_words,
     mistake_words,
 )
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli.arguments import Json, OwnRecord, RecordFile
+from axiscal.cli.printing import say, say_document, say_either
+from axiscal.cli.texts import next_text, opened_to_write, question_document
 from axiscal.language.spoken import put, said
 from axiscal.present.guide.progress import take_back, take_note
 

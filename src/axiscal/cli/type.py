@@ -11,8 +11,8 @@ import typer
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say_either
 from axiscal.description.campaign import read_campaign
+from axiscal.description.type_text import TypePrior, type_prior
 from axiscal.document.durable import write_whole
-from axiscal.estimation.type_prior import TypePrior, type_prior
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import counted, decimals, later, listed, said
 from axiscal.machine import load_machine

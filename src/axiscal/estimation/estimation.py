@@ -130,8 +130,8 @@ class Estimation:
         left = {} if self.posterior is None else self.posterior.left_out
         away = {index: each.z for index, each in left.items()}
         doubted = ({i: doubt.surprise for i, doubt in each.items()} for each in (self.bad, self.implausible))
-        drawn = {i: len(reading.values) for i, reading in enumerate(self.readings) if reading.check}
-        kinds = ((CheckReading(i, drawn[i], z) for i, z in each.items() if i in drawn) for each in (away, *doubted))
+        drawn = {i for i, reading in enumerate(self.readings) if reading.check}
+        kinds = ((CheckReading(i, z) for i, z in each.items() if i in drawn) for each in (away, *doubted))
         return Checks.sorted_out(*kinds)
 
     @property

@@ -7,24 +7,22 @@ Between two campaigns each error keeps a share ρ of its value. The stated prior
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
 
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
-from axiscal.errors.model import ErrorFunction, ErrorModel
+from axiscal.description.type_text import is_type_text, type_prior
+from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.type_prior import carried_over, is_type_text, rivals, type_prior
+from axiscal.estimation.type_prior import carried_over, rivals
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.record.events import Created, Mounted, Recorded, Warmed
 from axiscal.record.payload import PayloadError, decode
-from axiscal_core.from_scipy import chi_square_tail
 
 
 def case_of(description: CampaignDescription) -> Case:
@@ -88,67 +86,3 @@ def inherited(text: str, errors: ErrorModel) -> Inherited:
 def drifted(found: Inherited, stated: Array, kept: float) -> Inherited:
     """Return the result after each error kept a share ρ.  stated : (size, size) C₀."""
     return Inherited(kept * found.mean, kept**2 * found.covariance + (1 - kept**2) * stated)
-
-
-_CHANCE = 6e-5
-"""Probability of four standard deviations."""
-
-
-@dataclass(frozen=True, slots=True)
-class Change:
-    """An error that has changed: where it has most, and by how much, its mean apart (m or rad).
-
-    chance : probability of such a difference if it had not changed
-    """
-
-    name: str
-    position: float
-    size: float
-    chance: float
-    angular: bool
-    rotary: bool
-
-
-def changes(estimation: Estimation) -> Iterator[Change]:
-    """Yield the errors whose readings then and now, each evaluated alone, do not agree.
-
-    Both share the stated prior, so that their difference is less uncertain than the sum taken here: a change is missed
-    rather than made up.
-    """
-    text = estimation.case.description.prior_text
-    if not text or is_type_text(text):
-        return
-    before, now = last_estimation(text), _alone(estimation)
-    for function in now.case.errors.functions:
-        if function.name in before.case.errors.names:
-            change = _change(before, now, function)
-            if change.chance < _CHANCE:
-                yield change
-
-
-def _alone(estimation: Estimation) -> Estimation:
-    """Return what today's readings say without the last campaign."""
-    return concluded(Case(replace(estimation.case.description, prior_text="")), estimation.readings)
-
-
-def _change(before: Estimation, now: Estimation, function: ErrorFunction) -> Change:
-    """Compare all control values together: an unobservable part, such as the constant, is wide and does not count."""
-    axis = now.case.errors.machine.axes[function.axis]
-    knots = function.basis.control_positions
-    (old, old_covariance), (new, new_covariance) = (
-        _curve(each, each.case.errors.names[function.name], knots) for each in (before, now)
-    )
-    difference = new - old
-    chi_square = float(difference @ np.linalg.lstsq(old_covariance + new_covariance, difference)[0])
-    beside = difference - difference.mean() if len(difference) > 1 else difference
-    worst = int(np.argmax(np.abs(beside)))
-    chance = chi_square_tail(len(difference), chi_square)
-    return Change(function.name, float(knots[worst]), float(beside[worst]), chance, function.angular, axis.rotary)
-
-
-def _curve(known: Estimation, function: ErrorFunction, positions: Array) -> tuple[Array, Array]:
-    """Return mean (k,) and covariance (k, k) of an error at positions, its rest included."""
-    rows = function.basis.rows(positions)
-    factor = rows @ known.printed.belief.factor[function.columns]
-    covariance: Array = factor @ factor.T + function.rest**2 * np.eye(len(rows))
-    return rows @ known.printed.belief.mean[function.columns], covariance

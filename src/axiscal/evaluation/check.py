@@ -18,13 +18,13 @@ import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Request, Skip, Source, virtual_machine
+from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
 from axiscal.document.durable import write_whole
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.evaluation.datums import fewest, lines_shared
 from axiscal.evaluation.table_checks import Judgement, Part, far_from, needed, parts_of, taken_away
 from axiscal.evaluation.verification import (

@@ -127,7 +127,9 @@ def datums_of(
     datums = {key: column for key, (_, column, off) in found.items() if off}
     stays = [unknown.std * column for unknown, column, off in found.values() if not off]
     columns, rest = (np.array(each).reshape(-1, len(indices)).T for each in (list(datums.values()), stays))
-    inverse = np.linalg.pinv(columns)
+    # several datums may do the same to readings: what they show goes to those that are known least
+    stds = np.array([found[key][0].std for key in datums])
+    inverse = stds[:, None] * np.linalg.pinv(columns * stds)
     if round(float(np.trace(columns @ inverse))) >= len(indices):
         remedy = "Read the artefact where it lies another way as well"
         raise ReadingError("readings of one artefact cannot tell the machine from it", remedy)

@@ -337,6 +337,7 @@ class Judgement:
     found, left : (m,) deviations, one for each value of a reading, the datums of the set-ups taken off
     std : (m,) of each, from the instrument and from what else is not known of its set-up
     checks : as-left readings beside what the estimate promises
+    agrees : probability that all of them together are as far off as these, or farther, if the estimate is right
     changed : probability that the tables change readings as little like they should as these, if they are loaded
     share : by which multiple of what the tables take away the readings changed; None when that is nothing
     lines : set-ups that are judged against their own line; strained : datums further off than stated
@@ -353,6 +354,7 @@ class Judgement:
     left: Array
     std: Array
     checks: Checks
+    agrees: float
     changed: float
     share: float | None
     lines: tuple[str, ...]
@@ -376,7 +378,7 @@ class Judgement:
     @property
     def believed(self) -> bool:
         """Whether the readings agree with the estimate and its uncertainty."""
-        return self.checks.p >= _UNLIKELY
+        return self.agrees >= _UNLIKELY
 
 
 def verdict(deviations: Array, std: Array, tolerance: float) -> Verdict:

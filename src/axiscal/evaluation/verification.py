@@ -239,6 +239,8 @@ def judge(
     free, spread = datums.free, datums.spread + np.diag(noise**2)
     # a set-up may have been mounted anew between the two
     apart = free @ (2 * datums.spread + np.diag(noise_before**2 + noise**2)) @ free.T
+    # one place of a ball, or one error of the machine, is in many values: these are not independent
+    beyond, promised = free @ (after - mean), free @ (factor @ factor.T + spread) @ free.T
     change, should = free @ (before - after), free @ (expected(estimate, setups, places, None)[0] - mean)
     weight, likely = float(should @ should), _likelihood(change - should, apart)
     taken = [free @ taken_away(estimate.machine, part, setups, places) for part in parts]
@@ -257,7 +259,8 @@ def judge(
         free @ before,
         free @ after,
         std,
-        _beside(of, free @ (after - mean), free @ (factor @ factor.T + spread) @ free.T),
+        _beside(of, beyond, promised),
+        _likelihood(beyond, promised),
         likely,
         float(change @ should) / weight if weight > _NOTHING**2 else None,
         tuple(name for name in datums.lines if name not in lying),
@@ -296,7 +299,7 @@ def _beside(of: NDArray[np.intp], values: Array, covariance: Array) -> Checks:
     variances = np.diag(covariance)
     kept = variances > _TAKEN_OFF * variances.max()
     z = surprises(values[kept, None], variances[kept, None, None]).tolist()
-    return Checks(tuple(CheckReading(place, 1, away) for place, away in zip(of[kept].tolist(), z, strict=True)))
+    return Checks(tuple(CheckReading(place, away) for place, away in zip(of[kept].tolist(), z, strict=True)))
 
 
 def _likelihood(values: Array, covariance: Array) -> float:

@@ -145,7 +145,7 @@ def check_answer(judgement: Judgement, places: int, promised: float, taken: Take
         checks=len(judgement.checks.each),
         as_promised=judgement.checks.as_promised,
         s=judgement.checks.s or 0.0,
-        agreement_p=judgement.checks.p,
+        agreement_p=judgement.agrees,
         estimate_believed=judgement.believed,
         change_p=judgement.changed,
         change_share=judgement.share,

@@ -26,12 +26,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.answers.changes import changes
+from axiscal.campaign.agreement_words import STRANGE, farthest, membership_words
 from axiscal.errors.gauge import undescribed
 from axiscal.errors.iso230 import words
-from axiscal.estimation.agreement_words import STRANGE, farthest, membership_words
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, paths
-from axiscal.estimation.inheritance import changes
 from axiscal.estimation.intervals import COARSE
 from axiscal.estimation.promise.agreement import AGREES
 from axiscal.language.spoken import capital, later, listed, put, said

@@ -16,18 +16,18 @@ import numpy as np
 
 from axiscal.answers.answer import ResultAnswer, TablesChecked
 from axiscal.answers.answer_of_campaign import answer_of
+from axiscal.answers.budget import BudgetShare, budget
+from axiscal.campaign.agreement_words import agreement_words, change_words, mistake_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text, reaches
 from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import CampaignDescription, Equipment
 from axiscal.description.type_b import Distribution
-from axiscal.estimation.agreement_words import agreement_words, change_words, mistake_words
-from axiscal.estimation.budget import BudgetShare, budget
+from axiscal.description.type_text import is_type_text
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.estimation.functionals.functional import seen_by
-from axiscal.estimation.type_prior import is_type_text
 from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate
 from axiscal.language.spoken import later, resaid, said, speaking
 from axiscal.language.stages import stage

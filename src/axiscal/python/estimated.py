@@ -10,6 +10,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from axiscal.answers.prediction import tcp_prediction
+from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.description.file_readings import file_readings
 from axiscal.document.ports import ours
 from axiscal.errors.model import ErrorFunction
@@ -19,9 +21,7 @@ from axiscal.estimation.estimate import in_detail
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.machine_estimate import Band
-from axiscal.estimation.prediction import tcp_prediction
 from axiscal.estimation.promise.agreement import Agreement
-from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import ReadingError, ShapeError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.files import read_any

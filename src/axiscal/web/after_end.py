@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from axiscal.answers.answer_words import digits
+from axiscal.campaign.agreement_words import agreement_words
 from axiscal.document.durable import write_whole
 from axiscal.document.ports import ours
-from axiscal.estimation.agreement_words import agreement_words
 from axiscal.estimation.estimation import Estimation
 from axiscal.evaluation.check import Check, Taken
 from axiscal.exceptions import TableError

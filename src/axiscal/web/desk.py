@@ -12,12 +12,12 @@ from pathlib import Path
 from axiscal.answers.answer import PlannedAnswer, ResultAnswer
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside, standing_answer
 from axiscal.answers.answer_words import answer_text
+from axiscal.campaign.agreement_words import agreement_words, change_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.sources import virtual_in, virtual_machine
 from axiscal.campaign.sources.source import SimulatedSource
-from axiscal.estimation.agreement_words import agreement_words, change_words
 from axiscal.estimation.promise.agreement import Explained
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError, RecordError
 from axiscal.language.spoken import decimals, said, spoken_now

@@ -127,13 +127,12 @@ NOTHING_READ = Agreement(0, 0, 1.0, 1.0)
 
 
 class CheckReading(NamedTuple):
-    """A check: its index, how many numbers it has, and how far it is from what is promised, in standard deviations.
+    """A check: its index, and how far it is from what is promised, in standard deviations.
 
     used : whether the estimate takes it; slip : it does not and s leaves it out
     """
 
     reading: int
-    numbers: int
     z: float
     used: bool = True
     slip: bool = False
@@ -165,13 +164,6 @@ class Checks:
         """Root of the mean z² of those that are no slips; None of none."""
         squares = [each.z**2 for each in self.each if not each.slip]
         return float(np.sqrt(np.mean(squares))) if squares else None
-
-    @property
-    def p(self) -> float:
-        """Probability of checks that are this far off or farther, as if they were independent."""
-        numbers = sum(each.numbers for each in self.each if not each.slip)
-        square = sum(each.numbers * each.z**2 for each in self.each if not each.slip)
-        return chi_square_tail(numbers, square) if numbers else 1.0
 
 
 def surprises(residuals: Array, covariances: Array) -> Array:

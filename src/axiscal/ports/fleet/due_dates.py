@@ -20,12 +20,12 @@ from itertools import pairwise
 from pathlib import Path
 
 from axiscal.description.campaign import CampaignDescription
+from axiscal.description.type_text import SisterRecord
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, as_standard
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.type_prior import SisterRecord
 from axiscal.exceptions import AxiscalError, InputError, RecordError, TableError, TargetError
 from axiscal.language.spoken import listed, put
 from axiscal.language.stages import staged

@@ -15,10 +15,10 @@ import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription
+from axiscal.description.type_text import TypePrior
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.timed import ends_along
-from axiscal.estimation.type_prior import TypePrior
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import counted, joined, listed, put, said
 from axiscal.language.stages import staged

@@ -15,11 +15,12 @@ import numpy as np
 
 from axiscal.campaign.possible import described
 from axiscal.description.campaign import CampaignDescription
+from axiscal.description.type_text import SisterRecord
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.data_equation import DataEquation, data_equation
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.type_prior import SisterRecord, carried_over
+from axiscal.estimation.type_prior import carried_over
 from axiscal.exceptions import AxiscalError, InputError, RecordError, UnreachableError
 from axiscal.language.spoken import said
 from axiscal.language.stages import staged

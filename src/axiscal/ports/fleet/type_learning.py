@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.description.type_text import Learned, SisterRecord, TypePrior
 from axiscal.document import shown
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.data_equation import DataEquation
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior
 from axiscal.exceptions import RecordError, TargetError
 from axiscal.language.spoken import listed, put
 from axiscal.machine.description import Machine, machine_from_text

@@ -39,11 +39,12 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.description.type_text import is_type_text, type_prior
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.data_equation import DataEquation, log_evidence
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.type_prior import is_type_text, over, type_prior
+from axiscal.estimation.type_prior import over
 from axiscal.evaluation.datums import added_to_values
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from axiscal.answers.answer import AnswerDocument
-from axiscal.estimation.wrong_unit import refuse_implausible
+from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.evaluation.check import Check, FoundAndLeft
 from axiscal.exceptions import InputError
 from axiscal.language.spoken import listed, said

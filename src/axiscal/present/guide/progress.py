@@ -14,11 +14,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from axiscal.answers.answer import AnswerDocument
+from axiscal.campaign.agreement_words import acceptance, agreement_words, change_words, question
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import floor_of, known_to
-from axiscal.estimation.agreement_words import acceptance, agreement_words, change_words, question
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.promise.agreement import ASKED, Mistake
 from axiscal.language.spoken import counted, decimals, said

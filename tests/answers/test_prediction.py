@@ -10,12 +10,12 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from axiscal.answers.prediction import predict_poses, tcp_prediction
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import deviation_of, whole_travel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.prediction import predict_poses, tcp_prediction
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.readers.csv_table import RawPose

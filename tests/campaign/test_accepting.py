@@ -9,14 +9,14 @@ from typing import cast
 
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.agreement_words import (
+from axiscal.campaign.agreement_words import (
     acceptance,
     agreement_words,
     change_words,
     mistake_words,
     named,
 )
+from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.agreement import Agreement, Checks, Explained
 from axiscal.exceptions import RecordError
