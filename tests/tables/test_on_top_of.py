@@ -324,12 +324,6 @@ def test_the_files_that_were_active_can_stand_in_the_campaign(
     assert "left by the compensation that was active" in (deviations / "README.txt").read_text()
 
 
-def test_an_empty_name_is_no_file(tmp_path: Path, command: Command) -> None:
-    (tmp_path / "machine.toml").write_text(MACHINE)
-    (tmp_path / "campaign.toml").write_text(CAMPAIGN.format(active='compensation_active = ""\n'))
-    assert "names no file" in command("start", tmp_path / "campaign.toml", tmp_path / "a.axiscal").refusal
-
-
 @pytest.mark.parametrize("controller", sorted(CONTROLLERS))
 def test_what_is_written_is_read_back_as_an_old_compensation(controller: str) -> None:
     """A round trip of every format that is read and written."""

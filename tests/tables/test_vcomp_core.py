@@ -277,15 +277,3 @@ def test_an_axis_of_two_kinds_of_knots_keeps_its_cubics() -> None:
                 value = f.basis.rows(at) @ estimate.mean[f.columns] * (0.5 if f.kind == "reversal" else 1)
                 expected[:, f.component] += value * (1e3 if f.component < 3 else 1)
             held("file on the union of the knots", np.max(np.abs(kept - expected)), 1e-9, "mm or rad")
-
-
-def test_more_knots_than_fit_are_refused() -> None:
-    text = machine_text(
-        "w-X'-b-Y-Z-t",
-        {"X": (0, 500), "Y": (0, 400), "Z": (-300, 0)},
-        {"EXX": ("10 um", 60, 200), "EYX": ("10 um", 61, 200)},
-    )
-    model = ErrorModel(machine_from_text(text))
-    estimate = Estimate(model, Belief(np.linspace(0, 1e-5, model.size), np.eye(model.size)), whole_travel(model))
-    with pytest.raises(TableError, match=r"have 119 knots together, the component holds 96"):
-        LinuxcncVolumetric().make(estimate, ExportOptions())
