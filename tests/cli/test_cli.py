@@ -96,14 +96,6 @@ def test_skip_undo_status(started: Command) -> None:
     started("undo", "m.axiscal").refused("nothing to take back")
 
 
-def test_a_question_says_when_a_reading_is_positive_and_a_full_plan_how_to_read_on(started: Command) -> None:
-    while "Nothing more to ask" not in (said := started("next", "m.axiscal").out):
-        assert "  sign      + where the tool stands too far towards +x, seen from the workpiece\n" in said
-        assert started("record", "m.axiscal", "0.1 um").status == 0
-    assert "axiscal step next m.axiscal --beyond    # one reading more" in said
-    assert started("next", "m.axiscal", "--beyond").out.startswith("Reading ")
-
-
 def test_a_reading_has_one_number_wherever_it_is_named(started: Command) -> None:
     started("next", "m.axiscal")
     assert 'Skipped reading 1 in "laser" at X = ' in started("skip", "m.axiscal", "no beam").out
@@ -337,24 +329,3 @@ def test_a_defect_is_not_a_traceback(started: Command, monkeypatch: pytest.Monke
     monkeypatch.setenv("AXISCAL_TRACEBACK", "1")
     with pytest.raises(ZeroDivisionError):
         started("next", "m.axiscal")
-
-
-def test_a_positioning_test_is_evaluated(axiscal: Command, tmp_path: Path) -> None:
-    rows = [f"{x},{s},{run},{0.01 * x + run}" for run in (1, 2) for s in "+-" for x in (0, 50, 100)]
-    (tmp_path / "iso.csv").write_text("\n".join(["target_mm,direction,run,deviation_um", *rows]))
-    assert axiscal("estimate", "c.toml", "iso.csv", "--out", "d", "--json").document["readings"] == 12
-    axiscal("estimate", "c.toml", "iso.csv", "--out", "d").refused("Name another --out, or remove it")
-    figures = axiscal("iso230", "iso.csv", "--json").document
-    assert (figures["schema"], figures["E"]) == ("axiscal-iso230/1", pytest.approx(1.0))
-    text = axiscal("iso230", "iso.csv").out
-    assert "systematic deviation, bidirectional" in text
-    assert "1.000 um" in text
-
-
-def test_the_machines(axiscal: Command, tmp_path: Path) -> None:
-    names = [machine["name"] for machine in axiscal("machine", "list", "--json").document["machines"]]
-    assert {"one-axis", "dmu60", "three-axis-mill"} <= set(names)
-    for name in names:
-        assert name in axiscal("machine", "list").out
-        (tmp_path / "copy.toml").write_text(axiscal("machine", "show", name).out)
-        assert axiscal("machine", "check", "copy.toml").status == 0

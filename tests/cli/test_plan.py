@@ -49,14 +49,6 @@ def test_the_volume_criterion_says_its_bound_in_micrometres(campaign: Path, comm
     assert "%" not in said
 
 
-def test_a_plan_becomes_programs(campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["plan", str(campaign), "--readings", "3", "--gcode", "linuxcnc", "--out", str(tmp_path / "g")]) == 0
-    programs = list((tmp_path / "g").glob("*.ngc"))
-    assert len(programs) == 1
-    assert programs[0].read_text().rstrip().endswith("M2")
-    assert f"Written  {tmp_path / 'g'} (4 files, README.txt there)" in capsys.readouterr().out
-
-
 def moves(folder: Path) -> list[str]:
     """Return the moves of the one program in a folder."""
     (program,) = folder.glob("*.ngc")
@@ -185,14 +177,6 @@ def test_a_set_up_that_no_budget_reaches_is_named(
     campaign.write_text(f'{CAMPAIGN}\n{slow}\nsetup_time = "50 min"\n')
     assert run(["plan", str(campaign), "--budget", "30 min"]) == 0
     assert 'than the 30 min there are: "slow" (50' in " ".join(capsys.readouterr().err.split())
-
-
-def test_details_say_how_long_it_would_take_if_all_that_is_stated_were_exact(campaign: Path, command: Command) -> None:
-    assert re.search(
-        r"^If all that is stated were exact, .*: \d+ min\.$",
-        command("plan", campaign, "--target", "4 um", "--details").printed,
-        re.M,
-    )
 
 
 @pytest.mark.long

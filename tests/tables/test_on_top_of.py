@@ -125,26 +125,6 @@ def test_the_curves_of_an_earlier_hal_file_stay_in_the_sum() -> None:
     assert curves[1] == pytest.approx(2 * curves[0], abs=1e-6)  # once for what was loaded, once for what it left
 
 
-def test_old_curves_with_as_many_points_keep_them() -> None:
-    at = np.round(300.0 * np.linspace(0.0, 1.0, 16) ** 1.3, 3)
-    up = 0.05 * np.sin(at / 20.0)
-    curve = enumerate(zip(at, up, strict=True))
-    rows = [f"setp cross-y-x.x-val-{i:02d} {x}\nsetp cross-y-x.y-val-{i:02d} {y}\n" for i, (x, y) in curve]
-    made = exported("linuxcnc", OldFile("old.hal", "loadrt lincurve names=cross-y-x personality=16\n" + "".join(rows)))
-    text = made.files["axiscal-cross.hal"]
-    x, y = (np.array([float(v) for v in re.findall(rf"setp \S*y-x\.{c}-val-\d+ (\S+)", text)]) for c in "xy")
-    assert x == pytest.approx(at)
-    assert y - up == pytest.approx(-left("EYX", at), abs=2e-3)
-
-
-def test_a_finer_old_table_keeps_its_points_where_those_of_both_do_not_fit() -> None:
-    at = np.linspace(0.0, 300.0, 250)
-    old = 0.02 * np.sin(at / 5.0)
-    text = "".join(f"{x:.6f} {x - v:.6f} {x - v:.6f}\n" for x, v in zip(at, old, strict=True))
-    made = comp_added(exported("linuxcnc", OldFile("X.comp", text)).files["X.comp"], 1)
-    assert made == pytest.approx(np.interp(PROBES, at, old) - left("EXX", PROBES, 1), abs=2e-4)
-
-
 def siemens(table: Array) -> str:
     rows = "".join(f"$AA_ENC_COMP[0,{i},AX1]={v:.6f}\n" for i, v in enumerate(table))
     tail = "$AA_ENC_COMP_STEP[0,AX1]=25.0\n$AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=300.0\n"
@@ -369,11 +349,3 @@ def test_a_folder_of_an_export_is_an_old_compensation(tmp_path: Path) -> None:
     (tmp_path / "README.txt").write_text("X")
     (tmp_path / "manifest-linuxcnc.json").write_text("{}")
     assert [Path(file.name).name for file in read_old([str(tmp_path)])] == ["X.comp"]
-
-
-def test_an_old_mesh_that_is_not_square_leaves_the_size_of_the_new_one_open() -> None:
-    nodes = "".join(f"M421 I{i} J{j} Z0.01\n" for i in range(3) for j in range(2))
-    old = OldFile("m503.txt", f"M425 F1 S0 X0.010\n{nodes}")
-    assert exported("marlin", old).files["axiscal.gcode"].count("M421") == exported("marlin").files[
-        "axiscal.gcode"
-    ].count("M421")
