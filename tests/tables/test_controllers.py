@@ -31,9 +31,11 @@ from axiscal.tables.controllers.fanuc import PitchParameters, increments
 from axiscal.tables.exporter import Draft, ExportOptions, MapFormat
 from axiscal.tables.offer import Export, spread_poses, tried_out
 from axiscal.tables.registry import CONTROLLERS, export, exporter
+from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.sampling import axis_tables
 from axiscal.tables.surface import Effect, effect_of_control, rms, tour
 from axiscal.tables.table import CompensationTable
+from tests.generators.known import known_to_be, truth_of
 from tests.generators.texts import machine_text
 from tests.tables import linuxcnc_model
 
@@ -92,12 +94,8 @@ def counting(name: str, *ways: str) -> Machine:
 @cache
 def known(name: str, seed: int = 3) -> tuple[Estimate, VirtualMachine]:
     """A machine drawn from the prior, and the belief of somebody who knows it."""
-    model = ErrorModel(machine_from_text(TOOTHED) if name == "small" else counting(*name.split()))
-    draw = np.random.default_rng(seed).standard_normal(model.size)
-    mean = np.linalg.cholesky(model.prior_covariance()) @ draw  # unique, where eigenvectors of equal values are not
-    curves = tuple((lambda t, f=f: f.basis.rows(t) @ mean[f.columns]) for f in model.functions)
-    belief = Belief(mean, 1e-20 * np.eye(model.size))
-    return Estimate(model, belief, whole_travel(model)), VirtualMachine(model, curves, {})
+    estimate = drawn_and_known(machine_from_text(TOOTHED) if name == "small" else counting(*name.split()), seed)
+    return estimate, truth_of(estimate)
 
 
 @cache
@@ -221,7 +219,7 @@ def test_the_note_says_first_what_moves_where() -> None:
         mean[names[name].columns] = constant
     knots = names["EXX"].basis.knots
     mean[names["EXX"].columns] += 1e-5 * knots / 0.2
-    known_mean = Estimate(estimate.model, Belief(mean, 1e-20 * np.eye(len(mean))), estimate.box)
+    known_mean = known_to_be(estimate.model, mean)
     for controller in ("linuxcnc", "csv", "sinumerik", "isg"):
         first = export(known_mean, controller, ExportOptions()).readme.splitlines()[1]
         assert first.startswith("ZERO WORK OFFSETS, TOOL SETTER AND PROBE ANEW after loading.")
@@ -386,7 +384,7 @@ def test_pivots_of_a_machine_whose_axis_lines_are_sure_are_those_of_its_descript
     model = ErrorModel(machine_from_text(text))
     mean = np.zeros(model.size)
     mean[model.names["Y0A"].columns] = 25e-6
-    estimate = Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+    estimate = known_to_be(model, mean)
     made = exporter("linuxcnc").make(estimate, ExportOptions(pivots=True)).files["axiscal-pivots.hal"]
     assert pivots.pivots(model.machine, {"Y0A": 25e-6}) != pivots.pivots(model.machine, {})
     assert re.search(r"^setp xyzac-trt-kins\.y-rot-point\s+-?0\.025", made, re.MULTILINE)

@@ -13,8 +13,6 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import whole_travel
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import machine_from_text
@@ -25,6 +23,7 @@ from axiscal.tables.offer import Export
 from axiscal.tables.registry import CONTROLLERS, export, exporter
 from axiscal.tables.round_trip import drawn_and_known, round_trip
 from tests.commands import Command
+from tests.generators.known import known_to_be
 from tests.generators.texts import machine_text
 
 MACHINE = machine_text(
@@ -175,9 +174,7 @@ def test_a_column_of_an_axis_that_was_not_measured_stays_beside_the_new_ones() -
         "w-b-X-Y-Z-t", {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M"
     )
     model = ErrorModel(machine_from_text(only_x))
-    estimate = Estimate(
-        model, Belief(np.arange(model.size) ** 2 * 1e-6, 1e-20 * np.eye(model.size)), whole_travel(model)
-    )
+    estimate = known_to_be(model, np.arange(model.size) ** 2 * 1e-6)
     at = np.linspace(0, 300, 8)
     y = 0.02 * np.sin(at / 90)
     head = "BEGIN X_AXIS .COM MM\nNR      AXISPOS     BACKLASH            X            Y\n"

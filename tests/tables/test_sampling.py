@@ -27,6 +27,7 @@ from axiscal.tables.surface import Effect, effect_of_control
 from axiscal.tables.table import CompensationTable, Hats
 from axiscal.tables.volumetric import curves, tip_control
 from axiscal_core.splines import NaturalSpline
+from tests.generators.known import known_to_be, truth_of
 from tests.generators.splines import power_maps
 from tests.generators.texts import Std, machine_text
 
@@ -51,10 +52,8 @@ def machine(chain: str) -> Machine:
 
 def known(model: ErrorModel, seed: int) -> tuple[Estimate, VirtualMachine]:
     """A machine drawn from the prior, and the belief of somebody who knows it."""
-    mean = model.prior_root() @ np.random.default_rng(seed).standard_normal(model.size)
-    curves = tuple((lambda t, f=f: f.basis.rows(t) @ mean[f.columns]) for f in model.functions)
-    estimate = Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
-    return estimate, VirtualMachine(model, curves, {})
+    estimate = known_to_be(model, model.prior_root() @ np.random.default_rng(seed).standard_normal(model.size))
+    return estimate, truth_of(estimate)
 
 
 def poses(estimate: Estimate, count: int = 600) -> Array:
@@ -237,11 +236,10 @@ def test_tables_by_name_take_the_whole_error_motion_away() -> None:
     for function in model.functions:
         if function.kind == "reversal":
             mean[function.columns] = 0.0
-    box = tuple(axis.travel for axis in model.machine.axes)
-    estimate = Estimate(model, Belief(mean, 1e-18 * np.eye(model.size)), box)
+    estimate = known_to_be(model, mean)
     found = curves(estimate, {k: np.linspace(*axis.travel, 801) for k, axis in enumerate(model.machine.axes)})
     assert set(found) == {"EXX", "EYY"}
-    low, high = np.array(box).T
+    low, high = np.array(estimate.box).T
     poses = np.random.default_rng(3).uniform(low, high, (50, 3))
     poses = poses[np.abs(poses[:, 0] - 0.25) > 2e-3]
     added = tip_control(model, found)(poses, np.ones_like(poses))
