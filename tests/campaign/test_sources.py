@@ -102,11 +102,6 @@ def test_a_line_without_end_is_refused(answering: Callable[[str], Source], line:
         answering(say(line)).read(REQUEST)
 
 
-def test_a_command_with_a_nul_is_refused(opened: Opened) -> None:
-    with pytest.raises(SourceError, match=r"cannot be started|cannot be split"):
-        opened("exec:\0")
-
-
 def test_a_command_that_dies_is_quoted(answering: Callable[[str], Source], capfd: pytest.CaptureFixture[str]) -> None:
     source = answering('sys.stderr.write("no laser on port 3\\n"); sys.exit(4)')
     for _ in range(2):

@@ -77,14 +77,6 @@ def test_minutes_count_how_programs_go_to_readings(campaign: Path, command: Comm
     assert minutes[1] - minutes[0] == pytest.approx(2 * 2 / 10, rel=0.1)  # two ways of 2 mm at 10 mm/min
 
 
-@pytest.mark.parametrize(("line", "said"), [('feed = "0.5"', "has no unit"), ('clearance = "Q=3 mm"', "no axis")])
-def test_what_is_said_of_programs_is_read_before_a_plan_is_made(
-    campaign: Path, line: str, said: str, command: Command
-) -> None:
-    campaign.write_text(f"{CAMPAIGN}[programs]\n{line}\n")
-    assert said in command("plan", campaign, "--readings", "3", "--gcode", "linuxcnc").refusal
-
-
 def test_a_budget_of_less_than_a_reading_is_refused(campaign: Path, command: Command) -> None:
     assert "less than" in command("plan", campaign, "--budget", "1 s").refusal
 

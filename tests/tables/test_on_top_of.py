@@ -22,7 +22,6 @@ from axiscal.tables.loaded import Loaded, OldFile, read_old
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import CONTROLLERS, export, exporter
 from axiscal.tables.round_trip import drawn_and_known, round_trip
-from tests.commands import Command
 from tests.generators.known import known_to_be
 from tests.generators.texts import machine_text
 
@@ -265,23 +264,16 @@ def test_without_a_word_the_beginning_asks_and_so_does_the_note(
     assert "WAS A COMPENSATION ACTIVE WHILE MEASURING" in (tmp_path / "t" / "README.txt").read_text()
 
 
-def test_none_was_active(tmp_path: Path, command: Command, capsys: pytest.CaptureFixture[str]) -> None:
+def test_none_was_active(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record = recorded(tmp_path, "compensation_active = false\n")
     assert "compensation" not in capsys.readouterr().err
     assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "t")]) == 0
     assert "WAS A COMPENSATION" not in (tmp_path / "t" / "README.txt").read_text()
-    (tmp_path / "X.comp").write_text(comp(0))
-    old = ["--on-top-of", str(tmp_path / "X.comp")]
-    assert (
-        "that no compensation was active"
-        in command("export", record, "--to", "linuxcnc", "--out", tmp_path / "u", *old).refusal
-    )
 
 
-def test_one_was_active_and_its_files_are_asked_for(tmp_path: Path, command: Command) -> None:
+def test_one_was_active_and_its_files_are_taken(tmp_path: Path) -> None:
     record = recorded(tmp_path, "compensation_active = true\n")
     assert not (tmp_path / "out" / "tables" / "linuxcnc").exists()
-    assert "--on-top-of OLD" in command("export", record, "--to", "linuxcnc", "--out", tmp_path / "t").refusal
     (tmp_path / "X.comp").write_text(comp(0))
     old = ["--on-top-of", str(tmp_path / "X.comp")]
     assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "t"), *old]) == 0

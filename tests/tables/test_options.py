@@ -90,13 +90,6 @@ def test_the_readme_of_each_format_that_can_flip_says_when(controller: str) -> N
     assert bool(exporter(controller).unstated) is ("--flip" in exporter(controller).takes)
 
 
-def test_a_sinumerik_without_cec_tables_refuses_to_turn_them() -> None:
-    estimate = drawn_and_known(machine_from_text(machine_text("w-b-X-Y-Z-t", TRAVELS, {"EXX": ("10 um", 7, 150)})))
-    assert set(export(estimate, "sinumerik", ExportOptions()).files) == {"AX_EEC.INI"}
-    with pytest.raises(TableError, match="--flip turns CEC tables, and these files hold none"):
-        export(estimate, "sinumerik", ExportOptions(flip=True))
-
-
 @pytest.mark.parametrize("against", ["X", "C"])
 def test_isg_names_the_axes_that_count_against_the_kernel(against: str) -> None:
     text = machine_text("w-C'-b-X-Y-Z-t", {**TRAVELS, "C": (0, 360)}, {"EXX": ("10 um", 7, 150)})
