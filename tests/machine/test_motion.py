@@ -71,16 +71,6 @@ def test_a_long_turn_is_made_in_parts() -> None:
     )
 
 
-def test_many_moves_at_once_take_as_long_as_each() -> None:
-    rng = np.random.default_rng(1)
-    poses = rng.uniform(0, 0.4, (7, 3))
-    sides = rng.integers(-1, 2, (7, 3)).astype(float)
-    table = approach_seconds(MACHINE, poses[:, None], poses[None], sides[None])
-    for i in range(7):
-        for j in range(7):
-            assert table[i, j] == pytest.approx(float(approach_seconds(MACHINE, poses[i], poses[j], sides[j])))
-
-
 @given(
     st.tuples(*[st.floats(0, 0.4)] * 3),
     st.tuples(*[st.floats(0, 0.4)] * 3),
