@@ -18,7 +18,7 @@ from axiscal.description.campaign import read_campaign
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
-from axiscal.exceptions import ReadingError, RecordError, SourceError
+from axiscal.exceptions import RecordError, SourceError
 from axiscal.measurement.reading import Place, Reading
 from axiscal.record.events import Asked, Gap, Recorded
 from tests.generators.texts import machine_text
@@ -194,25 +194,6 @@ def test_readings_of_a_program_keep_its_numbers(start: Start) -> None:
     assert [reading.number for reading in again.state.readings] == [1, 3, 2, 5]
     assert isinstance(question := again.next(), Asked)
     assert question.reading == 6
-
-
-@pytest.mark.parametrize(
-    ("value", "std"), [(float("nan"), None), (float("inf"), None), (1e-6, 0.0), (1e-6, -1e-6), (1e-6, float("nan"))]
-)
-def test_what_is_no_number_is_refused(start: Start, value: float, std: float | None) -> None:
-    campaign = start("readings = 3")
-    campaign.next()
-    with pytest.raises(ReadingError):
-        campaign.record(value, std)
-    assert campaign.state.readings == ()
-
-
-def test_of_several_values_the_one_that_is_no_number_is_named(start: Start) -> None:
-    campaign = start("readings = 3")
-    campaign.next()
-    with pytest.raises(ReadingError, match=r"^nan is not a finite number"):
-        campaign.record(1e-6, others=(2e-6, float("nan")))
-    assert campaign.state.readings == ()
 
 
 @pytest.mark.parametrize(

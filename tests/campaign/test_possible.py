@@ -83,6 +83,8 @@ NO_STD = r"no standard deviation.*at least 0\.1 nm"
     [
         *((value, None, "no deviation of a machine") for value in (1e3, -1e30)),
         *((1e-6, std, NO_STD) for std in (0.0, -1e-6, 9e-11, 1e-300)),
+        *((value, None, f"^{value} is not a finite number") for value in (float("nan"), float("inf"))),
+        (1e-6, float("nan"), "^nan m or rad is no deviation of a machine"),
     ],
 )
 def test_what_no_reading_has_is_not_recorded(asked: Campaign, value: float, std: float | None, says: str) -> None:

@@ -20,7 +20,6 @@ from axiscal.cli.app import run
 from axiscal.exceptions import SourceError, TableError
 from axiscal.ports.printers.printer_source import loader_at
 from tests.campaign.test_printer_source import Handler, Server, serving
-from tests.commands import Command
 from tests.tables.test_bed_round_trips import X, Y, bed, duet_map, estimated, klipper_file
 
 INCLUDE = "[include axiscal_mesh.cfg]\n[printer]\nkinematics: cartesian\n"
@@ -205,22 +204,6 @@ def _greets(server: socket.socket) -> None:
             with server.accept()[0] as line:
                 line.recv(4096)
                 line.sendall(b"SSH-2.0-OpenSSH_9.2\r\n")
-
-
-@pytest.mark.parametrize(
-    ("to", "where", "why"),
-    [
-        ("klipper", "octoprint:voron.local", "is no printer"),
-        ("klipper", "", "is no printer"),
-        ("reprapfirmware", "moonraker:voron.local", "moonraker takes no files of"),
-        ("klipper", "duet:192.168.1.7", "Export with --to reprapfirmware"),
-    ],
-)
-def test_what_goes_to_no_printer_is_refused_before_a_file_is_written(
-    to: str, where: str, why: str, record: Path, tmp_path: Path, command: Command
-) -> None:
-    assert why in command("export", record, "--to", to, "--out", tmp_path / "out", "--load", where).refusal
-    assert not (tmp_path / "out").exists()
 
 
 def test_an_export_without_the_file_that_a_printer_takes_is_refused() -> None:

@@ -12,8 +12,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from axiscal.campaign.sources import Answer, Skip, Source, open_source
 from axiscal.campaign.sources import exec as exec_source
@@ -102,11 +100,6 @@ def test_answers_that_are_understood(
 def test_a_line_without_end_is_refused(answering: Callable[[str], Source], line: str) -> None:
     with pytest.raises(SourceError, match="not a JSON object"):
         answering(say(line)).read(REQUEST)
-
-
-def test_a_command_with_a_nul_is_refused(opened: Opened) -> None:
-    with pytest.raises(SourceError, match=r"cannot be started|cannot be split"):
-        opened("exec:\0")
 
 
 def test_a_command_that_dies_is_quoted(answering: Callable[[str], Source], capfd: pytest.CaptureFixture[str]) -> None:
@@ -285,15 +278,3 @@ def test_a_row_that_agrees_is_answered(table: Callable[[str], Source]) -> None:
 def test_a_table_of_something_else_is_refused(table: Callable[[str], Source], text: str) -> None:
     with pytest.raises(ReadingError):
         table(text)
-
-
-@given(st.floats(-9e5, 9e5), st.sampled_from(["um", "mm", "nm"]))
-def test_whatever_number_a_table_holds_is_answered(value: float, unit: str) -> None:
-    import tempfile
-
-    with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / "r.csv").write_text(f"value_{unit}\n{value!r}\n")
-        answer = open_source(f"csv:{folder}/r.csv", SIMULATOR).read(REQUEST)
-    scale = {"um": 1e6, "mm": 1e3, "nm": 1e9}[unit]
-    assert isinstance(answer, Answer)
-    assert answer.value == pytest.approx(value / scale, rel=1e-15)

@@ -83,42 +83,8 @@ def test_values_as_they_are_typed(started: Command, words: list[str], value: flo
     assert kept.document["unit"] == "um"
 
 
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        ([""], 'an empty text is not a quantity. Write a length with its unit, such as "12 um"'),
-        (["1.7"], "has no unit"),
-        (["1.7", "urad"], "is an angle, not a length"),
-        (["nan um"], "not a finite number"),
-        (["one um"], "not a number with a unit"),
-        (["1,7 um"], "comma"),
-        (["1 um", "--std", "0 um"], "is no standard deviation"),
-        (["1 um", "--std", "-1 um"], "-1 um is no standard deviation"),
-        (["1 um", "--at", "X=120"], "has no unit"),
-        (["1 um", "--at", "X=1 km"], "outside the travel"),
-        (["1 um", "--at", "Y=1 mm"], 'no axis "Y"'),
-        (["1 um", "--at", "120 mm"], "is not a place"),
-        (["1 um", "--at", "X=1 mm X=2 mm"], "is not a place"),
-        (["1 um", "--at", ""], "X moves in the set-up"),
-        (["1 um", "--at", "X=1 mm", "--approach", "up"], "is not an approach"),
-        (["1 um", "--at", "X=1 mm", "--approach", "Y+"], 'no axis "Y"'),
-        (["1 um", "--at", "X=1 mm", "--setup", "lazer"], 'no set-up "lazer"'),
-    ],
-)
-def test_what_cannot_be_recorded_is_refused_and_costs_nothing(
-    axiscal: Command, words: list[str], says: str, tmp_path: Path
-) -> None:
-    ask = ("next", "m.axiscal")
-    begun(tmp_path, {"c.toml": FOUR_READINGS}, STARTED, ask, ("record", "m.axiscal", "1 um"), ask)
-    before = Path("m.axiscal").read_bytes()
-    axiscal("record", "m.axiscal", *words).refused(says)
-    assert Path("m.axiscal").read_bytes() == before
-
-
 def test_skip_undo_status(started: Command) -> None:
-    started("step", "skip", "m.axiscal", "why").refused("No reading has been asked for")
     question = started("next", "m.axiscal", "--json").document["question"]
-    started("skip", "m.axiscal", " ").refused("reason is empty")
     assert started("skip", "m.axiscal", "the beam is blocked").status == 0
     status = started("status", "m.axiscal", "--json").document
     assert [(gap["reason"], gap["position"]) for gap in status["skipped"]] == [
@@ -128,14 +94,6 @@ def test_skip_undo_status(started: Command) -> None:
     assert started("undo", "m.axiscal", "--json").document["undone"] == "skipped"
     assert started("next", "m.axiscal", "--json").document["question"] == question
     started("undo", "m.axiscal").refused("nothing to take back")
-
-
-def test_a_question_says_when_a_reading_is_positive_and_a_full_plan_how_to_read_on(started: Command) -> None:
-    while "Nothing more to ask" not in (said := started("next", "m.axiscal").out):
-        assert "  sign      + where the tool stands too far towards +x, seen from the workpiece\n" in said
-        assert started("record", "m.axiscal", "0.1 um").status == 0
-    assert "axiscal step next m.axiscal --beyond    # one reading more" in said
-    assert started("next", "m.axiscal", "--beyond").out.startswith("Reading ")
 
 
 def test_a_reading_has_one_number_wherever_it_is_named(started: Command) -> None:
@@ -371,49 +329,3 @@ def test_a_defect_is_not_a_traceback(started: Command, monkeypatch: pytest.Monke
     monkeypatch.setenv("AXISCAL_TRACEBACK", "1")
     with pytest.raises(ZeroDivisionError):
         started("next", "m.axiscal")
-
-
-READINGS = "setup,X_mm,approach,value_um\nlaser,0,X+,0.5\nlaser,100,X+,1.5\nlaser,100,X-,-1.5\n"
-
-
-def test_a_positioning_test_is_evaluated(axiscal: Command, tmp_path: Path) -> None:
-    rows = [f"{x},{s},{run},{0.01 * x + run}" for run in (1, 2) for s in "+-" for x in (0, 50, 100)]
-    (tmp_path / "iso.csv").write_text("\n".join(["target_mm,direction,run,deviation_um", *rows]))
-    assert axiscal("estimate", "c.toml", "iso.csv", "--out", "d", "--json").document["readings"] == 12
-    axiscal("estimate", "c.toml", "iso.csv", "--out", "d").refused("Name another --out, or remove it")
-    figures = axiscal("iso230", "iso.csv", "--json").document
-    assert (figures["schema"], figures["E"]) == ("axiscal-iso230/1", pytest.approx(1.0))
-    text = axiscal("iso230", "iso.csv").out
-    assert "systematic deviation, bidirectional" in text
-    assert "1.000 um" in text
-
-
-@pytest.mark.parametrize(
-    ("row", "says"),
-    [
-        ("lazer,0,X+,1", 'no set-up "lazer"'),
-        ("laser,1e6,X+,1", "too large for a machine"),
-        ("laser,1e5,X+,1", "outside the travel"),
-        ("laser,-1,X+,1", "outside the travel"),
-        ("laser,0,Y+,1", 'no axis "Y"'),
-        ("laser,,X+,1", "X moves in the set-up"),
-        ("laser,0,X+,nan", "not finite"),
-        ("laser,0,X+,", "no value"),
-        ("laser,0,X+", "3 cells"),
-    ],
-)
-def test_a_wrong_reading_is_shown_in_its_line(axiscal: Command, tmp_path: Path, row: str, says: str) -> None:
-    (tmp_path / "r.csv").write_text(READINGS + row + "\n")
-    axiscal("estimate", "c.toml", "r.csv", "--out", "d").refused("r.csv, line 5", says)
-    (tmp_path / "r.csv").write_text(READINGS.partition("\n")[2])
-    axiscal("estimate", "c.toml", "r.csv", "--out", "d").refused("the header, such as setup,X_mm,approach,value_um")
-    assert not (tmp_path / "d").exists()
-
-
-def test_the_machines(axiscal: Command, tmp_path: Path) -> None:
-    names = [machine["name"] for machine in axiscal("machine", "list", "--json").document["machines"]]
-    assert {"one-axis", "dmu60", "three-axis-mill"} <= set(names)
-    for name in names:
-        assert name in axiscal("machine", "list").out
-        (tmp_path / "copy.toml").write_text(axiscal("machine", "show", name).out)
-        assert axiscal("machine", "check", "copy.toml").status == 0

@@ -38,11 +38,6 @@ def test_a_folder_receives_a_copy_of_the_same_name(record: Path, tmp_path: Path,
     assert command("status", tmp_path / "stick" / "mill.axiscal", "--json").document["readings"] == 1
 
 
-def test_a_copy_does_not_take_the_place_of_anything_else(record: Path, tmp_path: Path, command: Command) -> None:
-    assert "is here already" in command("copy", record, tmp_path / "campaign.toml").refusal
-    assert (tmp_path / "campaign.toml").read_text() == CAMPAIGN
-
-
 def test_report_tables_and_result_name_the_state_of_the_record(record: Path, tmp_path: Path, command: Command) -> None:
     with Campaign.open(record, write=False) as campaign:
         first = 1e3 * campaign.state.readings[0].pose[0]

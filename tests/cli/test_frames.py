@@ -99,25 +99,6 @@ def test_values_in_the_workpieces_frame_are_as_they_are(tmp_path: Path) -> None:
     assert centre(tmp_path / "out") == pytest.approx(CENTRE[:2], abs=0.003)
 
 
-@pytest.mark.parametrize(
-    ("columns", "setup", "says"),
-    [
-        ("found_x_mm,found_y_mm", "", "Fill found_x, found_y and found_z"),
-        (FOUND, 'instrument = "rtest"\n', "reads none"),
-        (f"{FOUND},value_x_um", "", "value_x_um"),
-    ],
-)
-def test_what_was_found_is_whole_and_of_a_ball(tmp_path: Path, columns: str, setup: str, says: str) -> None:
-    path = campaign(tmp_path)
-    if setup:
-        path.write_text(CAMPAIGN.replace('instrument = "sphere"\nartefact = "ball"\n', setup))
-    cells = ["1"] * len(columns.split(","))
-    (tmp_path / "r.csv").write_text(rows_of(f"setup,C_deg,X_mm,Y_mm,Z_mm,{columns}", [["touch", 0, 1, 1, 1, *cells]]))
-    told = given("data", "estimate", path, tmp_path / "r.csv", "--out", tmp_path / "out")
-    assert told.status == 1
-    assert says in " ".join(told.err.split())
-
-
 def test_what_the_control_found_is_typed_as_it_prints_it(tmp_path: Path) -> None:
     printed = np.round(found(), 4)
     turn, (x, y, z) = TURNS[3], printed[3]

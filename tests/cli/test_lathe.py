@@ -50,20 +50,6 @@ def test_readings_say_what_they_are(campaign: Path, tmp_path: Path, column: str,
     assert again.status == 0
 
 
-@pytest.mark.parametrize(
-    ("column", "says"),
-    [("X_mm", "whether its X is the radius or the diameter"), ("Z_radius_mm,X_radius_mm,X_diameter_mm", "given twice")],
-)
-def test_readings_that_leave_it_open_are_refused(campaign: Path, tmp_path: Path, column: str, says: str) -> None:
-    count = len(column.split(","))
-    (tmp_path / "r.csv").write_text(
-        rows_of(f"setup,{column},approach,value_um", [["laser along X", *[10] * count, "X+", 1.0]])
-    )
-    found = given("data", "estimate", campaign, tmp_path / "r.csv", "--out", tmp_path / "out")
-    assert found.status == 1
-    assert says in " ".join(found.err.split())
-
-
 def test_programs_and_their_sheet_say_the_radius(campaign: Path, tmp_path: Path) -> None:
     assert given("plan", campaign, "--readings", 6, "--gcode", "linuxcnc", "--out", tmp_path / "nc").status == 0
     program = next(path for path in tmp_path.rglob("*.ngc") if path.stem.endswith("_X"))
@@ -76,12 +62,3 @@ def test_the_prompt_says_both(campaign: Path, tmp_path: Path) -> None:
     assert given("step", "start", campaign, record).status == 0
     asked = given("step", "next", record).out
     assert "(the diameter " in asked
-
-
-def test_only_a_slide_shows_diameters(tmp_path: Path) -> None:
-    machine = tmp_path / "m.toml"
-    text = 'name = "m"\nchain = "w-C\'-b-t"\n[axes.C]\ntravel = ["0 deg", "360 deg"]\nshows = "diameter"\n'
-    machine.write_text(f'{text}[errors]\nECC = {{ std = "50 urad" }}\n')
-    found = given("machine", "check", machine)
-    assert found.status == 1
-    assert "C turns, and shows no diameter" in found.err

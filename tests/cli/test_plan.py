@@ -49,14 +49,6 @@ def test_the_volume_criterion_says_its_bound_in_micrometres(campaign: Path, comm
     assert "%" not in said
 
 
-def test_a_plan_becomes_programs(campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["plan", str(campaign), "--readings", "3", "--gcode", "linuxcnc", "--out", str(tmp_path / "g")]) == 0
-    programs = list((tmp_path / "g").glob("*.ngc"))
-    assert len(programs) == 1
-    assert programs[0].read_text().rstrip().endswith("M2")
-    assert f"Written  {tmp_path / 'g'} (4 files, README.txt there)" in capsys.readouterr().out
-
-
 def moves(folder: Path) -> list[str]:
     """Return the moves of the one program in a folder."""
     (program,) = folder.glob("*.ngc")
@@ -85,22 +77,8 @@ def test_minutes_count_how_programs_go_to_readings(campaign: Path, command: Comm
     assert minutes[1] - minutes[0] == pytest.approx(2 * 2 / 10, rel=0.1)  # two ways of 2 mm at 10 mm/min
 
 
-@pytest.mark.parametrize(("line", "said"), [('feed = "0.5"', "has no unit"), ('clearance = "Q=3 mm"', "no axis")])
-def test_what_is_said_of_programs_is_read_before_a_plan_is_made(
-    campaign: Path, line: str, said: str, command: Command
-) -> None:
-    campaign.write_text(f"{CAMPAIGN}[programs]\n{line}\n")
-    assert said in command("plan", campaign, "--readings", "3", "--gcode", "linuxcnc").refusal
-
-
 def test_a_budget_of_less_than_a_reading_is_refused(campaign: Path, command: Command) -> None:
     assert "less than" in command("plan", campaign, "--budget", "1 s").refusal
-
-
-def test_a_budget_of_less_than_a_mounting_is_refused_where_sides_are_evened(tmp_path: Path, command: Command) -> None:
-    file = tmp_path / "four.toml"
-    file.write_text(FOUR_READINGS)
-    assert "than the 30.1 min that the first reading takes" in command("plan", file, "--budget", "1 min").refusal
 
 
 def test_so_many_readings_are_planned_whatever_accuracy_the_campaign_asks_for(campaign: Path, command: Command) -> None:
@@ -193,14 +171,6 @@ def test_a_set_up_that_no_budget_reaches_is_named(
     assert 'than the 30 min there are: "slow" (50' in " ".join(capsys.readouterr().err.split())
 
 
-def test_details_say_how_long_it_would_take_if_all_that_is_stated_were_exact(campaign: Path, command: Command) -> None:
-    assert re.search(
-        r"^If all that is stated were exact, .*: \d+ min\.$",
-        command("plan", campaign, "--target", "4 um", "--details").printed,
-        re.M,
-    )
-
-
 @pytest.mark.long
 def test_less_memory_makes_the_same_plan(campaign: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """2,000 candidates of 168 unknowns take 2.7 MB: with 1 MB the errors are cut into pieces."""
@@ -232,25 +202,6 @@ def test_a_target_out_of_reach_is_said_at_once(campaign: Path, tmp_path: Path, c
     assert 'With "laser along X" as well, 7 readings reach it' in said  # though X has only a centimetre to go
 
 
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        (["--readings", "1000000"], "a plan of 1,000,000 readings is not made: at most 1,000"),
-        (["--budget", "1e9 h"], "time for 100 times the 1,000 readings"),
-        (["--readings", "3", "--candidates", "10000000"], "a choice among 10,000,000 places is not made"),
-    ],
-)
-def test_a_plan_whose_end_nobody_would_see_is_refused_before_it_begins(
-    campaign: Path,
-    words: list[str],
-    says: str,
-    command: Command,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("axiscal.cli.plan.proposed", lambda *_: pytest.fail("it has begun"))
-    assert says in command("plan", campaign, *words).refusal
-
-
 def test_a_plan_of_fewer_readings_than_asked_for_says_so(campaign: Path, command: Command) -> None:
     found = re.search(
         r"(\d+) of (\d+) readings: more do not fit into 10.4 min",
@@ -268,14 +219,6 @@ def test_a_plan_is_drawn_on_the_machine(campaign: Path, command: Command) -> Non
     words = [text.text for text in ElementTree.parse(file).iter("{http://www.w3.org/2000/svg}text")]
     assert {"X", "indicator"} <= set(words)
     assert any("7 readings" in (each or "") for each in words)
-
-
-def test_a_picture_of_another_kind_is_refused(campaign: Path, command: Command) -> None:
-    assert (
-        "--picture draws an SVG file, and where.html is none"
-        in command("plan", campaign, "--picture", campaign.parent / "where.html").refusal
-    )
-    assert not (campaign.parent / "where.html").exists()
 
 
 MILL = (Path(__file__).parents[1] / "golden" / "campaigns" / "mill" / "campaign.toml").read_text()

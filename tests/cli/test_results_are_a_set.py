@@ -192,11 +192,15 @@ def test_a_run_that_ended_before_its_first_reading_is_begun_anew(folder: Path) -
     assert run(["run", "campaign.toml", "--source", "sim:3", "--out", "out"]) == 0
 
 
-def test_an_estimate_that_failed_leaves_nothing_in_the_way(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_estimate_that_failed_leaves_nothing_in_the_way(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     with monkeypatch.context() as patched:
         patched.setattr(outputs, "deliver", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
         assert run(["estimate", "campaign.toml", "readings.csv", "--out", "out"]) == 1
     assert run(["estimate", "campaign.toml", "readings.csv", "--out", "out"]) == 0
+    assert run(["estimate", "campaign.toml", "readings.csv", "--out", "out"]) == 1
+    assert "Name another --out, or remove it" in complaint(capsys)
 
 
 def test_a_start_that_cannot_be_planned_leaves_no_record(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -138,23 +138,18 @@ def target(readings: int | None = None, rms: float | None = None, budget: float 
 
 
 @pytest.mark.parametrize(
-    ("asked", "said"),
+    ("number", "asked", "said"),
     [
-        (target(120), "reading 3 of 120: RMS 2 um"),
-        (target(120, 1e-6), "reading 3 of at most 120: RMS 2 um (target 1 um)"),
-        (target(120, budget=600.0), "reading 3 of at most 120: RMS 2 um"),
-        (target(rms=1e-6), "reading 3: RMS 2 um (target 1 um)"),
+        (3, target(120), "reading 3 of 120: RMS 2 um"),
+        (3, target(120, 1e-6), "reading 3 of at most 120: RMS 2 um (target 1 um)"),
+        (3, target(120, budget=600.0), "reading 3 of at most 120: RMS 2 um"),
+        (3, target(rms=1e-6), "reading 3: RMS 2 um (target 1 um)"),
+        (5, target(120), "reading 5, 3 taken of 120: RMS 2 um"),
     ],
 )
-def test_of_how_many(asked: Target, said: str) -> None:
-    reading = Reading("laser", (0.0,), (0,), 0.0, number=3)
+def test_of_how_many(number: int, asked: Target, said: str) -> None:
+    reading = Reading("laser", (0.0,), (0,), 0.0, number=number)
     assert progress_line(Milestone(3, reading, KNOWN, 60.0), asked).startswith(said)
-
-
-def test_how_many_were_taken_is_no_number_of_a_reading() -> None:
-    reading = Reading("laser", (0.0,), (0,), 0.0, number=5)
-    said = progress_line(Milestone(3, reading, KNOWN, 60.0), target(120))
-    assert said.startswith("reading 5, 3 taken of 120: RMS 2 um")
 
 
 def test_a_line_with_all_that_may_be_wanted_fits_a_terminal() -> None:

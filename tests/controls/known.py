@@ -7,9 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import whole_travel
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine.description import machine_from_text
 from axiscal.measurement.simulation import VirtualMachine
@@ -17,7 +14,9 @@ from axiscal.numerics import Array
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
+from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.surface import left_by
+from tests.generators.known import known_to_be, truth_of
 from tests.generators.texts import Std, machine_text
 
 CHAIN = "w-Y'-b-Z-X-t"
@@ -96,13 +95,12 @@ class Known:
 def known(*errors: Mapping[str, Std], seed: int = 3, chain: str = CHAIN) -> Known:
     """Return a machine with these errors, drawn."""
     together = {name: std for each in errors for name, std in each.items()}
-    model = ErrorModel(machine_from_text(machine_text(chain, TRAVELS, together)))
-    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(seed).standard_normal(model.size)
+    drawn = drawn_and_known(machine_from_text(machine_text(chain, TRAVELS, together)), seed)
+    model, mean = drawn.model, drawn.mean.copy()
     for each in (f for f in model.functions if f.kind == "reversal"):  # an axis that turns arrives short
         mean[each.columns] = -model.machine.axes[each.axis].sign * np.abs(mean[each.columns])
-    curves = tuple((lambda t, f=f: f.rows(t) @ mean[f.columns]) for f in model.terms)
-    estimate = Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
-    return Known(estimate, VirtualMachine(model, curves, {}))
+    estimate = known_to_be(model, mean)
+    return Known(estimate, truth_of(estimate))
 
 
 def _largest(deviation: Array) -> float:

@@ -6,21 +6,16 @@ from collections import Counter
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import numpy as np
-
 from axiscal.description.first_files import machine_text
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
-from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import whole_travel
-from axiscal.estimation.belief import Belief
-from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.description import machine_from_text
 from axiscal.ports.linuxcnc.volumetric_tables import LinuxcncVolumetric
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
+from axiscal.tables.round_trip import drawn_and_known
 from axiscal.units import from_unit
 from tests.controls.fetched import MissingError
 from tests.tables.core_library import Core
@@ -41,9 +36,7 @@ def ends(core: Core, ini: Path) -> str:
     except InputError:
         return "refused"
     try:
-        model = ErrorModel(machine)
-        mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(3).standard_normal(model.size)
-        estimate = Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+        estimate = drawn_and_known(machine, 3)
         joints = {axis.letter: axis.joints for axis in found.axes}
         options = ExportOptions(unit=found.build.unit, numbers=joints, active=False)
         linear = [letter_direction(axis.letter) for axis in machine.axes if not axis.rotary]

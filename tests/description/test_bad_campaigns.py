@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.description.campaign import campaign_from_texts, read_campaign
-from axiscal.exceptions import DescriptionError, InputError, UnitError
+from axiscal.exceptions import DescriptionError, InputError
 from tests.refusals.reading import refusals
 
 TEXTS = refusals("campaign").texts
@@ -23,32 +23,10 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def failure(folder: Path, text: str) -> InputError:
-    path = folder / "campaign.toml"
-    path.write_text(text)
-    with pytest.raises(InputError) as caught:
-        read_campaign(path)
-    assert isinstance(caught.value, DescriptionError | UnitError)
-    assert str(caught.value).startswith(str(path))
-    assert caught.value.remedy
-    assert all(line.startswith(("- ", "And ")) for line in str(caught.value).splitlines()[1:])
-    return caught.value
-
-
-@pytest.mark.parametrize(
-    "content", [b"\xff\xfem\x00", b"\xef\xbb\xbfmachine = 1", b"machine = '\xb5'", b"a\0b", b"\x81\x30\x81\x30"]
-)
-def test_a_file_that_is_no_text_is_refused(folder: Path, content: bytes) -> None:
-    (folder / "campaign.toml").write_bytes(content)
-    with pytest.raises(InputError, match=r"campaign\.toml"):
-        read_campaign(folder / "campaign.toml")
-
-
-def test_a_campaign_without_end_is_refused_unless_it_only_evaluates(folder: Path) -> None:
-    text = "\n".join(
-        line for line in GOOD.splitlines() if line.split(" ")[0] not in ("rms", "worst", "readings", "budget")
-    )
-    assert "nothing would ever stop" in str(failure(folder, text))
+def test_a_campaign_without_end_evaluates(folder: Path) -> None:
+    ends = ("rms", "worst", "readings", "budget")
+    text = "\n".join(line for line in GOOD.splitlines() if line.split(" ")[0] not in ends)
+    (folder / "campaign.toml").write_text(text)
     assert read_campaign(folder / "campaign.toml", target_needed=False).target.empty
 
 
@@ -67,13 +45,6 @@ def test_a_prior_beside_records_of_sisters_is_refused(folder: Path) -> None:
         campaign_from_texts(f'prior = "old.axiscal"\n{text}', "campaign.toml", MACHINE, "machine.toml")
 
 
-def test_a_prior_that_is_no_record_is_named(folder: Path) -> None:
-    (folder / "old.axiscal").write_text("no record")
-    (folder / "campaign.toml").write_text(f'prior = "old.axiscal"\n{GOOD}')
-    with pytest.raises(InputError, match=r"old\.axiscal: This file is not a campaign record"):
-        read_campaign(folder / "campaign.toml")
-
-
 def test_a_wrong_machine_is_shown_in_its_own_file(folder: Path) -> None:
     (folder / "machine.toml").write_text(MACHINE.replace('"600 mm"', '"600"'))
     (folder / "campaign.toml").write_text(GOOD)
@@ -90,13 +61,10 @@ def test_a_garbled_campaign_is_read_or_refused(data: st.DataObject) -> None:
         campaign_from_texts(GOOD[:start] + middle + GOOD[end:], "campaign.toml", MACHINE, "machine.toml")
 
 
-@pytest.mark.parametrize(
-    ("said", "there"), [('"no"', ""), ('["X=old.comp"]', "old.csv"), ('["X=old.comp"]', "old.comp")]
-)
-def test_a_compensation_that_was_active_is_in_a_file_that_is_there(tmp_path: Path, said: str, there: str) -> None:
-    (tmp_path / (there or "machine.toml")).write_text(MACHINE)
-    (tmp_path / "machine.toml").write_text(MACHINE)
-    (tmp_path / "campaign.toml").write_text(f"compensation_active = {said}\n{GOOD}")
+@pytest.mark.parametrize("there", [True, False])
+def test_a_compensation_that_was_active_is_in_a_file_that_is_there(folder: Path, there: bool) -> None:
+    (folder / ("old.comp" if there else "old.csv")).touch()
+    (folder / "campaign.toml").write_text(f'compensation_active = ["X=old.comp"]\n{GOOD}')
     refused = pytest.raises(DescriptionError, match=r"campaign.toml, line 1: compensation_active names .* not there")
-    with contextlib.nullcontext() if there == "old.comp" else refused:
-        read_campaign(tmp_path / "campaign.toml")
+    with contextlib.nullcontext() if there else refused:
+        read_campaign(folder / "campaign.toml")

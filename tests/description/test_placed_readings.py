@@ -8,14 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts, read_campaign
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_approach, placed_pose, placed_readings
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.readers.csv_readings import RawReading
-from axiscal.measurement.readers.files import read_any
-from tests.generators.field import FIELD
 from tests.generators.texts import setup_text
 
 MILL = setup_text(
@@ -55,14 +53,6 @@ def refusal(campaign: CampaignDescription, **said: Any) -> str:
 @pytest.mark.parametrize(
     ("said", "why"),
     [
-        ({"dimension": "angle"}, 'the interferometer of the set-up "laser" reads a length, not an angle'),
-        ({"others": (1e-6,)}, 'the interferometer of "laser" gives 1 values a reading. Give one value'),
-        ({"position": {"X": 0.1, "Q": 0.1}}, 'no axis "Q"'),
-        ({"position": {"Y": 0.25}}, 'X moves in the set-up "laser", and its position is not given'),
-        ({"position": {"X": 9.0}}, "outside"),
-        ({"position": {"X": 0.1, "Y": 0.3}}, 'Y = 300 mm, but the set-up "laser" parks it at 250 mm'),
-        ({"approach": {"Y": 1}}, 'Y is parked in the set-up "laser" and has no direction of approach'),
-        ({"setup": "lazer"}, 'there is no set-up "lazer". The set-ups are "laser", "dial"'),
         ({"setup": "", "error": "EXX", "dimension": "angle"}, "no set-up reads a rotation about x while X moves"),
         ({"setup": "", "error": "EZX"}, "no set-up reads a length along z while X moves"),
         ({"setup": "", "position": {"": 0.1}, "approach": {"": 1}}, "the campaign has more than one of them"),
@@ -183,30 +173,3 @@ def test_a_place_beside_a_line_is_named() -> None:
     assert placed_pose(setup, campaign.machine, said) == pytest.approx(pose)
     with pytest.raises(ReadingError, match="from the line or circle, where"):
         placed_pose(setup, campaign.machine, {**said, "X": said["X"] + 0.01})
-
-
-@pytest.mark.parametrize(
-    ("key", "at", "why"),
-    [
-        ("", 0.008, "X = 8 mm is within the travel and outside the reach of"),
-        ("", 0.4, "X = 400 mm is within the travel and outside the reach of"),
-        ("", 0.7, "X = 700 mm is outside the travel. X goes from 0 mm to 600 mm"),
-        ('base = "100 mm"\n', 0.03, "a foot of the level stands outside the reach"),
-        ('base = "100 mm"\n', 0.005, "X = 5 mm is within the travel and outside the reach"),
-    ],
-)
-def test_a_place_outside_the_reach_is_not_said_to_be_outside_the_travel(key: str, at: float, why: str) -> None:
-    level = f'[[setups]]\nname = "level"\ninstrument = "level"\ndirection = "y"\nmoves = ["X"]\n{key}'
-    campaign = described(f'{level}reach = {{ X = ["10 mm", "300 mm"] }}\n')
-    found = refusal(campaign, setup="level", dimension="angle", position={"X": at})
-    assert why in found
-    assert ("outside the travel" in found) == (at > 0.6)
-
-
-@pytest.mark.parametrize(("campaign", "readings"), [("campaign.toml", "r.csv"), ("c2.toml", "r2.csv")])
-def test_readings_of_the_field_beyond_a_reach_say_so(campaign: str, readings: str) -> None:
-    folder = FIELD / "13-reach-message"
-    if folder.is_dir():
-        stated = read_campaign(folder / campaign)
-        with pytest.raises(ReadingError, match="within the travel and outside the reach"):
-            placed_readings(read_any(folder / readings), stated, readings)

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from axiscal.description.first_files import of_file
-from axiscal.exceptions import DescriptionError
 from axiscal.machine import Machine, machine_from_text
 from tests.commands import Command
 
@@ -54,39 +53,6 @@ def test_kinematics_travels_and_speeds_are_read(tmp_path: Path) -> None:
 def test_the_bed_of_a_cartesian_printer_slides(tmp_path: Path) -> None:
     machine = read(tmp_path, COREXY.replace("corexy", "cartesian"))
     assert [axis.name for axis in machine.axes if axis.workpiece_side] == ["Y"]
-
-
-@pytest.mark.parametrize(
-    ("of", "instead", "said"),
-    [
-        ("corexy", "delta", "printer.cfg, line 3: kinematics: delta has no axes X, Y and Z"),
-        ("position_max: 250", "position_max: wide", "printer.cfg, line 9: position_max = wide is not a number"),
-        ("position_max: 250", "position_max: -7", "printer.cfg, line 9: position_max of stepper_x is -7"),
-        ("position_max: 210", "position_mux: 210", "[stepper_y] says no position_max"),
-        ("kinematics:", "kinematic:", "[printer] says no kinematics"),
-    ],
-)
-def test_what_cannot_be_is_refused_with_its_line(tmp_path: Path, of: str, instead: str, said: str) -> None:
-    with pytest.raises(DescriptionError) as refused:
-        read(tmp_path, COREXY.replace(of, instead))
-    assert said in str(refused.value)
-
-
-@pytest.mark.parametrize(
-    ("text", "kind"),
-    [
-        ("", "an empty file"),
-        ("%\nG21\nG0 X10\n", "a program in G-code"),
-        ("X,Y\n1.5, 2\n", "a table of numbers"),
-        ('{"a": 1}', "a JSON document"),
-        ("axiscal record 2 abc\n", "a record of axiscal"),
-        ("[owner]\nname = x\n", "sections of keys that neither of them has"),
-        ("nothing in particular", "text in lines"),
-    ],
-)
-def test_a_file_of_no_control_is_said_to_be_what_it_looks_like(tmp_path: Path, text: str, kind: str) -> None:
-    with pytest.raises(DescriptionError, match=f"This looks like {kind}"):
-        read(tmp_path, text)
 
 
 def test_init_begins_with_a_printer(tmp_path: Path, command: Command) -> None:

@@ -109,14 +109,6 @@ def test_a_reach_is_what_a_reading_is_asked_for_in() -> None:
     assert setup.span(machine.axis("X"), machine.index("X")) == pytest.approx((0.15, 0.45))
 
 
-@pytest.mark.parametrize(("machine", "turned"), [("dmu60", True), ("three-axis-mill", False)])
-def test_only_where_there_are_rotary_axes_a_bar_without_an_arc_is_told_to_park_them(machine: str, turned: bool) -> None:
-    with pytest.raises(InputError) as refused:
-        described(BAR.replace('"100 mm"', '"900 mm"') + 'plane = "zx"\n', machine)
-    assert ("park the rotary axes elsewhere" in str(refused.value)) is turned
-    assert "Give another plane, station or length" in str(refused.value)
-
-
 @pytest.mark.parametrize("length", ["150 mm", "200 mm", "237 mm", "251 mm"])
 @pytest.mark.parametrize("plane", ["zx", "yz"])
 def test_the_arc_that_a_refusal_names_can_be_gone_round(length: str, plane: str) -> None:
@@ -132,16 +124,6 @@ def test_the_arc_that_a_refusal_names_can_be_gone_round(length: str, plane: str)
 def test_more_balls_than_a_plan_can_choose_from_are_refused() -> None:
     with pytest.raises(InputError, match="balls are too many"):
         described(f"{MANY}\n{TOUCHED}")
-
-
-def test_where_hardly_anything_of_an_arc_is_reached_another_one_is_named() -> None:
-    with pytest.raises(InputError, match=r'Give arc = \["-100 deg", "100 deg"\]'):
-        described(BAR + 'plane = "zx"\narc = ["178 deg", "182 deg"]\n')
-
-
-def test_on_a_machine_without_rotary_axes_a_ball_would_be_one_pose() -> None:
-    with pytest.raises(DescriptionError, match="it is one pose"):
-        described(SPHERES.replace("-80 mm", "-200 mm") + TOUCHED, "three-axis-mill")
 
 
 def test_a_ball_beside_the_plane_of_two_slides_is_refused_in_words(tmp_path: Path) -> None:

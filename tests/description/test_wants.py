@@ -9,7 +9,6 @@ import pytest
 from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.target import Target, rows_of
-from axiscal.exceptions import InputError
 from axiscal.machine import load_machine
 
 MILL, FIVE = load_machine("three-axis-mill"), load_machine("dmu60")
@@ -71,8 +70,6 @@ def test_every_row_is_understood_by_its_own_name() -> None:
 def test_a_limit_of_the_volume_is_its_u() -> None:
     assert _target('wants = ["volume 20 um"]').expanded == 20e-6
     assert replace(_target('U = "20 um"'), wants=()) == replace(_target('wants = ["volume 20 um"]'), wants=())
-    with pytest.raises(InputError, match="one thing"):
-        _target('U = "20 um"\nwants = ["volume 20 um"]')
 
 
 BALL = '[[artefacts]]\nname = "{}"\nballs = {{ one = ["{} mm", "0 mm", "0 mm"] }}\n'

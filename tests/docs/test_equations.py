@@ -118,33 +118,6 @@ def test_value_on_an_interval_is_its_power_form() -> None:
         np.testing.assert_allclose(NaturalSpline(KNOTS).rows(KNOTS[i] + u) @ CONTROL, expected, atol=1e-13)
 
 
-def test_control_values_are_values() -> None:
-    """B&H eq. 3: a_i = S(t_i)."""
-    np.testing.assert_allclose(NaturalSpline(KNOTS).rows(KNOTS) @ CONTROL, CONTROL, atol=1e-15)
-
-
-def test_slopes_of_a_natural_spline() -> None:
-    """B&H eq. 4: b_i = (a_{i+1} - a_i)/h_i - (c_{i+1} + 2 c_i) h_i / 3."""
-    a, b, c, _ = natural()
-    np.testing.assert_allclose(b, np.diff(a) / H - (c[1:] + 2 * c[:-1]) * H / 3, atol=1e-13)
-
-
-def test_curvatures_of_a_natural_spline() -> None:
-    """B&H eq. 5: the recurrence holds for the solution of the whole system, whose ends are c_1 = c_n = 0."""
-    a, _, c, _ = natural()
-    assert c[0] == c[-1] == 0.0
-    for i in range(2, 7):
-        ratio = H[i - 2] / H[i - 1]
-        bends = 3 * ((a[i] - a[i - 1]) / H[i - 1] ** 2 - (a[i - 1] - a[i - 2]) / (H[i - 1] * H[i - 2]))
-        assert c[i] == pytest.approx(-ratio * c[i - 2] - 2 * (ratio + 1) * c[i - 1] + bends, abs=1e-12)
-
-
-def test_cubic_coefficients_of_a_natural_spline() -> None:
-    """B&H eq. 6: d_i = (c_{i+1} - c_i)/(3 h_i)."""
-    _, _, c, d = natural()
-    np.testing.assert_allclose(d, np.diff(c) / (3 * H), atol=1e-13)
-
-
 def test_a_cyclic_spline_closes() -> None:
     """B&H eq. 7: a_1 = S(t_1) = S(t_n), and slope and curvature close too."""
     spline = CyclicSpline(KNOTS)
@@ -162,29 +135,15 @@ def test_slopes_of_a_cyclic_spline() -> None:
     assert abs(printed - b[0]) > 0.1
 
 
-def test_curvatures_of_a_cyclic_spline() -> None:
-    """B&H eq. 9, with the indices moved so that they name the knot where the ends meet."""
-    a, _, c, _ = cyclic()
-    for i in range(6):
-        before, after = H[i - 1], H[i]
-        load = 3 * ((a[i + 1] - a[i]) / after - (a[i] - TURN[(i - 1) % 6]) / before)
-        assert before * c[i - 1 if i else 5] + 2 * (before + after) * c[i] + after * c[i + 1] == pytest.approx(load)
-
-
-def test_cubic_coefficients_of_a_cyclic_spline() -> None:
-    """B&H eq. 10: d_1 = (c_2 - c_1)/(3 h_1)."""
-    _, _, c, d = cyclic()
-    np.testing.assert_allclose(d, np.diff(c) / (3 * H), atol=1e-13)
-
-
 @pytest.mark.parametrize(("kind", "end"), [(NaturalSpline, "natural"), (CyclicSpline, "periodic")])
 def test_coefficients_are_linear_maps_of_the_control_values(
     kind: type[NaturalSpline | CyclicSpline], end: Literal["natural", "periodic"]
 ) -> None:
-    """B&H eq. 11: b = M1 a, c = M2 a, d = M3 a, column by column as scipy has them."""
+    """B&H eq. 3-6, 9-11: b = M1 a, c = M2 a, d = M3 a, column by column as scipy has them; a are the values."""
     spline = kind(KNOTS)
     units = np.eye(spline.size) if end == "natural" else np.vstack([np.eye(6), np.eye(6)[:1]])
     d, c, b, _ = CubicSpline(KNOTS, units, bc_type=end).c
+    np.testing.assert_allclose(spline.rows(KNOTS), units, atol=1e-15)
     for found, expected in zip(power_maps(spline), (b, c, d), strict=True):
         np.testing.assert_allclose(found, expected, atol=1e-12)
 

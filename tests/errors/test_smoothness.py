@@ -11,7 +11,6 @@ from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise.problem import problem
 from axiscal.estimation.promise.spaces import Given
 from axiscal.estimation.promise.unknowns import space_of
-from axiscal.exceptions import DescriptionError
 from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
@@ -80,16 +79,3 @@ def test_the_likelihood_of_rough_curves_and_planes_has_the_slope_that_it_says() 
         step = 1e-4 * np.eye(len(at))[i]
         difference = (log_likelihood(at + step).value - log_likelihood(at - step).value) / 2e-4
         assert slope[i] == pytest.approx(difference, rel=1e-4, abs=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("entry", "words"),
-    [
-        ('EXX = { std = "10 um", length = "100 mm", smoothness = 2.0 }', "smoothness = 2.0 is not possible"),
-        ('EXX = { std = "10 um", knots = 5, smoothness = 1.5 }', "without a correlation length"),
-        ('C0Y = { std = "10 urad", smoothness = 1.5 }', "C0Y has no smoothness"),
-    ],
-)
-def test_a_smoothness_that_means_nothing_is_refused(entry: str, words: str) -> None:
-    with pytest.raises(DescriptionError, match=words):
-        _machine(entry)

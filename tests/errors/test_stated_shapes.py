@@ -10,7 +10,6 @@ from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import volume_moments, whole_travel
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.exceptions import InputError
 from axiscal.machine.description import machine_from_text
 from axiscal.measurement.reading import Reading
 from tests.generators.texts import campaign_text, machine_text, setup_text
@@ -65,24 +64,3 @@ def test_readings_find_a_pitch_between_what_a_curve_can_follow() -> None:
     found = estimate.deviation(dense, np.ones_like(dense))[:, 0]
     true = 5e-6 * np.sin(2 * np.pi * dense[:, 0] / 0.05 + 0.4) + 3e-6 * (dense[:, 0] / 0.3 - 1)
     assert np.sqrt(np.mean((found - true) ** 2)) < 0.5e-6
-
-
-@pytest.mark.parametrize(
-    ("entry", "said"),
-    [
-        ('EXX_pitch = { std = "5 um" }', "period is missing"),
-        ('EXX_pitch = { std = "5 um", period = "50 mm", harmonics = 5 }', "1 to 4"),
-        ('EXX_pitch = { std = "5 um", period = "0.1 mm" }', "too many"),
-        ('EXX_pitch = { std = "5 um", period = "50 mm", length = "3 mm" }', "no length"),
-        ('EXX = { std = "5 um", harmonics = 2 }', "EXX_pitch"),
-        ('EXX = { std = "5 um", at = ["5 mm"] }', "EXX_step"),
-        ('EXX_step = { std = "5 um" }', "pieces"),
-        ('EXX_step = { std = "5 um", at = ["400 mm", "200 mm"] }', "one after the other"),
-        ('EXX_step = { std = "5 um", at = ["700 mm"] }', "within the travel"),
-    ],
-)
-def test_what_makes_no_sense_is_refused(entry: str, said: str) -> None:
-    curve = 'EXX = { std = "8 um", length = "200 mm" }\n'
-    machine = _MACHINE.replace(curve, "") if entry.startswith("EXX =") else _MACHINE
-    with pytest.raises(InputError, match=said):
-        machine_from_text(f"{machine}{entry}\n", "m")

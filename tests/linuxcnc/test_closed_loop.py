@@ -10,9 +10,6 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import whole_travel
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ControlError
 from axiscal.machine.kinematics import frames, tip_at
@@ -26,8 +23,10 @@ from axiscal.ports.linuxcnc.tables.writer import write
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import table_control
 from axiscal.tables.registry import export
+from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.surface import left_by
 from axiscal.tables.table import CompensationTable
+from tests.generators.known import truth_of
 from tests.linuxcnc.built import Build, BuiltMachine
 from tests.linuxcnc.demo import EXAMPLES, FOLDER, MACHINES, Loop, close_loop, description
 from tests.linuxcnc.lab import Joint, Session, Settings, can_load
@@ -61,12 +60,8 @@ def the_loop_holds(loop: Loop) -> None:
 
 def known(name: str) -> tuple[Estimate, VirtualMachine]:
     """A machine drawn from the prior, and the belief of somebody who knows it."""
-    model = ErrorModel(replace(description(name).machine, planes=()))
-    draw = np.random.default_rng(4).standard_normal(model.size)
-    mean = np.linalg.cholesky(model.prior_covariance()) @ draw
-    curves = tuple((lambda t, f=f: f.basis.rows(t) @ mean[f.columns]) for f in model.functions)
-    belief = Belief(mean, 1e-20 * np.eye(model.size))
-    return Estimate(model, belief, whole_travel(model)), VirtualMachine(model, curves, {})
+    estimate = drawn_and_known(replace(description(name).machine, planes=()), 4)
+    return estimate, truth_of(estimate)
 
 
 def spread(estimate: Estimate) -> tuple[Array, Array]:

@@ -21,7 +21,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.exceptions import SourceError
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Place
-from axiscal.ports.linuxcnc.live import InForce, LiveSource, attached, connection
+from axiscal.ports.linuxcnc.live import InForce, LiveSource, attached
 from axiscal.ports.linuxcnc.live.connection import Connection
 from tests.generators import touched_table as table
 from tests.linuxcnc.bench import Bench, quickened, running
@@ -333,9 +333,3 @@ def test_modes_are_left_as_they_were(bench: Bench) -> None:
     assert bench.says("print(*(round(each, 5) for each in (s.settings[1], *s.settings[3:5])))") == path
     assert path.split()[0] == "12.5"
     assert "200" in before
-
-
-@pytest.mark.parametrize("host", ["-oProxyCommand=x", "a b", "mill;ls", "@mill", "$(x)"])
-def test_what_is_no_name_of_a_computer_is_refused(host: str) -> None:
-    with pytest.raises(SourceError, match="is no name of a computer"):
-        connection.command(host)

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.exceptions import InputError
 from axiscal.machine import Machine, machine_from_text
 from axiscal.machine.axis import Axis
 from axiscal.machine.motion import Driving, approach_seconds, inward, move_groups, travel_seconds, turning
@@ -72,16 +71,6 @@ def test_a_long_turn_is_made_in_parts() -> None:
     )
 
 
-def test_many_moves_at_once_take_as_long_as_each() -> None:
-    rng = np.random.default_rng(1)
-    poses = rng.uniform(0, 0.4, (7, 3))
-    sides = rng.integers(-1, 2, (7, 3)).astype(float)
-    table = approach_seconds(MACHINE, poses[:, None], poses[None], sides[None])
-    for i in range(7):
-        for j in range(7):
-            assert table[i, j] == pytest.approx(float(approach_seconds(MACHINE, poses[i], poses[j], sides[j])))
-
-
 @given(
     st.tuples(*[st.floats(0, 0.4)] * 3),
     st.tuples(*[st.floats(0, 0.4)] * 3),
@@ -120,22 +109,6 @@ def test_the_owner_may_state_an_overrun() -> None:
     assert machine.axis("X").overrun == pytest.approx(3e-3)
     assert machine.axis("C").overrun == pytest.approx(math.radians(0.2))
     assert machine_from_text(TOML.format(x="", c="")).axis("X").overrun == 1e-3
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ('"0 mm"', "is zero"),
-        ('"-1 mm"', "is negative"),
-        ('"200 mm"', "is too large"),
-        ('"3 deg"', "deg"),
-        ('"1 nm"', "small"),
-    ],
-)
-def test_an_overrun_that_cannot_be_is_refused_at_its_line(text: str, said: str) -> None:
-    with pytest.raises(InputError, match=said) as refused:
-        machine_from_text(TOML.format(x=f"overrun = {text}", c=""))
-    assert refused.value.line == 8
 
 
 DRIVINGS = [

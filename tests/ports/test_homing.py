@@ -122,21 +122,9 @@ def test_the_printer_is_asked_where_it_homes() -> None:
 def test_a_bowl_of_the_field_is_zero_where_its_printer_homes(tmp_path: Path) -> None:
     folder = FIELD / "04-bed-map-zero"
     if folder.is_dir():
-        assert (
-            run(
-                [
-                    "data",
-                    "estimate",
-                    str(folder / "campaign.toml"),
-                    str(folder / "bowl.cfg"),
-                    "--out",
-                    str(tmp_path / "o"),
-                ]
-            )
-            == 0
-        )
-        x, y, mesh = klipper_profile(
-            exported(tmp_path / "o" / "campaign.axiscal", "klipper")["bed_mesh.cfg"], "axiscal"
-        )
+        campaign, read = str(folder / "campaign.toml"), str(folder / "bowl.cfg")
+        assert run(["data", "estimate", campaign, read, "--out", str(tmp_path / "o")]) == 0
+        files = exported(tmp_path / "o" / "campaign.axiscal", "klipper")
+        x, y, mesh = klipper_profile(files["bed_mesh.cfg"], "axiscal")
         assert height(x, y, mesh, (150.0, 150.0)) == pytest.approx(0.0, abs=1e-6)
         assert mesh[0, 0] == pytest.approx(0.243, abs=0.002)

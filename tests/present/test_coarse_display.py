@@ -68,11 +68,6 @@ def test_coarse_displays_are_found(step: float) -> None:
     assert steps == pytest.approx([step] * 40, rel=2e-3)
 
 
-def test_arc_seconds_are_a_step_of_microradians() -> None:
-    seconds = np.array([0, 1, 1, 3, 4, 6, 7, 9, 12, 10, 8, 5, 2, -1])
-    assert found(np.round(seconds * 4.84813681, 1) * 1e-6) == pytest.approx(4.848, abs=0.02)
-
-
 def test_values_written_by_hand_without_decimals_are_steps_of_the_last_one() -> None:
     written = np.round(curve(1, 20)) * 1e-6
     assert step_of(written, 0.1e-6) == 1e-6

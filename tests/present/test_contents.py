@@ -10,7 +10,6 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.estimate import concluded
 from axiscal.evaluation.standards import PositioningTest, evaluate
-from axiscal.exceptions import DescriptionError
 from axiscal.measurement.reading import Reading
 from axiscal.present.sentences import left_out_words
 from axiscal.present.summarising import iso230_blocks
@@ -30,13 +29,6 @@ def test_who_measured_with_what_is_read() -> None:
     said = _described(text).particulars
     assert (said.operator, said.country, said.serial, said.customer) == ("R. Turner", "DE", "M-1", "")
     assert (said.setups["laser"].serial, said.setups["laser"].certificate) == ("4711", "K 8")
-
-
-@pytest.mark.parametrize(("key", "value"), [("operator", "a\\u0007b"), ("customer", "x" * 600), ("country", "GER")])
-def test_what_no_report_can_show_is_refused_with_its_line(key: str, value: str) -> None:
-    with pytest.raises(DescriptionError) as caught:
-        _described(f'{CAMPAIGN}[report]\n{key} = "{value}"\n')
-    assert caught.value.line == CAMPAIGN.count("\n") + 2
 
 
 def test_the_error_of_the_volume_is_that_of_the_estimate() -> None:

@@ -35,13 +35,6 @@ def taken(seed: int, count: int, decimals: int, noise: float = NOISE, runs: int 
     ]
 
 
-def test_a_file_that_was_added_twice_is_found() -> None:
-    once = taken(1, 20, 2)
-    found = repeated([*once, *once], NOISE)
-    assert found is not None
-    assert (found.before, found.again, found.size) == (0, 20, 20)
-
-
 def test_a_block_that_was_pasted_again_elsewhere_is_found() -> None:
     readings = taken(2, 24, 3)
     pasted = [

@@ -12,14 +12,12 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
-from axiscal.description.campaign import campaign_from_texts
-from axiscal.exceptions import DescriptionError, InputError
 from axiscal.language.spoken import Said, speaking
 from axiscal.present.rendering import filled, render
 from axiscal.present.summarising import Extras, summarise
 from axiscal.present.summary import Summary
 from tests.docs.languages import SOURCES
-from tests.generators.laser_axis import CAMPAIGN, MACHINE
+from tests.generators.laser_axis import CAMPAIGN
 
 CAMPAIGNS = Path(__file__).resolve().parents[1] / "golden" / "campaigns"
 GIVEN = {"outlier": "readings.csv", "drift": "readings.csv", "learnt": "equally-spaced.csv"}
@@ -92,13 +90,6 @@ def test_the_language_is_that_of_the_campaign_or_the_one_named(tmp_path: Path, m
         assert f'<html lang="{language}">' in (tmp_path / "said.html").read_text(encoding="utf-8")
     run(["report", str(record), "--out", str(tmp_path / "said.html"), "--language", "en"])
     assert '<html lang="en">' in (tmp_path / "said.html").read_text(encoding="utf-8")
-
-
-def test_a_language_that_is_not_there_is_refused() -> None:
-    with pytest.raises(DescriptionError, match=r'language = "de"') as caught:
-        campaign_from_texts(f'{CAMPAIGN}[report]\nlanguage = "xx"\n', "c.toml", MACHINE, "m")
-    assert isinstance(caught.value, InputError)
-    assert caught.value.line == CAMPAIGN.count("\n") + 2
 
 
 def _shown(summary: Summary, language: str) -> set[str]:

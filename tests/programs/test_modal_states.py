@@ -71,26 +71,3 @@ def test_without_its_head_the_motion_would_be_another(program: str, state: str, 
     headless = program.partition("\n")[2]
     bare, before = (moves(canonical_calls(text, tmp_path)) for text in (program, f"{state}\n{headless}"))
     assert not np.allclose(before[:, 0], bare[:, 0], atol=1.0)
-
-
-@pytest.mark.parametrize(
-    ("controller", "words"),
-    [
-        ("fanuc", ["G15", "G50", "G50.1 Z0 X0", "G69"]),
-        ("sinumerik", ["DIAMOF", "TRANS"]),
-        ("isg", ["G20", "G52"]),
-        ("heidenhain", ["CYCL DEF 8.1", "CYCL DEF 10.1 ROT+0", "CYCL DEF 11.1 SCL 1"]),
-    ],
-)
-def test_others_end_by_their_manuals_what_scales_mirrors_or_turns(
-    controller: str, words: list[str], tmp_path: Path
-) -> None:
-    campaign = described(Job(LATHE, ("laser",), "20 um"), tmp_path / "job")
-    assert given("plan", campaign, "--readings", 8, "--gcode", controller, "--out", tmp_path / "nc").status == 0
-    texts = [path.read_text() for path in tmp_path.rglob("AXISCAL_0*") if path.suffix != ".csv"]
-    assert texts
-    for text in texts:
-        begun = [re.sub(r"^\d+ ", "", line) for line in text.splitlines()]
-        at = [begun.index(word) for word in words]
-        assert at == sorted(at)
-        assert max(at) < min(n for n, line in enumerate(begun) if re.match(r"(G53 )?G1 |L ", line))

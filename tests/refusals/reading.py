@@ -11,24 +11,28 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import chdir, redirect_stderr, redirect_stdout
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple, cast
+from typing import Any, NamedTuple, cast
 from unittest.mock import patch
 
 from axiscal.campaign.sources import open_source
 from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
+from axiscal.description.file_readings import file_readings
+from axiscal.description.first_files import of_file
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import machine_of
 from axiscal.evaluation.standards import positioning_test
 from axiscal.exceptions import InputError
-from axiscal.machine import machine_from_text
+from axiscal.machine import load_machine, machine_from_text
 from axiscal.machine.description import parse_chain
 from axiscal.machine.entry import parse_error_name
-from axiscal.measurement.readers.files import recognised
+from axiscal.measurement.readers.files import read_any, recognised
+from axiscal.measurement.readers.text_file import read_text
 from axiscal.ports.postgres.database import store_address
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
 from axiscal.tables.registry import export, loaded
+from axiscal.tables.rewriting import rewrite
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.units import Dimension, parse_quantity
 from tests.generators.begun import begun
@@ -131,18 +135,51 @@ def _template(of: str, text: str) -> object:
     return export(known, of, ExportOptions(template=text))
 
 
+def _options(of: str, text: str) -> object:
+    """Make files for a machine that is known.  of : the control and the machine; text : `ExportOptions` as TOML"""
+    controller, machine = of.split()
+    known = drawn_and_known(machine_from_text(refusals("options").texts[machine]))
+    chosen: dict[str, Any] = tomllib.loads(text)
+    numbers = {axis: tuple(joints) for axis, joints in chosen.get("numbers", {}).items()}
+    old = tuple(OldFile(*each) for each in chosen.get("old_files", ()))
+    return export(known, controller, ExportOptions(**{**chosen, "numbers": numbers, "old_files": old}))
+
+
+def _readings(of: str, text: str) -> object:
+    """Place the readings of a file in a campaign.  of : the campaign and the file"""
+    campaign, name = of.split()
+    Path(name).write_text(text, encoding="utf-8")
+    return file_readings(read_any(Path(name)), read_campaign(Path(campaign), target_needed=False, asking=False), name)
+
+
+def _rewritten(_: str, text: str) -> object:
+    """Rewrite a program whose zero lies within the travels of the machine."""
+    Path("part.ngc").write_text(text, encoding="utf-8")
+    mill = drawn_and_known(load_machine("three-axis-mill"))
+    return rewrite(read_text(Path("part.ngc")), "mm", mill, (0.25, 0.2, 0.15), 1e-6)
+
+
 def _command(_: str, text: str) -> str:
-    """Return what a command says that is refused, beside a campaign `c.toml` and its record `m.axiscal`."""
+    """Return what a command says that is refused, beside a campaign and its records; it changes none of them.
+
+    `m.axiscal` has a reading, and one is asked for in `asked.axiscal`.
+    """
     begun(Path(), {"c.toml": refusals("command").texts["c.toml"]}, *_BEGUN)
+    before = {path: path.read_bytes() for path in Path().iterdir()}
     out, told = io.StringIO(), io.StringIO()
     with redirect_stdout(out), redirect_stderr(told), patch("sys.stdin", io.StringIO()):
         status = run(shlex.split(text))
     assert (status, out.getvalue()) == (1, "")
-    assert {path.name for path in Path().iterdir()} == {"c.toml", "m.axiscal"}
+    assert {path: path.read_bytes() for path in Path().iterdir()} == before
     return " ".join(told.getvalue().split())
 
 
-_BEGUN = ("start", "c.toml", "m.axiscal"), ("record", "m.axiscal", "1 um", "--setup", "laser", "--at", "X=100 mm")
+_BEGUN = (
+    ("start", "c.toml", "m.axiscal"),
+    ("record", "m.axiscal", "1 um", "--setup", "laser", "--at", "X=100 mm"),
+    ("start", "c.toml", "asked.axiscal"),
+    ("next", "asked.axiscal"),
+)
 
 
 def _answer(_: str, line: str) -> object:
@@ -164,9 +201,13 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "ini": _of_file("machine.ini", lambda path: machine_of(read_ini(path))),
     "machine": lambda _, text: machine_from_text(text, "mill.toml"),
     "old_table": _old_table,
+    "options": _options,
     "answers_in_a_table": _of_file("r.csv", lambda path: open_source(f"csv:{path}", SIMULATOR).read(REQUEST)),
     "positioning": _of_file("test.csv", lambda path: positioning_test(recognised(path))),
+    "printer": _of_file("printer.cfg", lambda path: of_file(path, Path())),
     "quantity": lambda of, text: parse_quantity(text, cast("Dimension", of)),
+    "readings": _readings,
+    "rewritten": _rewritten,
     "source": lambda _, text: open_source(text, SIMULATOR),
     "store": lambda _, text: store_address(text, {}),
     "template": _template,

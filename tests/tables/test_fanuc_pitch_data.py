@@ -12,9 +12,8 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions
-from axiscal.tables.loaded import OldFile
 from axiscal.tables.offer import Export
-from axiscal.tables.registry import export, loaded
+from axiscal.tables.registry import export
 from axiscal.tables.round_trip import drawn_and_known
 from tests.generators.texts import machine_text
 
@@ -42,9 +41,6 @@ def template(**parameters: str) -> str:
     return "\n".join(
         ["%", *(f"N{k}Q1{v};" for k, v in rows.items()), *(f"N{n}Q1P0;" for n in range(10000, 10300)), "%"]
     )
-
-
-BOTH = {"N3605": "A1P00000001A2P00000000", "N3626": "A1P100A2P0"}
 
 
 def known() -> Estimate:
@@ -110,19 +106,6 @@ def test_only_values_of_the_points_change() -> None:
     changed = [(a, b) for a, b in zip(given.splitlines(), made.splitlines(), strict=True) if a != b]
     assert all(re.fullmatch(r"N10\d\d\dQ1P-?\d;", new) for _, new in changed)
     assert {int(new[1:6]) for _, new in changed} <= {*range(10046, 10066), *range(10191, 10201)}
-
-
-@pytest.mark.parametrize(
-    ("parameters", "message"),
-    [
-        (BOTH, "X .axis 1. has entries of its own for the way down"),
-        ({"N3620": "A1P50A2P60", "N3621": "A1P46A2P51", "N3622": "A1P65A2P60"}, "point 51 belongs to X and to Y"),
-        ({"N3621": "A1P47A2P191"}, "3621 = 46 and 3622 = 65 would cover it"),
-    ],
-)
-def test_points_that_are_shared_or_too_few_are_refused(parameters: dict[str, str], message: str) -> None:
-    with pytest.raises(TableError, match=message):
-        export(known(), "fanuc", ExportOptions(template=template(**parameters)))
 
 
 TURNING = machine_text(
@@ -191,13 +174,3 @@ def test_points_that_are_no_turn_are_refused_with_those_that_are() -> None:
         TableError, match=r"C is a whole turn and has points 99 to 108.* 3621 = 3620 = 100 and 3622 = 108"
     ):
         turning(N3621="A1P51A2P199A3P99")
-
-
-@pytest.mark.parametrize("parameter", ["3620", "3621", "3622", "3623"])
-@pytest.mark.parametrize("digits", [5, 20, 5000])
-def test_a_number_that_no_point_has_is_a_sentence_and_not_a_memory_full_of_points(parameter: str, digits: int) -> None:
-    values = {"3620": "50", "3621": "46", "3622": "65", "3623": "1"}
-    text = template(**{f"N{parameter}": f"A1P{digits * '9'}A2P{values[parameter]}"})
-    machine = machine_from_text(MACHINE)
-    with pytest.raises(TableError, match=r"has the number 9{5,20} in its parameters"):
-        loaded("fanuc", machine, ExportOptions(old_files=(OldFile("pitch.txt", text),)))

@@ -82,16 +82,3 @@ def test_old_and_new_add_up_whichever_depends_on_both_axes() -> None:
         np.testing.assert_allclose(whole.at(x, z), new.at(x, z) + old.at(x, z), atol=1e-18)
     with pytest.raises(TableError, match="depends on"):
         together({"EZX": _surface(2)}, {"EZX": _surface(3, "C")})
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("Z X EZX\n0 0 1\n0 1 2\n1 0 3\n", "not there at every pair"),
-        ("Z C EZX\n0 0 1\n0 1 2\n1 0 3\n1 1 3\n", "is not read"),
-        ("C Z X EZX\n0 0 0 1\n", "is not read"),
-    ],
-)
-def test_a_grid_that_is_none_is_refused(text: str, said: str) -> None:
-    with pytest.raises(TableError, match=said):
-        read_csv(text, machine_from_text(TABLE))

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
-from axiscal.tables.controllers.isg import read_list
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
 from axiscal.tables.round_trip import drawn_and_known
@@ -70,8 +68,3 @@ def test_a_rotary_table_has_the_reversal_in_degrees_and_repeats() -> None:
     for at in (10.0, 370.0, -350.0):
         assert error(text, at, "pos") == pytest.approx(step / 2, abs=1e-4)
     assert abs(step) > 1e-3
-
-
-def test_a_line_that_the_kernel_does_not_know_is_found() -> None:
-    with pytest.raises(TableError, match="would not know"):
-        read_list("kw.ssfk.table[0].up 3\n", known().machine)

@@ -9,17 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.exceptions import TableError
-from axiscal.machine.description import machine_from_text
 from axiscal.ports.printers.klipper_extra import Correction
-from axiscal.tables.exporter import ExportOptions
-from axiscal.tables.loaded import OldFile
 from axiscal.tables.offer import Export
-from axiscal.tables.registry import exporter
-from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.vcomp_applying import fnv1a
 from tests.controls.known import BED, OWN, PLANE, SQUARE, STRAIGHT, TURNS, Known, known
-from tests.generators.texts import machine_text
 
 
 @pytest.fixture(scope="module")
@@ -83,13 +76,3 @@ def test_one_line_installs_it_and_does_so_once(export: Export, tmp_path: Path) -
     assert config.read_text() == "[axiscal]\n[mcu]\nserial: /dev/ttyACM0\n"
     assert (home / "klipper/klippy/extras/axiscal.py").read_text() == export.files["axiscal.py"]
     assert (home / "printer_data/config/axiscal.vcomp").read_text() == export.files["axiscal.vcomp"]
-
-
-def test_a_machine_that_turns_and_an_old_compensation_are_refused(printer: Known) -> None:
-    control = exporter("klipper-volumetric")
-    travels = {"X": (0.0, 100.0), "Y": (0.0, 100.0), "Z": (0.0, 100.0), "C": (0.0, 360.0)}
-    turning = machine_from_text(machine_text("w-C'-X'-b-Y-Z-t", travels, {"EXX": "10 um"}))
-    with pytest.raises(TableError, match="This control is for X, Y and Z"):
-        control.make(drawn_and_known(turning), ExportOptions())
-    with pytest.raises(TableError, match="A whole correction goes on top of none"):
-        printer.exported("klipper-volumetric", old_files=(OldFile("axiscal.vcomp", ""),))

@@ -94,14 +94,6 @@ def test_256_rows_are_kept() -> None:
     assert [len(parse(numbered(count)).nominal) for count in (255, 256, 259)] == [255, 256, 256]
 
 
-def test_rows_as_in_the_sample_that_linuxcnc_brings_along() -> None:
-    """Rows of configs/sim/screwcompX.dat, with its blanks."""
-    parsed = parse("-10 -10.001  -9.999\n -4  -4.2  -3.998\n  2   1.997   2.003\n 10   9.999  10.000\n")
-    assert len(parsed.nominal) == 4
-    assert correction(parsed, at(-4, 2, 6, 99), 1) == pytest.approx([0.2, 0.003, 0.002, 0.001], abs=1e-8)
-    assert correction(parsed, at(-99, 10), -1) == pytest.approx([-0.001, 0], abs=1e-8)
-
-
 def test_the_table_that_a_rotary_axis_is_shipped_with() -> None:
     """PocketNC's a.comp.default: zero trims, of Type 1; read as Type 0 it would turn the axis by 45 degrees."""
     text = "0 0 0\n45 0 0\n90 0 0\n135 0 0\n"

@@ -13,8 +13,6 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import whole_travel
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import machine_from_text
@@ -24,7 +22,7 @@ from axiscal.tables.loaded import Loaded, OldFile, read_old
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import CONTROLLERS, export, exporter
 from axiscal.tables.round_trip import drawn_and_known, round_trip
-from tests.commands import Command
+from tests.generators.known import known_to_be
 from tests.generators.texts import machine_text
 
 MACHINE = machine_text(
@@ -125,26 +123,6 @@ def test_the_curves_of_an_earlier_hal_file_stay_in_the_sum() -> None:
     assert curves[1] == pytest.approx(2 * curves[0], abs=1e-6)  # once for what was loaded, once for what it left
 
 
-def test_old_curves_with_as_many_points_keep_them() -> None:
-    at = np.round(300.0 * np.linspace(0.0, 1.0, 16) ** 1.3, 3)
-    up = 0.05 * np.sin(at / 20.0)
-    curve = enumerate(zip(at, up, strict=True))
-    rows = [f"setp cross-y-x.x-val-{i:02d} {x}\nsetp cross-y-x.y-val-{i:02d} {y}\n" for i, (x, y) in curve]
-    made = exported("linuxcnc", OldFile("old.hal", "loadrt lincurve names=cross-y-x personality=16\n" + "".join(rows)))
-    text = made.files["axiscal-cross.hal"]
-    x, y = (np.array([float(v) for v in re.findall(rf"setp \S*y-x\.{c}-val-\d+ (\S+)", text)]) for c in "xy")
-    assert x == pytest.approx(at)
-    assert y - up == pytest.approx(-left("EYX", at), abs=2e-3)
-
-
-def test_a_finer_old_table_keeps_its_points_where_those_of_both_do_not_fit() -> None:
-    at = np.linspace(0.0, 300.0, 250)
-    old = 0.02 * np.sin(at / 5.0)
-    text = "".join(f"{x:.6f} {x - v:.6f} {x - v:.6f}\n" for x, v in zip(at, old, strict=True))
-    made = comp_added(exported("linuxcnc", OldFile("X.comp", text)).files["X.comp"], 1)
-    assert made == pytest.approx(np.interp(PROBES, at, old) - left("EXX", PROBES, 1), abs=2e-4)
-
-
 def siemens(table: Array) -> str:
     rows = "".join(f"$AA_ENC_COMP[0,{i},AX1]={v:.6f}\n" for i, v in enumerate(table))
     tail = "$AA_ENC_COMP_STEP[0,AX1]=25.0\n$AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=300.0\n"
@@ -195,9 +173,7 @@ def test_a_column_of_an_axis_that_was_not_measured_stays_beside_the_new_ones() -
         "w-b-X-Y-Z-t", {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M"
     )
     model = ErrorModel(machine_from_text(only_x))
-    estimate = Estimate(
-        model, Belief(np.arange(model.size) ** 2 * 1e-6, 1e-20 * np.eye(model.size)), whole_travel(model)
-    )
+    estimate = known_to_be(model, np.arange(model.size) ** 2 * 1e-6)
     at = np.linspace(0, 300, 8)
     y = 0.02 * np.sin(at / 90)
     head = "BEGIN X_AXIS .COM MM\nNR      AXISPOS     BACKLASH            X            Y\n"
@@ -288,23 +264,16 @@ def test_without_a_word_the_beginning_asks_and_so_does_the_note(
     assert "WAS A COMPENSATION ACTIVE WHILE MEASURING" in (tmp_path / "t" / "README.txt").read_text()
 
 
-def test_none_was_active(tmp_path: Path, command: Command, capsys: pytest.CaptureFixture[str]) -> None:
+def test_none_was_active(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record = recorded(tmp_path, "compensation_active = false\n")
     assert "compensation" not in capsys.readouterr().err
     assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "t")]) == 0
     assert "WAS A COMPENSATION" not in (tmp_path / "t" / "README.txt").read_text()
-    (tmp_path / "X.comp").write_text(comp(0))
-    old = ["--on-top-of", str(tmp_path / "X.comp")]
-    assert (
-        "that no compensation was active"
-        in command("export", record, "--to", "linuxcnc", "--out", tmp_path / "u", *old).refusal
-    )
 
 
-def test_one_was_active_and_its_files_are_asked_for(tmp_path: Path, command: Command) -> None:
+def test_one_was_active_and_its_files_are_taken(tmp_path: Path) -> None:
     record = recorded(tmp_path, "compensation_active = true\n")
     assert not (tmp_path / "out" / "tables" / "linuxcnc").exists()
-    assert "--on-top-of OLD" in command("export", record, "--to", "linuxcnc", "--out", tmp_path / "t").refusal
     (tmp_path / "X.comp").write_text(comp(0))
     old = ["--on-top-of", str(tmp_path / "X.comp")]
     assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "t"), *old]) == 0
@@ -322,12 +291,6 @@ def test_the_files_that_were_active_can_stand_in_the_campaign(
     deviations = tmp_path / "out" / "tables" / "csv"
     assert (deviations / "X.csv").exists()
     assert "left by the compensation that was active" in (deviations / "README.txt").read_text()
-
-
-def test_an_empty_name_is_no_file(tmp_path: Path, command: Command) -> None:
-    (tmp_path / "machine.toml").write_text(MACHINE)
-    (tmp_path / "campaign.toml").write_text(CAMPAIGN.format(active='compensation_active = ""\n'))
-    assert "names no file" in command("start", tmp_path / "campaign.toml", tmp_path / "a.axiscal").refusal
 
 
 @pytest.mark.parametrize("controller", sorted(CONTROLLERS))
@@ -375,11 +338,3 @@ def test_a_folder_of_an_export_is_an_old_compensation(tmp_path: Path) -> None:
     (tmp_path / "README.txt").write_text("X")
     (tmp_path / "manifest-linuxcnc.json").write_text("{}")
     assert [Path(file.name).name for file in read_old([str(tmp_path)])] == ["X.comp"]
-
-
-def test_an_old_mesh_that_is_not_square_leaves_the_size_of_the_new_one_open() -> None:
-    nodes = "".join(f"M421 I{i} J{j} Z0.01\n" for i in range(3) for j in range(2))
-    old = OldFile("m503.txt", f"M425 F1 S0 X0.010\n{nodes}")
-    assert exported("marlin", old).files["axiscal.gcode"].count("M421") == exported("marlin").files[
-        "axiscal.gcode"
-    ].count("M421")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from functools import cache
-from pathlib import Path
 
 import pytest
 
@@ -14,7 +13,6 @@ from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
 from axiscal.tables.registry import CONTROLLERS, export, exporter, refuse_untaken
 from axiscal.tables.round_trip import drawn_and_known
-from tests.commands import Command
 from tests.generators.texts import machine_text
 from tests.tables.test_controllers import COM, FANUC, OPTIONS, known
 
@@ -35,11 +33,6 @@ GIVEN: dict[str, dict[str, object]] = {
 ELSEWHERE = ("--coordinates", "--ini", "--load")
 """Options that stand in no field of the choices."""
 TEMPLATES = {"fanuc": FANUC, "heidenhain": COM}
-WORDS = {
-    "--spacing": ["10 mm"], "--unit": ["in"], "--number": ["X=1"], "--template": [__file__], "--name": ["bed"],
-    "--mesh": ["5"], "--flip": [], "--pivots": [], "--measuring-system": ["2"], "--on-top-of": [__file__],
-    "--coordinates": ["XYZ"], "--ini": [__file__], "--load": ["moonraker:voron.local"],
-}  # fmt: skip
 
 
 def written(controller: str, **given: object) -> dict[str, str]:
@@ -90,24 +83,11 @@ def test_an_option_that_a_format_takes_changes_its_files(controller: str, option
         assert written(controller, **given) != plain(controller)
 
 
-@pytest.mark.parametrize("controller", ["fanuc", "isg", "sinumerik"])
-def test_a_control_that_counts_from_one_takes_no_axis_of_the_number_zero(controller: str) -> None:
-    with pytest.raises(TableError, match=r"Z is given the number 0\. This control counts its axes from 1"):
-        written(controller, **GIVEN["--number"])
-
-
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_the_readme_of_each_format_that_can_flip_says_when(controller: str) -> None:
     readme = export(known("small")[0], controller, OPTIONS.get(controller, ExportOptions())).readme
     assert ("if it is the other way round, export with --flip." in readme) is ("--flip" in exporter(controller).takes)
     assert bool(exporter(controller).unstated) is ("--flip" in exporter(controller).takes)
-
-
-def test_a_sinumerik_without_cec_tables_refuses_to_turn_them() -> None:
-    estimate = drawn_and_known(machine_from_text(machine_text("w-b-X-Y-Z-t", TRAVELS, {"EXX": ("10 um", 7, 150)})))
-    assert set(export(estimate, "sinumerik", ExportOptions()).files) == {"AX_EEC.INI"}
-    with pytest.raises(TableError, match="--flip turns CEC tables, and these files hold none"):
-        export(estimate, "sinumerik", ExportOptions(flip=True))
 
 
 @pytest.mark.parametrize("against", ["X", "C"])
@@ -119,14 +99,3 @@ def test_isg_names_the_axes_that_count_against_the_kernel(against: str) -> None:
     )
     assert f"{against}: direction is reversed in machine.toml." in turned
     assert "direction is reversed" not in plain
-
-
-@pytest.mark.parametrize("option", WORDS)
-def test_the_command_line_refuses_it_before_it_looks_for_the_record(
-    option: str, tmp_path: Path, command: Command
-) -> None:
-    controller = next(name for name in CONTROLLERS if option not in exporter(name).takes)
-    assert (
-        f"{controller} does not take {option}. "
-        in command("export", tmp_path / "none.axiscal", "--to", controller, option, *WORDS[option]).refusal
-    )

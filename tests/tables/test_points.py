@@ -76,16 +76,6 @@ def test_a_spacing_that_divides_the_travel_is_taken_as_far_as_its_points_fit(
             points(errors, 0, spacing * 1e-3, most)
 
 
-def test_a_spacing_of_another_axis_changes_nothing_and_one_beyond_the_travel_is_refused() -> None:
-    errors = model(0, 300)
-    assert np.array_equal(points(errors, 0, {"Y": 0.1}), points(errors, 0))
-    assert points(errors, 0, 0.3).tolist() == [0.0, 0.3]
-    with pytest.raises(TableError, match=r"1000 mm does not divide the 300 mm of X.*300 mm would"):
-        points(errors, 0, 1.0)
-    with pytest.raises(TableError, match=r"makes 4 points of X, this control holds 3.*3 fit: take 150 mm or more"):
-        points(errors, 0, 0.1, 3)
-
-
 TURN = machine_text("w-C'-b-t", {"C": (0, 360)}, {"EXC": 'std = "10 um", knots = 12'})
 
 

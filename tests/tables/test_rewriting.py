@@ -12,7 +12,6 @@ from scipy.spatial import KDTree
 
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.numerics import Array
@@ -157,37 +156,3 @@ def test_inches_and_other_planes_are_the_same_ways() -> None:
     ends = [read_program(TextFile("p", tuple(text.splitlines())))[2].motion for text in (mm, inch)]
     assert np.allclose([m.end for m in ends if m], ends[0].end if ends[0] else (), atol=1e-7)
     assert all(m and m.turn[1] == pytest.approx(-3 * np.pi / 2, abs=1e-5) for m in ends)
-
-
-@pytest.mark.parametrize(
-    ("line", "says"),
-    [
-        ("G81 X1 Y1 Z-1 R1", "G81 is not understood"),
-        ("G41 D1", "G41 is not understood"),
-        ("G68 R45", "G68 is not understood"),
-        ("G92 X0", "G92 is not understood"),
-        ("G5.1 Q1", "G5.1 is not understood"),
-        ("M98 P100", "M98 is not understood"),
-        ("G1 A90", "A90 is not understood"),
-        ("#1=5", "'#1=5' is no word"),
-        ("O100 sub", "no word of a program"),
-        ("G1 X[1+2]", "no word of a program"),
-        ("G55", "another work offset than G54"),
-        ("T2 M6", "another tool than T1"),
-        ("G1 X1 X2", "X stands twice"),
-        ("G2 X10 Y0 I3 J0", "not equally far from its centre"),
-        ("G2 X10 Y0 R1", "no circle of this radius"),
-        ("G1 X5000", "X goes to 5250 mm of the machine, outside the travel"),
-    ],
-)
-def test_a_word_that_is_not_known_is_refused_with_its_line(line: str, says: str) -> None:
-    with pytest.raises(ReadingError) as refused:
-        written(f"G21 G54\nT1\nG0 X0 Y0 Z0\n{line}\n", known())
-    assert says in str(refused.value)
-    assert "part.ngc, line 4" in str(refused.value)
-
-
-def test_where_it_is_not_known_where_the_tool_stands_the_program_is_refused() -> None:
-    for text in ("G1 X1 F100", "G91\nG0 X1", "G0 X0 Y0 Z0\nG28\nG1 X1", "X1"):
-        with pytest.raises(ReadingError, match="line"):
-            written(f"{text}\n", known())

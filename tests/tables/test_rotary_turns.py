@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import DescriptionError
 from axiscal.machine.description import machine_from_text
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
@@ -87,15 +86,3 @@ def test_one_turn_only_is_as_fine_as_256_rows_allow_and_the_note_says_what_it_ho
     assert len(five.files["C.comp"].splitlines()) == 5 * 51 + 1
     assert "this one holds one turn." in one.readme
     assert "this one holds 5 turns. The joint counts on after 360 deg, with WRAPPED_ROTARY" in five.readme
-
-
-@pytest.mark.parametrize(
-    ("low", "limits", "message"),
-    [
-        (-90, '["-720 deg", "720 deg"]', "whose travel is not one turn"),
-        (-180, '["-90 deg", "720 deg"]', "do not hold the travel"),
-    ],
-)
-def test_limits_that_cannot_be_are_refused(low: int, limits: str, message: str) -> None:
-    with pytest.raises(DescriptionError, match=message):
-        known(limits, low=low)

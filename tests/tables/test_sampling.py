@@ -20,18 +20,16 @@ from axiscal.machine.description import Machine, load_machine, machine_from_text
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
-from axiscal.tables import surface
 from axiscal.tables.conditional import mean_along
 from axiscal.tables.loaded import table_control
-from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.surface import Effect, effect_of_control
 from axiscal.tables.table import CompensationTable, Hats
 from axiscal.tables.volumetric import curves, tip_control
 from axiscal_core.splines import NaturalSpline
+from tests.generators.known import known_to_be, truth_of
 from tests.generators.splines import power_maps
 from tests.generators.texts import Std, machine_text
-from tests.tables.test_refusals import THREE
 
 STRAIGHT: dict[str, Std] = {
     "EXX EYX EYY": "10 um",
@@ -54,10 +52,8 @@ def machine(chain: str) -> Machine:
 
 def known(model: ErrorModel, seed: int) -> tuple[Estimate, VirtualMachine]:
     """A machine drawn from the prior, and the belief of somebody who knows it."""
-    mean = model.prior_root() @ np.random.default_rng(seed).standard_normal(model.size)
-    curves = tuple((lambda t, f=f: f.basis.rows(t) @ mean[f.columns]) for f in model.functions)
-    estimate = Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
-    return estimate, VirtualMachine(model, curves, {})
+    estimate = known_to_be(model, model.prior_root() @ np.random.default_rng(seed).standard_normal(model.size))
+    return estimate, truth_of(estimate)
 
 
 def poses(estimate: Estimate, count: int = 600) -> Array:
@@ -132,26 +128,6 @@ def test_of_no_axis_that_is_corrected_there_are_no_rows() -> None:
     assert rows.shape == (0, 3, model.size)
 
 
-@given(st.integers(0, 10**6), st.integers(3, 9), st.integers(2, 12))
-def test_the_line_is_the_nearest_one_and_its_distance_is_found(seed: int, knots: int, count: int) -> None:
-    rng = np.random.default_rng(seed)
-    spline = NaturalSpline(np.sort(rng.uniform(0, 1, knots)) + np.arange(knots) * 0.1)
-    low, high = spline.knots[0], spline.knots[-1]
-    points = np.linspace(low, high, count)
-    control = rng.normal(size=knots)
-    hats = Hats.on(points, spline.knots, (low, high))
-    values = hats.best(spline.rows(hats.nodes) @ control)
-    dense = (np.arange(20_000) + 0.5) / 20_000 * (high - low) + low
-    curve = spline.rows(dense) @ control
-    shapes = np.array([np.interp(dense, points, unit) for unit in np.eye(count)]).T
-    naive = np.linalg.lstsq(shapes, curve, rcond=None)[0]
-    assert values == pytest.approx(naive, abs=1e-5)
-    seen = np.max(np.abs(curve - np.interp(dense, points, values)))
-    departure = hats.departure(spline.rows(hats.nodes) @ control, values)
-    assert seen <= departure * (1 + 1e-9)
-    assert departure == pytest.approx(seen, rel=1e-2, abs=1e-6)
-
-
 @given(st.integers(0, 10**6), st.integers(2, 9), st.booleans())
 def test_the_nearest_line_follows_from_all_hats_at_once(seed: int, count: int, closed: bool) -> None:
     """Against least squares over all hats, weighed where the curve is inside the volume; around a turn as well."""
@@ -205,18 +181,6 @@ def _largest(
     return max(apart(t) for t in [start, start + width, *(t for t in turns if start <= t <= start + width)])
 
 
-def test_the_line_is_best_over_the_volume_only() -> None:
-    spline = NaturalSpline(np.linspace(0, 1, 9))
-    control = np.random.default_rng(1).normal(size=9)
-    dense = np.linspace(1 / 3, 2 / 3, 1000)
-    left = []
-    for bounds in ((1 / 3, 2 / 3), (0, 1)):
-        hats = Hats.on(np.linspace(0, 1, 4), spline.knots, bounds)
-        values = hats.best(spline.rows(hats.nodes) @ control)
-        left.append(np.mean((spline.rows(dense) @ control - np.interp(dense, hats.points, values)) ** 2))
-    assert left[0] < 0.9 * left[1]
-
-
 def test_where_nothing_was_read_the_table_says_so() -> None:
     model = ErrorModel(machine(CHAINS[0]))
     prior = Belief(np.zeros(model.size), model.prior_covariance())
@@ -253,18 +217,6 @@ def test_points_that_may_stand_anywhere_bring_the_line_nearer_to_the_curve(seed:
     assert len(set(np.round(np.diff(table.positions), 9))) > 3
 
 
-def test_a_skew_is_the_mean_of_both_directions(monkeypatch: pytest.MonkeyPatch) -> None:
-    at = np.linspace(0.0, 0.2, 9)
-    up, down = 3e-4 * at, 1e-4 * at + 5e-6
-
-    def tables(_: Estimate) -> tuple[CompensationTable, ...]:
-        return (CompensationTable("X", at, up, down, 0 * at, "Y"),)
-
-    monkeypatch.setattr(surface, "cross_tables", tables)
-    found = surface.skew_of(drawn_and_known(THREE))
-    assert found == {"XY": pytest.approx(2e-4)}
-
-
 _MACHINE = machine_text(
     "w-X'-b-Y-Z-t",
     {"X": (0, 400), "Y": (0, 300), "Z": (0, 200)},
@@ -284,11 +236,10 @@ def test_tables_by_name_take_the_whole_error_motion_away() -> None:
     for function in model.functions:
         if function.kind == "reversal":
             mean[function.columns] = 0.0
-    box = tuple(axis.travel for axis in model.machine.axes)
-    estimate = Estimate(model, Belief(mean, 1e-18 * np.eye(model.size)), box)
+    estimate = known_to_be(model, mean)
     found = curves(estimate, {k: np.linspace(*axis.travel, 801) for k, axis in enumerate(model.machine.axes)})
     assert set(found) == {"EXX", "EYY"}
-    low, high = np.array(box).T
+    low, high = np.array(estimate.box).T
     poses = np.random.default_rng(3).uniform(low, high, (50, 3))
     poses = poses[np.abs(poses[:, 0] - 0.25) > 2e-3]
     added = tip_control(model, found)(poses, np.ones_like(poses))

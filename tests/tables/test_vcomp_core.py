@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import whole_travel
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
@@ -21,6 +19,7 @@ from axiscal.tables import vcomp_applying
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.vcomp_file import read
 from tests.figures import held
+from tests.generators.known import known_to_be, truth_of
 from tests.generators.machines import random_machine
 from tests.generators.texts import machine_text
 from tests.tables.core_library import NEEDS_GCC, Core
@@ -53,9 +52,8 @@ def drawn(seed: int, size: float | None = None) -> tuple[Estimate, VirtualMachin
         poses, approaches = places(model, 500)
         deviation = model.rows(poses, approaches) @ mean
         mean *= size / np.sqrt(np.mean(np.sum(deviation**2, axis=1)))
-    curves = tuple((lambda t, f=f: f.basis.rows(t) @ mean[f.columns]) for f in model.functions)
-    estimate = Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
-    return estimate, VirtualMachine(model, curves, {})
+    estimate = known_to_be(model, mean)
+    return estimate, truth_of(estimate)
 
 
 def places(model: ErrorModel, count: int) -> tuple[Array, Array]:
@@ -128,7 +126,7 @@ def test_two_linear_axes_take_away_what_lies_in_their_plane(core: Core, chain: s
     own = {name: std for name, std in LATHE.items() if "C" in chain or name != "ECC"}
     model = ErrorModel(machine_from_text(machine_text(chain, {k: v for k, v in travels.items() if k in chain}, own)))
     mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(1).standard_normal(model.size)
-    estimate = Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+    estimate = known_to_be(model, mean)
     text = text_of(estimate)
     low, high = np.array(estimate.box).T
     poses = np.random.default_rng(2).uniform(low, high, (500, len(low)))
@@ -277,15 +275,3 @@ def test_an_axis_of_two_kinds_of_knots_keeps_its_cubics() -> None:
                 value = f.basis.rows(at) @ estimate.mean[f.columns] * (0.5 if f.kind == "reversal" else 1)
                 expected[:, f.component] += value * (1e3 if f.component < 3 else 1)
             held("file on the union of the knots", np.max(np.abs(kept - expected)), 1e-9, "mm or rad")
-
-
-def test_more_knots_than_fit_are_refused() -> None:
-    text = machine_text(
-        "w-X'-b-Y-Z-t",
-        {"X": (0, 500), "Y": (0, 400), "Z": (-300, 0)},
-        {"EXX": ("10 um", 60, 200), "EYX": ("10 um", 61, 200)},
-    )
-    model = ErrorModel(machine_from_text(text))
-    estimate = Estimate(model, Belief(np.linspace(0, 1e-5, model.size), np.eye(model.size)), whole_travel(model))
-    with pytest.raises(TableError, match=r"have 119 knots together, the component holds 96"):
-        LinuxcncVolumetric().make(estimate, ExportOptions())

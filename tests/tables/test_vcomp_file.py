@@ -123,12 +123,6 @@ def test_the_component_refuses_nonsense_with_a_good_checksum(core: Core, what: s
     assert line > 0
 
 
-def test_an_axis_of_three_joints_is_refused() -> None:
-    options = ExportOptions(numbers={"X": (0, 6, 5), "Y": (1,), "Z": (2,), "B": (3,), "C": (4,)})
-    with pytest.raises(TableError, match="X has 3 joints"):
-        export(known("dmu60")[0], "linuxcnc-volumetric", options)
-
-
 @NEEDS_GCC
 def test_joints_that_the_chain_does_not_have_are_passed_over(core: Core) -> None:
     options = ExportOptions(numbers={"X": (7,), "Y": (1,), "Z": (2,), "B": (3,), "C": (4,)})

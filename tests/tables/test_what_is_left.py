@@ -29,6 +29,7 @@ from axiscal.tables.offer import foreword, shifts
 from axiscal.tables.surface import CommandedMachine, Mesh, effect_of_control, planes_left
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.vcomp_applying import whole_control
+from tests.generators.known import known_to_be, sure
 from tests.generators.planes import BED, TABLE
 from tests.generators.texts import TWO_SPHERES, machine_text
 from tests.tables.test_controllers import known
@@ -39,7 +40,7 @@ def estimate_of(text: str, seed: int = 1) -> Estimate:
     """Return the belief of somebody who knows a machine that was drawn."""
     model = ErrorModel(machine_from_text(text))
     mean = model.prior_root() @ np.random.default_rng(seed).standard_normal(model.prior_root().shape[1])
-    return Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+    return known_to_be(model, mean)
 
 
 ONE_PLANE = BED.replace("EAYZ", "#").replace('EAX = { std = "100 urad", knots = 4, length = "100 mm" }', "")
@@ -50,7 +51,7 @@ def plane_of(estimate: Estimate, poses: Array) -> Array:
     without = estimate.mean.copy()
     for plane in estimate.model.planes:
         without[plane.columns] = 0.0
-    others = replace(estimate, belief=Belief(without, 1e-20 * np.eye(len(without))))
+    others = replace(estimate, belief=sure(without))
     sides = np.zeros_like(poses)
     return (estimate.deviation(poses, sides) - others.deviation(poses, sides))[:, 2]
 
@@ -177,7 +178,7 @@ def test_old_heights_are_added_at_the_points_of_the_new_mesh() -> None:
 def test_a_control_turns_about_the_axes_as_described_wherever_levers_were_found(control: str) -> None:
     """Errors of milliradians: rows of readings are taken where the machine is then, by a micrometre elsewhere."""
     found = known("three-axis-mill")[0]
-    belief = Belief(30 * found.mean, 1e-20 * np.eye(found.model.size))
+    belief = sure(30 * found.mean)
     bent = replace(found, model=MovedErrors(found.machine, belief.mean[: found.model.size]), belief=belief)
     exported = registry.export(bent, control, ExportOptions())
     assert exported.effect.after < 0.1 * exported.effect.before

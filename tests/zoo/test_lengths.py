@@ -63,22 +63,3 @@ def test_a_ruler_shows_how_much_a_scale_is_longer(tmp_path: Path) -> None:
     where, values = answer.axis_table("X")
     slope = np.polyfit(where, values.mean(axis=0), 1)[0]
     assert slope == pytest.approx(0.02, abs=0.003)  # um/mm
-
-
-SPAN = 'lengths = { b = [["0 mm", "0 mm", "0 mm"], ["9 mm", "0 mm", "0 mm"]] }'
-BEGIN = 'machine = "one-axis"\ncompensation_active = false\n[target]\nU = "20 um"\n[[setups]]\nname = "a"\n'
-
-
-@pytest.mark.parametrize(
-    ("setup", "row", "says"),
-    [
-        ('instrument = "gauge"', "a,100", "between which places the gauge lies"),
-        (f'instrument = "probe"\n{SPAN}', "a b,9", "lengths are those of a gauge"),
-        (f'instrument = "gauge"\nmoves = ["X"]\n{SPAN}', "a b,9", "setups[1].moves: a length goes from its first end"),
-        ('instrument = "indicator"\ndirection = "x"', "a,100", '"a" names none'),
-    ],
-)
-def test_a_length_without_two_places_is_refused(tmp_path: Path, setup: str, row: str, says: str) -> None:
-    (tmp_path / "a.toml").write_text(f"{BEGIN}{setup}\n")
-    (tmp_path / "a.csv").write_text(f"setup,length_mm\n{row}\n")
-    given("data", "estimate", tmp_path / "a.toml", tmp_path / "a.csv", "--out", tmp_path / "out").refused(says)

@@ -1,0 +1,29 @@
+"""What somebody believes who knows a machine, and the machine itself: for `drawn_and_known`, or control values."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import whole_travel
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.measurement.simulation import VirtualMachine
+from axiscal.numerics import Array
+
+
+def sure(mean: Array) -> Belief:
+    """Return the belief that control values are these, (n,)."""
+    return Belief(mean, 1e-20 * np.eye(len(mean)))
+
+
+def known_to_be(model: ErrorModel, mean: Array) -> Estimate:
+    """Return what somebody believes over the whole travel who knows the control values, (n,)."""
+    return Estimate(model, sure(mean), whole_travel(model))
+
+
+def truth_of(estimate: Estimate) -> VirtualMachine:
+    """Return the machine that is as somebody believes."""
+    model, mean = estimate.model, estimate.mean
+    curves = tuple((lambda t, f=f: f.rows(t) @ mean[f.columns]) for f in model.terms)
+    return VirtualMachine(model, curves, {})
