@@ -15,7 +15,8 @@ from axiscal.campaign.ending import Ended, because_text
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import AxiscalError, InputError
 from axiscal.language.spoken import ending, put, said
-from axiscal.measurement.reading import reading_unit, value_names
+from axiscal.measurement.instrument import value_names
+from axiscal.measurement.reading import reading_unit
 from axiscal.present.guide.question import axis_places, question_text, sense, sign_on, touch_text
 from axiscal.record.events import Asked, State
 from axiscal.units import said_quantity

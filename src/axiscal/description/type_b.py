@@ -15,10 +15,11 @@ import numpy as np
 
 from axiscal.measurement.instrument import LENGTH
 from axiscal.measurement.instruments.displacement import SQUARE
-from axiscal.measurement.instruments.kind import Nominal
+from axiscal.measurement.instruments.kind import Kind
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import touch_frames
 from axiscal.numerics import Array
+from axiscal_core.instrument import At
 
 Distribution = Literal["normal", "rectangular"]
 _STDS: dict[Distribution, float] = {"normal": 1.0, "rectangular": 1 / float(np.sqrt(3.0))}
@@ -36,19 +37,23 @@ _OF_AIR = float(np.hypot(1.0 * 0.5, 0.27 * 2.0)) * 1e-6
 class Read:
     """The readings of one set-up.
 
-    nominal : places of r readings; ways : (k, r, 3) along or about which each of their numbers reads; values : (k, r)
+    at : places of r readings; ways : (k, r, 3) along which each of their numbers reads; values : (k, r)
     """
 
-    setup: Setup
-    nominal: Nominal
+    kind: Kind
+    at: At
     ways: Array
     values: Array
 
     @property
+    def setup(self) -> Setup:
+        """What was read."""
+        return self.kind.setup
+
+    @property
     def along(self) -> Array:
         """How far the tool is from the middle of what was read, along what each number reads, (k, r), m."""
-        tcp = self.nominal.tcp
-        along: Array = np.sum(self.ways * (tcp - tcp.mean(axis=0)), axis=2)
+        along: Array = np.sum(self.ways * (self.at.tcp - self.at.tcp.mean(axis=0)), axis=2)
         return along
 
     @property
@@ -109,7 +114,7 @@ def _scaled(read: Read, size: float) -> Array:
 def _distant(read: Read, size: float) -> Array:
     """Return a strain of the distance from the station, (k, r)."""
     stations = np.array(read.setup.standing)
-    strained: Array = size * np.linalg.norm(read.nominal.tcp - stations[:, None], axis=2)
+    strained: Array = size * np.linalg.norm(read.at.tcp - stations[:, None], axis=2)
     return strained
 
 
@@ -135,7 +140,7 @@ def _of_reading(read: Read, size: float) -> Array:
 
 def _larger(read: Read, size: float) -> Array:
     """Return what a larger sphere and stylus do: in the mean of opposite sides its pole alone shows them, (k, r)."""
-    touched = touch_frames(read.nominal.machine, read.nominal.poses)
+    touched = touch_frames(read.kind.machine, read.at.poses)
     met = touched.sum(axis=1) if read.setup.three_touches else touched[:, 2]
     larger: Array = -size * np.sum(read.ways * met, axis=2)
     return larger
@@ -143,7 +148,7 @@ def _larger(read: Read, size: float) -> Array:
 
 def _bowed(read: Read, size: float) -> Array:
     """Return a bow, (k, r), whose sag is `size` times its length."""
-    way = read.nominal.travelled
+    way = read.kind.travelled(read.at.poses)
     span = float(np.ptp(way))
     bowed: Array = size * span * (2 * (way - way.min()) / (span or 1.0) - 1) ** 2 * read.ones
     return bowed
@@ -213,7 +218,7 @@ TYPE_B = (
     ),
     TypeB(  # each leg has half of the angle between two
         "square", ("straightedge",), "normal", 10e-6, "urad", _ASSUMED, "set-up",
-        lambda read, size: size / np.sqrt(2.0) * read.nominal.travelled * read.ones,
+        lambda read, size: size / np.sqrt(2.0) * read.kind.travelled(read.at.poses) * read.ones,
         lambda setup: any(unknown.name in SQUARE for unknown in setup.unknowns),
     ),
     TypeB("bow", ("straightedge",), "normal", 2e-6, "um/m", _ASSUMED, "set-up", _bowed),

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import listed, put, said
 from axiscal.machine.axis import Axis
-from axiscal.measurement.instrument import INSTRUMENTS, values_of
+from axiscal.measurement.instrument import INSTRUMENTS, value_names, values_of
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -241,13 +241,6 @@ def direction_text(setup: Setup) -> str:
         if abs(component) == 1:
             return letter if component > 0 else f"-{letter}"
     return "(" + ", ".join(f"{component:.4g}" for component in setup.direction) + ")"
-
-
-def value_names(setup: Setup) -> tuple[str, ...]:
-    """Return what the numbers of a reading are told apart by: x, y, z, or those of the stations; "" of a single one."""
-    if setup.stations:
-        return tuple(str(number) for number in range(1, values_of(setup) + 1))
-    return ("x", "y", "z") if values_of(setup) > 1 else ("",)
 
 
 def value_columns(setup: Setup) -> tuple[str, ...]:

@@ -12,7 +12,8 @@ from axiscal.errors.iso230 import words
 from axiscal.errors.model import ErrorFunction
 from axiscal.estimation.estimation import Estimation, paths
 from axiscal.language.spoken import later, said
-from axiscal.measurement.reading import Reading, reading_unit, value_names
+from axiscal.measurement.instrument import value_names
+from axiscal.measurement.reading import Reading, reading_unit
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array

@@ -36,8 +36,8 @@ from axiscal.estimation.intervals import COARSE
 from axiscal.estimation.promise.agreement import AGREES
 from axiscal.language.spoken import capital, later, listed, put, said
 from axiscal.machine.axis import Axis
-from axiscal.measurement.instrument import values_of
-from axiscal.measurement.reading import Reading, place_text, reading_unit, value_names
+from axiscal.measurement.instrument import value_names, values_of
+from axiscal.measurement.reading import Reading, place_text, reading_unit
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.numerics import Array
 from axiscal.present.beside import beside_the_tool

@@ -33,16 +33,8 @@ from axiscal.language.spoken import later, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.questions import questions, which_way
-from axiscal.measurement.instrument import values_of
-from axiscal.measurement.reading import (
-    Reading,
-    approach_text,
-    direction_text,
-    reading_unit,
-    shown_pose,
-    value_columns,
-    value_names,
-)
+from axiscal.measurement.instrument import value_names, values_of
+from axiscal.measurement.reading import Reading, approach_text, direction_text, reading_unit, shown_pose, value_columns
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array

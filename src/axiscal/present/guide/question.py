@@ -24,7 +24,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, said
 from axiscal.machine import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.instrument import INSTRUMENTS, values_of
+from axiscal.measurement.instrument import INSTRUMENTS, value_names, values_of
 from axiscal.measurement.reading import (
     Place,
     direction_text,
@@ -32,7 +32,6 @@ from axiscal.measurement.reading import (
     reading_unit,
     refuse_other_values,
     shown_coordinate,
-    value_names,
 )
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Setup, Vector
@@ -340,7 +339,7 @@ def sense(setup: Setup) -> Sense:
     """Return what a set-up reads."""
     model, direction = INSTRUMENTS[setup.instrument].model, direction_text(setup)
     towards = "+ where the tool stands too far towards {way}, seen from the workpiece"
-    if model.values > 1:
+    if len(model.numbers) > 1:
         every = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
         return Sense(said("x, y and z"), said(towards, way="+x, +y, +z"), every)
     if not model.directed:
