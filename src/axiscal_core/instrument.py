@@ -34,7 +34,7 @@ Unknowns = Mapping[str, float]
 Approach = Literal["both", "+", "-"]
 TOOL = ("tool_x", "tool_y", "tool_z")
 """By how much the tool in the spindle is another than the machine states, m."""
-_H = 1e-30  # a complex step: its square is below rounding
+_H = 2.0**-100  # a complex step: its square is below rounding, and a power of two rounds nothing itself
 _STEP = 1e-6  # of the real difference: errors are microns, and rounding of a metre is 1e-16
 _ANALYTIC = 1e-4  # by so much of the largest slope both may differ: a second derivative times the step is less
 
@@ -199,7 +199,7 @@ def slopes(instrument: Seeing, at: At, u: Unknowns) -> Slopes:
     every = At(*(np.concatenate([part] * 6) for part in at))
     steps = 1j * _H * np.repeat(np.eye(6), len(at.poses), axis=0)
     stepped = every._replace(moved=every.moved + steps[:, :3], turned=every.turned + steps[:, 3:])
-    ways = _imaginary(numbers(instrument, stepped, u)).reshape(6, len(at.poses), -1).transpose(1, 2, 0)
+    ways = np.imag(numbers(instrument, stepped, u)).reshape(6, len(at.poses), -1).transpose(1, 2, 0) / _H
     return Slopes(ways[:, :, :3], ways[:, :, 3:])
 
 
@@ -207,12 +207,8 @@ def own_slopes(instrument: Seeing, at: At, u: Unknowns, names: Sequence[str]) ->
     """Return the derivatives by some of its own unknowns, (m, k, names), likewise."""
     result = np.empty((len(at.poses), len(instrument.names), len(names)))
     for column, name in enumerate(names):
-        result[:, :, column] = _imaginary(numbers(instrument, at, {**u, name: cast("float", u[name] + 1j * _H)}))
-    return result
-
-
-def _imaginary(stepped: Array) -> Array:
-    return np.imag(stepped) / _H
+        result[:, :, column] = np.imag(numbers(instrument, at, {**u, name: cast("float", u[name] + 1j * _H)}))
+    return result / _H
 
 
 class Sight(NamedTuple):

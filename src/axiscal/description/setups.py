@@ -168,7 +168,7 @@ class _Reader(SiteReader):
         setup = self._on_square(setup)
         setup = seen(table, around.machine, self._at, setup) if site.chart is None else self._sited(setup, site)
         with self._at("instrument" if base is None else "base"):
-            model_of(setup)(setup, self._machine).check_setup()
+            model_of(setup).check_setup(setup, self._machine)
         return self._complete(dense(table, around.machine, self._at, setup))
 
     def _sited(self, setup: Setup, site: Site) -> Setup:

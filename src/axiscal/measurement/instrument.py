@@ -91,11 +91,6 @@ def model_of(setup: Setup) -> type[Kind]:
     return INSTRUMENTS[setup.instrument].model if setup.base is None else Stepped
 
 
-def value_names(setup: Setup) -> tuple[str, ...]:
-    """Return what the numbers of a reading are told apart by: x, y, z, or those of the stations; "" of a single one."""
-    return model_of(setup).names_of(setup)
-
-
 def values_of(setup: Setup) -> int:
     """Return how many numbers a reading of a set-up has."""
-    return len(value_names(setup))
+    return len(INSTRUMENTS[setup.instrument].model.names_of(setup))

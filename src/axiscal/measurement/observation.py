@@ -235,7 +235,7 @@ class Observation:
             point = self.about.point
             return self.shown(setup, poses, approaches, point) - self._first_order(setup, poses, approaches, point)
         kind = self._kinds[setup]
-        at, found = kind.places(poses), {name: value for name, value in kind.found.items() if value}
+        at, found = kind.places(poses), kind.found(kind.setup)
         linear: Array = kind.own_slopes(at, [*found]) @ np.array([*found.values()])
         return kind.shown(at, found) - linear
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import listed, put, said
 from axiscal.machine.axis import Axis
-from axiscal.measurement.instrument import INSTRUMENTS, value_names, values_of
+from axiscal.measurement.instrument import INSTRUMENTS, model_of, values_of
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -245,7 +245,7 @@ def direction_text(setup: Setup) -> str:
 
 def value_columns(setup: Setup) -> tuple[str, ...]:
     """Return the columns of a file of readings for its values, such as value_um, or value_x_um and two more."""
-    return tuple(f"value{'_' * bool(name)}{name}_{reading_unit(setup)}" for name in value_names(setup))
+    return tuple(f"value{'_' * bool(name)}{name}_{reading_unit(setup)}" for name in model_of(setup).names_of(setup))
 
 
 def refuse_other_values(setup: Setup, count: int, dimension: str | None = None) -> None:

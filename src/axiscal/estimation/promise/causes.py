@@ -41,10 +41,10 @@ def contributions(
     first = np.cumsum(each) - each
     for mine, read in _by_setup(observation, places, values):
         for row in TYPE_B:
-            stated = row.name in dict(read.setup.stated)
-            if not row.met(read.setup) or not (usual or stated):
+            stated = row.name in dict(read.kind.setup.stated)
+            if not row.met(read.kind.setup) or not (usual or stated):
                 continue
-            owners = {"set-up": read.setup.name, "instrument": read.setup.instrument, "machine": ""}
+            owners = {"set-up": read.kind.setup.name, "instrument": read.kind.setup.instrument, "machine": ""}
             owner = owners[row.shared]
             before = found.get((row.name, owner), Contribution(row, owner, True, np.zeros(each.sum())))
             for number, effect in enumerate(row.column(read)):

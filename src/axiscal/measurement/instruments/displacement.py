@@ -44,9 +44,9 @@ class Stepped(Rotation):
         """Return the angle of the chord; at.moved : of one foot against the other, per length."""
         return [np.arctan(np.sum(across(self.machine, self.setup, at.poses) * at.moved, axis=1)) + u["zero"]]
 
-    def check_setup(self) -> None:
+    @classmethod
+    def check_setup(cls, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError where there is no slope to be read."""
-        setup, machine = self.setup, self.machine
         _refuse_other_moves(setup, machine)
         base, axis = setup.base or 0.0, machine.axes[setup.moves[0]]
         if base >= axis.length:
@@ -110,7 +110,7 @@ class Displacement(Kind):
 
     def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
         """Return dᵀδp + known growth + the effects of the unknowns: of a slope by its tangent."""
-        moved = at.moved + self.grown(at)
+        moved = at.moved + self.grown(at) if self.setup.growth else at.moved
         if self.setup.offset is not None:
             arm = at.tool @ np.array(self.setup.offset)
             moved = moved + rigid.turned(arm, at.turned) - arm

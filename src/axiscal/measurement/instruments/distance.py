@@ -30,7 +30,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from axiscal.measurement.instruments.kind import TOOL_READS, Kind, Reads
+from axiscal.machine.description import Machine
+from axiscal.measurement.instruments.kind import TOOL_READS, Kind, Reads, need_station
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.touched import touch_frames
 from axiscal.numerics import Array
@@ -77,15 +78,16 @@ class Distance(Kind):
         tip, shown = self.tip(at, u), list[Array]()
         for number, station in enumerate(self.setup.standing):
             zero, *shifts = (_numbered(name, number) for name in _OWN) if self.setup.stations else _OWN
-            line = at.tcp - np.array(station)
             shift = np.array([u.get(name, 0.0) for name in shifts])
-            shown.append(length(line + tip - shift) - length(line) + u.get(zero, 0.0))
+            seen = length(at.tcp + tip - np.array(station) - shift)
+            shown.append(seen - length(at.tcp - np.array(station)) + u.get(zero, 0.0))
         return shown
 
-    def check_setup(self) -> None:
+    @classmethod
+    def check_setup(cls, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""
-        if not self.setup.stations:
-            self.need_station("the {instrument}'s other end")
+        if not setup.stations:
+            need_station(setup, "the {instrument}'s other end")
 
     @staticmethod
     def located(setup: Setup) -> tuple[str, ...]:
@@ -125,9 +127,10 @@ class Tracker(Nest):
         turn = rigid.rotation(np.array([[u[name] for name in TURNS]]))[0]
         return _from_zeros((line + self.tip(at, u)) @ turn.T - line, u)
 
-    def check_setup(self) -> None:
+    @classmethod
+    def check_setup(cls, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""
-        self.need_station("the tracker")
+        need_station(setup, "the tracker")
 
     @staticmethod
     def located(setup: Setup) -> tuple[str, ...]:

@@ -50,28 +50,32 @@ class Kind:
 
     def __init__(self, setup: Setup, machine: Machine) -> None:
         self.setup, self.machine = setup, machine
+        self.names = self.names_of(setup)
+        self._nothing = dict.fromkeys((*self.unknown_reads, *(unknown.name for unknown in setup.unknowns)), 0.0)
+        self._found = {**self._nothing, **self.found(setup)}
 
     def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
         """Return what it shows, nothing linearised, noise left out, (m,) each, m or rad.  u : all its unknowns"""
         raise NotImplementedError
 
-    def check_setup(self) -> None:
-        """Raise DescriptionError for a set-up that makes no sense on its machine; as a rule every one does."""
+    @classmethod
+    def check_setup(cls, setup: Setup, machine: Machine) -> None:
+        """Raise DescriptionError for a set-up that makes no sense on a machine; as a rule every one does."""
 
     @classmethod
     def names_of(cls, setup: Setup) -> tuple[str, ...]:
         """Return what the numbers of a set-up's readings are told apart by; "" of a single one."""
         return cls.numbers
 
-    @property
-    def names(self) -> Sequence[str]:
-        """The same of its own."""
-        return self.names_of(self.setup)
-
     @staticmethod
     def located(setup: Setup) -> tuple[str, ...]:
         """Return the unknowns that say where a set-up stands, which `Setup.found` has values of; as a rule none."""
         return ()
+
+    @classmethod
+    def found(cls, setup: Setup) -> dict[str, float]:
+        """Return where these have been found so far: there its rows are taken, and at zero of all others."""
+        return dict(zip(cls.located(setup), setup.found or (), strict=False))
 
     def places(
         self, poses: Array, sides: Array | None = None, actual: rigid.Motion | None = None,
@@ -89,27 +93,18 @@ class Kind:
         nominal = frames(self.machine, poses)
         return At(poses, come, nominal.tcp, nominal.tool, moved, turned)
 
-    def unknowns(self, own: Unknowns) -> dict[str, float]:
-        """Return all its unknowns, zero where nothing is given."""
-        return {**dict.fromkeys(self.unknown_reads, 0.0), **{each.name: 0.0 for each in self.setup.unknowns}, **own}
-
-    @cached_property
-    def found(self) -> dict[str, float]:
-        """Where its unknowns have been found so far, at which its rows are taken."""
-        return self.unknowns(dict(zip(self.located(self.setup), self.setup.found or (), strict=False)))
-
     def shown(self, at: At, own: Unknowns) -> Array:
-        """Return all that it shows, (m, k).  own : values of its unknowns"""
-        return numbers(self, at, self.unknowns(own))
+        """Return all that it shows, (m, k).  own : values of its unknowns, zero where none is given"""
+        return numbers(self, at, {**self._nothing, **own})
 
     def slopes(self, at: At) -> Slopes:
         """Return the derivatives of what it shows by what the tool does."""
-        return slopes(self, at, self.found)
+        return slopes(self, at, self._found)
 
     def own_slopes(self, at: At, names: Sequence[str] | None = None) -> Array:
         """Return those by its own unknowns, (m, k, names).  names : None for those of the set-up"""
         own = [unknown.name for unknown in self.setup.unknowns] if names is None else names
-        return own_slopes(self, at, self.found, own)
+        return own_slopes(self, at, self._found, own)
 
     def travelled(self, poses: Array) -> Array:
         """Return how far the linear axis that moves is from the middle of its travel, (m,) m; zero where none does."""
@@ -131,26 +126,23 @@ class Kind:
         """The index of the linear axis that moves; None where none does."""
         return next((k for k in self.setup.moves if not self.machine.axes[k].rotary), None)
 
-    def grown(self, at: At) -> Array | float:
+    def grown(self, at: At) -> Array:
         """Return how much farther a machine that is warmer than 20 °C takes the tool from the middle, (m, 3) m."""
-        return self.setup.growth * (at.tcp - self._middle) if self.setup.growth else 0.0
-
-    @cached_property
-    def _middle(self) -> Array:
-        return frames(self.machine, np.array([self.setup.park])).tcp
+        away: Array = self.setup.growth * (at.tcp - frames(self.machine, np.array([self.setup.park])).tcp)
+        return away
 
     def tip(self, at: At, u: Unknowns) -> Array:
         """Return where the actual tool's point is from the nominal TCP, and from its ball, (m, 3) m."""
-        tip: Array = at.tip(u) + self.grown(at)
+        tip = at.tip(u) + self.grown(at) if self.setup.growth else at.tip(u)
         artefact = self.setup.artefact
         return tip if artefact is None else tip - artefact.displacements(u, artefact.nearest(at.tcp, self.setup.balls))
 
-    def need_station(self, what: str) -> None:
-        """Raise DescriptionError for a set-up that does not say where it stands."""
-        if self.setup.station is None:
-            remedy = 'Write station = ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
-            thing = said(what, instrument=self.setup.instrument)
-            raise DescriptionError("it is not said where {thing} is", remedy, thing=thing)
+
+def need_station(setup: Setup, what: str) -> None:
+    """Raise DescriptionError for a set-up that does not say where it stands."""
+    if setup.station is None:
+        remedy = 'Write station = ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
+        raise DescriptionError("it is not said where {thing} is", remedy, thing=said(what, instrument=setup.instrument))
 
 
 def levers_of(errors: ErrorModel, seen: Slopes, poses: Array) -> Array:

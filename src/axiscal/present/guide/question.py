@@ -24,7 +24,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, said
 from axiscal.machine import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.instrument import INSTRUMENTS, value_names, values_of
+from axiscal.measurement.instrument import INSTRUMENTS, model_of, values_of
 from axiscal.measurement.reading import (
     Place,
     direction_text,
@@ -248,7 +248,7 @@ class Question(AnswerDocument):
             turns=INSTRUMENTS[setup.instrument].model.reads == "angle",
             unit=unit,
             expected=[ExpectedNumber(mean=mean, half=half) for mean, half in zip(means, halves, strict=True)],
-            names=list(value_names(setup)),
+            names=list(model_of(setup).names_of(setup)),
         )
 
     def surprise(self, values: Array) -> float:
@@ -356,7 +356,9 @@ def sense(setup: Setup) -> Sense:
 def sign_on(machine: Machine, setup: Setup) -> str:
     """Return when a reading is positive, and that x, y and z turn with a table where one turns in the set-up."""
     sign, axes = sense(setup).sign, [machine.axes[k] for k in setup.moves]
-    turns = any(axis.rotary and axis.workpiece_side for axis in axes) and "x" in value_names(setup)
+    turns = any(axis.rotary and axis.workpiece_side for axis in axes) and "x" in INSTRUMENTS[
+        setup.instrument
+    ].model.names_of(setup)
     return said("{sign}; x, y and z turn with the table", sign=sign) if turns else sign
 
 
