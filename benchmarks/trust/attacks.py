@@ -15,11 +15,11 @@ from axiscal.estimation.estimate import concluded
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
+from axiscal_core.instrument import TOOL
 from axiscal_core.threads import one_thread
 from benchmarks.trust.benches import BENCHES, Changes, Name, case_of, visits
 

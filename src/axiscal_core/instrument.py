@@ -19,10 +19,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Literal, NamedTuple, TypedDict, Unpack, cast
+from typing import Literal, NamedTuple, Protocol, TypedDict, Unpack, cast
 
 import numpy as np
 
+from axiscal_core import rigid
 from axiscal_core.errors import Curved
 from axiscal_core.machine import Machine
 from axiscal_core.refusals import Array, InputError, one_of, within
@@ -33,7 +34,7 @@ Unknowns = Mapping[str, float]
 Approach = Literal["both", "+", "-"]
 TOOL = ("tool_x", "tool_y", "tool_z")
 """By how much the tool in the spindle is another than the machine states, m."""
-_H = 1e-30  # a complex step: its square is below rounding
+_H = 2.0**-100  # a complex step: its square is below rounding, and a power of two rounds nothing itself
 _STEP = 1e-6  # of the real difference: errors are microns, and rounding of a metre is 1e-16
 _ANALYTIC = 1e-4  # by so much of the largest slope both may differ: a second derivative times the step is less
 
@@ -54,8 +55,8 @@ class At(NamedTuple):
 
     def tip(self, u: Unknowns) -> Array:
         """Return by how much the tip of a tool has moved that is tool_x, tool_y, tool_z off, (m, 3)."""
-        off = sum(u[name] * self.tool[:, :, i] for i, name in enumerate(TOOL))
-        return self.moved + off + cross(self.turned, np.asarray(off))
+        off: Array = self.tool @ np.array([u[name] for name in TOOL])
+        return self.moved + rigid.turned(off, self.turned) if off.any() else self.moved
 
 
 def length(v: Array) -> Array:
@@ -157,6 +158,59 @@ class Instrument:
         return f"<{type(self).__name__} {self.name}: moves {moves}; shows {shows}>"
 
 
+class Seeing(Protocol):
+    """What an instrument is to those who ask what it sees: names of its numbers, and the function."""
+
+    @property
+    def names(self) -> Sequence[str]:
+        """Of each number of a reading."""
+
+    def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
+        """Return the numbers of a reading, (m,) each, in m or rad."""
+
+
+class Slopes(NamedTuple):
+    """Derivatives of what an instrument shows by what the tool is displaced and turned, (m, k, 3) each."""
+
+    moved: Array
+    turned: Array
+
+
+def numbers(instrument: Seeing, at: At, u: Unknowns) -> Array:
+    """Return what an instrument shows, (m, k); raises InputError where `sees` gives something else."""
+    where = f"{type(instrument).__name__}.sees"
+    try:
+        found = instrument.sees(at, u)
+    except KeyError as missing:
+        raise InputError(where, f"u[{missing}]", "is not there", "Name it in unknowns or type_b") from None
+    if not isinstance(found, list | tuple) or len(found) != len(instrument.names):
+        what, names = f"is {type(found).__name__}", ", ".join(instrument.names)
+        raise InputError(where, "result", what, f"Return a list of one array for each of {names}")
+    try:
+        return np.stack([np.broadcast_to(each, len(at.poses)) for each in found], axis=1)
+    except ValueError:
+        shapes = ", ".join(str(np.shape(each)) for each in found)
+        raise InputError(where, "result", f"has shapes {shapes}", f"Give ({len(at.poses)},) each") from None
+
+
+def slopes(instrument: Seeing, at: At, u: Unknowns) -> Slopes:
+    """Return the derivatives by complex steps, exact to rounding."""
+    # six readings for each, of which one is displaced or turned along one way
+    every = At(*(np.concatenate([part] * 6) for part in at))
+    steps = 1j * _H * np.repeat(np.eye(6), len(at.poses), axis=0)
+    stepped = every._replace(moved=every.moved + steps[:, :3], turned=every.turned + steps[:, 3:])
+    ways = np.imag(numbers(instrument, stepped, u)).reshape(6, len(at.poses), -1).transpose(1, 2, 0) / _H
+    return Slopes(ways[:, :, :3], ways[:, :, 3:])
+
+
+def own_slopes(instrument: Seeing, at: At, u: Unknowns, names: Sequence[str]) -> Array:
+    """Return the derivatives by some of its own unknowns, (m, k, names), likewise."""
+    result = np.empty((len(at.poses), len(instrument.names), len(names)))
+    for column, name in enumerate(names):
+        result[:, :, column] = np.imag(numbers(instrument, at, {**u, name: cast("float", u[name] + 1j * _H)}))
+    return result / _H
+
+
 class Sight(NamedTuple):
     """Rows of readings of one instrument, linear at some machine.
 
@@ -181,19 +235,20 @@ def sight(
 
     poses, sides : (m, q); errors : (n,) of the machine at which it is linear; unknowns : (u,); zero where not given
     """
-    looked = _Looked(instrument, machine, poses, sides, errors, unknowns)
-    by_move = np.stack([looked.imaginary(moved=each) for each in np.eye(3)], axis=2)
-    by_turn = np.stack([looked.imaginary(turned=each) for each in np.eye(3)], axis=2)
-    nothing = np.zeros((*by_move.shape[:2], 0))
-    own, type_b = (
-        np.concatenate([nothing, *(looked.imaginary(name=name)[:, :, None] for name in names)], axis=2)
-        for names in (instrument.own, instrument.considered)
-    )
+    frames = machine.frames(poses)
+    rows = machine.rows(poses, sides, frames)
+    still = np.zeros((2, len(poses), 3))
+    moved, turned = still if errors is None else (rows.displacement @ errors, rows.rotation @ errors)
+    at = At(poses, sides, frames.tcp, frames.tool, moved, turned)
+    values = np.zeros(len(instrument.own)) if unknowns is None else unknowns
+    u = dict(zip(instrument.own, values.tolist(), strict=True)) | dict.fromkeys(instrument.considered, 0.0)
+    found = slopes(instrument, at, u)
+    own, type_b = (own_slopes(instrument, at, u, [*names]) for names in (instrument.own, instrument.considered))
     # a reversal enters with one half of its value or the other, where nobody knows with either
-    moved, turned = (
-        each.transpose(1, 2, 0) for each in machine.levers(poses, np.where(sides == 0, 1, sides), looked.frames)
+    by_moved, by_turned = (
+        each.transpose(1, 2, 0) for each in machine.levers(poses, np.where(sides == 0, 1, sides), frames)
     )
-    reach = by_move @ moved + by_turn @ turned
+    reach = found.moved @ by_moved + found.turned @ by_turned
     blind = np.zeros(reach.shape[:2])
     for i, (_, term) in enumerate(machine.curves):
         moves = term.error.kind == "reversal" and machine.names[term.at] in instrument.moves
@@ -201,8 +256,8 @@ def sight(
             blind[unknown] += (reach[unknown, :, i] * _spread(term, poses[unknown])[:, None]) ** 2
             reach[unknown, :, i] = 0.0
     return Sight(
-        by_move @ looked.rows.displacement + by_turn @ looked.rows.rotation, own,
-        type_b * np.array([*instrument.considered.values()]), reach, looked.shown(), blind,
+        found.moved @ rows.displacement + found.turned @ rows.rotation, own,
+        type_b * np.array([*instrument.considered.values()]), reach, numbers(instrument, at, u), blind,
     )  # fmt: skip
 
 
@@ -212,75 +267,41 @@ def _spread(term: Curved, poses: Array) -> Array:
     return np.asarray(np.sqrt(np.sum(rows @ term.covariance() * rows, axis=1) + term.rest**2))
 
 
-class _Looked:
-    """An instrument at poses, asked again and again with one thing changed."""
-
-    def __init__(
-        self, instrument: Instrument, machine: Machine, poses: Array, sides: Array, errors: Array | None,
-        unknowns: Array | None,
-    ) -> None:  # fmt: skip
-        self.instrument, self.poses, self.sides = instrument, poses, sides
-        self.frames = machine.frames(poses)
-        self.rows = machine.rows(poses, sides, self.frames)
-        still = np.zeros((len(poses), 3))
-        self.moved = still if errors is None else self.rows.displacement @ errors
-        self.turned = still if errors is None else self.rows.rotation @ errors
-        values = np.zeros(len(instrument.own)) if unknowns is None else unknowns
-        self.u = dict(zip(instrument.own, values.tolist(), strict=True)) | dict.fromkeys(instrument.considered, 0.0)
-
-    def numbers(self, moved: Array | float, turned: Array | float, name: str, step: complex) -> Array:
-        """Return what it shows where steps along some ways, and of one unknown, are taken, (m, k)."""
-        u = self.u | ({name: self.u[name] + step} if name else {})
-        stepped = [cast("Array", part + step * way) for part, way in ((self.moved, moved), (self.turned, turned))]
-        at = At(self.poses, self.sides, self.frames.tcp, self.frames.tool, *stepped)
-        where = f"{type(self.instrument).__name__}.sees"
-        try:
-            found = self.instrument.sees(at, u)
-        except KeyError as missing:
-            raise InputError(where, f"u[{missing}]", "is not there", "Name it in unknowns or type_b") from None
-        if not isinstance(found, list | tuple) or len(found) != len(self.instrument.names):
-            what, names = f"is {type(found).__name__}", ", ".join(self.instrument.names)
-            raise InputError(where, "result", what, f"Return a list of one array for each of {names}")
-        try:
-            return np.stack([np.broadcast_to(each, len(self.poses)) for each in found], axis=1)
-        except ValueError:
-            shapes = ", ".join(str(np.shape(each)) for each in found)
-            raise InputError(where, "result", f"has shapes {shapes}", f"Give ({len(self.poses)},) each") from None
-
-    def shown(self) -> Array:
-        """Return what it shows, (m, k)."""
-        return np.real(self.numbers(0.0, 0.0, "", 0.0))
-
-    def imaginary(self, moved: Array | float = 0.0, turned: Array | float = 0.0, name: str = "") -> Array:
-        """Return the derivative, (m, k), along a way (3,) of the tool, about one, or by an unknown."""
-        return np.imag(self.numbers(moved, turned, name, 1j * _H)) / _H
-
-    def difference(self, moved: Array | float = 0.0, turned: Array | float = 0.0, name: str = "") -> Array:
-        """Return the same by a real difference, to six digits or so."""
-        up, down = (np.real(self.numbers(moved, turned, name, step)) for step in (_STEP, -_STEP))
-        return (up - down) / (2 * _STEP)
-
-
 def refuse_what_is_not_analytic(instrument: Instrument, machine: Machine, poses: Array, sides: Array) -> None:
     """Raise InputError where complex steps and a real difference give other rows.  poses, sides : (m, q)"""
-    where, some = type(instrument).__name__, np.array([3e-6, -2e-6, 5e-6])
-    looked = _Looked(instrument, machine, poses, sides, None, None)
-    looked.moved, looked.turned = looked.moved + some, looked.turned - some  # abs has a slope beside zero only
-    looked.u = {name: value + 3e-6 for name, value in looked.u.items()}
-    if not np.isfinite(looked.shown()).all():
-        pose = int(np.argwhere(~np.isfinite(looked.shown()))[0, 0])
+    where, some, frames = type(instrument).__name__, np.array([3e-6, -2e-6, 5e-6]), machine.frames(poses)
+    off = np.zeros((len(poses), 3)) + some  # abs has a slope beside zero only
+    at, u = At(poses, sides, frames.tcp, frames.tool, off, -off), dict.fromkeys(instrument.own, 3e-6)
+    u |= dict.fromkeys(instrument.considered, 3e-6)
+    shown = numbers(instrument, at, u)
+    if not np.isfinite(shown).all():
+        pose = int(np.argwhere(~np.isfinite(shown))[0, 0])
         raise InputError(
             f"{where}.sees", "result", f"is no number at {poses[pose]}", "It has to be one at every pose", pose
         )
-    ways, still = np.eye(3), np.zeros(3)
-    changes = [(f"at.moved[:, {i}]", ways[i], still, "") for i in range(3)]
-    changes += [(f"at.turned[:, {i}]", still, ways[i], "") for i in range(3)]
-    changes += [(f"u[{name!r}]", still, still, name) for name in looked.u]
-    for what, moved, turned, name in changes:
-        exact, rough = looked.imaginary(moved, turned, name), looked.difference(moved, turned, name)
-        off = np.abs(exact - rough)
-        if off.max() > _ANALYTIC * max(1.0, float(np.abs(rough).max())):
-            pose, k = np.argwhere(off == off.max())[0].tolist()
-            both = f"a complex step gives {exact[pose, k]:g}, a difference {rough[pose, k]:g}"
+    exact, own = slopes(instrument, at, u), own_slopes(instrument, at, u, [*u])
+    changes = [(f"at.moved[:, {i}]", exact.moved[:, :, i], "moved", way) for i, way in enumerate(np.eye(3))]
+    changes += [(f"at.turned[:, {i}]", exact.turned[:, :, i], "turned", way) for i, way in enumerate(np.eye(3))]
+    changes += [(f"u[{name!r}]", own[:, :, i], name, np.zeros(3)) for i, name in enumerate(u)]
+    for what, slope, of, way in changes:
+        rough = _difference(instrument, at, u, of, way)
+        apart = np.abs(slope - rough)
+        if apart.max() > _ANALYTIC * max(1.0, float(np.abs(rough).max())):
+            pose, k = np.argwhere(apart == apart.max())[0].tolist()
+            both = f"a complex step gives {slope[pose, k]:g}, a difference {rough[pose, k]:g}"
             remedy = "Use ac.length, ac.cross, ac.angle; no abs, norm, arctan2"
             raise InputError(f"{where}.sees", "result", f"is not analytic in {what}: {both}", remedy, pose)
+
+
+def _difference(instrument: Instrument, at: At, u: dict[str, float], of: str, way: Array) -> Array:
+    """Return the derivative by a real difference, to six digits or so, (m, k).
+
+    of : "moved" or "turned", along or about a way (3,), or an unknown
+    """
+    if of in u:
+        up, down = (numbers(instrument, at, u | {of: u[of] + step}) for step in (_STEP, -_STEP))
+    else:
+        before = getattr(at, of)
+        up, down = (numbers(instrument, at._replace(**{of: before + step * way}), u) for step in (_STEP, -_STEP))
+    result: Array = (up - down) / (2 * _STEP)
+    return result

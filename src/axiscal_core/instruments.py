@@ -13,8 +13,9 @@ from typing import Unpack
 import numpy as np
 
 from axiscal_core.axes import Direction, unit_vector
-from axiscal_core.instrument import At, Instrument, Mounting, Unknowns, cross, length
+from axiscal_core.instrument import At, Instrument, Mounting, Unknowns, length
 from axiscal_core.refusals import Array
+from axiscal_core.rigid import rotation
 from axiscal_core.units import Quantity, quantities
 
 _ZEROS: Mapping[str, Quantity] = {f"zero_{axis}": "1 mm" for axis in "xyz"}
@@ -100,6 +101,6 @@ class Tracker(Stationed):
     def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
         """Return the place less the nominal one."""
         line = at.tcp - self.station
-        turn = np.array([u[name] for name in _TURNS]) + np.zeros_like(line)
-        off = line + at.tip(u)
-        return [part + u[zero] for part, zero in zip((off + cross(turn, off) - line).T, _ZEROS, strict=True)]
+        turn = rotation(np.array([[u[name] for name in _TURNS]]))[0]
+        found = (line + at.tip(u)) @ turn.T - line
+        return [part + u[zero] for part, zero in zip(found.T, _ZEROS, strict=True)]

@@ -42,12 +42,20 @@ def identity(count: int) -> Motion:
 
 
 def rotation(vector: Array) -> Array:
-    """Return exp([vector]×), the rotation about each vector by its length (Rodrigues).  vector : (m, 3) rad."""
-    angle = np.linalg.norm(vector, axis=1)[:, None, None]
+    """Return exp([vector]×), the rotation about each vector by its length, analytic (Rodrigues).  vector : (m, 3)"""
+    angle = np.sqrt(np.sum(vector * vector, axis=1))[:, None, None]
     cross = skew(vector)
     sinc = np.sinc(angle / np.pi)
     versine = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
     result: Array = np.eye(3) + sinc * cross + versine * (cross @ cross)
+    return result
+
+
+def turned(vectors: Array, by: Array) -> Array:
+    """Return vectors turned by rotations, exp([by]×) v, analytic.  vectors, by : (m, 3), m and rad"""
+    if not by.any():
+        return vectors
+    result: Array = (rotation(by) @ vectors[:, :, None])[:, :, 0]
     return result
 
 

@@ -25,7 +25,6 @@ from axiscal.exceptions import InputError
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of
@@ -256,7 +255,7 @@ def in_space(setup: str, artefact: str = "") -> tuple[dict[str, Met], Observatio
 
 
 def tips(observation: Observation) -> Array:
-    return Nominal(observation.machine, np.array(POSES), (0, 1, 2)).tcp
+    return frames(observation.machine, np.array(POSES)).tcp
 
 
 def test_a_tracer_is_off_by_a_share_of_its_distance_and_grows_with_the_tool() -> None:

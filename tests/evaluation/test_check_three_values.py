@@ -108,10 +108,8 @@ def test_datums_take_off_what_a_tracker_brings() -> None:
     truth = Simulator(description.machine, description.setups).with_curves({}, 1)
     values = np.array([truth.read_all(setup, tuple(map(float, pose)), (1, 1), rng) for pose in poses]).ravel()
     assert np.abs(values).max() > 1e-4
-    of, directions = np.repeat(np.arange(6), 3), np.tile(np.eye(3), (6, 1))
-    datums = datums_of(
-        description.machine, description.setups, np.zeros(18, dtype=np.intp), poses[of], directions, 1e-6
-    )
+    places = Places.of_setup(0, poses, np.zeros_like(poses))
+    datums = datums_of(description.machine, description.setups, places, 1e-6)
     assert np.abs(datums.free @ values).max() < 3e-6  # a turn of 1 mrad is linear to a millionth of the distance
     assert {datum.unknown for datum in datums.taken} == {unknown.name for unknown in setup.unknowns}
     assert datums.lines == ("afar",)
@@ -126,10 +124,8 @@ def test_a_tracker_set_down_by_eye_shows_the_machine_and_not_its_turn() -> None:
     poses, deviations = rng.uniform(low, high, (12, 2)), rng.normal(0, 1e-5, (12, 3))
     tips = frames(description.machine, poses).tcp
     shown = turn.apply(tips + deviations - station) + station - tips
-    of, directions = np.repeat(np.arange(12), 3), np.tile(np.eye(3), (12, 1))
-    none = np.zeros(36, dtype=np.intp)
-    datums = datums_of(description.machine, description.setups, none, poses[of], directions, 1e-6)
     places = Places.of_setup(0, poses, np.zeros_like(poses))
+    datums = datums_of(description.machine, description.setups, places, 1e-6)
     left = datums.free @ upright(description.machine, description.setups, places, datums, shown.ravel())
     left -= datums.free @ deviations.ravel()
     assert np.abs(left).max() < 2e-8

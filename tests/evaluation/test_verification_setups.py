@@ -17,7 +17,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.datums import datums_of
 from axiscal.evaluation.table_checks import Judgement
 from axiscal.evaluation.verification import judge
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions
@@ -136,9 +136,8 @@ def test_both_legs_of_a_square_show_how_square_the_machine_is() -> None:
     poses = np.full((8, 3), 0.2)
     poses[:4, 0] += at
     poses[4:, 1] += at
-    legs = np.repeat([0, 1], 4)
-    directions = np.array([of.setups[leg].direction for leg in legs])
-    datums = datums_of(of.machine, of.setups, legs, poses, directions, 30e-6)
+    places = Places(np.repeat([0, 1], 4), poses, np.zeros_like(poses))
+    datums = datums_of(of.machine, of.setups, places, 30e-6)
     turned, one_leg = 1e-3 * np.r_[at, -at], 1e-3 * np.r_[at, 0 * at]
     assert datums.lines == ("square XY",)
     assert np.abs(datums.free @ turned).max() < 1e-12

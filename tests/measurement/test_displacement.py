@@ -11,9 +11,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.machine.description import machine_from_text
-from axiscal.machine.kinematics import Deviation
 from axiscal.measurement.instruments.displacement import Displacement
-from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
 
@@ -95,15 +93,13 @@ def test_growth_shows_as_far_as_it_goes_along_the_direction(
     unknowns = (Unknown("growth", 1e-6),)
     times = (0.0, 0.0, 0.0)
     setup = Setup("s", "interferometer", direction, (x,), park, 1e-6, unknowns, *times, (0.0, 0.0), "both")
-    warm, place, at = (
-        replace(setup, warmer=5.0, expansion=STRAIN / 5.0),
-        Nominal(machine, poses, (x,)),
-        np.array(direction),
-    )
+    warm = Displacement(replace(setup, warmer=5.0, expansion=STRAIN / 5.0), machine)
+    cold = Displacement(setup, machine)
+    at = cold.places(poses)
     hand = share * np.array([-0.35, 0.0, 0.25])
-    model, still = Displacement(), Deviation(np.zeros((3, 3)), np.zeros((3, 3)))
-    assert model.unknown_effect(setup, "growth", at, place) == pytest.approx(hand, abs=1e-15)
+    growth, slope = cold.own_slopes(at, ["growth", "slope"])[:, 0].T
+    assert growth == pytest.approx(hand, abs=1e-15)
     known = STRAIN * (hand - hand[0])  # from where the set-up is parked: the zero has the rest
-    assert model.shown(warm, at, place, still, {}) == pytest.approx(known, abs=1e-18)
-    assert model.shown(warm, at, place, still, {"growth": 1e-6}) == pytest.approx(known + 1e-6 * hand, abs=1e-18)
-    assert model.unknown_effect(setup, "slope", at, place) == pytest.approx([-0.35, 0.0, 0.25])
+    assert warm.shown(at, {})[:, 0] == pytest.approx(known, abs=1e-18)
+    assert warm.shown(at, {"growth": 1e-6})[:, 0] == pytest.approx(known + 1e-6 * hand, abs=1e-18)
+    assert slope == pytest.approx([-0.35, 0.0, 0.25])

@@ -40,7 +40,7 @@ def mounted(machine: Machine, instrument: str, direction: tuple[float, float, fl
     park = tuple(sum(axis.travel) / 2 for axis in machine.axes)
     times, raster = (0.0, 0.0, 0.0), (0.0,) * count
     moves, station = tuple(range(count)), (3.0, -2.0, 1.5)
-    return Setup(name, instrument, direction, moves, park, 0.3e-6, unknowns, *times, raster, "both", station)
+    return Setup(name, instrument, direction, moves, park, 0.3e-6, unknowns, *times, raster, "both", station=station)
 
 
 def zeroed(machine: Machine, instrument: str) -> Setup:
@@ -78,7 +78,7 @@ def _virtual(model: ErrorModel, setups: tuple[Setup, ...], unknowns: Array) -> V
 def test_rows_are_the_differences_of_what_a_virtual_machine_reads(instrument: str, seed: int) -> None:
     """All unknowns at once, each in a direction drawn for it, by central differences; two set-ups may mix columns."""
     model, rng = ErrorModel(random_machine(seed, count=2 + seed % 2)), np.random.default_rng(seed)
-    beside = (0.03, -0.05, 0.02) if isinstance(INSTRUMENTS[instrument].model, Displacement) else None
+    beside = (0.03, -0.05, 0.02) if issubclass(INSTRUMENTS[instrument].model, Displacement) else None
     one = replace(mounted(model.machine, instrument, _direction(seed)), noise=0.0, offset=beside)
     setups = (replace(one, name="other", direction=(1.0, 0.0, 0.0)), one)
     observation, step = Observation(model, setups), 1e-6

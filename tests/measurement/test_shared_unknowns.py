@@ -13,10 +13,10 @@ from axiscal.estimation.promise.problem import problem
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import Deviation
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.kind import TOOL, Nominal
-from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal_core.instrument import TOOL
 from axiscal_core.theta import Sizes
 from tests.generators.kinematics import stem, tip
 from tests.generators.texts import setup_text
@@ -81,36 +81,25 @@ def test_the_columns_are_what_a_small_change_of_each_unknown_does_to_what_is_sho
         poses = setup.chart.poses(
             np.round(rng.uniform(low, high, (6, len(low)))) if len(low) > 3 else rng.uniform(low, high, (6, len(low)))
         )
-        nominal = Nominal(DMU, poses, setup.moves)
-        still = Deviation(np.zeros((6, 3)), np.zeros((6, 3)))
-        every = observation.rows_each(index, poses, np.zeros_like(poses))
-        for direction, (rows, _) in zip(directions_of(setup), every, strict=True):
-            for name, column in names(observation, index).items():
-                shown = [
-                    model_of(setup).shown(setup, direction, nominal, still, {name: sign * 1e-7}) for sign in (1, -1)
-                ]
-                np.testing.assert_allclose(rows[:, column], (shown[0] - shown[1]) / 2e-7, atol=1e-6)
+        kind, rows = model_of(setup)(setup, DMU), observation.numbers(index, poses, np.zeros_like(poses)).rows
+        for name, column in names(observation, index).items():
+            up, down = (kind.shown(kind.places(poses), {name: sign * 1e-7}) for sign in (1, -1))
+            np.testing.assert_allclose(rows[:, :, column], (up - down) / 2e-7, atol=1e-6)
 
 
 def test_a_ball_that_stands_aside_reads_like_a_machine_that_is_off_the_other_way() -> None:
     (setup,) = described(SPHERES + TOUCHED).setups
     assert setup.chart is not None
     poses = setup.chart.poses(np.array([[0.0, 1.0, 0.3], [1.0, 1.0, 0.3], [2.0, 4.0, 0.0]]))
-    nominal = Nominal(DMU, poses, setup.moves)
+    kind = model_of(setup)(setup, DMU)
     moved: Array = np.array([3e-6, -2e-6, 1e-6])
     own = {
         f"{ball}_{axis}": value for ball in ("low", "high", "third") for axis, value in zip("xyz", moved, strict=True)
     }
-    shown = [
-        model_of(setup).shown(setup, way, nominal, Deviation(np.tile(moved, (3, 1)), np.zeros((3, 3))), own)
-        for way in np.eye(3)
-    ]
-    np.testing.assert_allclose(shown, 0.0, atol=1e-15)
-    longer = [
-        model_of(setup).shown(setup, way, nominal, Deviation(np.zeros((3, 3)), np.zeros((3, 3))), {"tool_z": 1e-5})
-        for way in np.eye(3)
-    ]
-    np.testing.assert_allclose(np.array(longer).T, [1e-5 * stem(DMU, pose) for pose in poses], atol=1e-12)
+    actual = Deviation(np.tile(moved, (3, 1)), np.zeros((3, 3)))
+    np.testing.assert_allclose(kind.shown(kind.places(poses, deviation=actual), own), 0.0, atol=1e-15)
+    longer = kind.shown(kind.places(poses), {"tool_z": 1e-5})
+    np.testing.assert_allclose(longer, [1e-5 * stem(DMU, pose) for pose in poses], atol=1e-12)
     for pose, ball in zip(poses, ("low", "high", "third"), strict=True):
         assert setup.artefact is not None
         place = {each.name: each.place for each in setup.artefact.balls}[ball]

@@ -18,9 +18,7 @@ from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Deviation, SmallMotions, frames, tool_motion
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from tests.generators.texts import TWO_SPHERES
@@ -50,19 +48,11 @@ def test_it_moves_the_readings_as_another_tool_moves_the_point_of_the_chain(inst
     still = SmallMotions(*(np.zeros((len(machine.axes), len(poses), 3)) for _ in range(3)))
     longer, stated = (tool_motion(m, poses, still) for m in (replace(machine, tool=machine.tool + _LONGER), machine))
     moved = Deviation(longer.translation - stated.translation, np.zeros((len(poses), 3)))
-    unmoved = Deviation(np.zeros((len(poses), 3)), np.zeros((len(poses), 3)))
-    for direction in np.eye(3):
-        expected = _shown(setup, machine, direction, poses, moved, {})
-        told = _shown(setup, machine, direction, poses, unmoved, {"tool_z": -_LONGER})
-        assert told == pytest.approx(expected, abs=1e-14)
-        row = model_of(setup).unknown_effect(setup, "tool_z", direction, Nominal(machine, poses, setup.moves))
-        assert -_LONGER * row == pytest.approx(expected, abs=_LONGER**2 / 0.1)
-
-
-def _shown(
-    setup: Setup, machine: Machine, direction: Array, poses: Array, actual: Deviation, own: Mapping[str, float]
-) -> Array:
-    return model_of(setup).shown(setup, direction, Nominal(machine, poses, setup.moves), actual, own)
+    kind = model_of(setup)(setup, machine)
+    expected = kind.shown(kind.places(poses, deviation=moved), {})
+    assert kind.shown(kind.places(poses), {"tool_z": -_LONGER}) == pytest.approx(expected, abs=1e-14)
+    row = kind.own_slopes(kind.places(poses), ["tool_z"])[:, :, 0]
+    assert -_LONGER * row == pytest.approx(expected, abs=_LONGER**2 / 0.1)
 
 
 def test_a_tool_fifty_um_too_long_is_not_taken_for_an_error_of_the_machine() -> None:

@@ -10,10 +10,8 @@ import pytest
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine
-from axiscal.machine.kinematics import Deviation
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.instruments.distance import Nest
-from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import cycle_of, touch_frames
@@ -47,12 +45,10 @@ def test_a_larger_radius_shows_as_three_touches_find_their_centre() -> None:
         met = [pose_with_tip(DMU, pose, ball + (radius + larger) * way) for way in ways]
         along = [way @ tip(DMU, at) - radius for way, at in zip(ways, met, strict=True)]
         found = np.linalg.solve(ways, np.array(along))
-        nominal = Nominal(DMU, pose[None], setup.moves)
-        actual = Deviation(np.zeros((1, 3)), np.zeros((1, 3)))
-        for direction, value in zip(np.eye(3), ball - found, strict=True):
-            shown = Nest().shown(setup, direction, nominal, actual, {"radius": larger})
-            assert shown[0] == pytest.approx(value, abs=1e-12)
-            assert Nest().unknown_effect(setup, "radius", direction, nominal)[0] == pytest.approx(value / larger)
+        nest = Nest(setup, DMU)
+        at = nest.places(pose[None])
+        assert nest.shown(at, {"radius": larger})[0] == pytest.approx(ball - found, abs=1e-12)
+        assert nest.own_slopes(at, ["radius"])[0, :, 0] == pytest.approx((ball - found) / larger)
 
 
 def test_linear_axes_come_as_they_touch_and_not_as_they_came_to_the_ball() -> None:

@@ -15,7 +15,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError, ProgramError
 from axiscal.machine import builtin_names, load_machine
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Place, Reading
 from axiscal.planning.next_readings import next_places, placed
 from axiscal.planning.plan.task import Limits
@@ -76,7 +76,7 @@ def plans(case: Case) -> list[tuple[Place, ...]]:
 
 def _read(case: Case, place: Place) -> Reading:
     """Return a reading of nothing: where others are to be taken does not depend on its value."""
-    values = INSTRUMENTS[case.description.setup(place.setup).instrument].model.values
+    values = values_of(case.description.setup(place.setup))
     return Reading(place.setup, place.pose, place.approach, 0.0, others=(0.0,) * (values - 1), time=0.0)
 
 

@@ -10,7 +10,7 @@ from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.charts.room import Chart, has_room
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.travel import sides_of
 from axiscal.planning.gains.covariance import Covariance
@@ -63,7 +63,7 @@ def begun(name: str) -> tuple[Case, Scorer, Places]:
 
 def _reading(case: Case, lattice: Places, number: int) -> Reading:
     setup = case.description.setups[0]
-    others = (0.0,) * (INSTRUMENTS[setup.instrument].model.values - 1)
+    others = (0.0,) * (values_of(setup) - 1)
     pose, approach = lattice.poses[number].tolist(), lattice.approaches[number].astype(int).tolist()
     return Reading(setup.name, tuple(pose), tuple(approach), 0.0, others=others, time=0.0)
 

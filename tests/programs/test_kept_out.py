@@ -165,7 +165,7 @@ def test_a_way_into_a_box_is_refused_with_the_reading_it_leads_to() -> None:
     machine = load_machine("dmu60")
     box = '{ x = ["0 mm", "100 mm"], y = ["-100 mm", "100 mm"], z = ["-500 mm", "500 mm"] }'
     (setup,) = described("rtest", box, "dmu60").setups
-    scales = [AxisScale.of(axis, 4) for axis in machine.axes]
+    scales = [AxisScale.of_axis(axis, 4) for axis in machine.axes]
     x, y, z = (machine.index(name) for name in "XYZ")
     start = {k: Decimal(0) for k in range(len(machine.axes))} | {x: Decimal(-200), z: Decimal(0)}
     through, around = Move({x: Decimal(200)}, 500, 1.0), Move({y: Decimal(200)}, 500, 1.0)

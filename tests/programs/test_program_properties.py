@@ -84,7 +84,7 @@ def test_a_written_coordinate_is_the_nearest_within_the_travel(
     low: float, length: float, share: float, decimals: int, turns: bool
 ) -> None:
     axis = Axis.named("A" if turns else "X", False, (low, low + length))
-    scale = AxisScale.of(axis, decimals)
+    scale = AxisScale.of_axis(axis, decimals)
     value = min(low + share * length, low + length)
     number = scale.nearest(value)
     assert number is not None

@@ -117,7 +117,7 @@ def test_what_arithmetic_adds_to_the_end_of_the_travel_is_forgiven() -> None:
 @pytest.mark.parametrize("value", ["-0.0001", "500.0001", "0.00001"])
 def test_a_number_is_read_again_before_it_is_written(value: str) -> None:
     with pytest.raises(ProgramError, match=r"X would go to .* its travel is 0\.0 to 500\.0"):
-        AxisScale.of(SLIDE, 4).written(Decimal(value))
+        AxisScale.of_axis(SLIDE, 4).written(Decimal(value))
 
 
 def test_a_travel_without_any_number_that_can_be_written_is_refused() -> None:

@@ -285,7 +285,7 @@ def a_way_that_swings_out(machine: Machine) -> tuple[Array, Array]:
 
 def test_a_way_in_touch_that_leaves_the_travels_is_refused() -> None:
     machine = load_machine("dmu60")
-    scales = tuple(AxisScale.of(axis, 4) for axis in machine.axes)
+    scales = tuple(AxisScale.of_axis(axis, 4) for axis in machine.axes)
     ways = np.stack(a_way_that_swings_out(machine))
     axes = ProgramAxes(scales, groups(machine, Driving()))
     held = TipDriver(axes, machine=machine, step=Decimal("0.0001"), gentle=500)

@@ -15,7 +15,8 @@ from axiscal.campaign.ending import Ended, because_text
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import AxiscalError, InputError
 from axiscal.language.spoken import ending, put, said
-from axiscal.measurement.reading import reading_unit, value_names
+from axiscal.measurement.instrument import model_of
+from axiscal.measurement.reading import reading_unit
 from axiscal.present.guide.question import axis_places, question_text, sense, sign_on, touch_text
 from axiscal.record.events import Asked, State
 from axiscal.units import said_quantity
@@ -24,7 +25,7 @@ from axiscal.units import said_quantity
 def asked_screen(campaign: Campaign, asked: Asked) -> str:
     """Return what the operator is to do."""
     setup = campaign.description.setup(asked.place.setup)
-    values = ", ".join(f"{name.upper() or 'VALUE'} {reading_unit(setup)}" for name in value_names(setup))
+    values = ", ".join(f"{name.upper() or 'VALUE'} {reading_unit(setup)}" for name in model_of(setup).names_of(setup))
     then = said("then"), f'axiscal step record {campaign.path} "{values}"'
     head = said(
         'Reading {number}: set-up "{setup}", {instrument}, reads {reads}',

@@ -26,9 +26,10 @@ from axiscal.machine import Axis
 from axiscal.measurement.instrument import INSTRUMENTS, LENGTH, PRINTER_PROBE, Instrument, model_of
 from axiscal.measurement.instruments.displacement import SQUARE, Displacement
 from axiscal.measurement.instruments.distance import of_each
-from axiscal.measurement.instruments.kind import TOOL, Rotation
+from axiscal.measurement.instruments.kind import Rotation
 from axiscal.measurement.setup import Nodes, Setup, Unknown, Vector
 from axiscal.units import format_quantity, to_unit
+from axiscal_core.instrument import TOOL
 
 _SHORTEST_REACH = 4.0
 """A reach is longer than so many overruns."""
@@ -217,7 +218,7 @@ class _Reader(SiteReader):
     def _offset(self, usual: Instrument) -> Vector | None:
         """Return where the point stands that is looked at; only of an instrument that reads one length along a line."""
         offset = self._table.offset
-        if offset is not None and not isinstance(usual.model, Displacement):
+        if offset is not None and not issubclass(usual.model, Displacement):
             what = "an angle is the same beside the tool point"
             remedy = "Take offset out"
             if usual.model.reads == "length":
@@ -259,7 +260,7 @@ class _Reader(SiteReader):
 
     def _base(self, usual: Instrument) -> float | None:
         base = self._table.base
-        if base is not None and not isinstance(usual.model, Rotation):
+        if base is not None and not issubclass(usual.model, Rotation):
             with self._at("base"):
                 what = "a {instrument} has no feet that are stepped along a way"
                 remedy = "Take base out; a level and the mirror of an autocollimator have one"

@@ -23,12 +23,12 @@ from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, turns
 from axiscal.measurement.instrument import LENGTH
 from axiscal.measurement.instruments.distance import RADIUS
-from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.observation import unknowns_at
 from axiscal.measurement.setup import Contact, Unknown, Vector
 from axiscal.measurement.touched import Cycle, gone_to
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
+from axiscal_core.instrument import TOOL
 
 TOUCHING = ("rtest", "sphere", "probe")
 OPEN_LENGTH = 1e-3

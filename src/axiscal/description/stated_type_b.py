@@ -18,9 +18,10 @@ from axiscal.language.spoken import said
 from axiscal.machine import Machine
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.instrument import INSTRUMENTS, LENGTH, Instrument, model_of
-from axiscal.measurement.instruments.kind import CARRIED, TOOL, TRUED, Nominal
+from axiscal.measurement.instruments.kind import CARRIED, TRUED
 from axiscal.measurement.setup import STEEL, SaidOfDrift, Setup, Unknown, Vector
 from axiscal.units import format_quantity
+from axiscal_core.instrument import TOOL
 
 REFERENCE = 293.15
 """20 degC (ISO 1), K."""
@@ -157,10 +158,11 @@ def dense(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
 def lags(setup: Setup, machine: Machine) -> bool:
     """Whether the side of approach says on which side of a dead band each reading is."""
     linear = [k for k in setup.moves if not machine.axes[k].rotary]
-    if "lag" not in model_of(setup).unknown_reads or setup.moves != tuple(linear) or len(linear) != 1 or setup.chart:
+    kind = model_of(setup)(setup, machine)
+    if "lag" not in kind.unknown_reads or setup.moves != tuple(linear) or len(linear) != 1 or setup.chart:
         return False
-    nominal = Nominal(machine, np.array([setup.park]), setup.moves, approaches=np.ones((1, len(machine.axes))))
-    return bool(model_of(setup).unknown_effect(setup, "lag", np.array(setup.direction), nominal)[0])
+    parked = kind.places(np.array([setup.park]), np.ones((1, len(machine.axes))))
+    return bool(kind.own_slopes(parked, ("lag",)).any())
 
 
 def drift_of(

@@ -15,10 +15,11 @@ import numpy as np
 
 from axiscal.measurement.instrument import LENGTH
 from axiscal.measurement.instruments.displacement import SQUARE
-from axiscal.measurement.instruments.kind import Nominal
+from axiscal.measurement.instruments.kind import Kind
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import touch_frames
 from axiscal.numerics import Array
+from axiscal_core.instrument import At
 
 Distribution = Literal["normal", "rectangular"]
 _STDS: dict[Distribution, float] = {"normal": 1.0, "rectangular": 1 / float(np.sqrt(3.0))}
@@ -36,19 +37,18 @@ _OF_AIR = float(np.hypot(1.0 * 0.5, 0.27 * 2.0)) * 1e-6
 class Read:
     """The readings of one set-up.
 
-    nominal : places of r readings; ways : (k, r, 3) along or about which each of their numbers reads; values : (k, r)
+    at : places of r readings; ways : (k, r, 3) along which each of their numbers reads; values : (k, r)
     """
 
-    setup: Setup
-    nominal: Nominal
+    kind: Kind
+    at: At
     ways: Array
     values: Array
 
     @property
     def along(self) -> Array:
         """How far the tool is from the middle of what was read, along what each number reads, (k, r), m."""
-        tcp = self.nominal.tcp
-        along: Array = np.sum(self.ways * (tcp - tcp.mean(axis=0)), axis=2)
+        along: Array = np.sum(self.ways * (self.at.tcp - self.at.tcp.mean(axis=0)), axis=2)
         return along
 
     @property
@@ -88,11 +88,11 @@ class TypeB:
 
     def column(self, read: Read) -> Array:
         """Return what one standard deviation does to each number, (k, r), m or rad."""
-        size = dict(read.setup.stated).get(self.name, self.size + self.longer * (read.setup.length or 0.0))
+        size = dict(read.kind.setup.stated).get(self.name, self.size + self.longer * (read.kind.setup.length or 0.0))
         shown = _STDS[self.distribution] * self.effect(read, size)
         highest, lowest = shown.max(axis=1, initial=0.0), shown.min(axis=1, initial=0.0)
         apart = float(np.max(highest - lowest))
-        if self.least and self.name not in dict(read.setup.stated) and 0 < apart < self.least:
+        if self.least and self.name not in dict(read.kind.setup.stated) and 0 < apart < self.least:
             shown = shown * min(self.least / apart, 1 / size)  # never more than all of the reading
         return shown
 
@@ -108,13 +108,13 @@ def _scaled(read: Read, size: float) -> Array:
 
 def _distant(read: Read, size: float) -> Array:
     """Return a strain of the distance from the station, (k, r)."""
-    stations = np.array(read.setup.standing)
-    strained: Array = size * np.linalg.norm(read.nominal.tcp - stations[:, None], axis=2)
+    stations = np.array(read.kind.setup.standing)
+    strained: Array = size * np.linalg.norm(read.at.tcp - stations[:, None], axis=2)
     return strained
 
 
 def _by_light(read: Read, size: float) -> Array:
-    return _distant(read, size) if read.setup.instrument == "tracer" else _scaled(read, size)
+    return _distant(read, size) if read.kind.setup.instrument == "tracer" else _scaled(read, size)
 
 
 def _constant(read: Read, size: float) -> Array:
@@ -123,27 +123,27 @@ def _constant(read: Read, size: float) -> Array:
 
 def _unlike(read: Read, size: float) -> Array:
     """Return what another expansion does, by as much as the material is warm or may be, (k, r)."""
-    setup = read.setup
+    setup = read.kind.setup
     warmer = dict(setup.stated).get("temperature", TEMPERATURE.size) if setup.warmer is None else setup.warmer
     return size * warmer * read.along
 
 
 def _of_reading(read: Read, size: float) -> Array:
-    zeroed = any(unknown.name.startswith("zero") for unknown in read.setup.unknowns)
+    zeroed = any(unknown.name.startswith("zero") for unknown in read.kind.setup.unknowns)
     return size * (read.values - read.values.mean(axis=1, keepdims=True) if zeroed else read.values)
 
 
 def _larger(read: Read, size: float) -> Array:
     """Return what a larger sphere and stylus do: in the mean of opposite sides its pole alone shows them, (k, r)."""
-    touched = touch_frames(read.nominal.machine, read.nominal.poses)
-    met = touched.sum(axis=1) if read.setup.three_touches else touched[:, 2]
+    touched = touch_frames(read.kind.machine, read.at.poses)
+    met = touched.sum(axis=1) if read.kind.setup.three_touches else touched[:, 2]
     larger: Array = -size * np.sum(read.ways * met, axis=2)
     return larger
 
 
 def _bowed(read: Read, size: float) -> Array:
     """Return a bow, (k, r), whose sag is `size` times its length."""
-    way = read.nominal.travelled
+    way = read.kind.travelled(read.at.poses)
     span = float(np.ptp(way))
     bowed: Array = size * span * (2 * (way - way.min()) / (span or 1.0) - 1) ** 2 * read.ones
     return bowed
@@ -172,7 +172,7 @@ _EXPANDS = "steel, 11.7 um/m/K; ISO 1, ISO/TR 230-9"
 
 TEMPERATURE = TypeB(
     "temperature", _ALL_LENGTHS, "normal", 1.0, "K", f"assumption; {_EXPANDS}", "machine",
-    lambda read, size: size * read.setup.expansion * read.along,
+    lambda read, size: size * read.kind.setup.expansion * read.along,
     partial(_warm, cause="temperature", measured=False),
 )  # fmt: skip
 MEASURED_TEMPERATURE = replace(
@@ -195,7 +195,7 @@ TYPE_B = (
     ),
     TypeB(
         "dead_path", ("interferometer",), "normal", 0.2, "mm", "assumption; its air is as above", "set-up",
-        lambda read, size: dict(read.setup.stated).get("air", _OF_AIR) * size * read.ones, covered=("zero",),
+        lambda read, size: dict(read.kind.setup.stated).get("air", _OF_AIR) * size * read.ones, covered=("zero",),
     ),
     TEMPERATURE,
     MEASURED_TEMPERATURE,
@@ -213,7 +213,7 @@ TYPE_B = (
     ),
     TypeB(  # each leg has half of the angle between two
         "square", ("straightedge",), "normal", 10e-6, "urad", _ASSUMED, "set-up",
-        lambda read, size: size / np.sqrt(2.0) * read.nominal.travelled * read.ones,
+        lambda read, size: size / np.sqrt(2.0) * read.kind.travelled(read.at.poses) * read.ones,
         lambda setup: any(unknown.name in SQUARE for unknown in setup.unknowns),
     ),
     TypeB("bow", ("straightedge",), "normal", 2e-6, "um/m", _ASSUMED, "set-up", _bowed),

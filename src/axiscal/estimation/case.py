@@ -26,7 +26,7 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.distance import TURNS, location_unknowns
+from axiscal.measurement.instruments.distance import TURNS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import rows_at
@@ -341,7 +341,7 @@ def _located_by(setup: Setup, unknowns: set[str]) -> tuple[str, ...] | None:
     The centre of a bar is where its ball is found; what touches a ball is linear in where that stands.
     """
     if setup.artefact is None:
-        names = location_unknowns(setup)
+        names = model_of(setup).located(setup)
         return names if set(names) & unknowns else None
     if setup.length is None or setup.artefact.calibrated is not None:
         return None

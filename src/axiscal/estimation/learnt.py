@@ -47,7 +47,7 @@ def framed(case: Case, readings: Sequence[Reading]) -> Iterator[Framed]:
     for index, setup in enumerate(case.description.setups):
         mine = [reading for reading in readings if reading.setup == setup.name]
         turns = any(machine.axes[k].rotary and machine.axes[k].workpiece_side for k in setup.moves)
-        if mine and turns and type(INSTRUMENTS[setup.instrument].model) is Nest:
+        if mine and turns and INSTRUMENTS[setup.instrument].model is Nest:
             yield index, posed(case, in_workpiece(machine, readings, setup.name))
 
 

@@ -20,15 +20,13 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import Deviation, frames, turn_between
-from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.kind import TOOL, Nominal
-from axiscal.measurement.observation import directions_of
+from axiscal.machine.kinematics import frames, turn_between
+from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal.tables.surface import Control
-from axiscal_core import rigid
+from axiscal_core.instrument import TOOL
 
 GUARD = 1.645
 """Expanded uncertainty in standard deviations: one side, 95 %."""
@@ -98,22 +96,16 @@ def _is_line(unknown: str) -> bool:
     return unknown.partition("_")[0] in _LINES
 
 
-def datums_of(
-    machine: Machine,
-    setups: Sequence[Setup],
-    indices: NDArray[np.intp],
-    poses: Array,
-    directions: Array,
-    tolerance: float,
-) -> Datums:
+def datums_of(machine: Machine, setups: Sequence[Setup], places: Places, tolerance: float) -> Datums:
     """Return what the set-ups bring; raises ReadingError when readings are too few for the datums of their set-up.
 
-    indices : (m,) of the set-ups; poses : (m, q) m or rad; directions : (m, 3) of the values; tolerance : m
+    places : of the readings; tolerance : m
     """
     found: dict[tuple[str, str], tuple[Unknown, Array, bool]] = {}
-    for index in np.unique(indices).tolist():
-        mine, setup = np.flatnonzero(indices == index), setups[index]
-        own = _own_rows(machine, setup, poses[mine], directions[mine])
+    each = _setups_of_values(setups, places)
+    for index, which in places.by_setup():
+        mine, setup = np.flatnonzero(each == index), setups[index]
+        own = _own_rows(machine, setup, places.poses[which])
         off = _are_datums(setup, own, np.array([unknown.std for unknown in setup.unknowns]), tolerance)
         if len(mine) <= (taken_off := int((off & ~_on_board(setup)).sum())):
             what = '{readings} reading(s) with "{setup}" cannot tell the machine from the set-up'
@@ -121,23 +113,23 @@ def datums_of(
             raise ReadingError(what, remedy, readings=len(mine), setup=setup.name, least=taken_off + 1)
         for unknown, column, datum in zip(setup.unknowns, own.T, off.tolist(), strict=True):
             key = unknown.owner or setup.name, unknown.name
-            _, whole, before = found.get(key, (unknown, np.zeros(len(indices)), False))
+            _, whole, before = found.get(key, (unknown, np.zeros(len(each)), False))
             whole[mine] = column
             found[key] = unknown, whole, before or datum
     datums = {key: column for key, (_, column, off) in found.items() if off}
     stays = [unknown.std * column for unknown, column, off in found.values() if not off]
-    columns, rest = (np.array(each).reshape(-1, len(indices)).T for each in (list(datums.values()), stays))
+    columns, rest = (np.array(part).reshape(-1, len(each)).T for part in (list(datums.values()), stays))
     # several datums may do the same to readings: what they show goes to those that are known least
     stds = np.array([found[key][0].std for key in datums])
     inverse = stds[:, None] * np.linalg.pinv(columns * stds)
-    if round(float(np.trace(columns @ inverse))) >= len(indices):
+    if round(float(np.trace(columns @ inverse))) >= len(each):
         remedy = "Read the artefact where it lies another way as well"
         raise ReadingError("readings of one artefact cannot tell the machine from it", remedy)
     taken = tuple(
         Datum(*key, found[key][0].std, row, max(float(np.max(np.abs(column))), 1e-12))
         for (key, column), row in zip(datums.items(), inverse, strict=True)
     )
-    return Datums(np.eye(len(indices)) - columns @ inverse, rest @ rest.T, taken)
+    return Datums(np.eye(len(each)) - columns @ inverse, rest @ rest.T, taken)
 
 
 def fewest(machine: Machine, setup: Setup, poses: Array, tolerance: float) -> int:
@@ -145,22 +137,19 @@ def fewest(machine: Machine, setup: Setup, poses: Array, tolerance: float) -> in
 
     poses : (m, q) at which it may be read, m or rad; tolerance : they are judged by, m; with 0 it is enough for any
     """
-    towards = directions_of(setup)
-    directions = np.tile(np.array(towards), (len(poses), 1))
-    own = _own_rows(machine, setup, np.repeat(poses, len(towards), axis=0), directions)
+    own = _own_rows(machine, setup, poses)
     off = _are_datums(setup, own, np.array([unknown.std for unknown in setup.unknowns]), tolerance)
-    return int((off & ~_on_board(setup)).sum()) // len(towards) + 1
+    return int((off & ~_on_board(setup)).sum()) // values_of(setup) + 1
 
 
-def _own_rows(machine: Machine, setup: Setup, poses: Array, directions: Array) -> Array:
-    """Return how the unknowns of a set-up show in its values, (m, unknowns)."""
-    model, result = model_of(setup), np.zeros((len(poses), len(setup.unknowns)))
-    for direction in np.unique(directions, axis=0):
-        mine = np.all(directions == direction, axis=1)
-        place = Nominal(machine, poses[mine], setup.moves)
-        for column, unknown in enumerate(setup.unknowns):
-            result[mine, column] = model.unknown_effect(setup, unknown.name, direction, place)
-    return result
+def _own_rows(machine: Machine, setup: Setup, poses: Array) -> Array:
+    """Return how the unknowns of a set-up show in its values, (values, unknowns), one reading after another."""
+    kind = model_of(setup)(setup, machine)
+    return kind.own_slopes(kind.places(poses)).reshape(-1, len(setup.unknowns))
+
+
+def _setups_of_values(setups: Sequence[Setup], places: Places) -> NDArray[np.intp]:
+    return np.repeat(places.setups, [values_of(setups[s]) for s in places.setups])
 
 
 def _are_datums(setup: Setup, own: Array, stds: Array, tolerance: float) -> NDArray[np.bool_]:
@@ -193,23 +182,21 @@ def upright(machine: Machine, setups: Sequence[Setup], places: Places, datums: D
     places : of the readings; shown : (m,) m, all values of each reading after another
     """
     values = shown
-    each = np.repeat(np.arange(len(places)), [len(directions_of(setups[s])) for s in places.setups])
+    each = _setups_of_values(setups, places)
     for _ in range(_ROUNDS):
         free, beyond = datums.free @ values, np.zeros_like(values)
         found = {(datum.setup, datum.unknown): float(datum.row @ values) for datum in datums.taken}
         for index, mine in places.by_setup():
-            setup, of = setups[index], np.isin(each, mine)
+            setup, of = setups[index], each == index
+            kind = model_of(setup)(setup, machine)
             keys = {unknown.name: (unknown.owner or setup.name, unknown.name) for unknown in setup.unknowns}
             own = {name: found[key] for name, key in keys.items() if key in found}
-            towards = directions_of(setup)
-            deviations = free[of].reshape(len(mine), -1) @ np.array(towards)
-            actual = Deviation(deviations, np.zeros_like(deviations))
-            place, model = Nominal(machine, places.poses[mine], setup.moves), model_of(setup)
-            parts = []
-            for direction in towards:
-                linear = sum(value * model.unknown_effect(setup, name, direction, place) for name, value in own.items())
-                parts.append(model.shown(setup, direction, place, actual, own) - deviations @ direction - linear)
-            beyond[of] = np.stack(parts, axis=1).ravel()
+            at = kind.places(places.poses[mine])
+            linear, moved = free[of].reshape(len(mine), -1), np.zeros((len(mine), 3))
+            for number, way in enumerate(kind.slopes(at).moved.swapaxes(0, 1)):
+                moved += linear[:, number, None] * way
+            linear = linear + kind.own_slopes(at, [*own]) @ np.array([*own.values()])
+            beyond[of] = (kind.shown(at._replace(moved=moved), own) - linear).ravel()
         values = shown - beyond
     return values
 
@@ -219,13 +206,11 @@ def added_to_values(machine: Machine, setup: Setup, poses: Array, approaches: Ar
 
     What stands on a way shows the way's own shape, wherever the control sends the axes.
     """
-    each, model = directions_of(setup), model_of(setup)
+    kind = model_of(setup)(setup, machine)
     if setup.base is not None:
-        return np.zeros((len(poses), len(each)))
+        return np.zeros((len(poses), values_of(setup)))
     before, after = frames(machine, poses), frames(machine, poses + control(poses, approaches))
-    nominal = Nominal(machine, poses, setup.moves, approaches=approaches)
-    moved = turn_between(before.tool, after.tool)
-    if model.reads == "length":
-        moved = after.tcp - before.tcp + rigid.cross(moved, nominal.arm(setup))
-    ways = [model.direction_of(setup, along, nominal) for along in each]
-    return np.stack([np.sum(way * moved, axis=1) for way in ways], axis=1)
+    seen = kind.slopes(kind.places(poses, approaches))
+    pairs = (seen.moved, after.tcp - before.tcp), (seen.turned, turn_between(before.tool, after.tool))
+    added: Array = sum(np.einsum("mkc,mc->mk", ways, moved) for ways, moved in pairs)
+    return added

@@ -22,6 +22,7 @@ from axiscal.evaluation.datums import GUARD, Datum, added_to_values
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
+from axiscal.measurement.instrument import model_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -163,16 +164,22 @@ def shares(parts: Sequence[Part], columns: Array, change: Array, covariance: Arr
     return tuple(Share(p.name, float(v), float(s), p.motion) for p, v, s in zip(parts, values, stds, strict=True))
 
 
-def idle_axes(estimate: Estimate, poses: Array, directions: Array) -> tuple[str, ...]:
+def idle_axes(estimate: Estimate, setups: Sequence[Setup], places: Places) -> tuple[str, ...]:
     """Return the axes of which values say nothing: moved over less than half of the volume while read along.
 
-    poses : (m, q) of the values; directions : (m, 3) in the workpiece frame.  A rotary axis is read by any direction.
+    A rotary axis is read by any direction.
     """
-    turned = frames(estimate.machine, poses).rotations
-    idle = []
-    for k, (axis, (low, high)) in enumerate(zip(estimate.machine.axes, estimate.box, strict=True)):
-        along = np.abs(np.sum((turned[k] @ np.array(axis.direction)) * directions, axis=1)) > _ALONG
-        mine = poses[along | axis.rotary, k]
+    machine, idle = estimate.machine, list[str]()
+    turned = frames(machine, places.poses).rotations
+    seen = list[tuple[NDArray[np.intp], Array]]()
+    for index, of in places.by_setup():
+        kind = model_of(setups[index])(setups[index], machine)
+        seen.append((of, kind.slopes(kind.places(places.poses[of])).moved))
+    for k, (axis, (low, high)) in enumerate(zip(machine.axes, estimate.box, strict=True)):
+        along, way = np.full(len(places), axis.rotary), turned[k] @ np.array(axis.direction)
+        for of, ways in seen:
+            along[of] |= np.any(np.abs(np.einsum("mkc,mc->mk", ways, way[of])) > _ALONG, axis=1)
+        mine = places.poses[along, k]
         if high > low and (not len(mine) or np.ptp(mine) < _THROUGH * (high - low)):
             idle.append(axis.name)
     return tuple(idle)

@@ -31,11 +31,10 @@ from axiscal.evaluation.table_checks import (
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import said
 from axiscal.measurement.candidates import distinct, drawn_places
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import INSTRUMENTS, model_of, values_of
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.distance import Nest, Tracker
-from axiscal.measurement.instruments.kind import Nominal, levers_at
-from axiscal.measurement.observation import directions_of
+from axiscal.measurement.instruments.kind import levers_of
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.setup import Setup
@@ -45,7 +44,7 @@ from axiscal_core.from_scipy import chi_square_tail
 from axiscal_core.threads import one_thread
 
 _DISPLACEMENTS = (Displacement, Nest, Tracker)
-_CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if isinstance(kind.model, _DISPLACEMENTS)))
+_CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if issubclass(kind.model, _DISPLACEMENTS)))
 """Instruments that read displacements along fixed directions: the ones a check is made with."""
 _REMEDY = "A check is made with {known}: give the campaign a set-up of that kind"
 _PER_SETUP = 4
@@ -65,19 +64,17 @@ _NOTHING = 1e-9
 class Values(NamedTuple):
     """All values of readings, one after another.
 
-    of : (m,) index of the place; number : (m,) which one of its reading; directions : (m, 3) along which
+    of : (m,) index of the place; number : (m,) which one of its reading
     """
 
     of: NDArray[np.intp]
     number: NDArray[np.intp]
-    directions: Array
 
 
 def values_at(setups: Sequence[Setup], places: Places) -> Values:
     """Return the values that readings at these places have."""
-    each = [(i, n, along) for i, s in enumerate(places.setups) for n, along in enumerate(directions_of(setups[s]))]
-    of, number = (np.array([one[k] for one in each], dtype=np.intp) for k in (0, 1))
-    return Values(of, number, np.array([along for *_, along in each]).reshape(-1, 3))
+    each = [(place, number) for place, s in enumerate(places.setups) for number in range(values_of(setups[s]))]
+    return Values(*np.array(each, dtype=np.intp).reshape(-1, 2).T)
 
 
 @one_thread()
@@ -93,18 +90,22 @@ def expected(
         tips = estimate.deviation(places.poses, places.approaches)
     else:
         tips = left_by(estimate.machine, estimate.deviation, control, places.poses, places.approaches)
-    model, arm = estimate.model, np.zeros((len(places), 3))
+    model = estimate.model
+    shown, rows = np.zeros(len(values.of)), np.zeros((len(values.of), model.size))
+    rests = np.zeros((len(values.of), len(model.terms)))
     for index, mine in places.by_setup():
-        arm[mine] = Nominal(model.machine, places.poses[mine], setups[index].moves).arm(setups[index])
-    seen = levers_at(model, places.poses, arm)
-    aside = model.along((seen - model.levers(places.poses)).transpose(2, 0, 1), places.poses, places.approaches)
-    tips = tips + (aside @ estimate.mean).T
-    shown = model.along(seen.transpose(2, 0, 1), places.poses, places.approaches).swapaxes(0, 1)
-    rows = np.einsum("mcn,mc->mn", shown[values.of], values.directions)
-    levers = np.einsum("fmc,mc->mf", seen[:, values.of], values.directions)
-    rests = levers * np.array([function.rest for function in estimate.model.terms])
+        poses, approaches, of = places.poses[mine], places.approaches[mine], np.isin(values.of, mine)
+        kind = model_of(setups[index])(setups[index], model.machine)
+        seen = kind.slopes(kind.places(poses))
+        levers = levers_of(model, seen, poses)
+        turned = model.along(levers_of(model, seen._replace(moved=np.zeros_like(seen.moved)), poses), poses, approaches)
+        ways = np.einsum("mkc,mc->mk", seen.moved, tips[mine])
+        shown[of] = (ways + (turned @ estimate.mean).T).ravel()
+        rows[of] = model.along(levers, poses, approaches).swapaxes(0, 1).reshape(-1, model.size)
+        rests[of] = levers.transpose(2, 0, 1).reshape(-1, len(model.terms))
+    rests *= np.array([function.rest for function in model.terms])
     loose = np.diag(np.sqrt(np.sum(rests**2, axis=1)))
-    return np.sum(tips[values.of] * values.directions, axis=1), np.hstack([rows @ estimate.factor, loose])
+    return shown, np.hstack([rows @ estimate.factor, loose])
 
 
 @one_thread()
@@ -187,7 +188,7 @@ def without_zeros(setups: Sequence[Setup], places: Places, mean: Array, factor: 
     mean, factor, values = mean.copy(), factor.copy(), values_at(setups, places)
     for index in np.unique(places.setups):
         if any(is_zero(unknown.name) for unknown in setups[index].unknowns):
-            for number in range(len(directions_of(setups[index]))):
+            for number in range(values_of(setups[index])):
                 mine = (places.setups[values.of] == index) & (values.number == number)
                 mean[mine] -= mean[mine].mean()
                 factor[mine] -= factor[mine].mean(axis=0)
@@ -231,8 +232,8 @@ def judge(
         if other.instrument not in _CHECKING:
             what = '"{setup}" reads no displacement along a direction ({instrument})'
             raise ReadingError(what, _REMEDY, setup=other.name, instrument=other.instrument, known=", ".join(_CHECKING))
-    of, _, directions = values_at(setups, places)
-    datums = datums_of(estimate.machine, setups, places.setups[of], places.poses[of], directions, tolerance)
+    of = values_at(setups, places).of
+    datums = datums_of(estimate.machine, setups, places, tolerance)
     each_read = (_seen(estimate, setups, places, datums, readings) for readings in (found, left))
     (before, noise_before), (after, noise) = each_read
     mean, factor = expected(estimate, setups, places, control)
@@ -267,7 +268,7 @@ def judge(
         strained,
         still,
         each,
-        idle_axes(estimate, places.poses[of], directions),
+        idle_axes(estimate, setups, places),
         datums.tools,
         proved,
     )

@@ -8,8 +8,9 @@ from types import MappingProxyType
 
 from axiscal.measurement.instruments.displacement import Displacement, Stepped
 from axiscal.measurement.instruments.distance import SHIFTS, TURNS, ZEROS, Distance, Nest, Tracker
-from axiscal.measurement.instruments.kind import CARRIED, TOOL, Model, Rotation
+from axiscal.measurement.instruments.kind import CARRIED, Kind, Rotation
 from axiscal.measurement.setup import Setup, Unknown
+from axiscal_core.instrument import TOOL
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +25,7 @@ class Instrument:
     """
 
     name: str
-    model: Model
+    model: type[Kind]
     noise: float
     unknowns: tuple[Unknown, ...]
     setup_time: float
@@ -55,20 +56,18 @@ INSTRUMENTS: Mapping[str, Instrument] = MappingProxyType(
     {
         instrument.name: instrument
         for instrument in (
-            Instrument("interferometer", Displacement(), 0.3e-6, (_ZERO,), 1800.0, 1.0, 3.0, _LASER, display=True),
-            Instrument("indicator", Displacement(), 1.0e-6, (_ZERO,), 600.0, 1.0, 5.0, _GAUGE, display=True),
-            Instrument("probe", Displacement(), 1.0e-6, (_ZERO,), 600.0, 0.5, 6.0, _GAUGE),
-            Instrument(LENGTH, Displacement(), 20e-6, (_LOOSE,), 120.0, 0.0, 20.0, (0.0, 0.0)),
-            Instrument("straightedge", Displacement(), 1.0e-6, (_ZERO, _SLOPE), 1200.0, 1.0, 5.0, _GAUGE, display=True),
-            Instrument("level", Rotation(), 2.0e-6, (_ZERO,), 300.0, 5.0, 5.0, _INCLINED),
-            Instrument("autocollimator", Rotation(), 0.5e-6, (_ZERO,), 1800.0, 1.0, 3.0, _INCLINED),
-            Instrument("ballbar", Distance(), 0.5e-6, (_ZERO, *_CUP, *_CARRIED), 900.0, 0.5, 1.0, _GAUGE),
-            Instrument("rtest", Nest(), 0.7e-6, (*_THREE, *_CARRIED), 900.0, 1.0, 3.0, _GAUGE),
-            Instrument("sphere", Nest(), 1.5e-6, (), 300.0, 1.0, 15.0, _GAUGE),
-            Instrument(
-                "tracker", Tracker(), 10e-6, (*_THREE, *_open(TURNS, 1e-3), *_CARRIED), 3600.0, 2.0, 5.0, _LASER
-            ),
-            Instrument("tracer", Distance(), 0.3e-6, (_ZERO, *_TRACED, *_CARRIED), 1800.0, 1.0, 3.0, _LASER),
+            Instrument("interferometer", Displacement, 0.3e-6, (_ZERO,), 1800.0, 1.0, 3.0, _LASER, display=True),
+            Instrument("indicator", Displacement, 1.0e-6, (_ZERO,), 600.0, 1.0, 5.0, _GAUGE, display=True),
+            Instrument("probe", Displacement, 1.0e-6, (_ZERO,), 600.0, 0.5, 6.0, _GAUGE),
+            Instrument(LENGTH, Displacement, 20e-6, (_LOOSE,), 120.0, 0.0, 20.0, (0.0, 0.0)),
+            Instrument("straightedge", Displacement, 1.0e-6, (_ZERO, _SLOPE), 1200.0, 1.0, 5.0, _GAUGE, display=True),
+            Instrument("level", Rotation, 2.0e-6, (_ZERO,), 300.0, 5.0, 5.0, _INCLINED),
+            Instrument("autocollimator", Rotation, 0.5e-6, (_ZERO,), 1800.0, 1.0, 3.0, _INCLINED),
+            Instrument("ballbar", Distance, 0.5e-6, (_ZERO, *_CUP, *_CARRIED), 900.0, 0.5, 1.0, _GAUGE),
+            Instrument("rtest", Nest, 0.7e-6, (*_THREE, *_CARRIED), 900.0, 1.0, 3.0, _GAUGE),
+            Instrument("sphere", Nest, 1.5e-6, (), 300.0, 1.0, 15.0, _GAUGE),
+            Instrument("tracker", Tracker, 10e-6, (*_THREE, *_open(TURNS, 1e-3), *_CARRIED), 3600.0, 2.0, 5.0, _LASER),
+            Instrument("tracer", Distance, 0.3e-6, (_ZERO, *_TRACED, *_CARRIED), 1800.0, 1.0, 3.0, _LASER),
         )
     }
 )
@@ -85,14 +84,13 @@ after, an assumption, as ISO 230-3 and ISO/TR 16015 define a test and give no nu
 PRINTER_PROBE = replace(INSTRUMENTS["probe"], noise=5e-6, setup_time=60.0)
 """The probe of a 3D printer, which is there already. What owners have shown of Klipper's PROBE_ACCURACY, a standard
 deviation of ten readings, goes from 0.8 um (docked microswitches) to 13 um (inductive ones); 5 um is an assumption."""
-_STEPPED = Stepped()
 
 
-def model_of(setup: Setup) -> Model:
+def model_of(setup: Setup) -> type[Kind]:
     """Return what a set-up sees: a level whose feet are stepped along a way sees another thing than one that rides."""
-    return INSTRUMENTS[setup.instrument].model if setup.base is None else _STEPPED
+    return INSTRUMENTS[setup.instrument].model if setup.base is None else Stepped
 
 
 def values_of(setup: Setup) -> int:
     """Return how many numbers a reading of a set-up has."""
-    return len(setup.stations) or INSTRUMENTS[setup.instrument].model.values
+    return len(INSTRUMENTS[setup.instrument].model.names_of(setup))

@@ -23,15 +23,14 @@ from numpy.typing import NDArray
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import MovedErrors, deviations_of
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import Deviation
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.cells import Cell, CellColumns, Course, RestEffects, add_rests, rest_effects
-from axiscal.measurement.instrument import model_of, values_of
-from axiscal.measurement.instruments.distance import location_unknowns
-from axiscal.measurement.instruments.kind import Nominal, levers_at
+from axiscal.measurement.instrument import model_of
+from axiscal.measurement.instruments.kind import Kind, levers_of
 from axiscal.measurement.setup import About, Setup, Unknown
 from axiscal.measurement.travel import Way
 from axiscal.numerics import Array
+from axiscal_core.instrument import At
 
 Key = tuple[str, str]
 """Owner and name; the owner of what belongs to one set-up is that set-up."""
@@ -160,64 +159,45 @@ class Observation:
     def _owned(self) -> Owned:
         return Owned.by(self.setups)
 
-    def rows(
-        self,
-        setup: int,
-        poses: Array,
-        approaches: Array,
-        direction: Array | None = None,
-        times: Array | None = None,
-    ) -> Rows:
-        """Return what readings of a set-up would tell (B&H eq. 29-30).
-
-        poses, approaches : (m, q); direction : of one number of a reading that has several; None for the set-up's
-        times : (m,) of the readings, s; without them, or where one is NaN, the last time that was met
-        """
-        along = [np.array(self.setups[setup].direction) if direction is None else direction]
-        rows, variances = self._rows(setup, poses, approaches, along, self._levers(setup, poses, along), times)
-        return Rows(rows[0], variances[0])
+    def rows(self, setup: int, poses: Array, approaches: Array, times: Array | None = None) -> Rows:
+        """Return what the first number of readings of a set-up would tell (B&H eq. 29-30); arguments as of all."""
+        return self.rows_each(setup, poses, approaches, times)[0]
 
     def rows_each(self, setup: int, poses: Array, approaches: Array, times: Array | None = None) -> list[Rows]:
-        """Return the same of every number of the readings."""
-        every = directions_of(self.setups[setup])
-        return list(map(Rows, *self._rows(setup, poses, approaches, every, self.levers(setup, poses), times)))
+        """Return what each number of readings of a set-up would tell.
+
+        poses, approaches : (m, q)
+        times : (m,) of the readings, s; without them, or where one is NaN, the last time that was met
+        """
+        return list(map(Rows, *self._rows(setup, poses, approaches, times)[:2]))
 
     def _rows(
-        self,
-        setup: int,
-        poses: Array,
-        approaches: Array,
-        directions: Sequence[Array],
-        levers: Array,
-        times: Array | None = None,
-    ) -> tuple[Array, Array]:
-        """Return rows (k, m, size) and variances (k, m) of k numbers of each reading.  levers : (k, terms, m)"""
-        mounted = self.setups[setup]
-        rows = np.zeros((len(directions), len(poses), self.size))
+        self, setup: int, poses: Array, approaches: Array, times: Array | None = None
+    ) -> tuple[Array, Array, Array]:
+        """Return rows (k, m, size), variances (k, m) and levers (k, terms, m) of the numbers of each reading."""
+        mounted, at = self.setups[setup], self._places(setup, poses, approaches)
+        levers = self._levers(setup, at)
+        rows = np.zeros((len(levers), len(poses), self.size))
         rows[:, :, : self.errors.size] = self._error_rows(mounted, levers, poses, approaches)
-        model, nominal = model_of(mounted), self._nominal(mounted, poses, approaches)
-        for own, at in zip(rows, directions, strict=True):
-            for column, unknown in zip(self.unknowns_of(setup), mounted.unknowns, strict=True):
-                own[:, column] = model.unknown_effect(mounted, unknown.name, at, nominal)
-            for course, share in self.drifts_shown(setup, at):
-                own[:, list(course.columns)] = share * course.rows(times)
+        rows[:, :, self.unknowns_of(setup)] = self._kinds[setup].own_slopes(at).swapaxes(0, 1)
+        for number, course in self.drifts_shown(setup):
+            rows[number][:, list(course.columns)] = course.rows(times)
         variances = mounted.noise**2 + self._unknown_sides(mounted, levers, poses, approaches)
-        effects = self._rest_effects(self.setups[setup], levers, poses, approaches)
+        effects = self._rest_effects(mounted, levers, poses, approaches)
         add_rests(effects, self._stated_rests[effects.functions], self.cell_columns.visited(effects), rows, variances)
-        return rows, variances
+        return rows, variances, levers
 
     def _error_rows(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
         if mounted.base is None:
             return self.errors.along(levers, poses, approaches)
-        return Way(self.errors, mounted, mounted.base).rows(poses)
+        return Way(self.errors, mounted, mounted.base).rows(poses)[None]
 
     def numbers(self, setup: int, poses: Array, approaches: Array) -> JointRows:
         """Return what readings of a set-up would tell with all their numbers; arguments as for `rows`.
 
         The rest of a cell not visited yet shows in all numbers of a reading at once.
         """
-        levers = self.levers(setup, poses)
-        rows, variances = self._rows(setup, poses, approaches, directions_of(self.setups[setup]), levers)
+        rows, variances, levers = self._rows(setup, poses, approaches)
         if len(levers) == 1:
             return JointRows(rows[0][:, None], variances[0][:, None, None])
         covariances, every = self._fresh_rests(setup, poses, approaches, levers), np.arange(len(levers))
@@ -251,17 +231,13 @@ class Observation:
 
     def nonlinear_part(self, setup: int, poses: Array, approaches: Array) -> Array:
         """Return what each number of readings shows beside rows times unknowns, where it is not linear, (m, k)."""
-        mounted, model = self.setups[setup], model_of(self.setups[setup])
         if self.about is not None:
             point = self.about.point
             return self.shown(setup, poses, approaches, point) - self._first_order(setup, poses, approaches, point)
-        nominal = Nominal(self.machine, poses, mounted.moves)
-        found = dict(zip(location_unknowns(mounted), mounted.found or (), strict=False))
-        still, numbers = Deviation(*np.zeros((2, len(poses), 3))), []
-        for at in directions_of(mounted):
-            linear = [value * model.unknown_effect(mounted, name, at, nominal) for name, value in found.items()]
-            numbers.append(model.shown(mounted, at, nominal, still, found) - sum(linear))
-        return np.stack(numbers, axis=1)
+        kind = self._kinds[setup]
+        at, found = kind.places(poses), kind.found(kind.setup)
+        linear: Array = kind.own_slopes(at, [*found]) @ np.array([*found.values()])
+        return kind.shown(at, found) - linear
 
     def shown(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
         """Return what each number of readings would show, nothing linearised, (m, k).
@@ -272,16 +248,15 @@ class Observation:
 
     def shown_by_each(self, setup: int, poses: Array, approaches: Array, points: Array) -> Iterator[Array]:
         """Yield the same for each of many machines and set-ups.  points : (n, k) errors, then unknowns"""
-        mounted, model = self.setups[setup], model_of(self.setups[setup])
-        if mounted.base is not None:
+        if self.setups[setup].base is not None:
             yield from (self._first_order(setup, poses, approaches, point) for point in points)
             return
-        nominal = Nominal(self.machine, poses, mounted.moves, approaches=approaches)
-        each = directions_of(mounted)
+        kind = self._kinds[setup]
+        at = kind.places(poses, approaches)
         moved = deviations_of(self.errors, points[:, : self.errors.size], poses, approaches)
         for point, actual in zip(points, moved, strict=True):
-            unknowns = self.own_values(setup, point)
-            yield np.stack([model.shown(mounted, along, nominal, actual, unknowns) for along in each], axis=1)
+            there = at._replace(moved=actual.displacement, turned=actual.rotation)
+            yield kind.shown(there, self.own_values(setup, point))
 
     def own_values(self, setup: int, point: Array) -> dict[str, float]:
         """Return the unknowns of one set-up by name.  point : (k,) errors, then unknowns"""
@@ -290,15 +265,10 @@ class Observation:
 
     def _first_order(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
         """Return the rows of each number of readings times errors and unknowns, (m, k)."""
-        mounted, model, levers = self.setups[setup], model_of(self.setups[setup]), self.levers(setup, poses)
-        nominal, own = self._nominal(mounted, poses, approaches), self.own_values(setup, point)
-        numbers = []
-        for at, along in zip(directions_of(mounted), levers, strict=True):
-            number = self._error_rows(mounted, along, poses, approaches) @ point[: self.errors.size]
-            for name, value in own.items():
-                number = number + value * model.unknown_effect(mounted, name, at, nominal)
-            numbers.append(number)
-        return np.stack(numbers, axis=1)
+        at = self._places(setup, poses, approaches)
+        rows = self._error_rows(self.setups[setup], self._levers(setup, at), poses, approaches)
+        own: Array = self._kinds[setup].own_slopes(at) @ point[self.unknowns_of(setup)]
+        return own + (rows @ point[: self.errors.size]).T
 
     def rest_effects(self, setup: int, poses: Array, approaches: Array) -> RestEffects:
         """Return what the rests do to the numbers of readings, (k, e, m), of cells that were visited or not.
@@ -310,30 +280,27 @@ class Observation:
     def _rest_effects(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> RestEffects:
         return rest_effects(self.errors, mounted, levers, poses, approaches, self.with_rest)
 
-    def drifts_shown(self, setup: int, direction: Array) -> Iterator[tuple[Course, float]]:
-        """Yield the drifts that a reading along a direction shows, each with its share."""
-        several = values_of(self.setups[setup]) > 1
-        for (owner, number), course in self.courses.items():
-            if owner == setup:
-                yield course, float(direction[number]) if several else 1.0
+    def drifts_shown(self, setup: int) -> Iterator[tuple[int, Course]]:
+        """Yield the drifts that readings of a set-up show, each with the number that shows it."""
+        return ((number, course) for (owner, number), course in self.courses.items() if owner == setup)
 
     def levers(self, setup: int, poses: Array) -> Array:
         """Return what a unit of each error adds to each number of readings, sides apart, (numbers, terms, m)."""
-        return self._levers(setup, poses, directions_of(self.setups[setup]))
+        return self._levers(setup, self._places(setup, poses))
 
-    def _levers(self, setup: int, poses: Array, directions: Sequence[Array]) -> Array:
+    def _levers(self, setup: int, at: At) -> Array:
         mounted = self.setups[setup]
         if mounted.base is not None:
-            return Way(self.errors, mounted, mounted.base).levers(poses)[None]
-        model, nominal = model_of(mounted), self._nominal(mounted, poses)
-        angles = model.reads == "angle"
-        field = self.errors.angular_levers(poses) if angles else levers_at(self.errors, poses, nominal.arm(mounted))
-        each = [model.direction_of(mounted, along, nominal) for along in directions]
-        return np.array([np.einsum("fmc,mc->fm", field, ways) for ways in each])
+            return Way(self.errors, mounted, mounted.base).levers(at.poses)[None]
+        return levers_of(self.errors, self._kinds[setup].slopes(at), at.poses)
 
-    def _nominal(self, mounted: Setup, poses: Array, approaches: Array | None = None) -> Nominal:
+    def _places(self, setup: int, poses: Array, approaches: Array | None = None) -> At:
         actual = self.errors.motion(poses) if isinstance(self.errors, MovedErrors) else None
-        return Nominal(self.errors.machine, poses, mounted.moves, actual, approaches)
+        return self._kinds[setup].places(poses, approaches, actual)
+
+    @cached_property
+    def _kinds(self) -> tuple[Kind, ...]:
+        return tuple(model_of(setup)(setup, self.machine) for setup in self.setups)
 
     @cached_property
     def with_rest(self) -> tuple[int, ...]:
@@ -348,9 +315,3 @@ class Observation:
     def cell_columns(self) -> CellColumns:
         """The columns of the rests of all cells."""
         return CellColumns(self.errors, self.with_rest, self.cells)
-
-
-def directions_of(setup: Setup) -> list[Array]:
-    """Return the directions of the numbers of one reading: the set-up's own, x, y and z, or which of stations."""
-    count = values_of(setup)
-    return list(np.eye(count)) if count > 1 else [np.array(setup.direction)]

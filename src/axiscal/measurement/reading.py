@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import listed, put, said
 from axiscal.machine.axis import Axis
-from axiscal.measurement.instrument import INSTRUMENTS, values_of
+from axiscal.measurement.instrument import INSTRUMENTS, model_of, values_of
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -243,16 +243,9 @@ def direction_text(setup: Setup) -> str:
     return "(" + ", ".join(f"{component:.4g}" for component in setup.direction) + ")"
 
 
-def value_names(setup: Setup) -> tuple[str, ...]:
-    """Return what the numbers of a reading are told apart by: x, y, z, or those of the stations; "" of a single one."""
-    if setup.stations:
-        return tuple(str(number) for number in range(1, values_of(setup) + 1))
-    return ("x", "y", "z") if values_of(setup) > 1 else ("",)
-
-
 def value_columns(setup: Setup) -> tuple[str, ...]:
     """Return the columns of a file of readings for its values, such as value_um, or value_x_um and two more."""
-    return tuple(f"value{'_' * bool(name)}{name}_{reading_unit(setup)}" for name in value_names(setup))
+    return tuple(f"value{'_' * bool(name)}{name}_{reading_unit(setup)}" for name in model_of(setup).names_of(setup))
 
 
 def refuse_other_values(setup: Setup, count: int, dimension: str | None = None) -> None:

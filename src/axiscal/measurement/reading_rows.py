@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from axiscal.measurement.cells import Cell, Course, RestEffects, rest_effects
 from axiscal.measurement.instrument import values_of
-from axiscal.measurement.observation import Observation, Zero, directions_of
+from axiscal.measurement.observation import Observation, Zero
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -189,7 +189,7 @@ def places_of(setups: Sequence[Setup], readings: Sequence[Reading | Place]) -> P
 
 def blank_readings(setups: Sequence[Setup], places: Sequence[Place]) -> list[Reading]:
     """Return readings of zero at places, for results that do not depend on their values."""
-    more = {setup.name: len(directions_of(setup)) - 1 for setup in setups}
+    more = {setup.name: values_of(setup) - 1 for setup in setups}
     return [Reading(p.setup, p.pose, p.approach, 0.0, others=(0.0,) * more[p.setup], check=p.check) for p in places]
 
 
@@ -200,4 +200,4 @@ def times_of(readings: Sequence[Reading]) -> Array:
 
 def numbers_of_setups(setups: Sequence[Setup]) -> NDArray[np.intp]:
     """Return how many numbers a reading of each set-up has, (setups,)."""
-    return np.array([len(directions_of(setup)) for setup in setups], dtype=np.intp)
+    return np.array([values_of(setup) for setup in setups], dtype=np.intp)

@@ -25,8 +25,7 @@ from axiscal.machine.entry import ErrorEntry, ErrorName, parse_error_name
 from axiscal.machine.kinematics import Deviation, actual_deviation
 from axiscal.measurement.cells import MEMORY
 from axiscal.measurement.instrument import model_of, values_of
-from axiscal.measurement.instruments.kind import Nominal
-from axiscal.measurement.observation import Owned, directions_of
+from axiscal.measurement.observation import Owned
 from axiscal.measurement.readers.csv_table import (
     ANGLES,
     LENGTHS,
@@ -209,10 +208,10 @@ class VirtualMachine:
 
         pose, approach : (1, q) where it reads; actual : what the machine does, there or where it touches beside
         """
-        model = model_of(setup)
-        place = Nominal(self.model.machine, pose, setup.moves, approaches=approach)
-        own = self.offsets.get(setup.name, {})
-        return [float(model.shown(setup, along, place, actual, own)[0]) for along in directions_of(setup)]
+        kind = model_of(setup)(setup, self.model.machine)
+        at = kind.places(pose, approach, deviation=actual)
+        shown: list[float] = kind.shown(at, self.offsets.get(setup.name, {}))[0].tolist()
+        return shown
 
     def _chord(self, setup: Setup, poses: Array) -> Deviation:
         """Return by how much the way differs between the two feet of a level, per length between them."""

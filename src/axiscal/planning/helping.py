@@ -17,7 +17,6 @@ from axiscal.estimation.known_rows import known_rows
 from axiscal.exceptions import InputError, PlanError
 from axiscal.language.spoken import joined, put, quoted, said
 from axiscal.machine import Machine
-from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.setup import Setup
 from axiscal.numerics.remembered import Memo
 from axiscal.planning.enough import enough, goal_of, reached_by
@@ -27,6 +26,7 @@ from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked
 from axiscal.units import said_quantity, to_unit
+from axiscal_core.instrument import TOOL
 
 _KINDS = ("interferometer", "ballbar", "dial", "sphere")
 """Those whose set-ups follow from the machine alone, and of which nothing has to be looked up first."""

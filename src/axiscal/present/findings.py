@@ -36,8 +36,8 @@ from axiscal.estimation.intervals import COARSE
 from axiscal.estimation.promise.agreement import AGREES
 from axiscal.language.spoken import capital, later, listed, put, said
 from axiscal.machine.axis import Axis
-from axiscal.measurement.instrument import values_of
-from axiscal.measurement.reading import Reading, place_text, reading_unit, value_names
+from axiscal.measurement.instrument import model_of, values_of
+from axiscal.measurement.reading import Reading, place_text, reading_unit
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.numerics import Array
 from axiscal.present.beside import beside_the_tool
@@ -343,8 +343,8 @@ def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
             moved, spread = float(to_unit(far, unit)), float(to_unit(std, unit))
             seconds = float(path.times[worst] - path.times[0])
             yield said(
-                many if value_names(setup)[0] == "x" else one,
-                way=value_names(setup)[number],
+                many if model_of(setup).names_of(setup)[0] == "x" else one,
+                way=model_of(setup).names_of(setup)[number],
                 setup=f"{setup.name} {number + 1}" if setup.stations else setup.name,
                 size=put("{moved:.2g} ± {spread:.2g} {unit}", moved=moved, spread=spread, unit=unit),
                 time=said_quantity(seconds, "h" if seconds >= _AN_HOUR else "min", 2),

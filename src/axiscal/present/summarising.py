@@ -33,16 +33,8 @@ from axiscal.language.spoken import later, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.questions import questions, which_way
-from axiscal.measurement.instrument import values_of
-from axiscal.measurement.reading import (
-    Reading,
-    approach_text,
-    direction_text,
-    reading_unit,
-    shown_pose,
-    value_columns,
-    value_names,
-)
+from axiscal.measurement.instrument import model_of, values_of
+from axiscal.measurement.reading import Reading, approach_text, direction_text, reading_unit, shown_pose, value_columns
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
@@ -324,7 +316,7 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
     unit = reading_unit(setup)
     noise = said_quantity(setup.noise, unit)
     of = campaign.description.particulars.setups.get(setup.name, Equipment())
-    along = " ".join(value_names(setup)) if values_of(setup) > 1 else direction_text(setup)
+    along = " ".join(model_of(setup).names_of(setup)) if values_of(setup) > 1 else direction_text(setup)
     along = along if setup.length is None else said("the bar")
     own = setup.name, said(setup.instrument), along, moves, noise, count
     grown = said("{growth:.3g} um/m against 20 degC", growth=float(setup.growth * 1e6)) if setup.growth else ""

@@ -42,7 +42,7 @@ class AxisScale:
     last: Decimal
 
     @classmethod
-    def of(cls, axis: Axis, decimals: int) -> AxisScale:
+    def of_axis(cls, axis: Axis, decimals: int) -> AxisScale:
         """Return the scale of an axis; raises ProgramError when no number that can be written lies in its travel."""
         step = Decimal(1).scaleb(-decimals)
         low, high = (exact(to_unit(end, axis.unit)) for end in axis.travel)

@@ -213,7 +213,7 @@ class ProgramAxes:
     @classmethod
     def from_setup(cls, machine: Machine, setup: Setup, decimals: Sequence[int]) -> ProgramAxes:
         """Return those of a set-up; decimals : of each axis.  Raises ProgramError, DescriptionError for an order."""
-        scales = tuple(AxisScale.of(axis, each) for axis, each in zip(machine.axes, decimals, strict=True))
+        scales = tuple(AxisScale.of_axis(axis, each) for axis, each in zip(machine.axes, decimals, strict=True))
         return cls(scales, groups(machine, setup.driving), clearance_of(machine, scales, setup))
 
     @property

@@ -16,11 +16,11 @@ from axiscal.errors.gauge import EITHER, Hidden, unseen_factor
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from axiscal.units import said_quantity
 from axiscal_core import rigid
+from axiscal_core.instrument import TOOL
 
 _SAID = 0.3
 """Share of what cannot be seen from which it is said by itself."""

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from axiscal.description.type_b import TYPE_B, Read, TypeB
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.kind import Nominal
-from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import numbers_of_setups
 from axiscal.numerics import Array
@@ -42,10 +41,10 @@ def contributions(
     first = np.cumsum(each) - each
     for mine, read in _by_setup(observation, places, values):
         for row in TYPE_B:
-            stated = row.name in dict(read.setup.stated)
-            if not row.met(read.setup) or not (usual or stated):
+            stated = row.name in dict(read.kind.setup.stated)
+            if not row.met(read.kind.setup) or not (usual or stated):
                 continue
-            owners = {"set-up": read.setup.name, "instrument": read.setup.instrument, "machine": ""}
+            owners = {"set-up": read.kind.setup.name, "instrument": read.kind.setup.instrument, "machine": ""}
             owner = owners[row.shared]
             before = found.get((row.name, owner), Contribution(row, owner, True, np.zeros(each.sum())))
             for number, effect in enumerate(row.column(read)):
@@ -59,9 +58,10 @@ def _by_setup(
 ) -> Iterator[tuple[NDArray[np.intp], Read]]:
     """Yield the readings of each set-up, and which of all they are, (r,)."""
     for index, chosen in places.by_setup():
-        setup, model = observation.setups[index], model_of(observation.setups[index])
-        nominal = Nominal(observation.machine, places.poses[chosen], setup.moves, None, places.approaches[chosen])
-        ways = np.stack([model.direction_of(setup, along, nominal) for along in directions_of(setup)])
+        setup = observation.setups[index]
+        kind = model_of(setup)(setup, observation.machine)
+        at = kind.places(places.poses[chosen], places.approaches[chosen])
+        ways = kind.slopes(at).moved.swapaxes(0, 1)
         mine = np.arange(len(places))[chosen]
         shown = np.zeros(ways.shape[:2]) if values is None else np.array([values[i] for i in mine], dtype=float).T
-        yield mine, Read(setup, nominal, ways, shown)
+        yield mine, Read(kind, at, ways, shown)

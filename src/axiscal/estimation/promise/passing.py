@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 from axiscal.description.usual import CYCLE, DRIFT, GROWTH, WAY, needs_a_way
 from axiscal.machine.entry import ROUGH
 from axiscal.measurement.cells import Course, wandering
-from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.instrument import values_of
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import times_of
 from axiscal.measurement.setup import Setup
@@ -230,7 +231,7 @@ def _as_stated(mine: _Mine, numbers: int) -> Iterator[tuple[Kind, Array]]:
 
 def _of_each_zero(mine: _Mine, numbers: int, functions: Sequence[tuple[Kind, Array]]) -> Iterator[tuple[Kind, Array]]:
     """Yield the columns of all numbers for functions of a set-up's readings, each zero's apart."""
-    for number in range(len(directions_of(mine.setup))):
+    for number in range(values_of(mine.setup)):
         for kind, function in functions:
             columns = np.zeros((numbers, function.shape[1]))
             columns[mine.first + number] = function

@@ -14,8 +14,7 @@ To first order y is the slope of a chord; as L goes to zero, the derivative of t
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -24,12 +23,13 @@ from axiscal.errors.model import ErrorModel
 from axiscal.errors.plane import PlaneError
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import Deviation
-from axiscal.measurement.instruments.kind import Model, Nominal, Reads, Rotation, grown, moved
+from axiscal.measurement.instruments.kind import Kind, Reads, Rotation
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import Way, across
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
+from axiscal_core import rigid
+from axiscal_core.instrument import At, Unknowns
 
 _ALONG = 1e-6
 """Rounding of a unit vector."""
@@ -40,15 +40,12 @@ _UNSEEN = 1e-9
 class Stepped(Rotation):
     """One slope, as an angle about the set-up's direction."""
 
-    def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]
-    ) -> Array:
-        """Return the angle of the chord, (m,); actual.displacement : of one foot against the other, per length."""
-        slope = np.sum(across(nominal.machine, setup, nominal.poses) * actual.displacement, axis=1)
-        shown: Array = np.arctan(slope) + unknowns.get("zero", 0.0)
-        return shown
+    def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
+        """Return the angle of the chord; at.moved : of one foot against the other, per length."""
+        return [np.arctan(np.sum(across(self.machine, self.setup, at.poses) * at.moved, axis=1)) + u["zero"]]
 
-    def check_setup(self, setup: Setup, machine: Machine) -> None:
+    @classmethod
+    def check_setup(cls, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError where there is no slope to be read."""
         _refuse_other_moves(setup, machine)
         base, axis = setup.base or 0.0, machine.axes[setup.moves[0]]
@@ -106,36 +103,39 @@ _READS: dict[str, Reads] = {
 }
 
 
-class Displacement(Model):
+class Displacement(Kind):
     """One length along the set-up's direction."""
 
-    reads: Reads = "length"
-    values = 1
-    directed = True
     unknown_reads: Mapping[str, Reads] = MappingProxyType(_READS)
 
-    def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
-        """Return 1 for the zero, the travel for the slope, the travel along the direction for the growth, (m,).
+    def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
+        """Return dᵀδp + known growth + the effects of the unknowns: of a slope by its tangent."""
+        moved = at.moved + self.grown(at) if self.setup.growth else at.moved
+        if self.setup.offset is not None:
+            arm = at.tool @ np.array(self.setup.offset)
+            moved = moved + rigid.turned(arm, at.turned) - arm
+        shown: Array = moved @ np.array(self.setup.direction) + u["zero"]
+        for name, size in u.items():
+            if size and name != "zero":
+                shown = shown + (np.tan(size) if name == "slope" else size) * self._effect(name, at)
+        return [shown]
 
-        Of a square the turn about x, y or z; of the lag the side from which the linear axis that moves came, along the
-        direction.
+    def _effect(self, unknown: str, at: At) -> Array:
+        """Return what a unit of an unknown adds, (m,).
+
+        The travel for the slope, the travel along the direction for the growth, of a square the turn about x, y or z;
+        of the lag the side from which the linear axis that moves came, along the direction.
         """
-        if unknown == "zero":
-            return np.ones(nominal.count)
-        along = nominal.ways @ direction
+        direction, travelled = np.array(self.setup.direction), self.travelled(at.poses)
+        if unknown == "slope":
+            return travelled
+        ways = self.ways(at.poses)
         if unknown in SQUARE:
-            return nominal.travelled * np.cross(nominal.ways, direction)[:, SQUARE.index(unknown)]
-        if unknown != "lag":
-            return nominal.travelled if unknown == "slope" else nominal.travelled * along
-        if nominal.slide is None or nominal.approaches is None:
-            return np.zeros(nominal.count)
-        return nominal.approaches[:, nominal.slide] * np.where(np.abs(along) >= _LEAST_ALONG, np.sign(along), 0.0)
-
-    def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]
-    ) -> Array:
-        """Return dᵀδp + known growth + the effects of the unknowns, (m,): of a slope by its tangent."""
-        sizes = {**unknowns, "slope": math.tan(unknowns["slope"])} if "slope" in unknowns else unknowns
-        effects = (size * self.unknown_effect(setup, name, direction, nominal) for name, size in sizes.items())
-        shown: Array = sum(effects, (moved(setup, nominal, actual) + grown(setup, nominal)) @ direction)
-        return shown
+            return travelled * np.cross(ways, direction)[:, SQUARE.index(unknown)]
+        along: Array = ways @ direction
+        if unknown == "growth":
+            return travelled * along
+        if self.slide is None:
+            return np.zeros(len(at.poses))
+        side: Array = at.sides[:, self.slide] * np.where(np.abs(along) >= _LEAST_ALONG, np.sign(along), 0.0)
+        return side

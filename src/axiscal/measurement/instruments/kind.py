@@ -1,4 +1,6 @@
-"""What every kind of instrument answers: which way it looks, what its own unknowns add, what it would show exactly.
+"""What every kind of instrument answers: the numbers that it shows of a tool that is displaced and turned (`sees`).
+
+Rows are derivatives of it by complex steps (`axiscal_core.instrument.slopes`); simulated readings are its values.
 
 Instruments that read the rotation of the tool about one direction: electronic level, autocollimator.
 
@@ -7,11 +9,10 @@ y = dᵀε + zero.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 
@@ -23,154 +24,118 @@ from axiscal.machine.kinematics import Deviation, frames
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal_core import rigid
+from axiscal_core.instrument import TOOL, At, Slopes, Unknowns, numbers, own_slopes, slopes
 
 Reads = Literal["length", "angle"]
 
-TOOL = ("tool_x", "tool_y", "tool_z")
-"""By how much the tool in the spindle is another than the machine states: eccentricity, and less length along z."""
 CARRIED = 1e-4
-"""m, std along each of them where nothing is said (an assumption)."""
+"""m, std along each of `TOOL` where nothing is said (an assumption)."""
 TRUED = 5e-6
 """m: what is set in the spindle to be read is made to run true with a dial (an assumption)."""
 TOOL_READS: Mapping[str, Reads] = MappingProxyType(dict.fromkeys(TOOL, "length"))
 
 
-@dataclass(frozen=True, eq=False)
-class Nominal:
-    """Nominal places of readings of one set-up.  poses : (m, q) m or rad; moves : axes that may move.
+class Kind:
+    """A kind of instrument, as it is mounted on a machine.
 
-    actual : where the tool is believed to be instead, for rows that are taken there
-    approaches : (m, q) from which side each axis came, +1 or −1, 0 where nobody said; None where it does not matter
-    """
-
-    machine: Machine
-    poses: Array
-    moves: tuple[int, ...]
-    actual: rigid.Motion | None = None
-    approaches: Array | None = None
-
-    @property
-    def count(self) -> int:
-        """Number of readings."""
-        return len(self.poses)
-
-    @cached_property
-    def tcp(self) -> Array:
-        """The nominal TCP in the workpiece frame, (m, 3), m."""
-        return frames(self.machine, self.poses).tcp if self.actual is None else self.actual.translation
-
-    @cached_property
-    def tool(self) -> Array:
-        """The nominal orientation R_t of the tool in the workpiece frame, (m, 3, 3)."""
-        return frames(self.machine, self.poses).tool if self.actual is None else self.actual.rotation
-
-    def arm(self, setup: Setup) -> Array:
-        """Return the way from the tool point to the point that a set-up looks at, workpiece frame, (m, 3) m."""
-        if setup.offset is None:
-            return np.zeros((self.count, 3))
-        arm: Array = self.tool @ np.array(setup.offset)
-        return arm
-
-    @cached_property
-    def travelled(self) -> Array:
-        """How far the linear axis that moves is from the middle of its travel, (m,), m; zero where none moves."""
-        if self.slide is None:
-            return np.zeros(self.count)
-        return self.poses[:, self.slide] - sum(self.machine.axes[self.slide].travel) / 2
-
-    @cached_property
-    def ways(self) -> Array:
-        """The way that this axis goes in the workpiece frame, (m, 3); zero where none moves."""
-        if self.slide is None:
-            return np.zeros((self.count, 3))
-        axis = self.machine.axes[self.slide]
-        ways: Array = frames(self.machine, self.poses).rotations[self.slide] @ np.array(axis.direction)
-        return ways
-
-    @property
-    def slide(self) -> int | None:
-        """The index of the linear axis that moves; None where none does."""
-        return next((k for k in self.moves if not self.machine.axes[k].rotary), None)
-
-
-class Model(Protocol):
-    """A kind of instrument.
-
-    reads : lengths or angles; values : numbers in one reading, at most
+    reads : lengths or angles; numbers : what those of a reading are told apart by
     directed : it reads along or about a direction that has to be stated
     unknown_reads : by name of each possible unknown of a set-up, whether it is a length or an angle
     """
 
-    reads: Reads
-    values: int
-    directed: bool
-    unknown_reads: Mapping[str, Reads]
+    reads: Reads = "length"
+    numbers: tuple[str, ...] = ("",)
+    directed = True
+    unknown_reads: Mapping[str, Reads] = {}
 
-    def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return what unit displacements (or rotations) along x, y, z add to a reading, (m, 3): as a rule d for each.
+    def __init__(self, setup: Setup, machine: Machine) -> None:
+        self.setup, self.machine = setup, machine
+        self.names = self.names_of(setup)
+        self._nothing = dict.fromkeys((*self.unknown_reads, *(unknown.name for unknown in setup.unknowns)), 0.0)
+        self._found = {**self._nothing, **self.found(setup)}
 
-        direction : (3,) the set-up's, or that of one number of a reading that has three; (k,) of k stations, 1 for the
-            one that is meant
-        """
-        return np.broadcast_to(direction, (nominal.count, 3))
+    def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
+        """Return what it shows, nothing linearised, noise left out, (m,) each, m or rad.  u : all its unknowns"""
+        raise NotImplementedError
 
-    def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
-        """Return what a unit of one of the set-up's unknowns adds to a reading, (m,): as a rule 1, for its zero."""
-        return np.ones(nominal.count)
-
-    def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]
-    ) -> Array:
-        """Return what it would show, nothing linearised, noise left out, (m,)."""
-
-    def check_setup(self, setup: Setup, machine: Machine) -> None:
+    @classmethod
+    def check_setup(cls, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError for a set-up that makes no sense on a machine; as a rule every one does."""
-        return
 
+    @classmethod
+    def names_of(cls, setup: Setup) -> tuple[str, ...]:
+        """Return what the numbers of a set-up's readings are told apart by; "" of a single one."""
+        return cls.numbers
 
-def moves(setup: Setup, unknown: str, nominal: Nominal) -> Array:
-    """Return how a unit of `TOOL`, or of what an artefact leaves open, moves the tip against its ball, (m, 3)."""
-    if unknown in TOOL:
-        return nominal.tool[:, :, TOOL.index(unknown)]
-    if setup.artefact is None:
-        return np.zeros((nominal.count, 3))
-    return -setup.artefact.moves(unknown, setup.artefact.nearest(nominal.tcp, setup.balls))
+    @staticmethod
+    def located(setup: Setup) -> tuple[str, ...]:
+        """Return the unknowns that say where a set-up stands, which `Setup.found` has values of; as a rule none."""
+        return ()
 
+    @classmethod
+    def found(cls, setup: Setup) -> dict[str, float]:
+        """Return where these have been found so far: there its rows are taken, and at zero of all others."""
+        return dict(zip(cls.located(setup), setup.found or (), strict=False))
 
-def moved(setup: Setup, nominal: Nominal, actual: Deviation) -> Array:
-    """Return how far the point that a set-up looks at has moved, δp + (R(ε) − 1) R_t o, (m, 3) m."""
-    arm = nominal.arm(setup)
-    turned = rigid.rotation(actual.rotation) @ arm[:, :, None]
-    found: Array = actual.displacement + turned[:, :, 0] - arm
-    return found
+    def places(
+        self, poses: Array, sides: Array | None = None, actual: rigid.Motion | None = None,
+        deviation: Deviation | None = None,
+    ) -> At:  # fmt: skip
+        """Return places of readings.
 
+        poses : (m, q) m or rad; sides : (m, q) from which each axis came, +1 or −1, 0 where nobody said
+        actual : where the tool is believed to be instead of where it is nominally; deviation : what it does there
+        """
+        come = np.zeros_like(poses) if sides is None else sides
+        moved, turned = np.zeros((2, len(poses), 3)) if deviation is None else deviation
+        if actual is not None:
+            return At(poses, come, actual.translation, actual.rotation, moved, turned)
+        nominal = frames(self.machine, poses)
+        return At(poses, come, nominal.tcp, nominal.tool, moved, turned)
 
-def levers_at(errors: ErrorModel, poses: Array, arm: Array) -> Array:
-    """Return what a unit of each error moves a point beside the tool point by, (terms, n, 3).
+    def shown(self, at: At, own: Unknowns) -> Array:
+        """Return all that it shows, (m, k).  own : values of its unknowns, zero where none is given"""
+        return numbers(self, at, {**self._nothing, **own})
 
-    poses : (n, q); arm : (n, 3) m from the tool point to that point
-    """
-    levers = errors.levers(poses)
-    return levers + rigid.cross(errors.angular_levers(poses), arm) if np.any(arm) else levers
+    def slopes(self, at: At) -> Slopes:
+        """Return the derivatives of what it shows by what the tool does."""
+        return slopes(self, at, self._found)
 
+    def own_slopes(self, at: At, names: Sequence[str] | None = None) -> Array:
+        """Return those by its own unknowns, (m, k, names).  names : None for those of the set-up"""
+        own = [unknown.name for unknown in self.setup.unknowns] if names is None else names
+        return own_slopes(self, at, self._found, own)
 
-def grown(setup: Setup, nominal: Nominal) -> Array:
-    """Return how much farther a machine that is warmer than 20 °C takes the tool from the middle, (m, 3) or (3,) m."""
-    if not setup.growth:
-        return np.zeros(3)
-    middle = frames(nominal.machine, np.array([setup.park])).tcp
-    away: Array = setup.growth * (nominal.tcp - middle)
-    return away
+    def travelled(self, poses: Array) -> Array:
+        """Return how far the linear axis that moves is from the middle of its travel, (m,) m; zero where none does."""
+        if self.slide is None:
+            return np.zeros(len(poses))
+        return poses[:, self.slide] - sum(self.machine.axes[self.slide].travel) / 2
 
+    def ways(self, poses: Array) -> Array:
+        """Return the way that this axis goes in the workpiece frame, (m, 3); zero where none moves."""
+        if self.slide is None:
+            return np.zeros((len(poses), 3))
+        ways: Array = frames(self.machine, poses).rotations[self.slide] @ np.array(
+            self.machine.axes[self.slide].direction
+        )
+        return ways
 
-def displaced(setup: Setup, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]) -> Array:
-    """Return where the actual tool's point is from the nominal TCP, and from its ball, nothing linearised, (m, 3) m."""
-    tool = np.array([unknowns.get(name, 0.0) for name in TOOL])
-    held = rigid.rotation(actual.rotation) @ (nominal.tool @ tool)[:, :, None]
-    tip: Array = actual.displacement + grown(setup, nominal) + held[:, :, 0]
-    if setup.artefact is None:
-        return tip
-    return tip - setup.artefact.displacements(unknowns, setup.artefact.nearest(nominal.tcp, setup.balls))
+    @cached_property
+    def slide(self) -> int | None:
+        """The index of the linear axis that moves; None where none does."""
+        return next((k for k in self.setup.moves if not self.machine.axes[k].rotary), None)
+
+    def grown(self, at: At) -> Array:
+        """Return how much farther a machine that is warmer than 20 °C takes the tool from the middle, (m, 3) m."""
+        away: Array = self.setup.growth * (at.tcp - frames(self.machine, np.array([self.setup.park])).tcp)
+        return away
+
+    def tip(self, at: At, u: Unknowns) -> Array:
+        """Return where the actual tool's point is from the nominal TCP, and from its ball, (m, 3) m."""
+        tip = at.tip(u) + self.grown(at) if self.setup.growth else at.tip(u)
+        artefact = self.setup.artefact
+        return tip if artefact is None else tip - artefact.displacements(u, artefact.nearest(at.tcp, self.setup.balls))
 
 
 def need_station(setup: Setup, what: str) -> None:
@@ -180,16 +145,23 @@ def need_station(setup: Setup, what: str) -> None:
         raise DescriptionError("it is not said where {thing} is", remedy, thing=said(what, instrument=setup.instrument))
 
 
-class Rotation(Model):
+def levers_of(errors: ErrorModel, seen: Slopes, poses: Array) -> Array:
+    """Return what a unit of each error adds to each number of readings, sides apart, (k, terms, m).  poses : (m, q)"""
+    result = np.zeros((seen.moved.shape[1], len(errors.terms), len(poses)))
+    for ways, levers in ((seen.moved, errors.levers), (seen.turned, errors.angular_levers)):
+        if ways.any():
+            field = levers(poses)
+            for number, lever in enumerate(result):
+                lever += np.einsum("fmc,mc->fm", field, ways[:, number])
+    return result
+
+
+class Rotation(Kind):
     """One angle about the set-up's direction."""
 
     reads: Reads = "angle"
-    values = 1
-    directed = True
     unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "angle"})
 
-    def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Deviation, unknowns: Mapping[str, float]
-    ) -> Array:
-        """Return dᵀε + zero, (m,)."""
-        return actual.rotation @ direction + unknowns.get("zero", 0.0)
+    def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
+        """Return dᵀε + zero."""
+        return [at.turned @ np.array(self.setup.direction) + u["zero"]]

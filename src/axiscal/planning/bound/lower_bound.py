@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 
 from axiscal.estimation.accuracy.criterion import Root
 from axiscal.language.stages import stage
-from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.instrument import values_of
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import Forms, largest_ratio, patches
@@ -187,7 +188,7 @@ def _slopes(relaxation: Relaxation, dual: Dual) -> tuple[Array, float]:
 
 def most_numbers(state: Covariance, setups: Iterable[int], readings: int) -> int:
     """Return how many numbers so many readings of some set-ups bring at most."""
-    each = [len(directions_of(state.observation.setups[setup])) for setup in set(setups)]
+    each = [values_of(state.observation.setups[setup]) for setup in set(setups)]
     return readings * max(each, default=1)
 
 

@@ -6,7 +6,7 @@ A candidate has as many rows as its instrument gives numbers, one after another:
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Self
 
@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.errors.model import ErrorModel, SameKnots
-from axiscal.measurement.cells import Course, RestEffects, add_rests
-from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.cells import RestEffects, add_rests
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import cells_shown, numbers_of_setups, with_cells
 from axiscal.numerics import Array
@@ -105,8 +105,8 @@ class Pool:
             at = observation.cell_columns.columns[block.cells]
             if np.any(at >= 0):
                 seen += block.of_cells(np.where(at[:, None] >= 0, vectors[at], 0.0)).T
-            for number, course, share in self._drifts(observation, block.setup):
-                moved = share * (columns[:, list(course.columns)] @ course.rows()[0])
+            for number, course in observation.drifts_shown(block.setup):
+                moved = columns[:, list(course.columns)] @ course.rows()[0]
                 seen[:, number :: block.values] += moved[:, None]
             each = seen.reshape(len(result), -1, block.values)
             result[:, : block.values, block.candidates] = each.swapaxes(1, 2)
@@ -155,8 +155,8 @@ class Pool:
         functions, reach, cells = block.rests
         of = RestEffects(functions, reach[:, inside], cells[:, inside])
         add_rests(of, np.zeros(len(functions)), observation.cell_columns.visited(of), result, np.zeros(len(inside)))
-        for number, course, share in self._drifts(observation, block.setup):
-            result[number, list(course.columns)] += share * course.rows()[0]
+        for number, course in observation.drifts_shown(block.setup):
+            result[number, list(course.columns)] += course.rows()[0]
         return result
 
     def opened(self, observation: Observation, index: int) -> Observation:
@@ -169,12 +169,6 @@ class Pool:
 
     def _block_of(self, index: int) -> _Block:
         return next(b for b in self._blocks if b.candidates.start <= index < b.candidates.stop)
-
-    def _drifts(self, observation: Observation, setup: int) -> Iterator[tuple[int, Course, float]]:
-        """Yield the drifts that each number of a set-up's readings shows, with their shares."""
-        for number, along in enumerate(directions_of(observation.setups[setup])):
-            for course, share in observation.drifts_shown(setup, along):
-                yield number, course, share
 
     def _block(self, setup: int, candidates: slice) -> _Block:
         poses, approaches = self.lattice.poses[candidates], self.lattice.approaches[candidates]

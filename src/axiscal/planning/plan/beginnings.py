@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from axiscal.machine.description import Machine
 from axiscal.measurement.candidates import snapped, spread
-from axiscal.measurement.observation import directions_of
+from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -63,7 +63,7 @@ def best_of_random(task: Task, counts: list[tuple[int, int]], work: float) -> Pl
 
 def _searched(task: Task, setup: int) -> bool:
     mounted = task.observation.setups[setup]
-    return mounted.chart is None and len(directions_of(mounted)) == 1 and adds_up(task.observation, setup)
+    return mounted.chart is None and values_of(mounted) == 1 and adds_up(task.observation, setup)
 
 
 def _improved(plans: _Plans, points: Points, values: Array) -> Points:

@@ -44,8 +44,8 @@ def _adds_up(errors: ErrorModel, mounted: Setup) -> bool:
         axis = errors.machine.axes[moves[i]]
         poses[:, [0, i + 1], moves[i]] = (axis.travel[0] + axis.length * share)[:, None]
     flat = np.concatenate([park[None], poses.reshape(-1, len(park))])
-    rows = Observation(errors, (mounted,)).rows(0, flat, np.zeros_like(flat)).rows
-    parked, rows = rows[0], rows[1:].reshape(_LOOKS, len(moves) + 1, -1)
+    rows = Observation(errors, (mounted,)).numbers(0, flat, np.zeros_like(flat)).rows
+    parked, rows = rows[0].ravel(), rows[1:].reshape(_LOOKS, len(moves) + 1, -1)
     apart = rows[:, 0] - parked - (rows[:, 1:] - parked).sum(axis=1)
     return bool(np.all(np.abs(apart) <= _ADDS_UP * np.abs(rows).max(axis=(0, 1))))
 

@@ -31,7 +31,7 @@ from axiscal.estimation.data_equation import data_equation
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import RecordError
-from axiscal.measurement.observation import directions_of
+from axiscal.measurement.instrument import values_of
 from axiscal.measurement.readers.csv_readings import blank_sheet
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import places_of
@@ -196,7 +196,7 @@ class _CrashRows:
     def __init__(self, case: Case, places: Places, looked_for: Array) -> None:
         self.places, self._covariance = places, case.prior.covariance
         size, (crash_count, errors) = len(self._covariance), looked_for.shape
-        most = max(len(directions_of(case.description.setups[setup])) for setup in set(places.setups.tolist()))
+        most = max(values_of(case.description.setups[setup]) for setup in set(places.setups.tolist()))
         self._rows, self._variances = np.zeros((len(places), most, size)), np.ones((len(places), most))
         for setup, mine in places.by_setup():
             for number, seen in enumerate(case.observation.rows_each(setup, *places.in_setup(setup))):

@@ -24,7 +24,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, said
 from axiscal.machine import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.instrument import INSTRUMENTS, values_of
+from axiscal.measurement.instrument import INSTRUMENTS, model_of, values_of
 from axiscal.measurement.reading import (
     Place,
     direction_text,
@@ -32,7 +32,6 @@ from axiscal.measurement.reading import (
     reading_unit,
     refuse_other_values,
     shown_coordinate,
-    value_names,
 )
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Setup, Vector
@@ -249,7 +248,7 @@ class Question(AnswerDocument):
             turns=INSTRUMENTS[setup.instrument].model.reads == "angle",
             unit=unit,
             expected=[ExpectedNumber(mean=mean, half=half) for mean, half in zip(means, halves, strict=True)],
-            names=list(value_names(setup)),
+            names=list(model_of(setup).names_of(setup)),
         )
 
     def surprise(self, values: Array) -> float:
@@ -340,7 +339,7 @@ def sense(setup: Setup) -> Sense:
     """Return what a set-up reads."""
     model, direction = INSTRUMENTS[setup.instrument].model, direction_text(setup)
     towards = "+ where the tool stands too far towards {way}, seen from the workpiece"
-    if model.values > 1:
+    if len(model.numbers) > 1:
         every = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
         return Sense(said("x, y and z"), said(towards, way="+x, +y, +z"), every)
     if not model.directed:
@@ -357,7 +356,9 @@ def sense(setup: Setup) -> Sense:
 def sign_on(machine: Machine, setup: Setup) -> str:
     """Return when a reading is positive, and that x, y and z turn with a table where one turns in the set-up."""
     sign, axes = sense(setup).sign, [machine.axes[k] for k in setup.moves]
-    turns = any(axis.rotary and axis.workpiece_side for axis in axes) and "x" in value_names(setup)
+    turns = any(axis.rotary and axis.workpiece_side for axis in axes) and "x" in INSTRUMENTS[
+        setup.instrument
+    ].model.names_of(setup)
     return said("{sign}; x, y and z turn with the table", sign=sign) if turns else sign
 
 
