@@ -131,8 +131,8 @@ audit: .venv/dev.stamp
 	$(BIN)/python -m tests.reliability.audit --lock requirements/dev.txt --out build/sbom-dev.json
 
 lock: | .venv/bin/pip-compile
-	$(LOCK) $(if $(UPGRADE),--upgrade) --build-deps-for editable -o requirements/run.txt pyproject.toml
-	$(LOCK) $(if $(UPGRADE),--upgrade) --build-deps-for editable --extra dev --constraint requirements/run.txt -o requirements/dev.txt pyproject.toml
+	$(LOCK) $(if $(UPGRADE),--upgrade) --build-deps-for editable --extra app -o requirements/run.txt pyproject.toml
+	$(LOCK) $(if $(UPGRADE),--upgrade) --build-deps-for editable --extra app --extra dev --constraint requirements/run.txt -o requirements/dev.txt pyproject.toml
 	$(LOCK) $(if $(UPGRADE),--upgrade) -o requirements/controls.txt requirements/controls.in
 	$(LOCK) $(if $(UPGRADE),--upgrade) -o requirements/docs.txt requirements/docs.in
 	$(LOCK) $(if $(UPGRADE),--upgrade) --constraint requirements/dev.txt -o requirements/mutants.txt requirements/mutants.in

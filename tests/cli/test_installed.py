@@ -18,6 +18,14 @@ from tests.commands import Command
 from tests.web.served import Served
 
 CHECKOUT = Path(__file__).parents[2]
+LIBRARY_ALONE = """
+import re, runpy, sys, tomllib
+project = tomllib.load(open("{checkout}/pyproject.toml", "rb"))["project"]
+for name in project["optional-dependencies"]["app"]:
+    sys.modules[re.split("[<>=]", name)[0]] = None
+{then}
+"""
+"""Python in which only what the library needs can be imported."""
 
 
 def without_checkout(folder: Path) -> dict[str, str]:
@@ -99,3 +107,28 @@ def test_the_page_stands_in_the_menu_of_the_desktop(
     assert picture.read_text().startswith("<svg")
     monkeypatch.setattr("sys.platform", "win32")
     assert "no menu as freedesktop.org describes it" in command("--install-desktop").refusal
+
+
+@pytest.mark.parametrize(
+    "example", ["story1_plan.py", "story2_estimate.py", "ex07_campaign.py", "core_grid_encoder.py"]
+)
+def test_the_library_needs_nothing_of_the_program(example: str) -> None:
+    then = f"runpy.run_path({str(CHECKOUT / 'examples' / example)!r}, run_name='__main__')"
+    done = subprocess.run(
+        [sys.executable, "-c", LIBRARY_ALONE.format(checkout=CHECKOUT, then=then)],
+        cwd=CHECKOUT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_program_says_what_the_library_alone_lacks(tmp_path: Path) -> None:
+    then = "from axiscal.cli import main; sys.argv[1:] = ['demo']; sys.exit(main())"
+    done = subprocess.run(
+        [sys.executable, "-c", LIBRARY_ALONE.format(checkout=CHECKOUT, then=then)],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert done.stderr == (
+        "axiscal: The library is installed without the program, which needs typer. "
+        "Install it: pip install 'axiscal[app]'\n"
+    )

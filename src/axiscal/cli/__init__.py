@@ -22,6 +22,11 @@ def main() -> int:
 
         with shown_stages():
             status = run(sys.argv[1:])
+    except ModuleNotFoundError as missing:
+        if (missing.name or "").startswith("axiscal"):
+            raise
+        what = f"The library is installed without the program, which needs {missing.name}"
+        sys.stderr.write(f"axiscal: {what}. Install it: pip install 'axiscal[app]'\n")
     except KeyboardInterrupt:
         sys.stderr.write("axiscal: Stopped by Ctrl-C before anything was done.\n")
     finally:  # what is to be said has been said: a signal that comes now changes nothing

@@ -356,9 +356,7 @@ def sense(setup: Setup) -> Sense:
 def sign_on(machine: Machine, setup: Setup) -> str:
     """Return when a reading is positive, and that x, y and z turn with a table where one turns in the set-up."""
     sign, axes = sense(setup).sign, [machine.axes[k] for k in setup.moves]
-    turns = any(axis.rotary and axis.workpiece_side for axis in axes) and "x" in INSTRUMENTS[
-        setup.instrument
-    ].model.names_of(setup)
+    turns = any(axis.rotary and axis.workpiece_side for axis in axes) and "x" in model_of(setup).names_of(setup)
     return said("{sign}; x, y and z turn with the table", sign=sign) if turns else sign
 
 
