@@ -23,41 +23,7 @@ they live.
 
 from importlib import import_module
 
-TYPE_CHECKING = False  # not from typing: while that is loaded, before any of our code runs, Ctrl-C ends in a traceback
-if TYPE_CHECKING:
-    from axiscal.campaign.campaign import Campaign
-    from axiscal.description.campaign import read_campaign
-    from axiscal.errors.model import ErrorModel
-    from axiscal.estimation.belief import Belief
-    from axiscal.estimation.knowledge import Knowledge
-    from axiscal.machine.description import load_machine
-    from axiscal.measurement.observation import Observation
-    from axiscal.measurement.setup import Setup
-    from axiscal.measurement.simulation import Simulator
-    from axiscal.python.estimated import Curve, estimate
-    from axiscal.python.measured_case import Case, setup
-    from axiscal_core.splines import Constant, CyclicSpline, NaturalSpline
-
 __version__ = "0.1.0"
-
-__all__ = [
-    "Belief",
-    "Campaign",
-    "Case",
-    "Constant",
-    "Curve",
-    "CyclicSpline",
-    "ErrorModel",
-    "Knowledge",
-    "NaturalSpline",
-    "Observation",
-    "Setup",
-    "Simulator",
-    "estimate",
-    "load_machine",
-    "read_campaign",
-    "setup",
-]
 
 _HOMES = {
     "Belief": "axiscal.estimation.belief",
@@ -77,6 +43,8 @@ _HOMES = {
     "read_campaign": "axiscal.description.campaign",
     "setup": "axiscal.python.measured_case",
 }
+"""Where the names are. `__init__.pyi` says the same to editors and type checkers, which cannot look in here."""
+__all__ = [*_HOMES]
 
 
 def __getattr__(name: str) -> object:

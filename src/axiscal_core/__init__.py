@@ -17,21 +17,6 @@ before anything is read (section IV). Numbers are in m, rad and s; a text carrie
 
 from importlib import import_module
 
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from axiscal_core.axes import Axis
-    from axiscal_core.case import Case
-    from axiscal_core.curve import Curve
-    from axiscal_core.errors import Basis, Error, Offset, Plane
-    from axiscal_core.instrument import At, Instrument, Unknowns, angle, cross, length
-    from axiscal_core.instruments import BallBar, Laser, Level, RTest, Tracker
-    from axiscal_core.known import Known
-    from axiscal_core.machine import Machine
-    from axiscal_core.normal import Normal
-    from axiscal_core.places import Places, Readings
-    from axiscal_core.plan import Evaluation, Plan
-    from axiscal_core.refusals import Array, InputError
-
 __all__ = [
     "Array", "At", "Axis", "BallBar", "Basis", "Case", "Curve", "Error", "Evaluation", "InputError", "Instrument",
     "Known", "Laser", "Level", "Machine", "Normal", "Offset", "Places", "Plan", "Plane", "RTest", "Readings",

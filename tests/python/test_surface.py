@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from types import ModuleType
 
+import jedi
 import numpy as np
 import pytest
 
@@ -18,6 +20,22 @@ def test_every_name_is_there() -> None:
         assert getattr(ac, name).__name__ == name
         assert name in dir(ac)
         assert f"`{name}`" in (ac.__doc__ or "") or name == "read_campaign"
+
+
+@pytest.mark.parametrize("package", [ac, axiscal_core])
+@pytest.mark.parametrize(
+    ("before", "complete"),
+    [
+        ("", set()),
+        ("case", {"plan"}),
+        ("plan", {"places", "minutes", "rms"}),
+        ("ac.Curve", {"next"}),
+    ],
+)
+def test_an_editor_completes_the_names(package: ModuleType, before: str, complete: set[str]) -> None:
+    text = f"import {package.__name__} as ac\ncase = ac.Case(ac.Machine(), [])\nplan = case.plan(readings=6)\n"
+    looked_at = jedi.Script(f"{text}{before or 'ac'}.", environment=jedi.InterpreterEnvironment())
+    assert {each.name for each in looked_at.complete()} >= (complete or {*package.__all__})
 
 
 def test_the_contract_in_a_few_lines() -> None:
@@ -39,11 +57,11 @@ def test_nothing_is_loaded_before_it_is_used() -> None:
 
 def test_the_exact_step_is_that_of_the_core() -> None:
     with pytest.warns(DeprecationWarning, match=r"axiscal_core\.Case\.next"):
-        step = ac.best_step
+        step = ac.best_step  # type: ignore[attr-defined]
     assert step is axiscal_core.Case.next
     assert "best_step" not in ac.__all__
 
 
 def test_a_name_that_is_not_there() -> None:
     with pytest.raises(AttributeError, match="no attribute 'Spline'"):
-        _ = ac.Spline
+        _ = ac.Spline  # type: ignore[attr-defined]
