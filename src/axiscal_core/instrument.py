@@ -199,7 +199,10 @@ def slopes(instrument: Seeing, at: At, u: Unknowns) -> Slopes:
     every = At(*(np.concatenate([part] * 6) for part in at))
     steps = 1j * _H * np.repeat(np.eye(6), len(at.poses), axis=0)
     stepped = every._replace(moved=every.moved + steps[:, :3], turned=every.turned + steps[:, 3:])
-    ways = np.imag(numbers(instrument, stepped, u)).reshape(6, len(at.poses), -1).transpose(1, 2, 0) / _H
+    ways = (
+        np.imag(numbers(instrument, stepped, u)).reshape(6, len(at.poses), len(instrument.names)).transpose(1, 2, 0)
+        / _H
+    )
     return Slopes(ways[:, :, :3], ways[:, :, 3:])
 
 

@@ -145,7 +145,7 @@ def fewest(machine: Machine, setup: Setup, poses: Array, tolerance: float) -> in
 def _own_rows(machine: Machine, setup: Setup, poses: Array) -> Array:
     """Return how the unknowns of a set-up show in its values, (values, unknowns), one reading after another."""
     kind = model_of(setup)(setup, machine)
-    return kind.own_slopes(kind.places(poses)).reshape(-1, len(setup.unknowns))
+    return np.concatenate(list(kind.own_slopes(kind.places(poses))))
 
 
 def _setups_of_values(setups: Sequence[Setup], places: Places) -> NDArray[np.intp]:
