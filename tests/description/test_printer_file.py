@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 import pytest
@@ -53,6 +54,27 @@ def test_kinematics_travels_and_speeds_are_read(tmp_path: Path) -> None:
 def test_the_bed_of_a_cartesian_printer_slides(tmp_path: Path) -> None:
     machine = read(tmp_path, COREXY.replace("corexy", "cartesian"))
     assert [axis.name for axis in machine.axes if axis.workpiece_side] == ["Y"]
+
+
+MESHED = f"{COREXY}[bltouch]\nx_offset: 0\ny_offset: 25\n[bed_mesh]\nmesh_min: 25,35.0\nmesh_max: 240.0, 230\n"
+
+
+def test_the_probe_reaches_what_the_mesh_and_the_travels_share(
+    tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is what a printer is measured by where nobody says another."""
+    file = tmp_path / "printer.cfg"
+    file.write_text(MESHED)
+    monkeypatch.setattr("sys.stdin", io.StringIO(""))
+    assert "Give --instrument and --target" in command("init", tmp_path / "bed", "--from", file).refusal
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n"))
+    command("init", tmp_path / "bed", "--from", file, "--target", "")
+    text = (tmp_path / "bed" / "campaign.toml").read_text()
+    assert 'reach = { X = ["25 mm", "240 mm"], Y = ["35 mm", "210 mm"] }   # CHECK' in text
+    file.write_text(MESHED.replace("35.0", "y"))
+    assert "mesh_min = y is not a number" in command("init", tmp_path / "c", "--from", file).refusal
+    file.write_text(MESHED.replace("35.0", "225"))
+    assert "mesh_max = 240.0, 230 is not above mesh_min" in command("init", tmp_path / "c", "--from", file).refusal
 
 
 def test_init_begins_with_a_printer(tmp_path: Path, command: Command) -> None:

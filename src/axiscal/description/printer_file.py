@@ -34,6 +34,7 @@ class PrinterFile:
     speeds, accelerations : mm/s and mm/s² of the axes of which it says any
     beside : how far the probe stands beside the nozzle, m; None where no section says it
     thread, screws : under the bed, as Klipper names it, and where they are, m; "" and none where no section says it
+    mesh : from where to where along X and Y the probe is sent, mm; none where no section says it, as of a round bed
     """
 
     kinematics: str
@@ -44,6 +45,7 @@ class PrinterFile:
     beside: Beside | None
     thread: str = ""
     screws: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    mesh: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def is_printer_file(path: Path) -> bool:
@@ -75,7 +77,26 @@ def read_printer(path: Path) -> PrinterFile:
     beside = offset_in("\n".join(lines))
     thread, screws = _screws(read, beside)
     build = stated.text, _CHAINS[stated.text]
-    return PrinterFile(*build, travels, speeds, accelerations, beside, thread, screws)
+    return PrinterFile(*build, travels, speeds, accelerations, beside, thread, screws, _mesh(read, travels))
+
+
+def _mesh(read: IniFile, travels: Mapping[str, tuple[float, float]]) -> Mapping[str, tuple[float, float]]:
+    """Return what a mesh and the travels share, mm; raises DescriptionError where that is nothing."""
+    stated = read.get("bed_mesh", "mesh_min"), read.get("bed_mesh", "mesh_max")
+    if stated[0] is None or stated[1] is None:
+        return {}
+    low, high = _place(stated[0], "mesh_min"), _place(stated[1], "mesh_max")
+    found = {axis: (max(low[i], travels[axis][0]), min(high[i], travels[axis][1])) for i, axis in enumerate("XY")}
+    if any(ends[0] >= ends[1] for ends in found.values()):
+        what, remedy = "mesh_max = {text} is not above mesh_min within the travels", "Write where the mesh ends"
+        raise stated[1].fail(what, remedy, text=stated[1].text)
+    return found
+
+
+def _place(stated: IniValue, key: str) -> tuple[float, float]:
+    """Return X and Y, mm; raises DescriptionError."""
+    x, y = (IniValue(part.strip(), stated.file, stated.line) for part in f"{stated.text},".split(",")[:2])
+    return x.number(key), y.number(key)
 
 
 def _screws(read: IniFile, beside: Beside | None) -> tuple[str, Mapping[str, tuple[float, float]]]:
@@ -91,8 +112,7 @@ def _screws(read: IniFile, beside: Beside | None) -> tuple[str, Mapping[str, tup
         stated, named = read.get(section, f"screw{number}"), read.get(section, f"screw{number}_name")
         if stated is None:
             break
-        x, y = (part.strip() for part in f"{stated.text},".split(",")[:2])
-        at = [IniValue(text, stated.file, stated.line).number(f"screw{number}") for text in (x, y)]
+        at = _place(stated, f"screw{number}")
         name = f"screw {number}" if named is None else named.text.replace('"', "")
         places[name] = from_unit(at[0], "mm") + aside[0], from_unit(at[1], "mm") + aside[1]
     thread = read.get(section, "screw_thread")
