@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.description.first_files import of_file
+from axiscal.exceptions import DescriptionError
 from axiscal.machine import Machine, machine_from_text
 from tests.commands import Command
 
@@ -49,6 +50,18 @@ def test_kinematics_travels_and_speeds_are_read(tmp_path: Path) -> None:
     assert {axis.name: round(1e3 * axis.speed, 9) for axis in machine.axes} == {"X": 300, "Y": 300, "Z": 15}
     assert [axis.name for axis in machine.axes if axis.workpiece_side] == ["Z"]
     assert {axis.name: axis.acceleration for axis in machine.axes}["X"] == pytest.approx(3.0)
+
+
+def test_what_a_printer_includes_counts_in_its_place(tmp_path: Path) -> None:
+    (tmp_path / "axes").mkdir()
+    (tmp_path / "axes" / "all.cfg").write_text(f"{COREXY}[include ../printer.cfg]\n[stepper_y]\nposition_max: none\n")
+    whole = "[include mainsail.cfg]\n[include axes/*.cfg]\n[stepper_y]\nposition_max: 190\n"
+    travels = {axis.name: axis.travel for axis in read(tmp_path, whole).axes}
+    assert travels["Y"] == pytest.approx((0.0, 0.19))
+    with pytest.raises(DescriptionError, match=r"all\.cfg, line 22: position_max = none is not a number"):
+        read(tmp_path, whole.replace("[stepper_y]", "[stepper_e]"))
+    with pytest.raises(DescriptionError, match=r"line 1: The file \"more\.cfg\" that is included here is not there"):
+        read(tmp_path, "[include more.cfg]\n")
 
 
 def test_the_bed_of_a_cartesian_printer_slides(tmp_path: Path) -> None:

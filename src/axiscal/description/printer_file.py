@@ -1,18 +1,22 @@
-"""A printer.cfg of Klipper: how a printer is built, and how far and how fast its axes travel."""
+"""A printer.cfg of Klipper and what it includes: how a printer is built, and how far and how fast its axes travel."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from glob import glob
 from pathlib import Path
 
 from axiscal.description.ini_file import IniFile, IniValue
+from axiscal.document import shown
+from axiscal.exceptions import DescriptionError
 from axiscal.measurement.readers.probe_offset import Beside, offset_in
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.units import from_unit
 
 _SECTION = re.compile(r"\[\s*([^\]]+?)\s*\].*")
+_INCLUDED = re.compile(r"\[include\s+(.+?)\s*\].*")
 _KEY = re.compile(r"(\w+)\s*[:=]\s*(.*)")
 _REMARK = re.compile(r"\s[#;].*")
 _GANTRY, _SLIDING = "w-Z'-b-Y-X-t", "w-Y'-b-Z-X-t"
@@ -51,13 +55,18 @@ class PrinterFile:
 def is_printer_file(path: Path) -> bool:
     """Return whether a file has sections of Klipper; raises ReadingError for no file."""
     sections = (_SECTION.fullmatch(line.strip()) for line in read_text(path).lines)
-    return any(found[1].startswith("stepper_") or found[1] == "printer" for found in sections if found)
+    return any(found[1].startswith(("stepper_", "include ")) or found[1] == "printer" for found in sections if found)
 
 
 def read_printer(path: Path) -> PrinterFile:
     """Return what a printer.cfg says; raises ReadingError for no file, DescriptionError with the line."""
-    lines = read_text(path).lines
+    lines = list(_lines(path, path.resolve().parent))
     read = _sections(path, lines)
+    if read.get("printer", "kinematics") is None:
+        for number, line in enumerate(read_text(path).lines, start=1):
+            if (included := _INCLUDED.fullmatch(line.strip())) and not _files(path, included[1]):
+                what, remedy = "The file {name} that is included here is not there", "Copy it beside this one"
+                raise DescriptionError(what, remedy, path, number, name=shown(included[1]))
     stated = read.needed("printer", "kinematics", "corexy")
     if stated.text not in _CHAINS:
         what = "kinematics: {name} has no axes X, Y and Z that move by themselves"
@@ -74,7 +83,7 @@ def read_printer(path: Path) -> PrinterFile:
         }
         for of in ("velocity", "accel")
     )
-    beside = offset_in("\n".join(lines))
+    beside = offset_in("\n".join(text for _, _, text in lines))
     thread, screws = _screws(read, beside)
     build = stated.text, _CHAINS[stated.text]
     return PrinterFile(*build, travels, speeds, accelerations, beside, thread, screws, _mesh(read, travels))
@@ -119,16 +128,35 @@ def _screws(read: IniFile, beside: Beside | None) -> tuple[str, Mapping[str, tup
     return "CW-M3" if thread is None else thread.text, places if len(places) > 2 else {}
 
 
-def _sections(path: Path, lines: Sequence[str]) -> IniFile:
+def _lines(path: Path, folder: Path, above: Sequence[Path] = ()) -> Iterator[tuple[Path, int, str]]:
+    """Yield file, number and text of each line, of included files in their place as Klipper reads them.
+
+    folder : beyond which nothing is looked for; above : the files that include this one
+    What is not there is left out: macros are of no use here.
+    """
+    within = (*above, path.resolve())
+    for number, line in enumerate(read_text(path).lines, start=1):
+        yield path, number, line
+        if included := _INCLUDED.fullmatch(line.strip()):
+            for file in _files(path, included[1]):
+                if file.resolve().is_relative_to(folder) and file.resolve() not in within:
+                    yield from _lines(file, folder, within)
+
+
+def _files(path: Path, pattern: str) -> list[Path]:
+    return [Path(found) for found in sorted(glob(str(path.parent / pattern)))]
+
+
+def _sections(path: Path, lines: Iterable[tuple[Path, int, str]]) -> IniFile:
     read, section = IniFile(path), ""
-    for number, raw in enumerate(lines, start=1):
+    for file, number, raw in lines:
         line = raw.rstrip()
         if line.startswith(("#", ";")):
             continue
         if found := _SECTION.fullmatch(line):
             section = found[1]
         elif key := _KEY.fullmatch(line):
-            value = IniValue(_REMARK.sub("", f" {key[2]}").strip(), path, number)
+            value = IniValue(_REMARK.sub("", f" {key[2]}").strip(), file, number)
             read.values.setdefault((section, key[1]), []).insert(0, value)  # Klipper heeds the last
     return read
 
