@@ -133,7 +133,7 @@ class _Reader(SiteReader):
         with self._at("stations"):
             stations = stations_of(table, usual)
         noise = usual.noise if table.noise is None else table.noise
-        material = material_of(table, usual, around.machine, direction, site.moves, self._at)
+        material = material_of(table, usual, around.machine, direction, site, self._at)
         base = self._base(usual)
         unknowns = self._unknowns(usual, site)
         unknowns = of_each(unknowns, len(stations)) if stations else unknowns
