@@ -62,7 +62,7 @@ def read_printer(path: Path) -> PrinterFile:
     """Return what a printer.cfg says; raises ReadingError for no file, DescriptionError with the line."""
     lines = list(_lines(path, path.resolve().parent))
     read = _sections(path, lines)
-    if read.get("printer", "kinematics") is None:
+    if read.place("printer")[1] is None:
         for number, line in enumerate(read_text(path).lines, start=1):
             if (included := _INCLUDED.fullmatch(line.strip())) and not _files(path, included[1]):
                 what, remedy = "The file {name} that is included here is not there", "Copy it beside this one"
