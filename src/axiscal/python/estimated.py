@@ -26,8 +26,9 @@ from axiscal.exceptions import ReadingError, ShapeError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
-from axiscal.present.delivery import write_files
+from axiscal.present.delivery import deliver, evaluated, write_files
 from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, line_trace
+from axiscal.present.summarising import Extras
 from axiscal.python.measured_case import FILL, HEIGHT, LINE, Case, NotebookPicture, Quantity, html_table, si
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
@@ -210,6 +211,15 @@ class Estimated(Mapping[str, Curve]):
         offered = registry.export(self.estimation.estimate(), controller, ExportOptions())
         write_files(offered, Path(folder))
         return [Path(folder) / name for name in (*offered.files, "README.txt")]
+
+    def report(self, folder: str | Path) -> Path:
+        """Write report.pdf with result.json, tables and the record into a folder; return the report.
+
+        Raises InputError, OSError.
+        """
+        with evaluated(self.estimation.case.description, self.estimation.readings) as campaign:
+            deliver(campaign, campaign.estimate(ended=True), Path(folder), Extras())
+        return Path(folder) / "report.pdf"
 
     def plot(self) -> NotebookPicture:
         """Return a picture of every curve with its 95 % band."""
