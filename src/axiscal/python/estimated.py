@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from axiscal.answers.prediction import tcp_prediction
 from axiscal.campaign.wrong_unit import refuse_implausible
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.file_readings import file_readings
 from axiscal.document.ports import ours
 from axiscal.errors.model import ErrorFunction
@@ -143,14 +144,15 @@ def estimate(campaign: Case | str | Path, readings: Sequence[Reading] | str | Pa
         file = readings
         description, readings = file_readings(raw, description, readings)
         refuse_implausible(readings, description, file)
-    return Estimated(in_detail(case_of(description), tuple(readings)))
+    return Estimated(description, tuple(readings))
 
 
 class Estimated(Mapping[str, Curve]):
     """The errors of a machine by name, as curves; all of them together give its deviation anywhere."""
 
-    def __init__(self, estimation: Estimation) -> None:
-        self.estimation = estimation
+    def __init__(self, campaign: CampaignDescription, readings: tuple[Reading, ...]) -> None:
+        self._given = campaign, readings
+        self.estimation: Estimation = in_detail(case_of(campaign), readings)
 
     @property
     def machine(self) -> Machine:
@@ -217,7 +219,7 @@ class Estimated(Mapping[str, Curve]):
 
         Raises InputError, OSError.
         """
-        with evaluated(self.estimation.case.description, self.estimation.readings) as campaign:
+        with evaluated(*self._given) as campaign:
             deliver(campaign, campaign.estimate(ended=True), Path(folder), Extras())
         return Path(folder) / "report.pdf"
 
