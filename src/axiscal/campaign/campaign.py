@@ -233,7 +233,7 @@ class Campaign(Closing):
     def accept(self, cause: str, setup: str | None = None, before: int | None = None) -> Accepted:
         """Accept a mistake that the readings name now, and return it; what follows sees readings without it.
 
-        cause : jump, sign, unit, swapped, shifted, stuck or frame; setup : whose readings, where several are named
+        cause : as of `Accepted`; setup : whose readings, where several are named
         before : number of a reading before which a person knows of a jump. Raises RecordError where none can be.
         """
         refuse_finished(self.state.finished, self.path)

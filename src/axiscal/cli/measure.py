@@ -26,6 +26,8 @@ from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import counted, decimals, listed, put, said, speaking, spoken_now
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import (
+    Answer,
+    Named,
     Progress,
     confirmed,
     contradictions,
@@ -172,8 +174,8 @@ class Prompt:
         minds, named = others_doubted(self.campaign, before), named_now(self.campaign)
         if named is not None and named != asked:
             say(f"  {named.question}")
-            if _is_yes(said("Type yes if so, Enter if not:")):
-                say(f"  {confirmed(self.campaign, named)}")
+            if (chosen := _chosen(named)) is not None:
+                say(f"  {confirmed(self.campaign, named, chosen)}")
                 minds = []
         for sentence in [*minds, *contradictions(self.campaign)]:
             say("  " + said("Mind: {sentence}", sentence=sentence))
@@ -242,6 +244,14 @@ class Prompt:
                 sentence = text or ask("  " + said("what is to be kept in the record?") + " ")
                 say(f"  {take_note(self.campaign, sentence)}")
         return "same"
+
+
+def _chosen(named: Named) -> Answer | None:
+    """Ask what is named, and return the answer; None where the person does not know, or says no."""
+    if len(named.answers) == 1:
+        return named.answers[0] if _is_yes(said("Type yes if so, Enter if not:")) else None
+    choice = said("Type {answers}; Enter if you do not know:", answers=listed(said(" or "), [*named.typed]))
+    return named.typed.get(ask(f"  {choice} ").strip().lower())
 
 
 def _is_yes(choice: str) -> bool:

@@ -24,6 +24,7 @@ from axiscal.language.spoken import decimals, said, spoken_now
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import (
+    Answer,
     Named,
     Progress,
     confirmed,
@@ -238,11 +239,11 @@ class Desk:
         """Return what skipping the reading costs, or leaving its set-up."""
         return CostShape(sentence=spelt(cost_sentence(cost_words(self.campaign, rest=rest))))
 
-    def set_anew(self, after: int, *, asked: bool) -> str:
-        """Keep that a zero was set anew before the next reading.  asked : before the one that the page asks about"""
+    def set_anew(self, after: int, answer: Answer | None) -> str:
+        """Keep that a zero was set anew before the next reading, or the answer to what the page asks."""
         self._refuse_overtaken(after)
-        named = self._asks if asked else None
-        told = set_anew(self.campaign) if named is None else confirmed(self.campaign, named)
+        named = None if answer is None else self._asks
+        told = set_anew(self.campaign) if named is None or answer is None else confirmed(self.campaign, named, answer)
         self._show()
         return told
 
@@ -330,6 +331,7 @@ class Desk:
             minds=[spelt(each) for each in [*self._minds, *contradictions(campaign, command=False)]],
             named=state.finished is None and self._explained() is not None,
             asks="" if self._asks is None else spelt(self._asks.question),
+            choices={} if self._asks is None else self._asks.choices,
             answer=None if self._answer is None or overtaken else _answer(campaign, self._answer, results),
             results=results.name if written else "",
             tables=sorted(each.name for each in (results / "tables").glob("*/")) if written else (),

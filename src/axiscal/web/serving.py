@@ -159,7 +159,7 @@ class _Api:
 
     async def set_anew(self, asked: shapes.AnewRequest) -> Response:
         """Note that a zero was set anew, bumped or mounted again."""
-        return await self._done(lambda desk: desk.set_anew(asked.after, asked=asked.asked))
+        return await self._done(lambda desk: desk.set_anew(asked.after, asked.answer))
 
     async def undo(self, asked: shapes.StepRequest) -> Response:
         """Take back the last reading, skip or end."""

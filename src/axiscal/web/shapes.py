@@ -11,7 +11,7 @@ from axiscal.answers.answer import AnswerDocument, BoughtAccuracy, PlannedAnswer
 from axiscal.answers.answer_words import AnswerText
 from axiscal.campaign.possible import LONGEST_TEXT
 from axiscal.present.guide.checking import CheckPlace
-from axiscal.present.guide.progress import Due, KeptReading, Progress
+from axiscal.present.guide.progress import Answer, Due, KeptReading, Progress
 from axiscal.present.guide.question import Question
 from axiscal.present.guide.slips import Cause, Jog
 from axiscal.present.sentences import spelt
@@ -49,7 +49,7 @@ class StateShape(AnswerDocument):
     """All that the page shows. `last` names the state of the record, `version` this document.
 
     minds : what to mind about the last reading; named : whether it names a mistake that can be put right
-    asks : whether a zero was set anew before some reading, "" for nothing
+    asks : whether a zero was set anew before some reading, "" for nothing; choices : of answers, in words
     jog : the test with which the mounting begins, null where it is done
     shows : what the instrument on a virtual machine shows at the question, "" on a real one
     answer : null until it is known for the first time; tables : the controls that there are tables for, once it ended
@@ -75,6 +75,7 @@ class StateShape(AnswerDocument):
     minds: list[str]
     named: bool
     asks: str
+    choices: Mapping[Answer, str]
     answer: AnswerShape | None
     results: str
     tables: Sequence[str]
@@ -344,9 +345,9 @@ class JogRequest(StepRequest):
 
 
 class AnewRequest(StepRequest):
-    """A zero was set anew; asked : before the reading that the page asks about, else before the next one."""
+    """A zero was set anew before the next reading; answer : to what the page asks, instead."""
 
-    asked: bool = False
+    answer: Answer | None = None
 
 
 class SkipRequest(StepRequest):

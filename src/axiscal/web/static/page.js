@@ -158,6 +158,9 @@ let denied = "";
 function renderAsking() {
   show("asking", state.asks !== "" && state.asks !== denied);
   text("asks", state.asks);
+  const choices = Object.entries(state.choices);
+  find("choices").replaceChildren(...choices.map(([answer, words]) => choice(words, () => plain("/zeros", { answer }))));
+  text("was-not", choices.length > 1 ? said("I do not know") : said("No"));
 }
 
 function renderDue() {
@@ -268,9 +271,13 @@ async function recorded({ last, typed }, how) {
 }
 
 function causeButton(cause, words) {
+  return choice(words, async () => { await record({ cause }); home(); });
+}
+
+function choice(words, done) {
   const button = element("button", words);
   button.type = "button";
-  button.addEventListener("click", async () => { await record({ cause }); home(); });
+  button.addEventListener("click", done);
   return button;
 }
 
@@ -363,7 +370,6 @@ on("jog-anyway", "click", () => tryJog(true));
 on("accept", "click", () => plain("/accepts"));
 on("to-start", "click", async () => { if ((await call("/leave", {})).ok) location.assign("/"); });
 on("anew", "click", () => plain("/zeros"));
-on("was-anew", "click", () => plain("/zeros", { asked: true }));
 on("was-not", "click", () => { denied = state.asks; renderAsking(); home(); });
 on("undo", "click", () => plain("/undo"));
 on("skip", "click", () => asksForReason(true));
