@@ -15,7 +15,7 @@ from pathlib import Path
 from pydantic import Field
 
 from axiscal.description.artefacts import read_artefacts
-from axiscal.description.campaign_schema import CampaignTable, ReportTable, SistersTable
+from axiscal.description.campaign_schema import CampaignTable, ReportTable, SistersTable, TableContext
 from axiscal.description.screws import BedScrews
 from axiscal.description.setups import each_alone, read_setups
 from axiscal.description.sites import Surroundings
@@ -188,7 +188,7 @@ def with_offset(described: CampaignDescription, setup: str, beside: tuple[float,
     x, y = (format_quantity(each, "mm", 6) for each in beside)
     said = f'offset = ["{x}", "{y}", "0 mm"]'
     document = Document.parse(described.text, described.source)
-    tables = read_model(document, CampaignTable, context=described.machine).setups
+    tables = read_model(document, CampaignTable, context=TableContext(described.machine, document)).setups
     line = document.line("setups", [table.name for table in tables].index(setup), "name") or 1
     lines = document.text.split("\n")
     if not lines[line - 1].lstrip().startswith("name"):
@@ -225,7 +225,7 @@ def _described(
     asking: bool,
     usual_doubts: bool = True,
 ) -> CampaignDescription:
-    table = read_model(document, CampaignTable, context=machine)
+    table = read_model(document, CampaignTable, context=TableContext(machine, document))
     target = read_target(table.target, machine, document)
     artefacts = read_artefacts(table.artefacts, document)
     tool = _tool(table, usual_doubts)

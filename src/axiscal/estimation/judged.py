@@ -19,7 +19,7 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.cells import wandering
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import reads_angles
 from axiscal.measurement.instruments.distance import SHIFTS, TURNS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, reading_text, reading_unit
@@ -73,7 +73,7 @@ def objection(doubt: Doubt, reading: Reading, setup: Setup, axes: Sequence[Axis]
         return said(away, reading=named, away=float(doubt.surprise))
     value = listed(", ", [said_quantity(each, unit, 6) for each in reading.values])
     size = f"{doubt.surprise:.0f}" if doubt.surprise < _COUNTLESS else said("more than a million")
-    guess = unit_guess(doubt.surprise, INSTRUMENTS[setup.instrument].model.reads == "angle")
+    guess = unit_guess(doubt.surprise, reads_angles(setup))
     text = said(
         "{reading}, {value}, is {size} standard deviations from all that the stated std and the other readings allow",
         reading=named,

@@ -318,7 +318,7 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
     of = campaign.description.particulars.setups.get(setup.name, Equipment())
     along = " ".join(model_of(setup).names_of(setup)) if values_of(setup) > 1 else direction_text(setup)
     along = along if setup.length is None else said("the bar")
-    own = setup.name, said(setup.instrument), along, moves, noise, count
+    own = setup.name, said(setup.title), along, moves, noise, count
     grown = said("{growth:.3g} um/m against 20 degC", growth=float(setup.growth * 1e6)) if setup.growth else ""
     return SetupUse(*own, of.serial, of.certificate, grown)
 
