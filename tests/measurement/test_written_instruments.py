@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
@@ -299,3 +300,39 @@ def test_its_causes_that_no_reading_shows_widen_what_is_known(tmp_path: Path) ->
     at = np.array([reading.pose[0] for reading in readings])
     assert np.allclose(found["gain"].effects, 2e-3 * at, rtol=1e-9)
     assert np.allclose(found["offset"].effects, 3e-6, rtol=1e-9)
+
+
+def test_a_first_campaign_offers_an_instrument_of_ones_own(tmp_path: Path, command: Command) -> None:
+    (tmp_path / "grid.py").write_text(GRID)
+    begun = "--machine", MACHINE, "--instrument", "grid.py:Grid", "--instrument", "level", "--target", "20 um"
+    assert "campaign.toml" in command("init", tmp_path, *begun).printed
+    own, *others = read_campaign(tmp_path / "campaign.toml").setups
+    assert (own.name, own.instrument, len(own.moves)) == ("Grid", "grid.py:Grid", 3)
+    assert {setup.instrument for setup in others} == {"level"}
+    command("init", tmp_path / "elsewhere", *begun).refused("grid.py cannot be loaded", "Put the file there")
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+@pytest.mark.long
+def test_six_numbers_of_two_kinds_go_from_the_prompt_to_the_report(
+    tmp_path: Path, command: Command, language: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("AXISCAL_LANGUAGE", language)
+    (tmp_path / "own.py").write_text(SIX)
+    campaign, record = tmp_path / "six.toml", tmp_path / "six.axiscal"
+    campaign.write_text(f'{HEAD}name = "six"\ninstrument = "own.py:SixDegrees"\nmoves = ["X"]\n')
+    monkeypatch.chdir(tmp_path)
+    assert command("step", "start", campaign.name).status == 0
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    asked = command("step", "next", record).said
+    assert f'record {record} "x um, y um, z um, a urad, b urad, c urad"' in asked
+    assert {"en": "reads x, y, z, a, b, c", "de": "misst x, y, z, a, b, c"}[language] in asked
+    command("step", "record", record, "1 um").refused("1 um", "x um, y um, z um, a urad, b urad, c urad")
+    assert command("step", "record", record, "1 um, 2 um, 3 um, 4 urad, 5 urad, 6 urad").status == 0
+    assert command("finish", record, "--out", tmp_path / "out").status == 0
+    text = (tmp_path / "out" / "report.html").read_text()
+    assert "SixDegrees" in text
+    assert re.search({"en": r"0\.5\s*µm, 1\s*µrad", "de": r"0,5\s*µm, 1\s*µrad"}[language], text)
+    row = (tmp_path / "out" / "data" / "readings.csv").read_text().splitlines()[1]
+    assert ",1,2,3,4,5,6," in row

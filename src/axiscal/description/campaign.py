@@ -246,7 +246,8 @@ def _described(
     _refuse_budget(target, setups, document)
     usual = table.usual == "on"
     machine = usual_machine(machine, setups, printer) if usual else machine
-    source = str(document.path)
+    # from its record a file of instruments is looked for again, wherever that is opened
+    source = str(document.path.absolute() if any(setup.written for setup in setups) else document.path)
     return CampaignDescription(
         machine=machine,
         target=target,

@@ -21,8 +21,8 @@ from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import floor_of, known_to
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.promise.agreement import ASKED, Mistake
-from axiscal.language.spoken import counted, decimals, said
-from axiscal.measurement.reading import reading_text, reading_unit, shown_coordinate
+from axiscal.language.spoken import counted, decimals, listed, said
+from axiscal.measurement.reading import reading_text, reading_unit, shown_coordinate, units_of
 from axiscal.planning.promise import foreseen, rejected
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted
@@ -287,7 +287,7 @@ def latest(campaign: Campaign) -> Iterator[KeptReading]:
             setup=reading.setup,
             place=", ".join(stood),
             values=to_unit(np.array(reading.values), unit).tolist(),
-            unit=unit,
+            unit=listed(", ", [*dict.fromkeys(units_of(setup))]),
             at="" if seconds is None else (begun + timedelta(seconds=seconds)).isoformat(timespec="milliseconds"),
             doubted=index in doubted,
         )

@@ -80,7 +80,7 @@ def surprise_text(question: Question, values: Array) -> str:
     away = np.abs(to_unit(values, question.unit) - means)
     most = int(np.argmax(away / halves))
     what = "It is about {away} {unit} away from what is expected, ± {half}"
-    return said(what, away=digits(float(away[most])), unit=question.unit, half=digits(float(halves[most])))
+    return said(what, away=digits(float(away[most])), unit=question.units[most], half=digits(float(halves[most])))
 
 
 def causes(question: Question, values: Array) -> list[Cause]:
