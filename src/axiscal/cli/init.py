@@ -63,7 +63,7 @@ def init(
     ] = None,
     instrument: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help=f"Of {', '.join(offered_words())}; several times."),
+        typer.Option(metavar="NAME", help=f"Of {', '.join(offered_words())}, or grid.py:Grid; several times."),
     ] = None,
     target: Annotated[
         str | None,
@@ -92,6 +92,7 @@ def init(
         raise typer.BadParameter(said("{option} belongs to --from", option="--limits" if chain is None else "--chain"))
     try:
         begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
+        begun = replace(begun, folder=folder)
         given = instrument and instruments_of(", ".join(instrument))
         names = given or _instruments(begun)
         if "probe" in names and not given and begun.beside is None:

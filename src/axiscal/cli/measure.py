@@ -96,7 +96,7 @@ class Prompt:
                 return then, mounted
         say(headline(self.campaign, question))
         say(question_lines(question))
-        return self._asked(said("reading [{unit}] > ", unit=question.unit), question, standing=True), question.setup
+        return self._asked(said("reading [{unit}] > ", unit=question.asks), question, standing=True), question.setup
 
     def _asked(self, prompt: str, question: Question, *, standing: bool) -> _Then:
         setup = self.campaign.description.setup(question.setup)
@@ -308,7 +308,11 @@ def question_lines(question: Question) -> str:
 
 def expected_text(question: Question) -> str:
     """Return what each number of the reading is expected to be, with two standard deviations."""
-    return f"{', '.join(f'{_plain(each.mean)} ± {_plain(each.half)}' for each in question.expected)} {question.unit}"
+    shown = [f"{_plain(each.mean)} ± {_plain(each.half)}" for each in question.expected]
+    if len({*question.units}) > 1:
+        shown = [f"{each} {unit}" for each, unit in zip(shown, question.units, strict=True)]
+        return ", ".join(shown)
+    return f"{', '.join(shown)} {question.unit}"
 
 
 def _plain(shown: float) -> str:

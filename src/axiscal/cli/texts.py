@@ -16,7 +16,7 @@ from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import AxiscalError, InputError
 from axiscal.language.spoken import ending, put, said
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.reading import reading_unit
+from axiscal.measurement.reading import asked_values, reading_unit
 from axiscal.present.guide.question import axis_places, question_text, sense, sign_on, touch_text
 from axiscal.record.events import Asked, State
 from axiscal.units import said_quantity
@@ -25,13 +25,15 @@ from axiscal.units import said_quantity
 def asked_screen(campaign: Campaign, asked: Asked) -> str:
     """Return what the operator is to do."""
     setup = campaign.description.setup(asked.place.setup)
-    values = ", ".join(f"{name.upper() or 'VALUE'} {reading_unit(setup)}" for name in model_of(setup).names_of(setup))
+    names = model_of(setup).names_of(setup)
+    values = ", ".join(f"{name.upper() or 'VALUE'} {reading_unit(setup)}" for name in names)
+    values = asked_values(setup) if setup.written else values
     then = said("then"), f'axiscal step record {campaign.path} "{values}"'
     head = said(
         'Reading {number}: set-up "{setup}", {instrument}, reads {reads}',
         number=asked.reading,
         setup=setup.name,
-        instrument=said(setup.instrument),
+        instrument=said(setup.title),
         reads=sense(setup).reads,
     )
     where = question_text(

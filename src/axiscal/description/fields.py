@@ -134,11 +134,11 @@ def ends_on(texts: Sequence[str], axis: Axis) -> tuple[float, float]:
 
 
 def _coordinate(name: str, text: str, known: Beside) -> float:
-    return coordinate(text, known.context.axis(name))
+    return coordinate(text, known.context.machine.axis(name))
 
 
 def _ends(name: str, texts: Sequence[str], known: Beside) -> Ends:
-    return ends_on(texts, known.context.axis(name))
+    return ends_on(texts, known.context.machine.axis(name))
 
 
 Coordinates = Annotated[dict[str, float], EachAs(dict[str, QuantityText], _coordinate)]

@@ -67,12 +67,13 @@ function renderPlaces(question) {
 
 function expectWords(question) {
   const ranges = question.expected.map((e) => `${shown(e.mean)} ± ${shown(e.half)}`);
-  return `${said("expected")}: ${ranges.join(", ")} ${unitText(question.unit)}`;
+  if (new Set(question.units).size === 1) return `${said("expected")}: ${ranges.join(", ")} ${unitText(question.unit)}`;
+  return `${said("expected")}: ${ranges.map((range, n) => `${range} ${unitText(question.units[n])}`).join(", ")}`;
 }
 
 function drawStrips(values = [], surprising = false) {
   find("strips").replaceChildren();
-  state.question.expected.forEach((e, n) => strip(find("strips"), e, values[n], surprising, state.question.unit, state.question.names[n]));
+  state.question.expected.forEach((e, n) => strip(find("strips"), e, values[n], surprising, state.question.units[n], state.question.names[n]));
 }
 
 function renderQuestion() {
@@ -96,7 +97,7 @@ function renderQuestion() {
   text("again", [question.again, question.check].filter((words) => words !== "").join("; "));
   show("again", question.again + question.check !== "");
   drawDirection(find("drawing"), question);
-  text("unit", unitText(question.unit));
+  text("unit", question.asks === question.unit ? unitText(question.unit) : question.asks);
   find("field").className = question.expected.length > 1 ? "several" : "";
   text("expect", expectWords(question));
   if (jogging) renderJog();
