@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from glob import glob
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field
 
@@ -37,17 +37,17 @@ from axiscal.description.fields import (
     arc_ends,
     coordinate,
     line_ends,
+    nodes,
     plane_ways,
 )
 from axiscal.description.screws import ScrewsTable
 from axiscal.description.target import TargetTable
 from axiscal.description.type_b import type_b_names
-from axiscal.document import Document, Length, QuantityText, meant, shown
+from axiscal.document import Length, QuantityText, meant, shown
 from axiscal.document.ports import names
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
-from axiscal.machine import Machine
 from axiscal.machine.entry import Sure
 from axiscal.machine.machine_schema import MachineFile
 from axiscal.machine.motion import Driving, move_groups
@@ -82,13 +82,6 @@ ControlName = Literal[
     "sinumerik",
 ]
 """The controls that files are written for, as `compensation` knows them."""
-
-
-class TableContext(NamedTuple):
-    """What a campaign is read by: its machine, and the document itself."""
-
-    machine: Machine
-    document: Document
 
 
 def _instrument(name: str, known: Beside) -> Instrument:
@@ -170,16 +163,6 @@ def _step(name: str, text: str, known: Beside) -> float:
     return within(text, dimension, FINEST)
 
 
-def _nodes(name: str, given: Sequence[str | int], known: Beside) -> Nodes:
-    """Return where the nodes of a map lie along an axis; raises DescriptionError or UnitError."""
-    if len(given) == 3 and isinstance(given[2], int) and given[2] > 1:
-        low, high = (coordinate(str(end), known.context.machine.axis(name)) for end in given[:2])
-        if low < high:
-            return low, high, given[2]
-    remedy = 'Write the first node, the last, and how many: ["20 mm", "280 mm", 5]'
-    raise DescriptionError("{text} is no side of a map", remedy, text=shown(list(given)))
-
-
 _COORDINATES: dict[str, Literal["length", "angle"]] = {
     "along": "length",
     "arc": "angle",
@@ -251,7 +234,7 @@ class SetupTable(Table):
     turn: Turn | None = Field(None, examples=['"90 deg"'])
     mounted: int = Field(1, ge=1, examples=["2"])
     reach: Spans = Field(default={}, examples=['{ X = ["150 mm", "450 mm"] }'])
-    map: Annotated[dict[str, Nodes], EachAs(dict[str, list[str | int]], _nodes)] = Field(
+    map: Annotated[dict[str, Nodes], EachAs(dict[str, list[str | int]], nodes)] = Field(
         default={}, examples=['{ X = ["20 mm", "280 mm", 5], Y = ["20 mm", "280 mm", 5] }']
     )
     along: Annotated[tuple[Vector, Vector], ReadAs(list[Spot], line_ends)] | None = Field(

@@ -6,17 +6,17 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from axiscal.document import QuantityText, shown
+from axiscal.document import Document, QuantityText, shown
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import LANGUAGES, later
-from axiscal.machine import Axis
-from axiscal.measurement.setup import FINEST, Vector
+from axiscal.machine import Axis, Machine
+from axiscal.measurement.setup import FINEST, Nodes, Vector
 from axiscal.units import parse_quantity
 
 Ends = tuple[float, float]
@@ -37,6 +37,13 @@ class Table(BaseModel):
     """A table in which every key is known and no value is bent to fit; it is read by the machine as context."""
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
+
+
+class TableContext(NamedTuple):
+    """What a campaign is read by: its machine, and the document itself."""
+
+    machine: Machine
+    document: Document
 
 
 def unit_vector(value: str | Sequence[float]) -> Vector:
@@ -220,3 +227,13 @@ Warmth = Annotated[float, QuantityOf("temperature_difference", 0.0)]
 Growth = Annotated[float, QuantityOf("expansion", 0.0)]
 Warm = Annotated[float, QuantityOf("temperature", *WARM)]
 """What keys may say, in SI, with their bounds."""
+
+
+def nodes(name: str, given: Sequence[str | int], known: Beside) -> Nodes:
+    """Return where the nodes of a map lie along an axis; raises DescriptionError or UnitError."""
+    if len(given) == 3 and isinstance(given[2], int) and given[2] > 1:
+        low, high = (coordinate(str(end), known.context.machine.axis(name)) for end in given[:2])
+        if low < high:
+            return low, high, given[2]
+    remedy = 'Write the first node, the last, and how many: ["20 mm", "280 mm", 5]'
+    raise DescriptionError("{text} is no side of a map", remedy, text=shown(list(given)))
