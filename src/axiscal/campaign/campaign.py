@@ -1,9 +1,5 @@
 """The campaign: the one stateful thing. It asks, records, takes back, stops, and forgets nothing.
 
-    with Campaign.create(Path("mill.axiscal"), description) as campaign:
-        campaign.next()
-        campaign.record(1.7e-6)
-
 Its state is folded from the record at every step; the belief follows the readings.
 """
 
@@ -253,6 +249,10 @@ class Campaign(Closing):
             self._append(Finished(because or self.reached(ended=True) or "ended by the operator"))
         self.sign()
         return self.state.finished or ""
+
+    def has_done(self, step: str) -> bool:
+        """Whether a step has been done, by its id."""
+        return self._record.holds(step)
 
     def sign(self) -> None:
         """Sign the record so far, if this person has a key."""

@@ -67,6 +67,7 @@ _FASTEST = 1e-3 / 60
 ControlName = Literal[
     "csv",
     "fanuc",
+    "grblhal",
     "heidenhain",
     "isg",
     "klipper",

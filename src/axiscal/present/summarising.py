@@ -35,7 +35,15 @@ from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import in_frame
 from axiscal.machine.questions import questions, which_way
 from axiscal.measurement.instrument import model_of, values_of
-from axiscal.measurement.reading import Reading, approach_text, direction_text, reading_unit, shown_pose, value_columns
+from axiscal.measurement.reading import (
+    Reading,
+    approach_text,
+    by_text,
+    direction_text,
+    reading_unit,
+    shown_pose,
+    value_columns,
+)
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
@@ -311,6 +319,7 @@ def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> Hi
         std=None if reading.std is None else to_unit(reading.std, unit),
         time=reading.time,
         check=reading.check,
+        by=by_text(reading),
     )
 
 

@@ -244,6 +244,37 @@ class AddressShape(AnswerDocument):
     address: str
 
 
+class CodeRequest(AnswerDocument):
+    """Who measures with the device that a code is to let in."""
+
+    person: Annotated[str, Field(max_length=60)]
+
+
+class CodeShape(AnswerDocument):
+    """A code for a device: the address that it opens, its picture, and the fingerprint that the device shows.
+
+    rows : of squares, "1" for dark, without the margin
+    """
+
+    person: str
+    address: str
+    rows: Sequence[str]
+    fingerprint: str
+
+
+class DeviceRequest(AnswerDocument):
+    """The code by which a device comes in."""
+
+    code: Short
+
+
+class DeviceShape(AnswerDocument):
+    """The bearer of a device, and whose readings it keeps."""
+
+    bearer: str
+    person: str
+
+
 class OpenRequest(AnswerDocument):
     """A record of the start to go on with; "" for the campaign of the draft, which begins."""
 

@@ -22,7 +22,7 @@ from axiscal.estimation.accuracy.expanded import floor_of, known_to
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.promise.agreement import Mistake
 from axiscal.language.spoken import counted, decimals, listed, said
-from axiscal.measurement.reading import reading_text, reading_unit, shown_coordinate
+from axiscal.measurement.reading import by_text, reading_text, reading_unit, shown_coordinate
 from axiscal.planning.promise import foreseen, rejected
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted
@@ -295,7 +295,10 @@ _LATEST = 3
 
 
 class KeptReading(AnswerDocument):
-    """A reading that is kept: where, what, when (ISO 8601, UTC; "" where nobody knows), and whether it is doubted."""
+    """A reading that is kept: where, what, when (ISO 8601, UTC; "" where nobody knows), whether it is doubted.
+
+    by : "by Anna" for one that another person took than who began the campaign
+    """
 
     number: int
     setup: str
@@ -304,6 +307,7 @@ class KeptReading(AnswerDocument):
     unit: str
     at: str
     doubted: bool
+    by: str
 
 
 def latest(campaign: Campaign) -> Iterator[KeptReading]:
@@ -323,4 +327,5 @@ def latest(campaign: Campaign) -> Iterator[KeptReading]:
             unit=unit,
             at="" if seconds is None else (begun + timedelta(seconds=seconds)).isoformat(timespec="milliseconds"),
             doubted=index in doubted,
+            by=by_text(reading),
         )
