@@ -15,7 +15,8 @@ from pathlib import Path
 from pydantic import Field
 
 from axiscal.description.artefacts import read_artefacts
-from axiscal.description.campaign_schema import CampaignTable, ReportTable, SistersTable, TableContext
+from axiscal.description.campaign_schema import CampaignTable, ReportTable, SistersTable
+from axiscal.description.fields import TableContext
 from axiscal.description.screws import BedScrews
 from axiscal.description.setups import each_alone, read_setups
 from axiscal.description.sites import Surroundings

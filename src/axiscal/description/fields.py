@@ -6,16 +6,20 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from axiscal.document import QuantityText, shown
+from axiscal.document import Document, QuantityText, meant, shown
+from axiscal.document.ports import names
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import LANGUAGES, later
-from axiscal.machine import Axis
+from axiscal.language.spoken import LANGUAGES, later, said
+from axiscal.machine import Axis, Machine
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instruments.kind import Instrument
+from axiscal.measurement.instruments.written import PORTS, named
 from axiscal.measurement.setup import FINEST, Vector
 from axiscal.units import parse_quantity
 
@@ -34,7 +38,7 @@ WAYS = later('Write "x", "-y" or three numbers such as [1, 0, 0], in the workpie
 
 
 class Table(BaseModel):
-    """A table in which every key is known and no value is bent to fit; it is read by the machine as context."""
+    """A table in which every key is known and no value is bent to fit; it is read by a `TableContext`."""
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
@@ -220,3 +224,24 @@ Warmth = Annotated[float, QuantityOf("temperature_difference", 0.0)]
 Growth = Annotated[float, QuantityOf("expansion", 0.0)]
 Warm = Annotated[float, QuantityOf("temperature", *WARM)]
 """What keys may say, in SI, with their bounds."""
+
+
+class TableContext(NamedTuple):
+    """What a campaign is read by: its machine, and the document itself."""
+
+    machine: Machine
+    document: Document
+
+
+def read_instrument(name: str, known: Beside) -> Instrument:
+    """Return an instrument of ours, or the one that somebody wrote; raises DescriptionError."""
+    if name in INSTRUMENTS:
+        return INSTRUMENTS[name]
+    file = known.context.document
+    of = [table.get("instrument") for table in file.data["setups"]]
+    found = named(name, file.path, file.line("setups", of.index(name), "instrument"))
+    if found is None:
+        every = [*INSTRUMENTS, *names(PORTS)]
+        remedy = meant(name, every, said("Instruments are {known}", known=", ".join(every)))
+        raise DescriptionError("{name} is not an instrument", remedy, name=shown(name))
+    return found
