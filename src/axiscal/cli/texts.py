@@ -16,8 +16,8 @@ from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import AxiscalError, InputError
 from axiscal.language.spoken import ending, put, said
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.reading import asked_values, reading_unit
-from axiscal.present.guide.question import ACTIONS, axis_places, question_text, sense, sign_on, touch_text
+from axiscal.measurement.reading import asked_values, reading_unit, sense
+from axiscal.present.guide.question import ACTIONS, axis_places, question_text, sign_on, touch_text
 from axiscal.record.events import Asked, State
 from axiscal.units import said_quantity
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.instruments.kind import Reads
-from axiscal.measurement.setup import Setup
+from axiscal.measurement.setup import Setup, Vector
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 
@@ -252,6 +253,38 @@ def direction_text(setup: Setup) -> str:
         if abs(component) == 1:
             return letter if component > 0 else f"-{letter}"
     return "(" + ", ".join(f"{component:.4g}" for component in setup.direction) + ")"
+
+
+class Sense(NamedTuple):
+    """What a set-up reads, of the tool, seen from the workpiece.
+
+    reads : "x, y and z", "the distance from its station", "along x" or "about -y"; sign : when a reading is positive
+    ways : the directions along or about which it is; none where it is a distance
+    """
+
+    reads: str
+    sign: str
+    ways: tuple[Vector, ...]
+
+
+def sense(setup: Setup) -> Sense:
+    """Return what a set-up reads."""
+    model, direction = model_of(setup), direction_text(setup)
+    if setup.written:
+        return Sense(", ".join(model.names_of(setup)), said("+ as the instrument counts"), ())
+    towards = "+ where the tool stands too far towards {way}, seen from the workpiece"
+    if len(model.numbers) > 1:
+        every = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+        return Sense(said("x, y and z"), said(towards, way="+x, +y, +z"), every)
+    if not model.directed:
+        several, one = "the distances from its {count} stations, in their order", "the distance from its station"
+        reads = said(several, count=len(setup.stations)) if setup.stations else said(one)
+        return Sense(reads, said("+ where the distance is longer than it should be"), ())
+    way = direction if direction[0] in "-(" else f"+{direction}"
+    if model.reads == "angle":
+        turned = "+ where the tool is turned too far about {way} by the right hand, seen from the workpiece"
+        return Sense(said("about {way}", way=direction), said(turned, way=way), (setup.direction,))
+    return Sense(said("along {way}", way=direction), said(towards, way=way), (setup.direction,))
 
 
 def value_columns(setup: Setup) -> tuple[str, ...]:

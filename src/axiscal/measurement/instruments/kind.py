@@ -82,7 +82,8 @@ class Kind:
     @staticmethod
     def located(setup: Setup) -> tuple[str, ...]:
         """Return the unknowns that say where a set-up stands, which `Setup.found` has values of; as a rule none."""
-        return ()
+        curved = setup.written.curved if setup.written else ()
+        return tuple(unknown.name for unknown in setup.unknowns if unknown.name in curved)
 
     @classmethod
     def found(cls, setup: Setup) -> dict[str, float]:
