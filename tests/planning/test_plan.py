@@ -114,7 +114,7 @@ def test_the_accuracy_after_each_reading_is_that_of_the_belief() -> None:
 def test_a_budget_is_kept_and_used() -> None:
     asked = levered(200)
     plan = make_plan(asked, Limits(budget=720.0), bounded=False, patience=0.0)
-    reading = float(clock(asked).reading.max())
+    reading = float(clock(asked).reading(range(len(asked.observation.setups))).max())
     assert 720.0 - 2 * reading < plan.seconds <= 720.0
     assert len(set(plan.places.setups)) == 1
     longer = make_plan(asked, Limits(budget=1500.0), bounded=False, patience=0.0)

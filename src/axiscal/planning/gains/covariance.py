@@ -237,6 +237,15 @@ def informed(factor: Array, scaled: Array) -> Array:
     return np.asarray(factor - (factor @ right.T * shrink) @ right, dtype=np.float64)
 
 
+def criterion_after(weighted: Array, scaled: Array) -> float:
+    """Return tr(Φ (I + BᵀB)⁻¹ Φᵀ), J after readings.  weighted : Φ = V F (w, r); scaled : B as of `informed`, (m, r)
+
+    Only columns that a reading feels are solved for: of many set-ups each has unknowns of its own.
+    """
+    felt = np.any(scaled, axis=0)
+    return float(np.sum(weighted[:, ~felt] ** 2) + np.sum(informed(weighted[:, felt], scaled[:, felt]) ** 2))
+
+
 def unexplained(target: Array, scaled: Array) -> Array:
     """Return Φ (I + BᵀB)⁻¹, (w, r), what readings leave of Φ = V F; as `informed` otherwise.  scaled : B (m, r)"""
     if np.sum(scaled**2) < _MODERATE:

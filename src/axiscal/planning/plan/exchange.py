@@ -343,4 +343,4 @@ def _climb(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb
 
 def drop(scores: Scores, times: Clock) -> None:
     """Take out the reading that is worth least per second."""
-    scores.leave(first_best(-scores.losses() / times.reading[scores.places.setups], ALIKE))
+    scores.leave(first_best(-scores.losses() / times.reading(scores.places.setups), ALIKE))

@@ -91,8 +91,8 @@ def _reaching(task: Task, limits: Limits, setups: Setups, left: Places, goal: Go
     others, longest = np.setdiff1d(task.lattice.setups, setups), np.inf if limits.budget is None else limits.budget
     if len(others):
         times, spent = clock(task), seconds_along(task, left)
-        mounted = float((times.mounting + times.reading)[others].max())
-        longest = min(longest, spent + max(mounted, _FAR * float(times.reading[list(setups)].min())))
+        mounted = float((times.mounting(others) + times.reading(others)).max())
+        longest = min(longest, spent + max(mounted, _FAR * float(times.reading(setups).min())))
     reached = goal.reached(left) and seconds_along(task, left) <= longest
     found = left if reached else grown(task, limits, setups, left, goal, longest)
     here: Setups = () if task.here is None else (int(task.here.setups[0]),)

@@ -12,7 +12,7 @@ until the best one just reaches it.
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Self
@@ -199,7 +199,7 @@ class Tour:
         return extra
 
 
-def toured(task: Task, limits: Limits, sets: Sequence[Setups], patience: float) -> Places:
+def toured(task: Task, limits: Limits, sets: Iterable[Setups], patience: float) -> Places:
     """Return readings for a budget in their order.
 
     sets : of set-ups, of which each can be mounted within the budget; patience : operations that climbs may take
@@ -215,7 +215,7 @@ def toured(task: Task, limits: Limits, sets: Sequence[Setups], patience: float) 
     return retoured(task, limits, setups, _best_begun([first[setups]], partial(begun, setups), _WORK).places, patience)
 
 
-def quickest(task: Task, limits: Limits, sets: Sequence[Setups], goal: Goal, patience: float) -> Places | None:
+def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, patience: float) -> Places | None:
     """Return readings in their order that reach an accuracy in the least time; None where none do within limits.
 
     sets : of set-ups that grow; patience : operations that climbs may take
@@ -224,10 +224,12 @@ def quickest(task: Task, limits: Limits, sets: Sequence[Setups], goal: Goal, pat
         return nothing
     (ways, scores), ordered = _base(task.coarse), _in_order(task, goal)
     best, longest, endless = None, np.inf if limits.budget is None else limits.budget, replace(limits, budget=None)
-    for setups in reversed(sets):
+    for setups in sets:
         opened = _opened(endless, ways, scores, setups, np.random.default_rng(_SEED))
+        if opened.seconds >= longest:
+            break
         found = _grown(opened, ordered, longest)
-        if found is not None and found.seconds <= longest:
+        if found is not None and found.seconds < longest:
             best, longest = found, found.seconds
     if best is None:
         return None
