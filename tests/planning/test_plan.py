@@ -19,10 +19,10 @@ from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.beginnings import best_of_random, evenly_spaced, plain_designs, space_filling
 from axiscal.planning.plan.exchange import exchange
 from axiscal.planning.plan.greedy import chosen_setups, picked
+from axiscal.planning.plan.minutes import grown
 from axiscal.planning.plan.order import seconds_along
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task, clock
-from axiscal.planning.plan.tour import grown
 from axiscal.present.demo import description
 from tests.generators.designs import levered, problem, read, read_at, rms_of, splines
 from tests.generators.texts import Said, setup_text
