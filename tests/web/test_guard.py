@@ -123,7 +123,7 @@ def test_the_script_writes_text_and_nothing_else() -> None:
         for path in resources.files("axiscal.web").joinpath("static").iterdir()
         if path.name.endswith(".js")
     ]
-    assert len(sources) == 7
+    assert len(sources) == 8
     makes_markup = r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|\beval\b|Function\(|DOMParser|srcdoc"
     assert [found for text in sources for found in re.findall(makes_markup, text)] == []
 

@@ -63,7 +63,7 @@ def init(
     ] = None,
     instrument: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help=f"Of {', '.join(offered_words())}; several times."),
+        typer.Option(metavar="NAME", help=f"Of {', '.join(offered_words())}, or grid.py:Grid; several times."),
     ] = None,
     target: Annotated[
         str | None,
@@ -92,6 +92,7 @@ def init(
         raise typer.BadParameter(said("{option} belongs to --from", option="--limits" if chain is None else "--chain"))
     try:
         begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
+        begun = replace(begun, folder=folder)
         given = instrument and instruments_of(", ".join(instrument))
         names = given or _instruments(begun)
         if "probe" in names and not given and begun.beside is None:
@@ -176,14 +177,14 @@ def _with_probe(begun: Beginning) -> Beginning:
     """Return a machine with the place of its probe, which is asked for."""
     question = said("How far does the probe stand beside the tool point along X and Y, in mm? Enter for 0 0")
 
-    def placed(text: str) -> Beginning:
+    def standing(text: str) -> Beginning:
         beside = pair_of((text or "0 0").replace(",", " ").split())
         if beside is None:
             what, remedy = "{text} are not two lengths in mm", 'Write those along X and along Y, such as "-33 -46"'
             raise DescriptionError(what, remedy, text=shown(text))
         return replace(begun, beside=beside)
 
-    return _answered(question, (), placed)
+    return _answered(question, (), standing)
 
 
 def _from_ini(file: Path, chain: str | None, limits: Sequence[str], folder: Path) -> Beginning:

@@ -18,7 +18,7 @@ from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import ask, say
 from axiscal.cli.progress import tell_out_of_reach
-from axiscal.cli.texts import opened_to_write
+from axiscal.cli.texts import help_text, opened_to_write
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import counted, decimals, listed, put, said, speaking, spoken_now
 from axiscal.numerics import Array
@@ -37,7 +37,6 @@ from axiscal.present.guide.progress import (
     take_note,
 )
 from axiscal.present.guide.question import (
-    ACTIONS,
     SURPRISING,
     Question,
     Word,
@@ -93,7 +92,7 @@ class Prompt:
                 return then, mounted
         say(headline(self.campaign, question))
         say(question_lines(question))
-        return self._asked(said("reading [{unit}] > ", unit=question.unit), question, standing=True), question.setup
+        return self._asked(said("reading [{unit}] > ", unit=question.asks), question, standing=True), question.setup
 
     def _asked(self, prompt: str, question: Question, *, standing: bool) -> _Then:
         setup = self.campaign.description.setup(question.setup)
@@ -255,26 +254,6 @@ def _is_yes(choice: str) -> bool:
     return ask(f"  {choice} ").strip().lower() in ("yes", "y", said("yes"))
 
 
-def help_text() -> str:
-    """Return what can be typed at the prompt, in the language that is spoken."""
-    undo, skip, note, leave, stop, pause, _, anew, *_ = (said(word) for word in ACTIONS)
-    because, text = said("REASON"), said("TEXT")
-    rows = (
-        ("-1.7", said("keep a reading, in the unit that is shown; a decimal comma does as well")),
-        ("0.0021 mm", said("keep a reading in another unit")),
-        (said("found X Y Z"), said("where the axes stood with the ball found, in mm")),
-        ("Enter", said("show the question again")),
-        (undo, said("take back the last reading or skip")),
-        (f"{skip} {because}", said("the reading cannot be taken")),
-        (f"{leave} {because}", said("nothing more can be read with this set-up; the plan is made anew without it")),
-        (f"{note} {text}", said("keep a sentence in the record, or how warm the scale is: {note} 21.4 °C", note=note)),
-        (anew, said("the zero was set anew, bumped or mounted again: another one from this reading on")),
-        (stop, said("end the campaign here: what would be left, and what the tables would reach, is said first")),
-        (pause, said("stop for now; axiscal measure goes on here")),
-    )
-    return "\n".join(f"  {typed:<18} {does}" for typed, does in rows)
-
-
 def headline(campaign: Campaign, question: Question) -> str:
     """Return two lines: machine, readings and minutes; how well the machine was, is and will be known."""
     now = Progress.of(campaign)
@@ -305,7 +284,11 @@ def question_lines(question: Question) -> str:
 
 def expected_text(question: Question) -> str:
     """Return what each number of the reading is expected to be, with two standard deviations."""
-    return f"{', '.join(f'{_plain(each.mean)} ± {_plain(each.half)}' for each in question.expected)} {question.unit}"
+    shown = [f"{_plain(each.mean)} ± {_plain(each.half)}" for each in question.expected]
+    if len({*question.units}) > 1:
+        shown = [f"{each} {unit}" for each, unit in zip(shown, question.units, strict=True)]
+        return ", ".join(shown)
+    return f"{', '.join(shown)} {question.unit}"
 
 
 def _plain(shown: float) -> str:

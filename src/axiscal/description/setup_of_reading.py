@@ -11,7 +11,7 @@ from axiscal.machine import Machine
 from axiscal.machine.entry import parse_error_name
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.charts.kinds import Circle
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import model_of, reads_angles
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -35,7 +35,7 @@ def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int
         return _levelled(row, campaign), 1
     component = 2 if row.error == "z" else parse_error_name(row.error).component % 3
     moving = {campaign.machine.index(name) for name in row.position}
-    reads = (setup for setup in campaign.setups if INSTRUMENTS[setup.instrument].model.reads == row.dimension)
+    reads = (setup for setup in campaign.setups if model_of(setup).reads == row.dimension)
     moves = ((setup, _direction_in_frame(setup, campaign.machine)) for setup in reads if moving <= set(setup.moves))
     fitting = [(setup, along) for setup, way in moves if abs(along := way[component]) > _ALONG]
     if len(fitting) != 1:
@@ -56,7 +56,7 @@ def _levelled(row: RawReading, campaign: CampaignDescription) -> Setup:
     """Return the set-up of a level survey that names none: the one whose level is moved along that axis."""
     (axis,) = row.position
     moving = (campaign.machine.index(axis),)
-    fitting = [s for s in campaign.setups if s.moves == moving and INSTRUMENTS[s.instrument].model.reads == "angle"]
+    fitting = [s for s in campaign.setups if s.moves == moving and reads_angles(s)]
     fitting = [s for s in fitting if len(fitting) == 1 or _same_base(row, s)]
     if len(fitting) != 1:
         what = "several set-ups of this campaign read an angle while only {axis} moves"
@@ -114,7 +114,7 @@ def _tested(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]
 def _reads_test(row: RawReading, setup: Setup, machine: Machine) -> bool:
     if row.test == "circle":
         return isinstance(setup.chart, Circle)
-    axis, reads = machine.axes[setup.moves[0]], INSTRUMENTS[setup.instrument].model.reads
+    axis, reads = machine.axes[setup.moves[0]], model_of(setup).reads
     if len(setup.moves) != 1 or reads != row.dimension:
         return False
     fits = reads == "angle" or abs(_along(setup, machine)) < _ASIDE

@@ -19,8 +19,8 @@ from axiscal.language.spoken import said
 from axiscal.machine import Machine
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.artefact import Artefact
-from axiscal.measurement.instrument import INSTRUMENTS, LENGTH, Instrument, model_of
-from axiscal.measurement.instruments.kind import CARRIED, TRUED
+from axiscal.measurement.instrument import LENGTH, instrument_of, model_of
+from axiscal.measurement.instruments.kind import CARRIED, TRUED, Instrument
 from axiscal.measurement.setup import STEEL, SaidOfDrift, Setup, Unknown, Vector
 from axiscal.units import format_quantity
 from axiscal_core.instrument import TOOL
@@ -98,7 +98,7 @@ def refers_to_20(table: CampaignTable, artefacts: Mapping[str, Artefact], docume
 
 def _against_length(setup: SetupTable, artefacts: Mapping[str, Artefact]) -> bool:
     artefact = artefacts.get(setup.artefact or "")
-    return setup.instrument in (*WITH_LIGHT, LENGTH) or (artefact is not None and artefact.calibrated is not None)
+    return setup.instrument.name in (*WITH_LIGHT, LENGTH) or (artefact is not None and artefact.calibrated is not None)
 
 
 def material_of(
@@ -133,7 +133,7 @@ def _grows(usual: Instrument, machine: Machine, direction: Vector, moves: Sequen
 
 def takes_temperature(setup: Setup, machine: Machine) -> bool:
     """Return whether a temperature changes what the readings of a set-up say of the machine."""
-    return setup.at_20 and _grows(INSTRUMENTS[setup.instrument], machine, setup.direction, setup.moves, setup.park)
+    return setup.at_20 and _grows(instrument_of(setup), machine, setup.direction, setup.moves, setup.park)
 
 
 def lacks_temperature(setup: Setup, machine: Machine) -> bool:

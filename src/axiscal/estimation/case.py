@@ -164,7 +164,7 @@ class Case:
         setup, columns = self.description.setups[index], self.observation.unknowns_of(index).tolist()
         own = dict(zip((unknown.name for unknown in setup.unknowns), columns, strict=True))
         names = _located_by(setup, set(own))
-        if names is None or names == TURNS or not set(names) <= set(own):
+        if names is None or not setup.standing or names == TURNS or not set(names) <= set(own):
             return ()
         each = iter(names)
         return tuple((own[x], own[y], own[z]) for x, y, z in zip(each, each, each, strict=True))

@@ -344,7 +344,7 @@ def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
             moved, spread = float(to_unit(far, unit)), float(to_unit(std, unit))
             seconds = float(path.times[worst] - path.times[0])
             yield said(
-                many if model_of(setup).names_of(setup)[0] == "x" else one,
+                many if values_of(setup) > 1 and not setup.stations else one,
                 way=model_of(setup).names_of(setup)[number],
                 setup=f"{setup.name} {number + 1}" if setup.stations else setup.name,
                 size=put("{moved:.2g} ± {spread:.2g} {unit}", moved=moved, spread=spread, unit=unit),

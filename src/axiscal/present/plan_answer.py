@@ -217,7 +217,7 @@ def _setups(case: Case, places: Sequence[Place], passed: Callable[[int], float])
         setup, last = case.description.setup(name), len(names) - names[::-1].index(name)
         yield PlannedSetup(
             setup=name,
-            instrument=setup.instrument,
+            instrument=setup.title,
             moves=[axes[k].name for k in setup.moves],
             readings=names.count(name),
             minutes=to_unit(passed(last), "min"),

@@ -29,12 +29,12 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.estimation.functionals.functional import seen_by, stand_of
 from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate
-from axiscal.language.spoken import later, resaid, said, speaking
+from axiscal.language.spoken import later, listed, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import in_frame
 from axiscal.machine.questions import questions, which_way
-from axiscal.measurement.instrument import model_of, values_of
+from axiscal.measurement.instrument import model_of, scales_of, values_of
 from axiscal.measurement.reading import (
     Reading,
     approach_text,
@@ -42,6 +42,7 @@ from axiscal.measurement.reading import (
     direction_text,
     reading_unit,
     shown_pose,
+    units_of,
     value_columns,
 )
 from axiscal.measurement.setup import Setup
@@ -327,12 +328,13 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
     axes = campaign.description.machine.axes
     count = sum(reading.setup == setup.name for reading in campaign.state.readings)
     moves = [axes[k].name for k in setup.moves]
-    unit = reading_unit(setup)
-    noise = said_quantity(setup.noise, unit)
+    noises = zip(setup.noise / scales_of(setup), units_of(setup), strict=True)
+    noise = listed(", ", [*dict.fromkeys(said_quantity(float(each), unit) for each, unit in noises)])
     of = campaign.description.particulars.setups.get(setup.name, Equipment())
-    along = " ".join(model_of(setup).names_of(setup)) if values_of(setup) > 1 else direction_text(setup)
+    named = values_of(setup) > 1 or setup.written
+    along = " ".join(model_of(setup).names_of(setup)) if named else direction_text(setup)
     along = along if setup.length is None else said("the bar")
-    own = setup.name, said(setup.instrument), along, moves, noise, count
+    own = setup.name, said(setup.title), along, moves, noise, count
     grown = said("{growth:.3g} um/m against 20 degC", growth=float(setup.growth * 1e6)) if setup.growth else ""
     return SetupUse(*own, of.serial, of.certificate, grown)
 

@@ -99,9 +99,9 @@ class EventLog(Closing):
         return True
 
     def holds(self, step: str) -> bool:
-        """Return whether a step wrote more than a plan.  step : its id, hex digits"""
+        """Return whether a step wrote more than a plan.  step : its id, hex digits; "" for none"""
         mark = f'"step":"{step}"'  # in what a person wrote it would stand with backslashes
-        rows = (text.row for text in self.texts())
+        rows = [text.row for text in self.texts()] if step else []
         return any(mark in row.payload and row.kind not in ("planned", "continued", "asked") for row in rows)
 
     def events(self) -> tuple[Stored, ...]:

@@ -54,9 +54,9 @@ _WRITER: ContextVar[Writer] = ContextVar("writer", default=_NOBODY)
 
 
 @contextlib.contextmanager
-def writing(by: Writer) -> Iterator[None]:
-    """Let all that is written in the block be by a person, and of a step."""
-    before = _WRITER.set(by)
+def writing(**by: str) -> Iterator[None]:
+    """Let all that is written in the block be by a person, or of a step.  by : fields of `Writer`"""
+    before = _WRITER.set(_WRITER.get()._replace(**by))
     try:
         yield
     finally:

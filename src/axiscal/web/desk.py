@@ -56,11 +56,12 @@ from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_text
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
+from axiscal.record.signing import step_now
 from axiscal.tables import registry
 from axiscal.units import to_unit
 from axiscal.web.shapes import (
     AnswerShape,
-    CostShape,
+    SentenceShape,
     StateShape,
     TypedShape,
 )
@@ -170,6 +171,10 @@ class Desk:
         words = {cause: said(CAUSES[cause]) for cause in named}
         return TypedShape(values=shown, surprise=surprise, surprising=True, sentence=sentence, causes=words)
 
+    def once(self, step: Callable[[Desk], str]) -> str:
+        """Do a step unless the record has it: where its answer got lost on the way it is sent again."""
+        return said("That is kept already.") if self.campaign.has_done(step_now()) else step(self)
+
     def keep(self, after: int, text: str, cause: Cause | None = None) -> str:
         """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one."""
         self._refuse_overtaken(after)
@@ -235,9 +240,9 @@ class Desk:
         setup = description.setup(asked.place.setup)
         return setup_picture(setup_scene(description, setup, taken, asked.place, state.coming), width)
 
-    def cost(self, *, rest: bool) -> CostShape:
+    def cost(self, *, rest: bool) -> SentenceShape:
         """Return what skipping the reading costs, or leaving its set-up."""
-        return CostShape(sentence=spelt(cost_sentence(cost_words(self.campaign, rest=rest))))
+        return SentenceShape(sentence=spelt(cost_sentence(cost_words(self.campaign, rest=rest))))
 
     def set_anew(self, after: int, answer: Answer | None) -> str:
         """Keep that a zero was set anew before the next reading, or the answer to what the page asks."""
@@ -315,6 +320,7 @@ class Desk:
         return StateShape(
             version=self._version,
             last=state.last,
+            begun=campaign.begun,
             machine=campaign.description.machine.name,
             record=campaign.path.name,
             progress=Progress.of(campaign),

@@ -34,7 +34,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from axiscal.answers.answer import AnswerDocument
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import messages, spoken_now
-from axiscal.record.signing import Writer, writing
+from axiscal.record.signing import writing
 from axiscal.web.desk import SurprisingError
 from axiscal.web.shapes import ProblemShape
 
@@ -225,7 +225,7 @@ class Guard:
         if isinstance(asks, Response):
             await asks(scope, receive, answered)
             return
-        with writing(Writer(asks)):
+        with writing(person=asks):
             await self._app(scope, _bounded(receive), answered)
 
     def _asks(self, asked: HTTPConnection) -> str | Response:

@@ -46,7 +46,7 @@ class AnswerShape(AnswerDocument):
 
 
 class StateShape(AnswerDocument):
-    """All that the page shows. `last` names the state of the record, `version` this document.
+    """All that the page shows. `last` names the state of the record, `version` this document, `begun` the campaign.
 
     minds : what to mind about the last reading; named : whether it names a mistake that can be put right
     asks : whether a zero was set anew before some reading, "" for nothing; choices : of answers, in words
@@ -59,6 +59,7 @@ class StateShape(AnswerDocument):
     document: Literal["axiscal-page/1"] = "axiscal-page/1"
     version: int
     last: int
+    begun: str
     machine: str
     record: str
     progress: Progress
@@ -250,29 +251,10 @@ class CodeRequest(AnswerDocument):
     person: Annotated[str, Field(max_length=60)]
 
 
-class CodeShape(AnswerDocument):
-    """A code for a device: the address that it opens, its picture, and the fingerprint that the device shows.
-
-    rows : of squares, "1" for dark, without the margin
-    """
-
-    person: str
-    address: str
-    rows: Sequence[str]
-    fingerprint: str
-
-
 class DeviceRequest(AnswerDocument):
     """The code by which a device comes in."""
 
     code: Short
-
-
-class DeviceShape(AnswerDocument):
-    """The bearer of a device, and whose readings it keeps."""
-
-    bearer: str
-    person: str
 
 
 class OpenRequest(AnswerDocument):
@@ -301,8 +283,8 @@ class CostQuery(AnswerDocument):
     rest: bool = False
 
 
-class CostShape(AnswerDocument):
-    """The cost of skipping, in words."""
+class SentenceShape(AnswerDocument):
+    """An answer in words: what skipping costs, or when the machine is due."""
 
     sentence: str
 
@@ -321,7 +303,13 @@ class WaitQuery(AnswerDocument):
     wait: Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False)] = 0.0
 
 
-class StepRequest(AnswerDocument):
+class OnceRequest(AnswerDocument):
+    """What counts once, however often it is sent.  step : an id of its own, a UUID; "" for none"""
+
+    step: Annotated[str, Field(pattern="^([0-9a-f-]{36})?$")] = ""
+
+
+class StepRequest(OnceRequest):
     """A step that needs no more words."""
 
     after: After
@@ -357,8 +345,14 @@ class SkipRequest(StepRequest):
     rest: bool = False
 
 
-class TextRequest(AnswerDocument):
-    """A text as it is typed, or a sentence for the record: it answers no question, so no state has to be named."""
+class NoteRequest(OnceRequest):
+    """A sentence for the record: it answers no question, so no state has to be named."""
+
+    text: Short
+
+
+class TypedQuery(AnswerDocument):
+    """A text as it is typed."""
 
     text: Short
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import io
+import os
 import secrets
 import socket
 import ssl
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import segno
 
+from axiscal.answers.answer import AnswerDocument
 from axiscal.exceptions import InputError
 from axiscal.language.spoken import said
 from axiscal.record.signing import own_hand, shop_certificate
@@ -25,15 +26,23 @@ _ELSEWHERE = "192.0.2.1", 9
 """Nobody's address (RFC 5737): the way there begins on this computer's network, and nothing is sent."""
 
 
-class Code(NamedTuple):
-    """A code for the device of a person: the address that it opens, and its picture.
+class Code(AnswerDocument):
+    """A code for the device of a person: the address that it opens, its picture, and what the device shows first.
 
-    rows : of squares, "1" for dark, without the margin
+    rows : of squares, "1" for dark, without the margin; fingerprint : of the certificate
     """
 
     person: str
     address: str
-    rows: tuple[str, ...]
+    rows: Sequence[str]
+    fingerprint: str
+
+
+class Device(AnswerDocument):
+    """What a device keeps: its bearer, and whose readings it takes."""
+
+    bearer: str
+    person: str
 
 
 class ShopDoor:
@@ -66,8 +75,8 @@ class ShopDoor:
         if not name.isprintable() or not name:
             raise InputError(said("A code is for a person"), said("Name who measures with the device"))
         address = f"{self.address}#code={self._codes.issue(name)}"
-        picture = segno.make_qr(address, error="l").matrix
-        return Code(name, address, tuple("".join(map(str, row)) for row in picture))
+        rows = ["".join(map(str, row)) for row in segno.make_qr(address, error="l").matrix]
+        return Code(person=name, address=address, rows=rows, fingerprint=self.fingerprint)
 
     def invitation(self, people: Sequence[str]) -> str:
         """Return codes for a terminal, and what people compare.  people : this computer's user where they are none"""
@@ -79,15 +88,15 @@ class ShopDoor:
             lines += [picture.getvalue(), said(words, person=code.person, address=code.address)]
         return "\n".join([*lines, said("SHA-256 of the certificate: {fingerprint}", fingerprint=self.fingerprint)])
 
-    def let_in(self, code: str) -> tuple[str, str]:
-        """Return the bearer of a device, and whose it is; raises InputError for a code that lets nobody in."""
+    def let_in(self, code: str) -> Device:
+        """Return what a device with a code gets; raises InputError for one that lets nobody in."""
         person = self._codes.redeem(code)
         if person is None:
             what, remedy = said("This code lets nobody in any more"), said("Scan a new one: each does once, for 10 min")
             raise InputError(what, remedy)
         bearer = secrets.token_urlsafe(TOKEN_BYTES)
         self.door.bearers[bearer] = person
-        return bearer, person
+        return Device(bearer=bearer, person=person)
 
 
 def _own_address() -> str:
@@ -103,6 +112,8 @@ def _own_address() -> str:
 def listening(host: str, port: int) -> socket.socket:
     """Return what listens at an address; raises InputError where that cannot be."""
     listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    if os.name == "posix":  # connections of a server that was killed keep its port from the next one else
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listener.bind((host, port))
         listener.listen()

@@ -18,6 +18,7 @@ from typing import Literal
 from axiscal.document import shown
 from axiscal.exceptions import Faults, UnitError
 from axiscal.machine.axis import Axis
+from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.readers.csv_table import (
     ANGLES,
@@ -161,9 +162,10 @@ def table_readings(file: TextFile, around: Around) -> Found:
     """
     header = ",".join(heading(around.axes, columns_of(around.setups))) if around.axes else EXAMPLE
     table, bare = table_of(file, header), around.bare
-    table.allow(_LAYOUT | axis_layout(table))
+    own = {each.name: own_columns(each) for each in around.setups if each.written}
+    table.allow(_LAYOUT | {stem: units for each in own.values() for stem, units in each.items()} | axis_layout(table))
     setup = next(iter(table.all_of("setup")), None) if bare else table.one_of("setup", "setup")
-    if not any(table.all_of(first) for first in _VALUES):
+    if not any(table.all_of(first) for first in (*_VALUES, *(next(iter(each)) for each in own.values()))):
         table.one_of("value", "value_um")
     used = next(iter(table.all_of("used")), None)
     table = replace(table, rows=tuple(row for row in table.rows if used is None or row.text(used) != "no"))
@@ -172,7 +174,8 @@ def table_readings(file: TextFile, around: Around) -> Found:
     faults, readings = Faults(), list[RawReading]()
     for row in table.rows:
         with faults.noted():
-            readings.append(_reading(table, row, "" if setup is None else row.text(setup), bare))
+            name = "" if setup is None else row.text(setup)
+            readings.append(_own(table, row, name, own[name]) if name in own else _reading(table, row, name, bare))
     faults.refuse()
     times = read_times(table.rows, next(iter(table.all_of("time")), None))
     drawn = next(iter(table.all_of("check")), None)
@@ -198,6 +201,28 @@ def _numbers(table: CsvTable) -> list[int | None]:
             lines[int(text)] = row.line
     faults.refuse()
     return list(lines)
+
+
+def own_columns(setup: Setup) -> dict[str, tuple[str, ...]]:
+    """Return the columns of an instrument whose class names them, each with its units."""
+    kind = model_of(setup)
+    each = zip(kind.names_of(setup), kind.reads_each(setup), strict=True)
+    return {kind.column(name): LENGTHS if reads == "length" else ANGLES for name, reads in each}
+
+
+def _own(table: CsvTable, row: Row, setup: str, own: Mapping[str, tuple[str, ...]]) -> RawReading:
+    """Return a reading of such an instrument; raises ReadingError unless each of its columns has a value."""
+    columns = []
+    for stem, units in own.items():
+        column = row.only_filled([column for column in table.all_of(stem) if column.fits(units)])
+        if column is None:
+            remedy = "write all of its numbers, or take out the line"
+            raise row.fail("the line has no value {name}", remedy, name=stem)
+        columns.append(column)
+    value, *others = map(row.quantity, columns)
+    first, std = columns[0], _std(table, row, columns[0])
+    at = setup, read_position(table, row), read_approach(table, row)
+    return RawReading(*at, value, std, first.dimension, row.line, tuple(others))
 
 
 def _reading(table: CsvTable, row: Row, setup: str, bare: bool) -> RawReading:

@@ -22,7 +22,7 @@ from axiscal.estimation.accuracy.expanded import floor_of, known_to
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.promise.agreement import Mistake
 from axiscal.language.spoken import counted, decimals, listed, said
-from axiscal.measurement.reading import by_text, reading_text, reading_unit, shown_coordinate
+from axiscal.measurement.reading import by_text, reading_text, reading_unit, shown_coordinate, units_of
 from axiscal.planning.promise import foreseen, rejected
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted
@@ -324,7 +324,7 @@ def latest(campaign: Campaign) -> Iterator[KeptReading]:
             setup=reading.setup,
             place=", ".join(stood),
             values=to_unit(np.array(reading.values), unit).tolist(),
-            unit=unit,
+            unit=listed(", ", [*dict.fromkeys(units_of(setup))]),
             at="" if seconds is None else (begun + timedelta(seconds=seconds)).isoformat(timespec="milliseconds"),
             doubted=index in doubted,
             by=by_text(reading),

@@ -32,14 +32,15 @@ export function on(id, kind, act) {
 export const device = location.protocol === "https:";
 const keeper = device ? localStorage : sessionStorage, given = location.hash.slice(1), code = given.startsWith("code=") ? given.slice(5) : "";
 if (given && !code) keeper.setItem("token", given);
-history.replaceState(null, "", "/");
+history.replaceState(history.state, "", "/");
 addEventListener("hashchange", () => location.reload()); // a new address in a tab that shows the page
 
 // What was sent arrives even where the tab is closed in the same moment.
-export async function call(path, body) {
+// within : ms after which the way there counts as gone
+export async function call(path, body, within = 600000) {
   const headers = { Authorization: `Bearer ${keeper.getItem("token")}` };
   const posted = { method: "POST", headers: { ...headers, "Content-Type": "application/json" }, body: JSON.stringify(body), keepalive: true };
-  const answer = await fetch(`/api/1${path}`, body === undefined ? { headers } : posted);
+  const answer = await fetch(`/api/1${path}`, { ...(body === undefined ? { headers } : posted), signal: AbortSignal.timeout(within) });
   return { ok: answer.ok, status: answer.status, document: await answer.json() };
 }
 
@@ -68,8 +69,8 @@ const PATIENCE = 1000; // ms after which it is said what is being computed
 
 export async function waiting(work) {
   const look = setInterval(async () => {
-    const { document: now } = await call("/stage");
-    text("doing", [said("one moment"), now.stage].filter((words) => words).join(": "));
+    const now = await call("/stage", undefined, PATIENCE).catch(() => null);
+    if (now?.ok) text("doing", [said("one moment"), now.document.stage].filter((words) => words).join(": "));
   }, PATIENCE);
   try {
     return await work;
