@@ -16,6 +16,7 @@ from tests.commands import Command, Outcome
 if TYPE_CHECKING:
     from tests.web.browser import Browser
 
+pytest_plugins = ["tests.order"]
 os.environ["AXISCAL_KEY"] = os.devnull + "/none"  # no test signs with the key of who runs it
 os.environ["AXISCAL_PROGRESS"] = "off"  # what commands say in tests does not hang on how long they take
 shapes.install()  # before anything of the package is loaded

@@ -59,6 +59,12 @@ MEANT = [
         'the zero of "other" jumped before reading 14. Take readings before and after it again',
     ),
     (
+        Explained("jump", 9.0, (1,), 3, backlash=True),
+        Accepted("jump", ("other",), 14, name="other, before reading 14"),
+        'the readings of "other" before reading 14 have a zero of their own',
+        'the zero of "other" jumped before reading 14; or X has that backlash: accept backlash',
+    ),
+    (
         Explained("sign", 9.0, (0,), factor=-1.0),
         Accepted("sign", ("laser",), 0, -1.0),
         'the values of "laser" so far are multiplied by -1',

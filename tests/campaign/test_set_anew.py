@@ -78,15 +78,15 @@ def test_a_reading_that_comes_later_is_behind_the_jump_and_one_without_any_befor
 
 def test_a_step_is_asked_about_by_the_second_reading_behind_it_and_accepted_it_agrees(tmp_path: Path) -> None:
     """Once more it is not asked: the same jump was named before."""
-    with _begun(tmp_path / "r.axiscal", 9, 140e-6, 8) as campaign:
+    with _begun(tmp_path / "r.axiscal", 6, 140e-6, 5) as campaign:
         assert named_now(campaign) is None
-        places = read(machine(3), 15)[9:]
+        places = read(machine(3), 15)[6:]
         asked = list[Named | None]()
         for each in places[:3]:
             campaign.record(each.value + 140e-6, at=each.place)
             asked.append(named_now(campaign))
-        assert asked[0] == Named("jump", "laser", 9, 'Was the zero of "laser" set anew before reading 9?')
+        assert asked[0] == Named("jump", "laser", 6, 'Was the zero of "laser" set anew before reading 6?', ("jump",))
         assert asked[1:] == [asked[0]] * 2
-        assert campaign.accept("jump").reading == 9
+        assert campaign.accept("jump").reading == 6
         assert named_now(campaign) is None
         assert not campaign.estimate().agreement.contradicts

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -30,6 +31,8 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
         return said(what, count=len(known.readings))
     count = said("{agreeing} of {count} readings agree with the others", agreeing=found.agreeing, count=found.count)
     asked = [question(known, each) for each in found.explained]
+    if not found.contradicts and asked and found.explained[0].backlash:
+        return said("{count}. {asked}", count=count, asked=asked[0])
     if not found.contradicts and asked:
         odds = f"{found.explained[0].odds:.0f}"
         return said("{count}. {asked} ({odds} : 1)", count=count, asked=asked[0], odds=odds)
@@ -79,6 +82,10 @@ def mistake_words(each: Explained, known: Estimation) -> str:
                 '"{artefact}" moved in "{setup}" before {reading}. Fix it, and take readings before and after it again'
             )
             return said(what, artefact=artefact.name, setup=names[0], reading=known.name_of(each.reading))
+        if each.backlash:
+            what = 'the zero of "{setup}" jumped before {reading}; or {axis} has that backlash: accept backlash'
+            axis = _turned(known, each)
+            return said(what, setup=names[0], reading=known.name_of(each.reading), axis=axis)
         what = 'the zero of "{setup}" jumped before {reading}. Take readings before and after it again'
         return said(what, setup=names[0], reading=known.name_of(each.reading))
     if each.mistake == "sign":
@@ -109,10 +116,19 @@ def question(known: Estimation, named: Explained) -> str:
     if named.mistake == "stuck":
         what = 'From reading {number} on "{setup}" shows again what it showed before. Is it stuck?'
         return said(what, setup=setup.name, number=number)
+    if named.backlash:
+        what = '"{setup}" shows a step before reading {number}, where {axis} turned: zero set anew, or backlash?'
+        return said(what, setup=setup.name, number=number, axis=_turned(known, named))
     if setup.artefact is not None:
         what = 'Was "{artefact}" moved in "{setup}" before reading {number}?'
         return said(what, artefact=setup.artefact.name, setup=setup.name, number=number)
     return said('Was the zero of "{setup}" set anew before reading {number}?', setup=setup.name, number=number)
+
+
+def _turned(known: Estimation, jump: Explained) -> str:
+    """Return the axis that turned where a jump may be backlash."""
+    described = known.stated.description
+    return described.machine.axes[described.setups[jump.setups[0]].moves[0]].name
 
 
 def agreement_document(found: Agreement) -> dict[str, object]:
@@ -198,7 +214,9 @@ def named(known: Estimation, cause: str, setup: str | None, path: Path) -> Accep
     setup : whose readings, where several are named; path : of the record
     Raises RecordError where they do not name it, or for several set-ups.
     """
-    each = [acceptance(found, known) for found in known.agreement.explained]
+    explained = known.agreement.explained
+    each = [acceptance(found, known) for found in explained]
+    each += [replace(acceptance(found, known), mistake="backlash", name="") for found in explained if found.backlash]
     mine = [one for one in each if one.mistake == cause and (setup is None or setup in one.setups)]
     if not mine:
         found = dict.fromkeys(said('{cause} of "{setup}"', cause=one.mistake, setup=one.setups[0]) for one in each)
@@ -221,6 +239,8 @@ def change_words(accepted: Accepted) -> str:
     if accepted.mistake == "jump":
         what = 'the readings of "{setup}" before reading {number} have a zero of their own'
         return said(what, setup=name, number=accepted.reading)
+    if accepted.mistake == "backlash":
+        return said('the step of "{setup}" before reading {number} is backlash', setup=name, number=accepted.reading)
     if accepted.mistake == "swapped":
         return said('"{setup}" and "{other}" exchange their values', setup=name, other=accepted.setups[1])
     if accepted.mistake == "stuck":

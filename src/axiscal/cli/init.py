@@ -41,7 +41,7 @@ from axiscal.machine import builtin_names
 from axiscal.measurement.readers.probe_offset import pair_of
 
 _Answer = TypeVar("_Answer")
-_MACHINE, _INSTRUMENT = "three-axis-mill", "square"
+_MACHINE = "three-axis-mill"
 """What an empty answer stands for."""
 
 
@@ -74,8 +74,9 @@ def init(
 
     Every line has a word of explanation; the command asks for what is not given. From a built-in machine, or from the
     INI file of a LinuxCNC: axes, limits, units, speeds, kinematics with their pivots, joints, and whether tables or
-    backlash are active. A printer.cfg says kinematics, travels, speeds, and where the probe stands. What the file
-    cannot say is marked CHECK. The JSON schemas beside the files let editors complete and check while you write.
+    backlash are active. A printer.cfg says kinematics, travels, speeds, where the probe stands and where it is sent.
+    What the file cannot say is marked CHECK. The JSON schemas beside the files let editors complete and check while
+    you write.
     Nothing is written over.
 
     \b
@@ -100,7 +101,13 @@ def init(
         made = partial(first_files, begun, names)
         files = _answered(wanted, (), lambda text: made(Purpose(text))) if target is None else made(Purpose(target))
     except EOFError:
-        raise DescriptionError("Nobody answered", "Give --machine or --from, --instrument and --target") from None
+        asked = {
+            said("--machine or --from"): machine is None and ini is None,
+            "--instrument": not instrument,
+            "--target": target is None,
+        }
+        lacking = joined([option for option, lacks in asked.items() if lacks])
+        raise DescriptionError("Nobody answered", "Give {options}", options=lacking) from None
     write_files(folder, files.texts)
     written, campaign = folder / "machine.toml", folder / "campaign.toml"
     say(said("{file}: change it to what your machine is", file=written))
@@ -126,12 +133,13 @@ def _built_in(machine: str | None) -> Beginning:
 
 def _instruments(begun: Beginning) -> list[str]:
     def offered(text: str) -> list[str]:
-        names = instruments_of(text) or [_INSTRUMENT]
+        names = instruments_of(text) or [begun.instrument]
         first_described(begun, names, Purpose())  # refuses those that it has none for
         return names
 
     known = offered_words()
-    question = said("Which instruments are there? Enter for {usual}", usual=known[list(OFFERED).index(_INSTRUMENT)])
+    usual = known[list(OFFERED).index(begun.instrument)]
+    question = said("Which instruments are there? Enter for {usual}", usual=usual)
     return _answered(question, known, offered)
 
 

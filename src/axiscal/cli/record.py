@@ -24,7 +24,7 @@ from axiscal.machine import Machine
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose
 from axiscal.measurement.setup import Setup
-from axiscal.present.guide.progress import contradictions, doubted, last_doubt, others_doubted
+from axiscal.present.guide.progress import contradictions, doubted, last_doubt, open_question, others_doubted
 from axiscal.present.guide.question import Stands, asked_text, found_at, value_texts
 from axiscal.units import format_quantity, parse_quantity, to_unit
 
@@ -101,7 +101,7 @@ def record(
         kept = campaign.record(number, noise, place, accepted=accept, others=tuple(others))
         doubt = last_doubt(campaign)
         found = [*others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else "", left]
-        minded = [sentence for sentence in (*found, *contradictions(campaign)) if sentence]
+        minded = [sentence for sentence in (*found, open_question(campaign), *contradictions(campaign)) if sentence]
         document, line = _kept(campaign, kept)
         document |= {"surprise": None if doubt is None else round(doubt.surprise, 2), "mind": minded}
         lines = [line, *(said("Mind: {sentence}", sentence=sentence) for sentence in minded)]

@@ -29,7 +29,8 @@ def accept(
     cause: Annotated[
         str | None,
         typer.Argument(
-            metavar="CAUSE", help="jump, sign, unit, swapped, shifted, stuck or frame; without it: what is named."
+            metavar="CAUSE",
+            help="jump, backlash, sign, unit, swapped, shifted, stuck or frame; without it: what is named.",
         ),
     ] = None,
     setup: Annotated[str | None, typer.Option(metavar="NAME", help="Whose readings, where several are named.")] = None,

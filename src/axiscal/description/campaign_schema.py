@@ -37,8 +37,8 @@ from axiscal.description.fields import (
     arc_ends,
     coordinate,
     line_ends,
+    nodes,
     plane_ways,
-    read_instrument,
 )
 from axiscal.description.screws import ScrewsTable
 from axiscal.description.target import TargetTable
@@ -47,13 +47,14 @@ from axiscal.document import Length, QuantityText, meant, shown
 from axiscal.document.ports import names
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import said
 from axiscal.machine.entry import Sure
 from axiscal.machine.machine_schema import MachineFile
 from axiscal.machine.motion import Driving, move_groups
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.kind import Instrument, Reads
-from axiscal.measurement.instruments.written import PORTS
+from axiscal.measurement.instruments.written import PORTS, named
 from axiscal.measurement.setup import FINEST, Nodes, Vector
 from axiscal.record.log import STORED
 from axiscal.units import dimension_of, format_quantity, within
@@ -69,6 +70,7 @@ _FASTEST = 1e-3 / 60
 ControlName = Literal[
     "csv",
     "fanuc",
+    "grblhal",
     "heidenhain",
     "isg",
     "klipper",
@@ -80,6 +82,19 @@ ControlName = Literal[
     "sinumerik",
 ]
 """The controls that files are written for, as `compensation` knows them."""
+
+
+def _instrument(name: str, known: Beside) -> Instrument:
+    if name in INSTRUMENTS:
+        return INSTRUMENTS[name]
+    file = known.context.document
+    of = [table.get("instrument") for table in file.data["setups"]]
+    found = named(name, file.path, file.line("setups", of.index(name), "instrument"))
+    if found is None:
+        every = [*INSTRUMENTS, *names(PORTS)]
+        remedy = meant(name, every, said("Instruments are {known}", known=", ".join(every)))
+        raise DescriptionError("{name} is not an instrument", remedy, name=shown(name))
+    return found
 
 
 def _by_instrument(read: Callable[[str, Instrument], float], form: object = QuantityText) -> ReadAs:
@@ -148,16 +163,6 @@ def _step(name: str, text: str, known: Beside) -> float:
     return within(text, dimension, FINEST)
 
 
-def _nodes(name: str, given: Sequence[str | int], known: Beside) -> Nodes:
-    """Return where the nodes of a map lie along an axis; raises DescriptionError or UnitError."""
-    if len(given) == 3 and isinstance(given[2], int) and given[2] > 1:
-        low, high = (coordinate(str(end), known.context.machine.axis(name)) for end in given[:2])
-        if low < high:
-            return low, high, given[2]
-    remedy = 'Write the first node, the last, and how many: ["20 mm", "280 mm", 5]'
-    raise DescriptionError("{text} is no side of a map", remedy, text=shown(list(given)))
-
-
 _COORDINATES: dict[str, Literal["length", "angle"]] = {
     "along": "length",
     "arc": "angle",
@@ -190,7 +195,7 @@ class SetupTable(Table):
 
     name: Name = Field(examples=['"laser along X"'])
     # Before what is read by it: pydantic goes from key to key.
-    instrument: Annotated[Instrument, ReadAs(str, read_instrument, by=True)] = Field(examples=['"interferometer"'])
+    instrument: Annotated[Instrument, ReadAs(str, _instrument, by=True)] = Field(examples=['"interferometer"'])
     direction: Direction | None = Field(None, examples=['"x"'])
     offset: Spot | None = Field(None, examples=['["-33 mm", "-46 mm", "0 mm"]'])
     temperature: Warm | None = Field(None, examples=['"22.5 degC"'])
@@ -229,7 +234,7 @@ class SetupTable(Table):
     turn: Turn | None = Field(None, examples=['"90 deg"'])
     mounted: int = Field(1, ge=1, examples=["2"])
     reach: Spans = Field(default={}, examples=['{ X = ["150 mm", "450 mm"] }'])
-    map: Annotated[dict[str, Nodes], EachAs(dict[str, list[str | int]], _nodes)] = Field(
+    map: Annotated[dict[str, Nodes], EachAs(dict[str, list[str | int]], nodes)] = Field(
         default={}, examples=['{ X = ["20 mm", "280 mm", 5], Y = ["20 mm", "280 mm", 5] }']
     )
     along: Annotated[tuple[Vector, Vector], ReadAs(list[Spot], line_ends)] | None = Field(

@@ -11,16 +11,12 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from axiscal.document import Document, QuantityText, meant, shown
-from axiscal.document.ports import names
+from axiscal.document import Document, QuantityText, shown
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import LANGUAGES, later, said
+from axiscal.language.spoken import LANGUAGES, later
 from axiscal.machine import Axis, Machine
-from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.instruments.kind import Instrument
-from axiscal.measurement.instruments.written import PORTS, named
-from axiscal.measurement.setup import FINEST, Vector
+from axiscal.measurement.setup import FINEST, Nodes, Vector
 from axiscal.units import parse_quantity
 
 Ends = tuple[float, float]
@@ -38,9 +34,16 @@ WAYS = later('Write "x", "-y" or three numbers such as [1, 0, 0], in the workpie
 
 
 class Table(BaseModel):
-    """A table in which every key is known and no value is bent to fit; it is read by a `TableContext`."""
+    """A table in which every key is known and no value is bent to fit; it is read by the machine as context."""
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
+
+
+class TableContext(NamedTuple):
+    """What a campaign is read by: its machine, and the document itself."""
+
+    machine: Machine
+    document: Document
 
 
 def unit_vector(value: str | Sequence[float]) -> Vector:
@@ -226,22 +229,11 @@ Warm = Annotated[float, QuantityOf("temperature", *WARM)]
 """What keys may say, in SI, with their bounds."""
 
 
-class TableContext(NamedTuple):
-    """What a campaign is read by: its machine, and the document itself."""
-
-    machine: Machine
-    document: Document
-
-
-def read_instrument(name: str, known: Beside) -> Instrument:
-    """Return an instrument of ours, or the one that somebody wrote; raises DescriptionError."""
-    if name in INSTRUMENTS:
-        return INSTRUMENTS[name]
-    file = known.context.document
-    of = [table.get("instrument") for table in file.data["setups"]]
-    found = named(name, file.path, file.line("setups", of.index(name), "instrument"))
-    if found is None:
-        every = [*INSTRUMENTS, *names(PORTS)]
-        remedy = meant(name, every, said("Instruments are {known}", known=", ".join(every)))
-        raise DescriptionError("{name} is not an instrument", remedy, name=shown(name))
-    return found
+def nodes(name: str, given: Sequence[str | int], known: Beside) -> Nodes:
+    """Return where the nodes of a map lie along an axis; raises DescriptionError or UnitError."""
+    if len(given) == 3 and isinstance(given[2], int) and given[2] > 1:
+        low, high = (coordinate(str(end), known.context.machine.axis(name)) for end in given[:2])
+        if low < high:
+            return low, high, given[2]
+    remedy = 'Write the first node, the last, and how many: ["20 mm", "280 mm", 5]'
+    raise DescriptionError("{text} is no side of a map", remedy, text=shown(list(given)))

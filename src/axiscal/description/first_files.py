@@ -7,7 +7,7 @@ import os
 import re
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -39,6 +39,8 @@ class Beginning:
     text : of machine.toml; active : the line of campaign.toml on compensation; look : what could not be read
     beside : how far a probe stands beside the tool point along x and y, m; None where nobody said
     screws : the lines of campaign.toml on those under the bed, "" where there are none
+    mesh : from where to where along X and Y a probe is sent, mm; none where nobody said
+    instrument : of `OFFERED`, that it is measured by where nobody says another
     folder : where campaign.toml will stand, and files of instruments beside it
     """
 
@@ -47,6 +49,8 @@ class Beginning:
     look: tuple[str, ...] = ()
     beside: Beside | None = None
     screws: str = ""
+    mesh: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    instrument: str = "square"
     folder: Path = Path()
 
 
@@ -147,6 +151,8 @@ def of_printer(file: Path, chain: str | None = None) -> Beginning:
         look=tuple(look),
         beside=found.beside,
         screws=screws_text(found.thread, found.screws) if found.screws else "",
+        mesh=found.mesh,
+        instrument="probe",
     )
 
 
@@ -264,6 +270,9 @@ def first_described(begun: Beginning, instruments: Sequence[str], purpose: Purpo
     if begun.beside is not None:
         x, y = (format_quantity(each, "mm", 6) for each in begun.beside)
         text = text.replace(UNSAID_OFFSET, f'offset = ["{x}", "{y}", "0 mm"]', 1)
+    if begun.mesh:
+        ends = ", ".join(f'{axis} = ["{low:g} mm", "{high:g} mm"]' for axis, (low, high) in begun.mesh.items())
+        text = _REACHED.sub(f"reach = {{ {ends} }}", text, count=1)
     if "probe" in instruments:
         text += begun.screws
     try:
@@ -271,6 +280,9 @@ def first_described(begun: Beginning, instruments: Sequence[str], purpose: Purpo
     except InputError as fault:  # it stands in a file that nobody has
         what = "What is usual of {instruments} cannot be read on this machine: {fault}"
         raise DescriptionError(what, fault.remedy, instruments=", ".join(instruments), fault=fault.what) from None
+
+
+_REACHED = re.compile(r"reach = \{.*\}(?=   # CHECK: where the probe reaches)")
 
 
 def first_files(begun: Beginning, instruments: Sequence[str], purpose: Purpose) -> FirstFiles:

@@ -27,16 +27,18 @@ from axiscal.description.type_b import Distribution
 from axiscal.description.type_text import is_type_text
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
-from axiscal.estimation.functionals.functional import seen_by
+from axiscal.estimation.functionals.functional import seen_by, stand_of
 from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate
 from axiscal.language.spoken import later, listed, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.axis import letter_direction
+from axiscal.machine.kinematics import in_frame
 from axiscal.machine.questions import questions, which_way
 from axiscal.measurement.instrument import model_of, scales_of, values_of
 from axiscal.measurement.reading import (
     Reading,
     approach_text,
+    by_text,
     direction_text,
     reading_unit,
     shown_pose,
@@ -95,17 +97,21 @@ def iso230_blocks(
 def _test(description: CampaignDescription, setup: Setup, readings: Sequence[Reading]) -> PositioningTest | None:
     """Return a set-up's readings as a test; None where they are none: each target as often from each side.
 
+    Deviations are those along, or about, the way in which the axis counts, wherever the instrument looks.
     A reading of nan takes its run out, the n-th reading of every target from its side.
     """
-    if (seen := seen_by(setup)) is None:
+    stands = stand_of(setup, readings)
+    if (seen := seen_by(setup, description.machine, stands)) is None:
         return None
     axis, own = setup.moves[0], description.machine.axes[setup.moves[0]]
     if seen != ("angle" if own.rotary else "length", letter_direction(own.letter)):
         return None
+    way = np.array(own.direction) @ in_frame(description.machine, axis, stands)
+    along = 1.0 if way @ np.array(setup.direction) > 0 else -1.0
     found: dict[tuple[int, int], list[float]] = {}
     for reading in readings:
         target = round(reading.pose[axis] / _SAME)
-        found.setdefault((target, reading.approach[axis]), []).append(reading.value)
+        found.setdefault((target, reading.approach[axis]), []).append(along * reading.value)
     targets = sorted({target for target, _ in found})
     sides = [_runs(found, targets, side) for side in (1, -1)]
     if len(targets) < _FEWEST_TARGETS or any(side == 0 for _, side in found) or all(side is None for side in sides):
@@ -314,6 +320,7 @@ def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> Hi
         std=None if reading.std is None else to_unit(reading.std, unit),
         time=reading.time,
         check=reading.check,
+        by=by_text(reading),
     )
 
 

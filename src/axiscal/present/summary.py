@@ -45,7 +45,7 @@ class HistoryRow:
     others : the further numbers of a reading that has several, such as a sphere's along y and z
     reason : why it was not believed, "" where it was
     columns : of its values in a file of readings; std : of the reading's own, in `unit`; time : by the clock, s
-    check : its place was drawn at random
+    check : its place was drawn at random; by : who took it, as `by_text` says it
     """
 
     reading: int
@@ -65,6 +65,7 @@ class HistoryRow:
     std: float | None = None
     time: float | None = None
     check: bool = False
+    by: str = ""
 
     @property
     def rejected(self) -> bool:

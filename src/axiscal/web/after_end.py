@@ -15,7 +15,7 @@ from axiscal.measurement.reading import Places
 from axiscal.present.check_answer import check_answer, check_plan, check_sentences
 from axiscal.present.guide.checking import check_places, typed_readings
 from axiscal.present.sentences import spelt
-from axiscal.record.signing import own_hand
+from axiscal.record.signing import hand_now
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions, informed
 from axiscal.units import to_unit
@@ -69,7 +69,7 @@ def judge(desk: Desk, asked: CheckedRequest) -> CheckedShape:
         sheet = filled_sheet(checked.description.machine.axes, each)
         write_whole(desk.campaign.path.with_name(name), sheet.encode())
     judged = checked.judged(readings, asked.tolerance)
-    answer = check_answer(judged, len(places), checked.tables.U, Taken(own_hand().person, "page"))
+    answer = check_answer(judged, len(places), checked.tables.U, Taken(hand_now().person, "page"))
     return CheckedShape(verdict=answer.verdict, sentences=[spelt(line) for line in check_sentences(answer)])
 
 

@@ -16,17 +16,14 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from axiscal.answers.answer import AnswerDocument
+from axiscal.answers.prediction import expectation
 from axiscal.campaign.campaign import Campaign
-from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.knowledge import block
-from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, said
 from axiscal.machine import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.instrument import model_of, scales_of, values_of
+from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.reading import (
-    Place,
     asked_values,
     place_text,
     reading_unit,
@@ -35,7 +32,6 @@ from axiscal.measurement.reading import (
     shown_coordinate,
     units_of,
 )
-from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Setup, Vector
 from axiscal.measurement.touched import off_ball
 from axiscal.numerics import Array
@@ -343,17 +339,6 @@ BAND = 2.0
 """Standard deviations about the expectation that are shown; a matter of taste."""
 SURPRISING = 4.0
 """Standard deviations from which a person is asked before a reading is kept: one in 16,000 by chance."""
-
-
-def expectation(known: Estimation, place: Place) -> Band:
-    """Return what the readings so far say of the next one: ŷ = h·m and s² = h C hᵀ + rests + σ² (method.md 2).
-
-    mean, std : (k,) of each number of the reading, its noise included, m or rad
-    """
-    blanks = blank_readings(known.case.description.setups, [place])
-    (found,) = block(known.knowledge, blanks, np.zeros(len(blanks), dtype=bool))[0].innovations
-    scales = scales_of(known.case.description.setup(place.setup))
-    return Band(-np.atleast_1d(found.value) / scales, np.atleast_1d(found.std) / scales)
 
 
 def mount_sentence(setup: Setup, places: Sequence[AxisPlace]) -> str:

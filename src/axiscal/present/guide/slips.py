@@ -99,10 +99,10 @@ def keep_as(campaign: Campaign, question: Question, values: Array, cause: Cause 
     """
     if cause is not None and cause not in causes(question, values):
         raise ReadingError(said("It would be a surprise all the same"), said("Read again, or name another cause"))
-    told = set_anew(campaign, question.setup) if cause in ("anew", "bumped") else ""
     factor = 1.0 if cause is None else _FACTORS.get(cause, 1.0)
     value, *others = (factor * float(each) for each in values)
     kept = campaign.record(value, accepted=cause == "really", others=tuple(others))
+    told = set_anew(campaign, question.setup, kept.number) if cause in ("anew", "bumped") else ""
     if cause in ("sign", "mm", "bumped"):
         told = told or said("It is put right, and that is noted.")
         campaign.note(put("reading {number}: {cause}", number=kept.number or 0, cause=said(CAUSES[cause])))
