@@ -177,14 +177,14 @@ def _with_probe(begun: Beginning) -> Beginning:
     """Return a machine with the place of its probe, which is asked for."""
     question = said("How far does the probe stand beside the tool point along X and Y, in mm? Enter for 0 0")
 
-    def placed(text: str) -> Beginning:
+    def standing(text: str) -> Beginning:
         beside = pair_of((text or "0 0").replace(",", " ").split())
         if beside is None:
             what, remedy = "{text} are not two lengths in mm", 'Write those along X and along Y, such as "-33 -46"'
             raise DescriptionError(what, remedy, text=shown(text))
         return replace(begun, beside=beside)
 
-    return _answered(question, (), placed)
+    return _answered(question, (), standing)
 
 
 def _from_ini(file: Path, chain: str | None, limits: Sequence[str], folder: Path) -> Beginning:

@@ -1,25 +1,22 @@
-"""The dialogue at the prompt, one question after the other, and the page that takes its place in a browser.
+"""The dialogue at the prompt, one question after the other.
 
 The prompt shows the line on top, the set-up to mount, the reading to take, and what can be typed.
 """
 
 from __future__ import annotations
 
-import webbrowser
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
-
-import typer
+from typing import Literal
 
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside, standing_answer
 from axiscal.answers.answer_words import answer_text, columns, minutes_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
-from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder, only_record, records_here
+from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder
 from axiscal.cli.outputs import write_outputs
-from axiscal.cli.printing import ask, say, tell
+from axiscal.cli.printing import ask, say
 from axiscal.cli.progress import tell_out_of_reach
 from axiscal.cli.texts import help_text, opened_to_write
 from axiscal.exceptions import AxiscalError, OvertakenError
@@ -331,63 +328,3 @@ def measure(
                 campaign.sign()
         if not over:
             say(said("Paused; every reading is kept. Go on: axiscal measure {record}", record=record))
-
-
-def serve(
-    record: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="RECORD",
-            default_factory=only_record,
-            show_default=False,
-            autocompletion=records_here,
-            help="The campaign record; AXISCAL_RECORD, or the only one here, where it is left out; else the start.",
-        ),
-    ],
-    port: Annotated[
-        int, typer.Option(metavar="PORT", min=0, max=65535, show_default=False, help="Port; default: any that is free.")
-    ] = 0,
-    start: Annotated[
-        bool, typer.Option("--start", help="Show the start, also where there is one record here.")
-    ] = False,
-    browser: Annotated[bool, typer.Option("--browser", help="Open the page in the browser.")] = False,
-    shop: Annotated[bool, typer.Option("--shop", help="Let tablets of the shop in, too, by codes to scan.")] = False,
-    person: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="With --shop: who measures; once for each. Default: you.")
-    ] = None,
-    at: Annotated[
-        str | None, typer.Option(metavar="ADDRESS:PORT", help="With --shop: of this computer. Default port: 8470.")
-    ] = None,
-    language: Language = None,
-) -> None:
-    """Plan and measure on a page in the browser.
-
-    The page is for this computer only; its address holds a token that is new at every start. Several windows, and
-    `axiscal measure`, may be open at once. With --shop tablets scan a code, and their readings bear a name.
-
-    \b
-    Examples:
-      axiscal serve
-      axiscal serve mill.axiscal
-      axiscal serve --shop --person Anna
-    """
-    from axiscal.web.serving import serve_page  # a server, which no prompt needs
-    from axiscal.web.shop import ShopDoor
-
-    if not shop and (at or person):
-        raise typer.BadParameter(said("Only devices of the shop need it: say --shop as well"))
-    door = ShopDoor(at) if shop else None
-    opened = None if start else record
-    if opened is not None:
-        tell(said("Looking at what is known and planned; a plan that is not made yet takes up to a minute"))
-
-    def ready(address: str) -> None:
-        say(said("Open {address}\nEnd it with Ctrl-C; every reading is kept.", address=address))
-        if door is not None:
-            say(door.invitation(person or []))
-        if browser:
-            webbrowser.open(address)
-
-    with speaking(chosen(language)):
-        left = serve_page(opened, port, ready, door)
-    say(f"{said('Ended; every reading is kept.')} {left}".rstrip())

@@ -18,7 +18,6 @@ from axiscal.cli.progress import tell_mind, tell_out_of_reach, tell_unasked
 from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription, as_exact
 from axiscal.document.durable import write_whole
-from axiscal.estimation.accuracy.unseen import seen_as_one
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import PlanError, TargetError
@@ -36,6 +35,7 @@ from axiscal.planning.proposal import (
     refuse_out_of_reach,
     refuse_unless_provable,
 )
+from axiscal.planning.unseen import seen_as_one
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.present.machine_drawing.setup_picture import plan_picture
 from axiscal.present.plan_answer import plan_answer

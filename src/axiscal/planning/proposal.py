@@ -34,6 +34,7 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.plan.tour import retoured
 from axiscal.planning.promise import asked, foreseen
 from axiscal.planning.step.ground import regions
+from axiscal.planning.unseen import hidden_of
 from axiscal.units import format_quantity, said_quantity, to_unit
 from axiscal_core.threads import one_thread
 
@@ -125,7 +126,7 @@ def _what_helps(case: Case, target: Target) -> str:
         finer = "The rests of the errors alone make {rms:.3g} um: with finer knots they could be smaller"
         surer = "The rests of the errors alone make {rms:.3g} um: with a smaller std they could be smaller"
         return said(surer if case.description.usual else finer, rms=to_unit(rest, "um"))
-    hidden = listed(" ", [part.text for part in case.hidden[:_NAMED]])
+    hidden = listed(" ", [part.text for part in hidden_of(case)[:_NAMED]])
     found = helping_setups(case, target)
     helps = said("Another set-up would help.") if found is None else helping_words(found)
     return said("{helps} What cannot be seen: {hidden}", helps=helps, hidden=hidden)
