@@ -12,11 +12,12 @@ from hypothesis import strategies as st
 from scipy.special import gamma, kv
 
 from axiscal.estimation.located import absorbed
+from axiscal.estimation.promise import unknowns
 from axiscal.estimation.promise.columns import Curves
 from axiscal.estimation.promise.numbers import Numbers
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.spaces import Given, parts_of
-from axiscal.estimation.promise.unknowns import Space, Unknowns
+from axiscal.estimation.promise.unknowns import Space, Unknowns, space_of
 from axiscal.numerics import Array
 from axiscal_core.theta import Sizes
 from tests.generators.dense_posterior import Dense
@@ -62,6 +63,18 @@ def _slopes(dense: Dense, theta: Array) -> list[Array]:
     """Return ∂K/∂θ by central differences."""
     steps = _STEP * np.eye(len(theta))
     return [(dense.covariance(theta + step) - dense.covariance(theta - step)) / (2 * _STEP) for step in steps]
+
+
+def test_of_so_many_unknowns_the_room_is_that_of_the_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of hundreds of set-ups, each with a few readings and as many unknowns of its own."""
+    monkeypatch.setattr(unknowns, "MOST_NUMBERS", 5)
+    problem = _problem("axis", 0, stds=True, inherits=False)
+    numbers, columns = problem.rows.shape
+    wide = problem.wider(np.ones((max(0, 2 * numbers - columns), numbers)))
+    assert isinstance(space_of(wide), Numbers)
+    assert isinstance(space_of(wide.only(np.arange(numbers) < 5)), Numbers)
+    monkeypatch.setattr(unknowns, "_DEARER", columns)
+    assert isinstance(space_of(wide), Unknowns)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -19,10 +19,10 @@ from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.beginnings import best_of_random, evenly_spaced, plain_designs, space_filling
 from axiscal.planning.plan.exchange import exchange
 from axiscal.planning.plan.greedy import chosen_setups, picked
+from axiscal.planning.plan.minutes import grown
 from axiscal.planning.plan.order import seconds_along
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task, clock
-from axiscal.planning.plan.tour import grown
 from axiscal.present.demo import description
 from tests.generators.designs import levered, problem, read, read_at, rms_of, splines
 from tests.generators.texts import Said, setup_text
@@ -114,7 +114,7 @@ def test_the_accuracy_after_each_reading_is_that_of_the_belief() -> None:
 def test_a_budget_is_kept_and_used() -> None:
     asked = levered(200)
     plan = make_plan(asked, Limits(budget=720.0), bounded=False, patience=0.0)
-    reading = float(clock(asked).reading.max())
+    reading = float(clock(asked).reading(range(len(asked.observation.setups))).max())
     assert 720.0 - 2 * reading < plan.seconds <= 720.0
     assert len(set(plan.places.setups)) == 1
     longer = make_plan(asked, Limits(budget=1500.0), bounded=False, patience=0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
@@ -33,6 +34,21 @@ def test_a_fault_while_a_record_is_begun_leaves_none_or_a_whole_one() -> None:
 
 def test_reading_a_record_writes_nothing_so_that_a_full_or_read_only_disk_does_not_matter() -> None:
     assert record_faults.read().lost == 0
+
+
+@pytest.mark.parametrize("kind", bad_files.KINDS, ids=lambda kind: kind.name)
+def test_a_number_of_any_length_is_refused_in_words_that_do_not_repeat_it(kind: bad_files.Kind, tmp_path: Path) -> None:
+    """Python converts no whole number of more than 4,300 digits; of a table the line is named."""
+    (tmp_path / "machine.toml").write_bytes(bad_files.KINDS[0].good)
+    path = bad_files.place(kind, tmp_path)
+    for number in list(re.finditer(rb"\d+", kind.good))[:30]:
+        path.write_bytes(kind.good[: number.start()] + b"9" * 5000 + kind.good[number.end() :])
+        try:
+            kind.read(path)
+        except AxiscalError as refused:
+            text, line = str(refused), kind.good.count(b"\n", 0, number.start()) + 1
+            assert not re.search(r"\d{61}|Exceeds the limit", text)
+            assert "/" not in kind.name or f"{path.name}, line {line}: " in text
 
 
 @pytest.mark.long

@@ -64,6 +64,8 @@ def test_a_whole_campaign_over_the_api(page: Served) -> None:
     assert [each["values"] for each in state["readings"]] == [[1.1], [0.4], [0.5]]
     assert page.call("finish", after=state["last"]).status == 200
     assert (page.record.parent / "mill-results" / "report.html").is_file()
+    again = page.call("again").document["sentence"]
+    assert again == "Measure again: the campaign has no target of U or RMS that would say when."
     known = page.state()["answer"]
     assert known["first"][0] == "MEASURED"
     assert re.fullmatch(r"4 readings, \d+ min", known["first"][1])  # of the clock

@@ -39,6 +39,7 @@ from axiscal.description.fields import (
     line_ends,
     nodes,
     plane_ways,
+    read_instrument,
 )
 from axiscal.description.screws import ScrewsTable
 from axiscal.description.target import TargetTable
@@ -47,14 +48,13 @@ from axiscal.document import Length, QuantityText, meant, shown
 from axiscal.document.ports import names
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import said
 from axiscal.machine.entry import Sure
 from axiscal.machine.machine_schema import MachineFile
 from axiscal.machine.motion import Driving, move_groups
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.kind import Instrument, Reads
-from axiscal.measurement.instruments.written import PORTS, named
+from axiscal.measurement.instruments.written import PORTS
 from axiscal.measurement.setup import FINEST, Nodes, Vector
 from axiscal.record.log import STORED
 from axiscal.units import dimension_of, format_quantity, within
@@ -82,19 +82,6 @@ ControlName = Literal[
     "sinumerik",
 ]
 """The controls that files are written for, as `compensation` knows them."""
-
-
-def _instrument(name: str, known: Beside) -> Instrument:
-    if name in INSTRUMENTS:
-        return INSTRUMENTS[name]
-    file = known.context.document
-    of = [table.get("instrument") for table in file.data["setups"]]
-    found = named(name, file.path, file.line("setups", of.index(name), "instrument"))
-    if found is None:
-        every = [*INSTRUMENTS, *names(PORTS)]
-        remedy = meant(name, every, said("Instruments are {known}", known=", ".join(every)))
-        raise DescriptionError("{name} is not an instrument", remedy, name=shown(name))
-    return found
 
 
 def _by_instrument(read: Callable[[str, Instrument], float], form: object = QuantityText) -> ReadAs:
@@ -195,7 +182,7 @@ class SetupTable(Table):
 
     name: Name = Field(examples=['"laser along X"'])
     # Before what is read by it: pydantic goes from key to key.
-    instrument: Annotated[Instrument, ReadAs(str, _instrument, by=True)] = Field(examples=['"interferometer"'])
+    instrument: Annotated[Instrument, ReadAs(str, read_instrument, by=True)] = Field(examples=['"interferometer"'])
     direction: Direction | None = Field(None, examples=['"x"'])
     offset: Spot | None = Field(None, examples=['["-33 mm", "-46 mm", "0 mm"]'])
     temperature: Warm | None = Field(None, examples=['"22.5 degC"'])

@@ -11,11 +11,15 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from axiscal.document import Document, QuantityText, shown
+from axiscal.document import Document, QuantityText, meant, shown
+from axiscal.document.ports import names
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import LANGUAGES, later
+from axiscal.language.spoken import LANGUAGES, later, said
 from axiscal.machine import Axis, Machine
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instruments.kind import Instrument
+from axiscal.measurement.instruments.written import PORTS, named
 from axiscal.measurement.setup import FINEST, Nodes, Vector
 from axiscal.units import parse_quantity
 
@@ -34,7 +38,7 @@ WAYS = later('Write "x", "-y" or three numbers such as [1, 0, 0], in the workpie
 
 
 class Table(BaseModel):
-    """A table in which every key is known and no value is bent to fit; it is read by the machine as context."""
+    """A table in which every key is known and no value is bent to fit; it is read by a `TableContext`."""
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
@@ -237,3 +241,17 @@ def nodes(name: str, given: Sequence[str | int], known: Beside) -> Nodes:
             return low, high, given[2]
     remedy = 'Write the first node, the last, and how many: ["20 mm", "280 mm", 5]'
     raise DescriptionError("{text} is no side of a map", remedy, text=shown(list(given)))
+
+
+def read_instrument(name: str, known: Beside) -> Instrument:
+    """Return an instrument of ours, or the one that somebody wrote; raises DescriptionError."""
+    if name in INSTRUMENTS:
+        return INSTRUMENTS[name]
+    file = known.context.document
+    of = [table.get("instrument") for table in file.data["setups"]]
+    found = named(name, file.path, file.line("setups", of.index(name), "instrument"))
+    if found is None:
+        every = [*INSTRUMENTS, *names(PORTS)]
+        remedy = meant(name, every, said("Instruments are {known}", known=", ".join(every)))
+        raise DescriptionError("{name} is not an instrument", remedy, name=shown(name))
+    return found

@@ -27,7 +27,7 @@ from axiscal.measurement.instrument import LENGTH, PRINTER_PROBE, model_of
 from axiscal.measurement.instruments.displacement import SQUARE, Displacement
 from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.instruments.kind import Instrument, Rotation
-from axiscal.measurement.instruments.written import WrittenKind
+from axiscal.measurement.instruments.written import Foreign
 from axiscal.measurement.setup import Nodes, Setup, Unknown, Vector
 from axiscal.units import format_quantity, to_unit
 from axiscal_core.instrument import TOOL
@@ -165,13 +165,13 @@ class _Reader(SiteReader):
             resolution=table.resolution,
             reach=self._reach(site.moves),
             nodes=self._nodes(site.moves),
-            written=usual if issubclass(usual.model, WrittenKind) else None,
+            written=usual if issubclass(usual.model, Foreign) else None,
         )
         setup = self._on_square(setup)
         setup = seen(table, around.machine, self._at, setup) if site.chart is None else self._sited(setup, site)
         with self._at("instrument" if base is None else "base"):
             model_of(setup).check_setup(setup, self._machine)
-            if issubclass(usual.model, WrittenKind):
+            if issubclass(usual.model, Foreign):
                 curved = usual.model.curved_in(setup, self._machine)
                 setup = replace(setup, written=replace(usual, curved=curved))
         return self._complete(dense(table, around.machine, self._at, setup))

@@ -28,10 +28,10 @@ from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import CANDIDATES, posed, reaching
 from axiscal.planning.other_readings import columns_of, with_rooms
+from axiscal.planning.plan.minutes import retoured
 from axiscal.planning.plan.plan import Plan, judged
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.plan.tour import retoured
 from axiscal.planning.promise import asked, foreseen
 from axiscal.planning.step.ground import regions
 from axiscal.planning.unseen import hidden_of

@@ -23,7 +23,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.description import Machine
-from axiscal.tables.loaded import Loaded, OldFile, read_old, table_control
+from axiscal.tables.loaded import Loaded, OldFile, read_old, refuse_long_numbers, table_control
 from axiscal.tables.sampling import MOST_POINTS, Multiples, axis_tables, cross_tables
 from axiscal.tables.surface import Control, sum_of, with_height
 from axiscal.tables.table import CompensationTable
@@ -166,6 +166,7 @@ class ExportOptions:
         if self.template is None:
             what = "{controller} files are made from one of your control"
             raise TableError(what, "give it: --template FILE", controller=controller)
+        refuse_long_numbers(self.template, self.template_name)
         return self.template
 
     @property

@@ -30,6 +30,9 @@ _JOINT = re.compile(r"(?:JOINT|AXIS)_(\d{1,2})")
 _NAMED = re.compile(r"([A-Z][0-9]?)=(.+)")
 _OTHERS = re.compile(r"README\.txt|manifest.*\.json")
 """Files of an export that no control loads."""
+_DIGITS = 60
+"""In a row: a double has 17, and the zeros of a small one written out are fewer than the others."""
+_TOO_LONG = re.compile(rf"\d{{{_DIGITS + 1},}}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +54,14 @@ class OldFile:
     def stem(self) -> str:
         """The name of the file without folder and ending."""
         return Path(self.name).stem
+
+
+def refuse_long_numbers(text: str, name: str) -> None:
+    """Raise TableError for the first line of a control's file with a number that is too long for any control."""
+    found = _TOO_LONG.search(text)
+    if found is not None:
+        what, remedy = "a number of {count:,} digits is in no table", "give the file as the control saved it"
+        raise TableError(what, remedy, name, text.count("\n", 0, found.start()) + 1, count=len(found[0]))
 
 
 def read_old(names: Iterable[str], folder: Path = Path()) -> tuple[OldFile, ...]:

@@ -16,7 +16,7 @@ from axiscal.language.spoken import joined, later
 from axiscal.language.stages import stage
 from axiscal.machine.description import Machine
 from axiscal.tables.exporter import Draft, Exporter, ExportOptions, asked_about, informed, on_top
-from axiscal.tables.loaded import Loaded
+from axiscal.tables.loaded import Loaded, refuse_long_numbers
 from axiscal.tables.offer import Export, tried_out, tried_over_box
 from axiscal.tables.surface import Control
 from axiscal_core.threads import one_thread
@@ -96,6 +96,8 @@ def offered_control(known: Estimation, controller: str) -> Control:
 def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
     """Return what the old files of a control did; raises TableError, ReadingError."""
     load = exporter(controller).load
+    for file in options.old_files:
+        refuse_long_numbers(file.text, file.name)
     named = ", ".join(dict.fromkeys(file.name for file in options.old_files))
     try:
         found = load(options.old_files, machine, options)

@@ -61,7 +61,7 @@ from axiscal.tables import registry
 from axiscal.units import to_unit
 from axiscal.web.shapes import (
     AnswerShape,
-    CostShape,
+    SentenceShape,
     StateShape,
     TypedShape,
 )
@@ -240,9 +240,9 @@ class Desk:
         setup = description.setup(asked.place.setup)
         return setup_picture(setup_scene(description, setup, taken, asked.place, state.coming), width)
 
-    def cost(self, *, rest: bool) -> CostShape:
+    def cost(self, *, rest: bool) -> SentenceShape:
         """Return what skipping the reading costs, or leaving its set-up."""
-        return CostShape(sentence=spelt(cost_sentence(cost_words(self.campaign, rest=rest))))
+        return SentenceShape(sentence=spelt(cost_sentence(cost_words(self.campaign, rest=rest))))
 
     def set_anew(self, after: int, answer: Answer | None) -> str:
         """Keep that a zero was set anew before the next reading, or the answer to what the page asks."""

@@ -66,13 +66,14 @@ def application(counter: Counter, port: int, here: Path, shop: ShopDoor | None =
     app.post(f"{ROOT}/open", response_model=shapes.DoneShape)(api.open)
     app.get(f"{ROOT}/state", response_model=shapes.StateShape)(api.state)
     app.get(f"{ROOT}/typed", response_model=shapes.TypedShape)(api.typed)
-    app.get(f"{ROOT}/cost", response_model=shapes.CostShape)(api.cost)
+    app.get(f"{ROOT}/cost", response_model=shapes.SentenceShape)(api.cost)
     app.post(f"{ROOT}/readings", response_model=shapes.DoneShape)(api.keep)
     app.post(f"{ROOT}/jogs", response_model=shapes.DoneShape)(api.jog)
     app.post(f"{ROOT}/accepts", response_model=shapes.DoneShape)(api.accept)
     app.post(f"{ROOT}/leave", response_model=shapes.StageShape)(api.leave)
     app.get(f"{ROOT}/texts", response_model=shapes.TextsShape)(api.table_texts)
     app.post(f"{ROOT}/load", response_model=shapes.DoneShape)(api.put_into)
+    app.get(f"{ROOT}/again", response_model=shapes.SentenceShape)(api.again)
     app.get(f"{ROOT}/check", response_model=shapes.CheckShape)(api.check)
     app.post(f"{ROOT}/check", response_model=shapes.CheckedShape)(api.judge)
     app.post(f"{ROOT}/skips", response_model=shapes.DoneShape)(api.skip)
@@ -187,6 +188,12 @@ class _Api:
     async def put_into(self, asked: shapes.LoadRequest) -> Response:
         """Put the tables into a printer."""
         return await self._done("", lambda desk: after_end.put_into(desk, asked.control, asked.printer))
+
+    async def again(self) -> Response:
+        """When the machine is to be measured again."""
+        record = self._counter.desk.campaign.path
+        sentence = await asyncio.to_thread(after_end.measure_again, record, draft.record_files(self._here))
+        return document(shapes.SentenceShape(sentence=sentence))
 
     async def check(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
         """Where the tables of a control are to be checked."""

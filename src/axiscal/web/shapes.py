@@ -283,8 +283,8 @@ class CostQuery(AnswerDocument):
     rest: bool = False
 
 
-class CostShape(AnswerDocument):
-    """The cost of skipping, in words."""
+class SentenceShape(AnswerDocument):
+    """An answer in words: what skipping costs, or when the machine is due."""
 
     sentence: str
 

@@ -121,20 +121,28 @@ class InNumbers(Given):
 
     def slope(self) -> Slope:
         """Return log L, gradient and information."""
-        problem, theta, weighted, inverse = self.problem, self.theta, self.weighted, self._inverse
+        theta, weighted, inverse = self.theta, self.weighted, self._inverse
         by = self.space.derivatives(theta, self.roots)
         pulls = {name: inverse @ each for name, each in by.items()}
-        pushes = {name: float(weighted @ each @ weighted) for name, each in by.items()}
-        for size in np.unique(problem.groups[problem.groups >= 0]).tolist():
-            noise = np.where(problem.groups == size, 2 * np.exp(2 * theta[size]), 0.0)
-            pulls[size], pushes[size] = inverse * noise, float(noise @ weighted**2)
-        names = list(pulls)
+        names, noises, noisy = list(pulls), *self._noises()
         gradient, information = np.zeros(len(theta)), np.zeros((len(theta),) * 2)
-        flat = np.array([pulls[name].ravel() for name in names]).reshape(len(names), -1)
-        turned = np.array([pulls[name].T.ravel() for name in names]).reshape(len(names), -1)
-        gradient[names] = [0.5 * (pushes[name] - np.trace(pulls[name])) for name in names]
+        flat = np.array([pulls[name].ravel() for name in names]).reshape(len(names), inverse.size)
+        turned = np.array([pulls[name].T.ravel() for name in names]).reshape(len(names), inverse.size)
+        gradient[names] = [0.5 * (weighted @ by[name] @ weighted - np.trace(pulls[name])) for name in names]
+        gradient[noises] = 0.5 * (weighted**2 - np.diagonal(inverse)) @ noisy
         information[np.ix_(names, names)] = 0.5 * flat @ turned.T
+        information[np.ix_(noises, noises)] = 0.5 * noisy.T @ inverse**2 @ noisy
+        for name in names:
+            beside = 0.5 * np.sum(pulls[name] * inverse, axis=1) @ noisy
+            information[name, noises] = information[noises, name] = beside
         return Slope(self.value, gradient, information)
+
+    def _noises(self) -> tuple[list[int], Array]:
+        """Return the numbers of the θ that are noises, and by these the derivatives of all variances, (m, g)."""
+        groups = self.problem.groups
+        noises = np.unique(groups[groups >= 0])
+        variances = variances_of(self.problem, self.theta)
+        return noises.tolist(), np.where(groups[:, None] == noises, 2 * variances[:, None], 0.0)
 
     def without_causes(self) -> Answered:
         """Return the posterior of the answered unknowns."""

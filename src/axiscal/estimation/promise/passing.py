@@ -2,7 +2,8 @@
 
 A zero drifts by a line, Brownian motion over the time T of its set-up, and Matérn-1/2 in time with 6 min. The Brownian
 motion has Karhunen-Loève functions √2 sin((k − ½)π t/T)/((k − ½)π), k = 1…20, which leave 0.5 % of its variance. A
-linear axis grows by the coordinate over its travel times Matérn-3/2 in time with 0.4 T, linear between ten nodes. Of a
+linear axis grows by the coordinate over its travel times Matérn-3/2 in time with 0.4 T, linear between ten nodes.
+Functions of fewer readings than there are of them have as many columns as readings: Lᵀ of Z Zᵀ = L Lᵀ. Of a
 reversal exp(−d/l) may be missing, d the way since the axis turned, l of 30, 100 and 350 mm each by itself. Without what
 usually goes wrong a zero wanders as stated (`measurement.cells`).
 """
@@ -213,7 +214,7 @@ def turning(observation: Observation, index: int, poses: Array, approaches: Arra
 
 def _of_zeros(mine: _Mine, numbers: int) -> Iterator[tuple[Kind, Array]]:
     """Yield the columns of drift and cycle of each zero of a set-up."""
-    functions: list[tuple[Kind, Array]] = [("drift", drift_functions(mine.setup, mine.clock))]
+    functions: list[tuple[Kind, Array]] = [("drift", _of_rank(drift_functions(mine.setup, mine.clock)))]
     if _length(mine.clock) <= _LONGEST and numbers <= _MOST:
         apart = np.abs(mine.clock[:, None] - mine.clock[None]) / _CYCLE_SECONDS
         alike = np.exp(-apart)  # Matérn 1/2, that of Ornstein and Uhlenbeck
@@ -238,6 +239,12 @@ def _of_each_zero(mine: _Mine, numbers: int, functions: Sequence[tuple[Kind, Arr
             yield kind, columns
 
 
+def _of_rank(functions: Array) -> Array:
+    """Return functions with the covariance Z Zᵀ of these, no more of them than readings.  functions : Z (r, q)"""
+    readings, count = functions.shape
+    return functions if count <= readings else np.asarray(np.linalg.qr(functions.T, mode="r")).T
+
+
 def _drift_size(setup: Setup, length: float) -> float:
     """Return the size of line and Brownian motion: as usual of the noise, with what is stated or usual of the zero."""
     usual, stated = DRIFT.size * setup.noise, 0.0
@@ -249,9 +256,9 @@ def _drift_size(setup: Setup, length: float) -> float:
 def _of_axes(observation: Observation, mine: _Mine, numbers: int) -> Iterator[tuple[Kind, Array]]:
     """Yield the columns of the growth of each axis."""
     axes = growing(observation, mine.index, mine.poses)
-    functions = growth_functions(mine.setup, mine.clock) if axes else None
+    functions = _of_rank(growth_functions(mine.setup, mine.clock)) if axes else np.zeros((0, 0))
     for axis in axes:
-        columns = np.zeros((numbers, _NODES))
+        columns = np.zeros((numbers, functions.shape[1]))
         for number, share in enumerate(axis):
             columns[mine.first + number] = share[:, None] * functions
         yield "growth", columns

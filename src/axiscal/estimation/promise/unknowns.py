@@ -25,6 +25,8 @@ from axiscal.numerics import Array
 from axiscal_core.draws import Slope
 from axiscal_core.from_scipy import back_solution, inverse_of_product, root_in_place, solution
 
+_DEARER = 2
+"""Times as much as of an unknown is the cost of a number: of speed, not of the result."""
 _AT_ONCE = 600
 """Numbers whose rows are worked through at once: more would not stay in the cache."""
 
@@ -241,5 +243,6 @@ Space = Numbers | Unknowns
 
 
 def space_of(problem: Problem) -> Space:
-    """Return the room in which a problem costs less."""
-    return Numbers(problem) if len(problem.values) <= MOST_NUMBERS else Unknowns(problem)
+    """Return the room in which a problem costs less: of many set-ups each has unknowns of its own."""
+    numbers, unknowns = problem.rows.shape
+    return Numbers(problem) if numbers <= max(MOST_NUMBERS, unknowns // _DEARER) else Unknowns(problem)

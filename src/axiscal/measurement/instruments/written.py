@@ -42,7 +42,7 @@ _NAME = re.compile(r"(?!(?:reading|setup|approach|time|check|std|used|surprise)$
 """Of a number: a column of its own in a file of readings."""
 
 
-class WrittenKind(Kind):
+class Foreign(Kind):
     """What a class of somebody's sees.  made : the class; units : of each number; where : file and line that name it"""
 
     made: type[Seeing] = Seeing
@@ -108,8 +108,7 @@ def named(text: str, file: Path, line: int | None) -> Instrument | None:
         return None
     if not (isinstance(found, type) and issubclass(found, Seeing)):
         what = "{name} is no class that is derived from axiscal_core.Instrument"
-        remedy = 'Write the file beside this one and its class, as in instrument = "./file.py:Class"'
-        raise DescriptionError(what, remedy, name=shown(text))
+        raise DescriptionError(what, "Name it as in file.py:Class, the file beside this one", name=shown(text))
     with _placed(None, None):
         return _figures(text, found, (file, line))
 
@@ -164,7 +163,7 @@ def _figures(text: str, made: type[Seeing], where: tuple[Path, int | None]) -> I
     own |= {"scales": () if alike else tuple((sigma[0] / sigma).tolist()), "unknown_reads": unknowns}
     return Instrument(
         name=text,
-        model=type(made.__name__, (WrittenKind,), own),
+        model=type(made.__name__, (Foreign,), own),
         noise=float(sigma[0]),
         unknowns=tuple(Unknown(name, std) for name, std in one.own.items()),
         setup_time=one.begins,

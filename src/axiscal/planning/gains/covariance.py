@@ -218,10 +218,9 @@ def _singular(matrix: Array) -> tuple[Array, Array, Array]:
     if matrix.shape[1] == 1:
         length = np.sqrt(np.sum(matrix**2, axis=0))
         return matrix / np.maximum(length, _NOUGHT), length, np.ones((1, 1))
-    if len(matrix) < matrix.shape[1]:  # numbers that have nothing to tell keep their noise
-        basis, values, turn = np.linalg.svd(np.pad(matrix, ((0, matrix.shape[1] - len(matrix)), (0, 0))))
-        return basis[: len(matrix)], values, turn
-    return np.linalg.svd(matrix, full_matrices=False)
+    more = max(matrix.shape[1] - len(matrix), 0)  # numbers that have nothing to tell keep their noise
+    basis, values, turn = np.linalg.svd(matrix, full_matrices=more > 0)
+    return np.pad(basis, ((0, 0), (0, more))), np.pad(values, (0, more)), turn
 
 
 def informed(factor: Array, scaled: Array) -> Array:
@@ -235,6 +234,15 @@ def informed(factor: Array, scaled: Array) -> Array:
     _, values, right = np.linalg.svd(scaled, full_matrices=False)
     shrink = 1.0 - 1.0 / np.hypot(1.0, values)
     return np.asarray(factor - (factor @ right.T * shrink) @ right, dtype=np.float64)
+
+
+def criterion_after(weighted: Array, scaled: Array) -> float:
+    """Return tr(Φ (I + BᵀB)⁻¹ Φᵀ), J after readings.  weighted : Φ = V F (w, r); scaled : B as of `informed`, (m, r)
+
+    Only columns that a reading feels are solved for: of many set-ups each has unknowns of its own.
+    """
+    felt = np.any(scaled, axis=0)
+    return float(np.sum(weighted[:, ~felt] ** 2) + np.sum(informed(weighted[:, felt], scaled[:, felt]) ** 2))
 
 
 def unexplained(target: Array, scaled: Array) -> Array:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import islice, takewhile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from axiscal.measurement.reading import Places
 from axiscal.numerics import even_subset
 from axiscal.numerics.remembered import remembered
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import informed
+from axiscal.planning.gains.covariance import criterion_after
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import Clock, Limits, Task, clock
@@ -20,6 +21,8 @@ from axiscal_core.ties import ALIKE, first_best
 _TRIED = 150
 _WORTH = 1e-3
 """Share of J that a set-up more must bring, or it is mounted for nothing."""
+_SIZES = 16
+"""Sets that are looked at before larger ones are made: of time where each is worth less than the one before."""
 _ROUNDING = 1e-9
 """Share of a budget: what takes longer by less fits."""
 
@@ -46,8 +49,8 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
     return of_best_size(_growing(base, _parts(task, everything), limits, clock(task)), left)
 
 
-def sets_within(task: Task, limits: Limits) -> list[Setups]:
-    """Return sets of set-ups that grow, all of which a budget can mount and read; none where it is too short."""
+def sets_within(task: Task, limits: Limits) -> Iterator[Setups]:
+    """Yield sets of set-ups that grow, all of which a budget can mount and read; none where it is too short."""
     most, first = np.inf if limits.budget is None else limits.budget * (1 + _ROUNDING), first_seconds(task)
 
     def fits(setups: Setups) -> bool:
@@ -55,15 +58,15 @@ def sets_within(task: Task, limits: Limits) -> list[Setups]:
 
     everything = tuple(setup for setup in first if fits((setup,)))
     parts = [part for part in _parts(task, everything) if fits(part)]
-    sets = parts if len(parts) < 2 else _growing(_coarse(task), parts, limits, clock(task))
-    return [setups for setups in sets if fits(setups)]
+    sets = iter(parts) if len(parts) < 2 else _growing(_coarse(task), parts, limits, clock(task))
+    return takewhile(fits, sets)
 
 
 def worth_most(task: Task) -> int:
     """Return the set-up of the candidate with the most gain in its time, mounting included where it is not mounted."""
     times, scores = clock(task), _coarse(task)
     of = scores.pool.lattice.setups
-    return int(of[first_best(scores.gains / (times.mounting + times.reading)[of], ALIKE)])
+    return int(of[first_best(scores.gains / (times.mounting(of) + times.reading(of)), ALIKE)])
 
 
 def _coarse(task: Task) -> Scores:
@@ -78,10 +81,12 @@ def _parts(task: Task, everything: Setups) -> list[Setups]:
     return sorted({(setup,) for setup in everything} | linked - {()})
 
 
-def _growing(base: Scores, parts: Sequence[Setups], limits: Limits, times: Clock) -> list[Setups]:
-    """Return sets that grow part by part: by the part with which readings, dealt out evenly, leave least."""
+def _growing(base: Scores, parts: Sequence[Setups], limits: Limits, times: Clock) -> Iterator[Setups]:
+    """Yield sets that grow part by part: by the part with which readings, dealt out evenly, leave least."""
     state, lattice = base.state, base.pool.lattice
     every = {setup: _in_a_row(lattice, setup) for setup in np.unique(lattice.setups).tolist()}
+    weighted, (rows, owner) = state.weighted, state.whitened(lattice)
+    numbers = np.searchsorted(owner, np.arange(len(lattice) + 1))
 
     def remaining(setups: Setups) -> float:
         shares = np.array_split(np.arange(_most_readings(limits, times, setups)), len(setups))
@@ -89,13 +94,13 @@ def _growing(base: Scores, parts: Sequence[Setups], limits: Limits, times: Clock
             _evenly(every[setup], len(share), turn / len(setups))
             for turn, (setup, share) in enumerate(zip(setups, shares, strict=True))
         ]
-        rows, _ = state.whitened(lattice.within(np.concatenate(dealt)))
-        return float(np.sum(informed(state.weighted, rows) ** 2))
+        told = [rows[numbers[index] : numbers[index + 1]] for index in np.concatenate(dealt)]
+        return criterion_after(weighted, np.concatenate(told)) if told else base.state.value
 
-    sets: list[Setups] = [()]
-    while more := [tuple(sorted({*sets[-1], *part})) for part in parts if not {*part} <= {*sets[-1]}]:
-        sets.append(min(more, key=remaining))
-    return sets[1:]
+    found: Setups = ()
+    while more := [tuple(sorted({*found, *part})) for part in parts if not {*part} <= {*found}]:
+        found = min(more, key=remaining)
+        yield found
 
 
 def _in_a_row(lattice: Places, setup: int) -> NDArray[np.intp]:
@@ -109,14 +114,24 @@ def _evenly(candidates: NDArray[np.intp], count: int, shift: float) -> NDArray[n
     return candidates[((np.arange(count) + shift) * len(candidates) / max(count, 1)).astype(np.intp)]
 
 
-def of_best_size(sets: Sequence[Setups], left: Callable[[Setups], float]) -> Setups:
-    """Return the best of sets that grow: every next one leaves less up to it, and hardly less behind it."""
-    low, high = 0, len(sets) - 1
+def of_best_size(sets: Iterable[Setups], left: Callable[[Setups], float]) -> Setups:
+    """Return the best of sets that grow: every next one leaves less up to it, and hardly less behind it.
+
+    Sets of more set-ups are made only where the largest of those there are is still worth its last part.
+    """
+    growing = iter(sets)
+
+    def worth(size: int) -> bool:
+        return left(known[size + 1]) < (1 - _WORTH) * left(known[size])
+
+    known = list(islice(growing, _SIZES))
+    while len(known) >= _SIZES and worth(len(known) - 2) and (more := list(islice(growing, len(known)))):
+        known += more
+    low, high = 0, len(known) - 1
     while low < high:
         middle = (low + high) // 2
-        worth = left(sets[middle + 1]) < (1 - _WORTH) * left(sets[middle])
-        low, high = (middle + 1, high) if worth else (low, middle)
-    return sets[low]
+        low, high = (middle + 1, high) if worth(middle) else (low, middle)
+    return known[low]
 
 
 def _most_readings(limits: Limits, times: Clock, setups: Setups) -> int:
@@ -124,8 +139,8 @@ def _most_readings(limits: Limits, times: Clock, setups: Setups) -> int:
     most = min(limits.readings or _TRIED, _TRIED)
     if limits.budget is None:
         return most
-    left = limits.budget - float(times.mounting[list(setups)].sum())
-    return min(most, int(max(left, 0.0) / float(times.reading[list(setups)].min())))
+    left = limits.budget - float(times.mounting(setups).sum())
+    return min(most, int(max(left, 0.0) / float(times.reading(setups).min())))
 
 
 def filled(scores: Scores, readings: int, setups: Setups) -> Scores:
@@ -151,12 +166,11 @@ def picked(task: Task, readings: int, setups: Setups) -> Places:
 def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, int], NDArray[np.bool_]]:
     """Return which candidates may stand in a slot: of these set-ups, and no dearer than what it held plus the slack."""
 
-    used = np.isin(np.arange(len(times.reading)), setups)
+    seconds = dict(zip(setups, times.reading(setups).tolist(), strict=True))
 
     def allowed(scores: Scores, slot: int) -> NDArray[np.bool_]:
-        room = times.reading[scores.places.setups[slot]] + slack
-        fitting: NDArray[np.bool_] = (used & (times.reading <= room + 1e-9))[scores.pool.lattice.setups]
-        return fitting
+        room = seconds[int(scores.places.setups[slot])] + slack
+        return np.isin(scores.pool.lattice.setups, [s for s in setups if seconds[s] <= room + 1e-9])
 
     return allowed
 

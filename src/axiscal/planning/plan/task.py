@@ -5,7 +5,7 @@ The search ends by the work that it has done: a clock would make another plan on
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -116,24 +116,33 @@ class Goal(NamedTuple):
 
 
 class Clock(NamedTuple):
-    """Seconds of each set-up: to mount it, and for one reading with the usual way to it, (setups,)."""
+    """Seconds to mount set-ups, and for one reading with the usual way to it.  mounted : which is; None for none"""
 
-    mounting: Array
-    reading: Array
+    observation: Observation
+    mounted: int | None
+
+    def mounting(self, setups: Iterable[int]) -> Array:
+        """Return the seconds to mount each of some set-ups, (m,)."""
+        described = self.observation.setups
+        return np.array([0.0 if setup == self.mounted else described[setup].setup_time for setup in setups])
+
+    def reading(self, setups: Iterable[int]) -> Array:
+        """Return the seconds of a reading of each of some set-ups, (m,)."""
+        return np.array([_reading_with_way(self.observation, int(setup)) for setup in setups])
 
 
 @remembered
+def _reading_with_way(observation: Observation, setup: int) -> float:
+    """Return the seconds of a reading of a set-up; the way is that between a few evenly spread readings."""
+    machine, described = observation.machine, observation.setups[setup]
+    sample = spread(machine, (described,), _TYPICAL)
+    _, ways = short_way(machine, described, sample.poses, np.zeros_like(sample.poses), exact=True)
+    return reading_seconds(described) + float(ways.mean())
+
+
 def clock(task: Task) -> Clock:
-    """Return what set-ups and readings take; the way is that between a few evenly spread readings."""
-    machine, setups = task.observation.machine, task.observation.setups
-    mounted = None if task.here is None else task.here.setups[0]
-    mounting = [0.0 if i == mounted else s.setup_time for i, s in enumerate(setups)]
-    readings = []
-    for setup in setups:
-        sample = spread(machine, (setup,), _TYPICAL)
-        _, ways = short_way(machine, setup, sample.poses, np.zeros_like(sample.poses), exact=True)
-        readings.append(reading_seconds(setup) + float(ways.mean()))
-    return Clock(np.array(mounting), np.array(readings))
+    """Return what set-ups and readings of a task take."""
+    return Clock(task.observation, None if task.here is None else int(task.here.setups[0]))
 
 
 PATIENCE = 1e11

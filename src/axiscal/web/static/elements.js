@@ -32,7 +32,7 @@ export function on(id, kind, act) {
 export const device = location.protocol === "https:";
 const keeper = device ? localStorage : sessionStorage, given = location.hash.slice(1), code = given.startsWith("code=") ? given.slice(5) : "";
 if (given && !code) keeper.setItem("token", given);
-history.replaceState(null, "", "/");
+history.replaceState(history.state, "", "/");
 addEventListener("hashchange", () => location.reload()); // a new address in a tab that shows the page
 
 // What was sent arrives even where the tab is closed in the same moment.
