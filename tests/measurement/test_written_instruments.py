@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from axiscal.campaign.sources import open_source
+from axiscal.campaign.sources.source import Answer, Request
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, read_campaign
 from axiscal.description.placed_readings import placed_readings
 from axiscal.document import ports
@@ -17,7 +19,7 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.promise.causes import contributions
-from axiscal.exceptions import DescriptionError
+from axiscal.exceptions import DescriptionError, SourceError
 from axiscal.machine import load_machine
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
@@ -336,3 +338,24 @@ def test_six_numbers_of_two_kinds_go_from_the_prompt_to_the_report(
     assert re.search({"en": r"0\.5\s*µm, 1\s*µrad", "de": r"0,5\s*µm, 1\s*µrad"}[language], text)
     row = (tmp_path / "out" / "data" / "readings.csv").read_text().splitlines()[1]
     assert ",1,2,3,4,5,6," in row
+
+
+def test_a_file_and_a_command_answer_with_all_of_its_numbers(tmp_path: Path) -> None:
+    six = described(tmp_path, SIX, 'name = "six"\ninstrument = "own.py:SixDegrees"\nmoves = ["X"]\n')
+    simulator, asked = Simulator(six.machine, six.setups), (0.12, six.setups[0].park[1], six.setups[0].park[2])
+    request = Request(1, six.setups[0], six.machine.axes, asked, (1, 0, 0))
+    file = tmp_path / "r.csv"
+    file.write_text("setup,X_mm,x_um,y_um,z_um,a_urad,b_urad,c_urad\nsix,120,1,2,3,4,5,6\n")
+    answer = Answer(1e-6, others=(2e-6, 3e-6, 4e-6, 5e-6, 6e-6))
+    assert open_source(f"csv:{file}", simulator).read(request) == answer
+    units = '["um", "um", "um", "urad", "urad", "urad"]'
+    command = tmp_path / "six.sh"
+    command.write_text(f'read line; echo \'{{"value": [1, 2, 3, 4, 5, 6], "unit": {units}}}\'; read line\n')
+    source = open_source(f"exec:sh {command}", simulator)
+    assert source.read(request) == answer
+    source.close()
+    command.write_text('read line; echo \'{"value": [1, 2], "unit": "um"}\'; read line\n')
+    source = open_source(f"exec:sh {command}", simulator)
+    with pytest.raises(SourceError, match='reads an angle: give a unit such as "urad"'):
+        source.read(request)
+    source.close()

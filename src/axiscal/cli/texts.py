@@ -25,9 +25,7 @@ from axiscal.units import said_quantity
 def asked_screen(campaign: Campaign, asked: Asked) -> str:
     """Return what the operator is to do."""
     setup = campaign.description.setup(asked.place.setup)
-    names = model_of(setup).names_of(setup)
-    values = ", ".join(f"{name.upper() or 'VALUE'} {reading_unit(setup)}" for name in names)
-    values = asked_values(setup) if setup.written else values
+    values = asked_values(setup) if any(model_of(setup).names_of(setup)) else f"VALUE {reading_unit(setup)}"
     then = said("then"), f'axiscal step record {campaign.path} "{values}"'
     head = said(
         'Reading {number}: set-up "{setup}", {instrument}, reads {reads}',

@@ -323,9 +323,9 @@ def reading_unit(setup: Setup) -> str:
 
 
 def asked_values(setup: Setup) -> str:
-    """Return what is asked for at a reading: "um", or of an instrument that names its numbers "dx um, dy um"."""
+    """Return what is asked for at a reading: "um", or of several numbers "dx um, dy um"."""
     pairs = zip(model_of(setup).names_of(setup), units_of(setup), strict=True)
-    return listed(", ", [f"{name} {unit}" for name, unit in pairs]) if setup.written else reading_unit(setup)
+    return listed(", ", [put("{name} {unit}", name=name, unit=unit) if name else unit for name, unit in pairs])
 
 
 def units_of(setup: Setup) -> tuple[str, ...]:

@@ -22,7 +22,7 @@ from axiscal.exceptions import SourceError, UnitError
 from axiscal.language.spoken import said
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.instruments.kind import Reads
-from axiscal.measurement.reading import reading_unit, units_of
+from axiscal.measurement.reading import asked_values, reading_unit, units_of
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.units import dimension_of, format_quantity, from_unit, shortened
 
@@ -206,15 +206,11 @@ class ExecSource:
             return [self._number(value, units[0], line)]
         if not isinstance(value, list) or len(value) != count:
             what = "the command `{command}` answered {answer}, in which {count} numbers were expected"
-            remedy = 'Answer with the values along x, y and z: {{"value": [1.7, 0.2, -0.4], "unit": "um"}}'
-            if setup.written:
-                remedy = 'Answer with its {count} values and their units: {{"value": [...], "unit": [{units}]}}'
-            if setup.stations:
-                remedy = (
-                    'Answer with the values from each station in its order: {{"value": [1.7, 0.2, -0.4], "unit": "um"}}'
-                )
-            named = ", ".join(f'"{unit}"' for unit in units_of(setup))
-            raise self._failure(what, remedy, answer=_quoted(line), count=count, units=named)
+            remedy = 'Answer with all of {names}: {{"value": [1.7, ...], "unit": [{units}]}}'
+            units_said = ", ".join(f'"{unit}"' for unit in units_of(setup))
+            raise self._failure(
+                what, remedy, answer=_quoted(line), count=count, names=asked_values(setup), units=units_said
+            )
         return [self._number(each, unit, line) for each, unit in zip(value, units, strict=True)]
 
     def _unit(self, unit: object, reads: Reads, line: str, request: Request) -> str:

@@ -136,12 +136,7 @@ def value_texts(text: str, setup: Setup) -> list[str]:
     if len(parts) != count:
         given = counted("one value", "{count} values", len(parts))
         what = said('"{text}" is {given}, and the instrument gives {count}', text=text, given=given, count=count)
-        if setup.written:
-            raise ReadingError(what, said("Type each of {names}", names=asked_values(setup)))
-        example = " ".join(("1.2", "-0.4", "0.8", "0.3")[:count]) + " um"
-        if setup.stations:
-            raise ReadingError(what, said("Type one from each station in its order, as in {example}", example=example))
-        raise ReadingError(what, said("Type those along x, y and z, as in {example}", example=example))
+        raise ReadingError(what, said("Type each of {names}", names=asked_values(setup)))
     if len({*units_of(setup)}) > 1:
         return parts
     numbers = [_PLAIN.match(part) for part in parts]

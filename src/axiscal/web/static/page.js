@@ -97,7 +97,7 @@ function renderQuestion() {
   text("again", [question.again, question.check].filter((words) => words !== "").join("; "));
   show("again", question.again + question.check !== "");
   drawDirection(find("drawing"), question);
-  text("unit", question.asks === question.unit ? unitText(question.unit) : question.asks);
+  text("unit", question.names.map((name, n) => `${name} ${unitText(question.units[n])}`.trim()).join(", "));
   find("field").className = question.expected.length > 1 ? "several" : "";
   text("expect", expectWords(question));
   if (jogging) renderJog();
