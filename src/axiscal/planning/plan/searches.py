@@ -15,11 +15,11 @@ from axiscal.planning.plan.greedy import affordable, scores_among
 from axiscal.planning.plan.irregular import irregular
 from axiscal.planning.plan.minutes import from_elsewhere
 from axiscal.planning.plan.order import seconds_along
-from axiscal.planning.plan.task import PATIENCE, Limits, Patience, Task, clock, work_of_climb
+from axiscal.planning.plan.task import PATIENCE, Limits, Patience, Task, clock
 
 _MOST, _SEED = 20, 2
 """Searches at most: what a few do not find hardly any finds; any seed: they are the same every time."""
-_WORK = 1e10
+_WORK = 5e9
 """Operations after which no search is begun: seconds, by work and not by the clock."""
 _ALIKE = 1e-3
 """Share of J by which a plan must be better to be called so."""
@@ -72,6 +72,7 @@ def _so_many(task: Task, limits: Limits, places: Places, usual: bool, number: in
     drawn = [rng.choice(np.flatnonzero(lattice.setups == s), count) for s, count in counts.items()]
     scores.enter_all(lattice.within(np.concatenate(drawn)))
     work.take(exchange(scores, affordable(times, tuple(counts), np.inf)))
-    polish(scores, affordable(times, tuple(counts), 0.0), ROUNDS, Patience(PATIENCE))
-    work.take(ROUNDS * work_of_climb(scores.pool.size, scores.pool.size) * len(places))
+    climbs = Patience(PATIENCE)
+    polish(scores, affordable(times, tuple(counts), 0.0), ROUNDS, climbs)
+    work.take(PATIENCE - climbs.left)
     return irregular(task, limits, scores.places) if usual else scores.places
