@@ -183,9 +183,16 @@ def numbers(instrument: Seeing, at: At, u: Unknowns) -> Array:
         found = instrument.sees(at, u)
     except KeyError as missing:
         raise InputError(where, f"u[{missing}]", "is not there", "Name it in unknowns or type_b") from None
+    except InputError:
+        raise
+    except (ArithmeticError, AttributeError, LookupError, NameError, TypeError, ValueError) as fault:
+        what = f"cannot be computed ({type(fault).__name__}: {fault})"
+        raise InputError(where, "result", what, "Repair the function") from fault
     if not isinstance(found, list | tuple) or len(found) != len(instrument.names):
         what, names = f"is {type(found).__name__}", ", ".join(instrument.names)
         raise InputError(where, "result", what, f"Return a list of one array for each of {names}")
+    if any(np.asarray(each).dtype.kind not in "iufc" for each in found):
+        raise InputError(where, "result", "holds no numbers", f"Return an array of them for each of {instrument.names}")
     try:
         return np.stack([np.broadcast_to(each, len(at.poses)) for each in found], axis=1)
     except ValueError:
@@ -270,11 +277,11 @@ def _spread(term: Curved, poses: Array) -> Array:
     return np.asarray(np.sqrt(np.sum(rows @ term.covariance() * rows, axis=1) + term.rest**2))
 
 
-def refuse_what_is_not_analytic(instrument: Instrument, machine: Machine, poses: Array, sides: Array) -> None:
-    """Raise InputError where complex steps and a real difference give other rows.  poses, sides : (m, q)"""
-    where, some, frames = type(instrument).__name__, np.array([3e-6, -2e-6, 5e-6]), machine.frames(poses)
+def refuse_what_is_not_analytic(instrument: Instrument, at: At) -> None:
+    """Raise InputError where complex steps and a real difference give other rows.  at : places to try"""
+    where, some, poses = type(instrument).__name__, np.array([3e-6, -2e-6, 5e-6]), at.poses
     off = np.zeros((len(poses), 3)) + some  # abs has a slope beside zero only
-    at, u = At(poses, sides, frames.tcp, frames.tool, off, -off), dict.fromkeys(instrument.own, 3e-6)
+    at, u = at._replace(moved=off, turned=-off), dict.fromkeys(instrument.own, 3e-6)
     u |= dict.fromkeys(instrument.considered, 3e-6)
     shown = numbers(instrument, at, u)
     if not np.isfinite(shown).all():

@@ -15,7 +15,7 @@ import numpy as np
 
 from axiscal_core.criterion import Goal, volume
 from axiscal_core.errors import ASIDE, CELLS
-from axiscal_core.instrument import Instrument, refuse_what_is_not_analytic, sight
+from axiscal_core.instrument import At, Instrument, refuse_what_is_not_analytic, sight
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
 from axiscal_core.places import Places, Readings
@@ -90,7 +90,9 @@ class Model:
         if not instrument.moves:
             raise InputError(type(instrument).__name__, "moves", "names no axis", f"Axes are {known}")
         some = self.lattice_of(instrument, 6)
-        refuse_what_is_not_analytic(instrument, self.machine, some.poses, some.sides)
+        frames, still = self.machine.frames(some.poses), np.zeros((len(some.poses), 3))
+        at = At(some.poses, some.sides, frames.tcp, frames.tool, still, still)
+        refuse_what_is_not_analytic(instrument, at)
         return instrument.name
 
     @cached_property

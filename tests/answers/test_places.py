@@ -13,12 +13,12 @@ from axiscal.answers.answer_of_campaign import answered
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.accuracy import yardstick
 from axiscal.estimation.accuracy.expanded import expanded, expanded_floor
-from axiscal.estimation.accuracy.unseen import uniform_parts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
+from axiscal.planning.unseen import uniform_parts
 from axiscal.present.demo import description
 from axiscal.tables import offer
 from axiscal.tables.exporter import ExportOptions

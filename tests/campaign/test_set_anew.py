@@ -6,13 +6,16 @@ from pathlib import Path
 
 import pytest
 
+from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
+from axiscal.cli.outputs import standing_screen
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.present.guide.progress import Named, named_now
 from axiscal.record.accepted import Accepted, put_right
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, read
+from tests.generators.turned_back import OUT, begun_out_and_back
 
 DESCRIBED = campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m")
 
@@ -78,15 +81,29 @@ def test_a_reading_that_comes_later_is_behind_the_jump_and_one_without_any_befor
 
 def test_a_step_is_asked_about_by_the_second_reading_behind_it_and_accepted_it_agrees(tmp_path: Path) -> None:
     """Once more it is not asked: the same jump was named before."""
-    with _begun(tmp_path / "r.axiscal", 9, 140e-6, 8) as campaign:
+    with _begun(tmp_path / "r.axiscal", 6, 140e-6, 5) as campaign:
         assert named_now(campaign) is None
-        places = read(machine(3), 15)[9:]
+        places = read(machine(3), 15)[6:]
         asked = list[Named | None]()
         for each in places[:3]:
             campaign.record(each.value + 140e-6, at=each.place)
             asked.append(named_now(campaign))
-        assert asked[0] == Named("jump", "laser", 9, 'Was the zero of "laser" set anew before reading 9?')
+        assert asked[0] == Named("jump", "laser", 6, 'Was the zero of "laser" set anew before reading 6?', ("jump",))
         assert asked[1:] == [asked[0]] * 2
-        assert campaign.accept("jump").reading == 9
+        assert campaign.accept("jump").reading == 6
         assert named_now(campaign) is None
         assert not campaign.estimate().agreement.contradicts
+
+
+@pytest.mark.parametrize("answer", ["jump", "backlash"])
+def test_a_step_where_the_axis_turned_stands_on_the_screen_until_it_is_answered(tmp_path: Path, answer: str) -> None:
+    record = begun_out_and_back(tmp_path / "r.axiscal", 2 * OUT, 30e-6)
+    asked = "shows a step before reading 11, where X turned: zero set anew, or backlash? (1 : "
+    with Campaign.open(record) as campaign:
+        assert asked in " ".join(standing_screen(campaign).split())
+        assert standing_answer(campaign).asks
+        before = {row.row for row in standing_answer(campaign).rows if row.measured}
+        campaign.accept(answer)
+        assert "backlash?" not in standing_screen(campaign)
+        after = {row.row for row in standing_answer(campaign).rows if row.measured}
+        assert before - after == ({"backlash X"} if answer == "jump" else set())

@@ -55,6 +55,8 @@ def fits(value: Any, schema: dict[str, Any], whole: dict[str, Any]) -> bool:
         return False
     if "enum" in schema and value not in schema["enum"]:
         return False
+    if "pattern" in schema and not re.search(schema["pattern"], value):
+        return False
     kinds = TYPES.get(schema.get("type", ""), (object,))
     if not isinstance(value, kinds) or (isinstance(value, bool) and kinds[0] not in (bool, object)):
         return False

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 import pytest
 
 from axiscal.description.first_files import of_file
+from axiscal.exceptions import DescriptionError
 from axiscal.machine import Machine, machine_from_text
 from tests.commands import Command
 
@@ -50,9 +52,42 @@ def test_kinematics_travels_and_speeds_are_read(tmp_path: Path) -> None:
     assert {axis.name: axis.acceleration for axis in machine.axes}["X"] == pytest.approx(3.0)
 
 
+def test_what_a_printer_includes_counts_in_its_place(tmp_path: Path) -> None:
+    (tmp_path / "axes").mkdir()
+    (tmp_path / "axes" / "all.cfg").write_text(f"{COREXY}[include ../printer.cfg]\n[stepper_y]\nposition_max: none\n")
+    whole = "[include mainsail.cfg]\n[include axes/*.cfg]\n[stepper_y]\nposition_max: 190\n"
+    travels = {axis.name: axis.travel for axis in read(tmp_path, whole).axes}
+    assert travels["Y"] == pytest.approx((0.0, 0.19))
+    with pytest.raises(DescriptionError, match=r"all\.cfg, line 22: position_max = none is not a number"):
+        read(tmp_path, whole.replace("[stepper_y]", "[stepper_e]"))
+    with pytest.raises(DescriptionError, match=r"line 1: The file \"more\.cfg\" that is included here is not there"):
+        read(tmp_path, "[include more.cfg]\n")
+
+
 def test_the_bed_of_a_cartesian_printer_slides(tmp_path: Path) -> None:
     machine = read(tmp_path, COREXY.replace("corexy", "cartesian"))
     assert [axis.name for axis in machine.axes if axis.workpiece_side] == ["Y"]
+
+
+MESHED = f"{COREXY}[bltouch]\nx_offset: 0\ny_offset: 25\n[bed_mesh]\nmesh_min: 25,35.0\nmesh_max: 240.0, 230\n"
+
+
+def test_the_probe_reaches_what_the_mesh_and_the_travels_share(
+    tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is what a printer is measured by where nobody says another."""
+    file = tmp_path / "printer.cfg"
+    file.write_text(MESHED)
+    monkeypatch.setattr("sys.stdin", io.StringIO(""))
+    assert "Give --instrument and --target" in command("init", tmp_path / "bed", "--from", file).refusal
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n"))
+    command("init", tmp_path / "bed", "--from", file, "--target", "")
+    text = (tmp_path / "bed" / "campaign.toml").read_text()
+    assert 'reach = { X = ["25 mm", "240 mm"], Y = ["35 mm", "210 mm"] }   # CHECK' in text
+    file.write_text(MESHED.replace("35.0", "y"))
+    assert "mesh_min = y is not a number" in command("init", tmp_path / "c", "--from", file).refusal
+    file.write_text(MESHED.replace("35.0", "225"))
+    assert "mesh_max = 240.0, 230 is not above mesh_min" in command("init", tmp_path / "c", "--from", file).refusal
 
 
 def test_init_begins_with_a_printer(tmp_path: Path, command: Command) -> None:

@@ -11,7 +11,8 @@ import pytest
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.jumps import jumped, suspects, ways_of
+from axiscal.estimation.learnt import posed
+from axiscal.estimation.promise.jumps import jumped, suspects, turn_of, ways_of
 from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.promise.problem import Problem
 from axiscal.measurement.reading import Reading
@@ -147,3 +148,44 @@ def test_of_a_hundred_right_records_none_has_a_jump(times: float) -> None:
         readings = foreign_readings(setup, count, 1000 + seed, times * (4e-6 if setup is DIAL else 10e-6))
         found += len(_named(estimated(foreign_case(setup), readings)))
     assert found <= 1
+
+
+def _out_and_back(setup: str, runs: int, step: float) -> list[Reading]:
+    """Return readings out and back, a step less on every way back, m, without noise."""
+    case, out = foreign_case(setup), np.linspace(0.05, 0.55, 9)
+    park, name = case.description.setups[0].park[1:], case.description.setups[0].name
+    places = [(float(x), 1 if run % 2 == 0 else -1) for run in range(runs) for x in out[:: 1 if run % 2 == 0 else -1]]
+    values = [30e-6 * x - (step if side < 0 else 0.0) for x, side in places]
+    return [
+        Reading(name, (x, *park), (side, 0), y, number=i + 1)
+        for i, ((x, side), y) in enumerate(zip(places, values, strict=True))
+    ]
+
+
+@pytest.mark.parametrize(("setup", "runs", "turn"), [(LASER, 1, -1), (LASER, 2, 9), (LASER, 3, -1), (DIAL, 2, -1)])
+def test_one_way_out_and_back_along_a_reversal_cannot_tell_a_jump_from_it(setup: str, runs: int, turn: int) -> None:
+    """By the rank of what both add: with the zero they are one column less where the axis turned once."""
+    problem = posed(foreign_case(setup), _out_and_back(setup, runs, 0.0))
+    assert turn_of(problem, problem.setup == 0) == turn
+    (sides,) = problem.rows[:, problem.size_at == [size.kind for size in problem.sizes.of].index("reversal")].T
+    behind = problem.reading >= 9
+    rank = np.linalg.matrix_rank(np.stack([sides, np.ones_like(sides), behind]).T)
+    assert (rank == 2 and np.ptp(sides) > 0 and runs > 1) == (turn == 9)
+
+
+@pytest.mark.parametrize(
+    ("step", "asked_about"), [(3e-6, False), (9e-6, False), (20e-6, True), (60e-6, True), (200e-6, True)]
+)
+def test_a_step_where_the_axis_turned_is_named_unless_backlash_is_twenty_times_as_likely(
+    step: float, asked_about: bool
+) -> None:
+    case, readings = foreign_case(LASER), _out_and_back(LASER, 2, step)
+    known = estimated(case, readings)
+    assert _named(known) == [("jump", 9)] * asked_about
+    assert all(each.backlash for each in known.agreement.explained)
+    assert ("zero set anew, or backlash?" in agreement_words(known)) is (asked_about and step < 100e-6)
+    sure = [replace(each, accepted=i == 9) for i, each in enumerate(readings)]
+    told = estimated(case, sure)
+    assert _named(told) == []
+    at = case.errors.names["EXX_reversal"].columns.start
+    assert told.printed.belief.mean[at] == pytest.approx(-step, rel=0.05, abs=0.5e-6)

@@ -118,8 +118,10 @@ def test_a_line_through_the_volume_is_in_its_middle_and_rotary_axes_stand_at_nou
 def test_a_line_is_what_one_axis_alone_shows_along_one_direction(
     changed: dict[str, object], seen: tuple[str, int] | None
 ) -> None:
-    (setup,) = described(("laser", "X", "x")).setups
-    assert seen_by(replace(setup, **changed)) == seen  # type: ignore[arg-type]
+    mounted = described(("laser", "X", "x"))
+    (setup,), mill = mounted.setups, mounted.machine
+    changed_one = replace(setup, **changed)  # type: ignore[arg-type]
+    assert seen_by(changed_one, mill, np.array(setup.park)) == seen
 
 
 def names_of(found: CampaignDescription, readings: Sequence[Reading] = (), *, whole: bool = False) -> list[str]:

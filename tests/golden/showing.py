@@ -24,8 +24,9 @@ MASKED = (
 LEFT_AWAY = (
     *("*.axiscal", "*.axiscal-*", "*.answers", "*.sqlite", "*.type.json"),
     *("report.html", "report.pdf", "*.svg", "*.xml", "data/*", "tables/*/README.txt"),
+    *("axiscal_vcomp.comp", "axiscal_vcomp_core.h"),
 )
-"""Records and what is kept beside them; the report in its forms; the words beside tables."""
+"""Records and what is kept beside them; the report in its forms; the words beside tables; code that is copied."""
 DIGITS = 12
 MOST = 16
 """Entries of a list of numbers that is kept whole; of a longer one so many at most."""

@@ -103,7 +103,7 @@ def test_readings_of_all_are_columns_in_the_order_of_the_stations(tmp_path: Path
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("setup,X_mm,value_1_um,value_3_um\nbeams,100,1,2", "a station between others has no value"),
+        ("setup,X_mm,value_1_um,value_3_um\nbeams,100,1,2", "the line has no value value_2"),
         ("setup,X_mm,value_1_um,value_2_um\nbeams,100,1,2", "value_1_um, value_2_um and value_3_um"),
         ("setup,X_mm,value_x_um,value_y_um,value_z_um\nbeams,100,1,2,3", "value_1_um, value_2_um and value_3_um"),
         ("setup,X_mm,value_um\nbeams,100,1", "value_1_um, value_2_um and value_3_um"),

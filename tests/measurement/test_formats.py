@@ -96,7 +96,7 @@ def test_every_format_has_a_good_file(tmp_path: Path) -> None:
 ANY_ORDER = [each for each in FORMS if any(word in each for word in ("UBL map", "M421", "points", "OpenCNCPilot"))]
 
 
-@pytest.mark.parametrize("form", [each for each in ANY_ORDER if "CSV" not in each])
+@pytest.mark.parametrize("form", [each for each in ANY_ORDER if "CSV" not in each and "Marlin 1" not in each])
 def test_a_map_that_is_turned_upside_down_stays_as_it_is(tmp_path: Path, form: str) -> None:
     """Rows and points that say where they are may stand in any order."""
     lines = MAPS[1].text(form).splitlines()
@@ -140,6 +140,15 @@ def test_nodes_without_a_count_are_all_there(tmp_path: Path) -> None:
 def test_a_title_without_rows_is_cut_off(tmp_path: Path, title: str) -> None:
     with pytest.raises(ReadingError, match="line 2: the height map is cut off"):
         read(tmp_path, f"ok\n{title}\nok\n", MAPS[0])
+
+
+def test_two_grids_of_one_bed_are_asked_about(tmp_path: Path) -> None:
+    """What a Snapmaker Artisan prints: as probed, and as it corrects by."""
+    grid = MAPS[0].text("a Marlin map (M420 V)").partition("Send: M420 V")[2].replace("Recv: ", "")
+    one, _, _ = grid.partition("Subdivided")
+    both = one.replace("Bilinear", "Raw Bilinear") + one.replace("Bilinear", "compensated Bilinear")
+    with pytest.raises(ReadingError, match=r"there are 2 maps in this file\. Keep the one"):
+        read(tmp_path, both, MAPS[0])
 
 
 def test_a_mesh_of_marlin_is_printed_with_more_decimals(tmp_path: Path) -> None:

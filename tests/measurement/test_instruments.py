@@ -111,7 +111,7 @@ def test_three_values_come_from_a_file(tmp_path: Path) -> None:
 def test_two_of_three_values_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "readings.csv"
     path.write_text("setup,X_mm,Y_mm,Z_mm,value_x_um,value_y_um,value_z_um\n0,100,200,50,1,,3\n")
-    with pytest.raises(ReadingError, match="line 2: the line has a value along x, but not along y and z"):
+    with pytest.raises(ReadingError, match="line 2: the line has no value value_y"):
         read_any(path)
 
 

@@ -31,6 +31,7 @@ from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
+from axiscal.planning.unseen import hidden_of
 from axiscal.present.curves import curves
 from axiscal_core.roots import node_count, nodes
 from tests.generators.designs import problem
@@ -239,7 +240,7 @@ def test_a_foot_beyond_the_travel_is_refused() -> None:
 
 
 def test_it_sees_neither_offset_nor_inclination_of_a_way() -> None:
-    hidden = Case(_described(LEVEL)).hidden
+    hidden = hidden_of(Case(_described(LEVEL)))
     told = [one.text for one in hidden if "EZX" in one.names]
     assert any("slope" in text for text in told)
 

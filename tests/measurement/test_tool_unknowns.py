@@ -21,6 +21,7 @@ from axiscal.measurement.instrument import model_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
+from axiscal.planning.unseen import hidden_of
 from tests.generators.texts import TWO_SPHERES
 
 _STATION = 'station = ["300 mm", "-800 mm", "-300 mm"]'
@@ -174,12 +175,12 @@ def test_a_longer_tool_at_spheres_is_found_or_within_what_is_promised(text: str,
     assert np.sqrt(np.mean(np.square(wrong))) < 1.5
     assert all(abs(mean + _LONGER) < 3 * std for mean, std in own)
     assert (max(std for _, std in own) < 10e-6) is told
-    assert any("Measure the tool" in each.text for each in case.hidden) is not told
+    assert any("Measure the tool" in each.text for each in hidden_of(case)) is not told
 
 
 def test_what_the_tool_hides_is_what_an_exactly_known_tool_would_show() -> None:
     doubtful, exact = (Case(_at_spheres(_TABLE, tool)).yardstick.unseen_rms for tool in ("", 'tool_length = "0 um"\n'))
-    (said,) = (each for each in Case(_at_spheres(_TABLE, "")).hidden if "Measure the tool" in each.text)
+    (said,) = (each for each in hidden_of(Case(_at_spheres(_TABLE, ""))) if "Measure the tool" in each.text)
     assert said.effect == pytest.approx(np.sqrt(doubtful**2 - exact**2), rel=1e-6)
     assert 0.1 * doubtful < said.effect < 0.999 * doubtful
 

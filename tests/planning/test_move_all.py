@@ -19,7 +19,7 @@ from axiscal.measurement.setup import Unknown
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
 from axiscal.planning.gains.covariance import Covariance
-from axiscal.planning.plan.exchange import _free, _value, relocated
+from axiscal.planning.plan.exchange import _Beside, _free, _value, relocated
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.proposal import proposed
 from tests.generators.designs import levered, problem, random_poses, splines
@@ -83,7 +83,7 @@ def test_the_gradient_is_that_of_what_is_left(instrument: str) -> None:
     places = drawn(asked, 3, 4)
     free = _free(asked.state, places)
     total, before = asked.state.value, asked.state.after_readings(places).value
-    value, gradient = _value(asked.state, places, free)
+    value, gradient = _value(asked.state, places, free, _Beside.of(places, free))
     assert value * total == pytest.approx(before, rel=1e-6)
 
     def left(shares: Array) -> float:

@@ -24,6 +24,7 @@ from axiscal.numerics import Array
 from axiscal.ports.fleet.due_dates import due_dates, titles
 from axiscal.ports.fleet.type_learning import learnt_type
 from axiscal.ports.fleet.worn_machine import Aging, Pair, Wearing, aging, worn
+from axiscal.web.after_end import measure_again
 from tests.commands import Command
 from tests.generators.sisters import read_on, shop, slide, write_record
 from tests.generators.texts import machine_text, setup_text
@@ -219,4 +220,7 @@ def test_a_target_of_u_is_read_from_the_campaign(folder: Path) -> None:
     described = campaign_from_texts(text, "campaign.toml", slide(serial="U").machine.text, "machine.toml")
     file = write_record(folder / "u.axiscal", described, read_on(3))
     (machine,) = due_dates([file], DAY).machines
+    others = [file for file in folder.iterdir() if file.name in ("b.axiscal", "u.axiscal", "torn.axiscal")]
+    day = next(each.day_text for each in due_dates(others, DAY).machines if each.record.name == "u.axiscal")
+    assert measure_again(file, others) == f"Measure again: {day}."
     assert 30e-6 / 2.2 < (machine.target or 0.0) < 30e-6 / 1.5  # the factor between both, as docs/conventions.md has it

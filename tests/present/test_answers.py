@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import AxiscalError
 from axiscal.machine import load_machine
+from axiscal.measurement.reading import sense
 from axiscal.measurement.setup import Setup
-from axiscal.present.guide.question import Word, answer, sense
+from axiscal.present.guide.question import Word, answer
 from tests.generators.texts import campaign_text, setup_text
 
 SETUPS = campaign_text(

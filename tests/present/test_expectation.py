@@ -7,13 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from axiscal.answers.prediction import expectation
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Place, Reading
-from axiscal.present.guide.question import Question, expectation
+from axiscal.present.guide.question import Question
 from axiscal.record.events import Asked
 from tests.generators.texts import FOUR_READINGS, campaign_text, machine_text, setup_text
 

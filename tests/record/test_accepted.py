@@ -84,6 +84,14 @@ def test_those_before_a_jump_are_of_a_set_up_of_their_own() -> None:
         put_right(RIGHT, Accepted("jump", ("one",), 3, name="it"))
 
 
+def test_of_backlash_the_first_reading_behind_the_turn_counts_as_right() -> None:
+    found = put_right(RIGHT, Accepted("backlash", ("one",), 7))
+    assert [each.number for each in found if each.accepted] == [7]
+    assert [replace(each, accepted=False) for each in found] == RIGHT
+    with pytest.raises(ValueError, match="there is no reading 8 behind a turn"):
+        put_right(RIGHT, Accepted("backlash", ("one",), 8))
+
+
 def test_a_mistake_of_a_set_up_without_readings_is_none() -> None:
     with pytest.raises(ValueError, match="readings that there are not"):
         put_right(RIGHT, Accepted("sign", ("three",), factor=-1.0))

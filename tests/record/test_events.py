@@ -46,6 +46,7 @@ accepted = (
     st.builds(Accepted, st.just("jump"), st.tuples(st.text()), st.integers(1, 99), name=st.text(min_size=1))
     | st.builds(Accepted, st.sampled_from(["sign", "unit"]), st.tuples(st.text()), factor=factors)
     | st.builds(Accepted, st.just("shifted"), st.tuples(st.text()), factor=st.sampled_from([1.0, -1.0]))
+    | st.builds(Accepted, st.just("backlash"), st.tuples(st.text()), st.integers(1, 99))
     | st.builds(Accepted, st.just("stuck"), st.lists(st.text(), min_size=1, unique=True).map(tuple), st.integers(1, 99))
     | st.builds(Accepted, st.just("swapped"), st.lists(st.text(), min_size=2, max_size=2, unique=True).map(tuple))
 )
@@ -79,6 +80,8 @@ def _can_be(state: State, each: Accepted) -> bool:
         return False
     if each.mistake == "jump":
         return each.reading in mine[0][1:] and each.name not in {one.name for one in state.mounted}
+    if each.mistake == "backlash":
+        return each.reading in mine[0]
     return all(mine) and len({len(numbers) for numbers in mine}) == 1
 
 
@@ -86,6 +89,7 @@ few = st.sampled_from(["laser", "bar"])
 wrongs = st.one_of(
     st.builds(Accepted, st.just("jump"), st.tuples(few), st.integers(1, 9), name=st.just("before")),
     st.builds(Accepted, st.just("sign"), st.tuples(few), factor=st.just(-1.0)),
+    st.builds(Accepted, st.just("backlash"), st.tuples(few), st.integers(1, 9)),
     st.builds(Accepted, st.just("unit"), st.tuples(few), factor=st.sampled_from([1000.0, 1 / 25.4])),
     st.builds(Accepted, st.just("shifted"), st.tuples(few), factor=st.sampled_from([1.0, -1.0])),
     st.just(Accepted("swapped", ("laser", "bar"))),

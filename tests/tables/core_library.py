@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from axiscal import tables
 from axiscal.numerics import Array
-from axiscal.ports import linuxcnc
 
 HERE = Path(__file__).parent
-SOURCES = Path(linuxcnc.__file__).parent
+SOURCES = Path(tables.__file__).parent
 NEEDS_GCC = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs Debian's gcc")
 
 
@@ -39,24 +39,26 @@ class Core:
         """Return what is added (m, q), faults (m,) and bits of axes beyond their knots (m,)."""
         out, count = np.zeros(joints.shape), len(joints)
         fault, outside = np.zeros(count, np.intc), np.zeros(count, np.intc)
-        self._library.correct(count, *map(_at, (joints, ways, tool)), int(once), *map(_at, (out, fault, outside)))
+        self._library.correct(count, *map(passed, (joints, ways, tool)), int(once), *map(passed, (out, fault, outside)))
         return out, fault, outside
 
     def sides(self, at: Array, band: float, seconds: float, period: float, powered: Array | None = None) -> Array:
         """Return the side of an axis at each position.  powered : whether drives are on there"""
         out, on = np.zeros(len(at)), np.ones(len(at)) if powered is None else powered
         numbers = (ctypes.c_double(each) for each in (band, seconds, period))
-        self._library.sides(len(at), _at(at), _at(on), *numbers, _at(out))
+        self._library.sides(len(at), passed(at), passed(on), *numbers, passed(out))
         return out
 
     def gains(self, targets: Array, length: float, period: float) -> Array:
         """Return the gain at each step."""
         out = np.zeros(len(targets))
-        self._library.gains(len(targets), _at(targets), ctypes.c_double(length), ctypes.c_double(period), _at(out))
+        self._library.gains(
+            len(targets), passed(targets), ctypes.c_double(length), ctypes.c_double(period), passed(out)
+        )
         return out
 
 
-def _at(values: Any) -> Any:
+def passed(values: Any) -> Any:
     kept = values if values.flags.c_contiguous else np.ascontiguousarray(values)
     assert kept is values, "give arrays row by row"
     return ctypes.c_void_p(kept.ctypes.data)

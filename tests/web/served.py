@@ -7,6 +7,7 @@ import json
 import os
 import re
 import signal
+import ssl
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -39,11 +40,16 @@ class Answer:
 
 @dataclass(frozen=True)
 class Served:
-    """A server that runs: its address with the token, its record or else its folder, its process."""
+    """A server that runs: its address with the token, its record or else its folder, its process, what else it printed.
+
+    devices : what devices of the shop come to, and trust; None on the computer itself
+    """
 
     address: str
     record: Path
     process: int
+    printed: str = ""
+    devices: ssl.SSLContext | None = None
 
     @property
     def port(self) -> int:
@@ -58,6 +64,8 @@ class Served:
     def ask(self, method: str, path: str, body: bytes | None = None, **headers: str) -> Answer:
         """Return the answer to a request with just these headers beside Host; `_` in a name stands for `-`."""
         line = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE)
+        if self.devices is not None:
+            line = http.client.HTTPSConnection("127.0.0.1", self.port, timeout=PATIENCE, context=self.devices)
         try:
             line.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
             for name, value in ({"Host": f"127.0.0.1:{self.port}"} | headers).items():
@@ -111,7 +119,10 @@ def served(record: Path, *options: str) -> Iterator[Served]:
     try:
         addresses = [word for word in process.stdout.readline().split() if word.startswith("http://")]
         assert addresses, process.communicate(timeout=PATIENCE)
-        yield Served(addresses[0], record, process.pid)
+        lines = [process.stdout.readline()]
+        while "--shop" in options and "SHA-256" not in lines[-1]:
+            lines.append(process.stdout.readline())
+        yield Served(addresses[0], record, process.pid, "".join(lines))
         process.send_signal(signal.SIGINT)
         _, complaint = process.communicate(timeout=PATIENCE)
         assert (process.returncode, complaint.count("\n")) == (0, 0 if starts else 1), complaint

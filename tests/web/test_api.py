@@ -20,6 +20,7 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.record.events import Asked
 from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
+from tests.generators.turned_back import OUT, begun_out_and_back
 from tests.web.served import PATIENCE, Answer, Served, served, started
 
 
@@ -63,6 +64,8 @@ def test_a_whole_campaign_over_the_api(page: Served) -> None:
     assert [each["values"] for each in state["readings"]] == [[1.1], [0.4], [0.5]]
     assert page.call("finish", after=state["last"]).status == 200
     assert (page.record.parent / "mill-results" / "report.html").is_file()
+    again = page.call("again").document["sentence"]
+    assert again == "Measure again: the campaign has no target of U or RMS that would say when."
     known = page.state()["answer"]
     assert known["first"][0] == "MEASURED"
     assert re.fullmatch(r"4 readings, \d+ min", known["first"][1])  # of the clock
@@ -258,14 +261,38 @@ def test_half_a_character_and_a_book_are_refused(still: Served, step: str, key: 
     assert still.state()["question"]["number"] == 1
 
 
+def asked(page: Served, state: dict[str, Any]) -> dict[str, Any]:
+    """Return the state in which a page asks something."""
+    begun = time.monotonic()
+    while not state["asks"] and time.monotonic() < begun + PATIENCE:
+        state = page.call(f"state?seen={state['version']}&wait=20").document
+    return state
+
+
+@pytest.mark.parametrize("answer", ["jump", "backlash"])
+def test_a_page_asks_once_whether_a_step_where_the_axis_turned_is_backlash(tmp_path: Path, answer: str) -> None:
+    record = begun_out_and_back(tmp_path / "mill.axiscal", OUT + 1, 30e-6)
+    with served(record) as page:
+        assert page.call("readings", after=page.state()["last"], text="-13").status == 200
+        state = asked(page, page.state())
+        assert state["asks"] == '"laser" shows a step before reading 11, where X turned: zero set anew, or backlash?'
+        assert state["choices"] == {"jump": "zero set anew", "backlash": "backlash"}
+        assert page.call("zeros", after=state["last"], answer="stuck").status != 200
+        done = page.call("zeros", after=state["last"], answer=answer)
+        assert ("is backlash" in done.document["sentence"]) is (answer == "backlash")
+        assert (page.state()["asks"], page.state()["choices"]) == ("", {})
+    with Campaign.open(record, write=False) as campaign:
+        assert [each.mistake for each in campaign.state.accepted] == [answer]
+
+
 def test_a_page_asks_whether_a_zero_was_set_anew_and_keeps_that_it_was(tmp_path: Path) -> None:
     """Asked at the second reading behind a step; told at any time, or with a surprising reading."""
     record = started(tmp_path, FOUR_READINGS.replace("readings = 4", "readings = 14"))
     with Campaign.open(record) as campaign:
         for _ in range(8):
-            asked = campaign.next()
-            assert isinstance(asked, Asked)
-            campaign.record(1e-6 * asked.place.pose[0])
+            place = campaign.next()
+            assert isinstance(place, Asked)
+            campaign.record(1e-6 * place.place.pose[0])
     with served(record) as page:
 
         def keep(text: str, **how: str) -> dict[str, Any]:
@@ -274,11 +301,10 @@ def test_a_page_asks_whether_a_zero_was_set_anew_and_keeps_that_it_was(tmp_path:
             return page.state()
 
         assert keep("140.5", cause="keep")["asks"] == ""
-        state, begun = keep("140.6", cause="keep"), time.monotonic()
-        while not state["asks"] and time.monotonic() < begun + PATIENCE:
-            state = page.call(f"state?seen={state['version']}&wait=20").document
+        state = asked(page, keep("140.6", cause="keep"))
         assert state["asks"] == 'Was the zero of "laser" set anew before reading 9?'
-        assert page.call("zeros", after=state["last"], asked=True).status == 200
+        assert state["choices"] == {"jump": "Yes"}
+        assert page.call("zeros", after=state["last"], answer="jump").status == 200
         assert page.state()["asks"] == ""
         done = page.call("zeros", after=page.state()["last"])
         assert "has another zero from reading 11 on" in done.document["sentence"]

@@ -84,9 +84,9 @@ def test_an_address_that_nobody_asked_for_in_time_is_void(monkeypatch: pytest.Mo
     addresses = Addresses()
     first, second = addresses.once("/report.pdf"), addresses.once("/tables.zip?control=csv")
     now[0] = 59.0
-    assert addresses.meant(first) == ("/report.pdf", "")
+    assert addresses.redeem(first) == ("/report.pdf", "")
     now[0] = 61.0
-    assert addresses.meant(second) is None
+    assert addresses.redeem(second) is None
 
 
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", "https://127.0.0.1:{port}", "http://127.0.0.1", ""])
@@ -123,7 +123,7 @@ def test_the_script_writes_text_and_nothing_else() -> None:
         for path in resources.files("axiscal.web").joinpath("static").iterdir()
         if path.name.endswith(".js")
     ]
-    assert len(sources) == 6
+    assert len(sources) == 8
     makes_markup = r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|\beval\b|Function\(|DOMParser|srcdoc"
     assert [found for text in sources for found in re.findall(makes_markup, text)] == []
 

@@ -33,6 +33,13 @@ x_offset: 0
 #*# [probe]
 #*# z_offset = 1.2
 """
+ORDER = """(() => {
+  window.order = [];
+  const [ask, open] = [window.fetch, window.open];
+  window.fetch = (...words) => { if (words[0].endsWith("/addresses")) order.push("asked"); return ask(...words); };
+  window.open = (...words) => { order.push("opened"); return open(...words); };
+})()"""
+"""Notes in which order a window opens and something is asked."""
 PAINTED_IN = 300
 """ms in which the page shows its first words."""
 MOVED_IN = 0.3
@@ -259,7 +266,15 @@ def test_a_lathe_with_a_laser_to_the_loaded_table(browser: Browser, start: Serve
     person.press("Stop here")
     person.press("End it here")
     person.sees("Report to sign (PDF)")
+    person.sees("Measure again: ")
     looked_at(page)
+    page.value(ORDER)
+    person.press("Open the report")
+    page.until("order.includes('asked')")
+    assert page.value("order") == ["opened", "asked"]
+    there = time.monotonic() + PATIENCE
+    while not any("report.html" in each["url"] for each in browser.call("Target.getTargets")["targetInfos"]):
+        assert time.monotonic() < there
     page.saves_into(start.record)
     for words, file in (("Download", "linuxcnc.zip"), ("Report to sign (PDF)", "report.pdf")):
         person.press(words)
@@ -302,6 +317,34 @@ def test_a_tab_that_is_closed_in_any_screen_loses_nothing(browser: Browser, star
     person.press("Back")
     person.sees("Which instruments")
     assert person.page.value("document.querySelector('[data-instrument=interferometer]').ariaPressed") == "true"
+
+
+@pytest.mark.chromium
+@pytest.mark.long
+def test_back_of_the_page_and_of_the_browser_go_one_screen_back(browser: Browser, start: Served) -> None:
+    person = arrived(browser, start)
+    screen = "[...document.querySelectorAll('.screen')].filter(e => !e.hidden).map(e => e.id).join()"
+    for words in ("Calibrate a machine", "one axis", "Next", "laser", "Plan"):
+        person.press(words)
+    person.page.until(f"{screen} === 'plan'")
+    backs = ("Back", "browser", "Back")
+    for reload in (False, True):
+        for back, shown in zip(backs, ("with", "machine", "start"), strict=True):
+            if reload:
+                while start.call("start").document["draft"]["screen"] != person.page.value(screen):
+                    time.sleep(0.05)  # it is not on the disk yet
+                person.page.value("window.old = true")
+                person.page.call("Page.reload")
+                person.page.until(f"!window.old && {screen} !== ''")
+            if back == "Back":
+                person.press("Back")
+            else:
+                person.page.value("history.back()")
+            person.page.until(f"{screen} === '{shown}'")
+        person.press("Calibrate a machine")
+        person.press("Next")
+        person.press("Plan")
+        person.page.until(f"{screen} === 'plan'")
 
 
 @pytest.mark.chromium
@@ -412,7 +455,7 @@ def test_alone_at_a_screen_the_command_opens_the_start(
     """In a pipe it stays the help: `tests/cli/test_cli.py`."""
     seen = list[object]()
 
-    def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> str:
+    def serve_page(record: Path | None, port: int, ready: Callable[[str], None], shop: None) -> str:
         seen.append(record)
         ready("http://127.0.0.1:1/#x")
         return ""

@@ -1,4 +1,4 @@
-"""What a campaign predicts of the TCP at poses that a person names."""
+"""What a campaign predicts of the TCP at poses that a person names, and of the next reading."""
 
 from __future__ import annotations
 
@@ -10,10 +10,14 @@ import numpy as np
 from axiscal.errors.volume import deviation_of
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import beside_the_line
+from axiscal.estimation.knowledge import block
+from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
+from axiscal.measurement.instrument import scales_of
 from axiscal.measurement.readers.csv_table import RawPose
-from axiscal.measurement.reading import in_radii
+from axiscal.measurement.reading import Place, in_radii
+from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 from axiscal_core.threads import one_thread
@@ -77,3 +81,14 @@ def _placed(raw: RawPose, machine: Machine, file: Path) -> tuple[list[float], li
             raise ReadingError(what, remedy, file, raw.line, axis=axis.name, shown=shown, travel=travel)
         pose.append(at)
     return pose, [float(raw.approach.get(name, 0)) for name in names]
+
+
+def expectation(known: Estimation, place: Place) -> Band:
+    """Return what the readings so far say of the next one: ŷ = h·m and s² = h C hᵀ + rests + σ² (method.md 2).
+
+    mean, std : (k,) of each number of the reading, its noise included, m or rad
+    """
+    blanks = blank_readings(known.case.description.setups, [place])
+    (found,) = block(known.knowledge, blanks, np.zeros(len(blanks), dtype=bool))[0].innovations
+    scales = scales_of(known.case.description.setup(place.setup))
+    return Band(-np.atleast_1d(found.value) / scales, np.atleast_1d(found.std) / scales)

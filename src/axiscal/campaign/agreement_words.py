@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,6 +16,8 @@ from axiscal.language.spoken import joined, later, listed, put, quoted, said
 from axiscal.numerics import Array
 from axiscal.record.accepted import Accepted
 
+_MOST = 1e6
+"""Odds beyond which nobody reads the digits."""
 _UNUSED = 3
 """Readings that a sentence names; the others are counted."""
 
@@ -31,8 +34,7 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
     count = said("{agreeing} of {count} readings agree with the others", agreeing=found.agreeing, count=found.count)
     asked = [question(known, each) for each in found.explained]
     if not found.contradicts and asked:
-        odds = f"{found.explained[0].odds:.0f}"
-        return said("{count}. {asked} ({odds} : 1)", count=count, asked=asked[0], odds=odds)
+        return said("{count}. {asked} ({odds})", count=count, asked=asked[0], odds=odds_text(found.explained[0]))
     if not found.contradicts:
         unused = [(known.readings[index], index) for index in sorted(known.left_out)]
         names = [put("{number} ({setup})", number=r.numbered(i), setup=quoted(r.setup)) for r, i in unused]
@@ -79,6 +81,10 @@ def mistake_words(each: Explained, known: Estimation) -> str:
                 '"{artefact}" moved in "{setup}" before {reading}. Fix it, and take readings before and after it again'
             )
             return said(what, artefact=artefact.name, setup=names[0], reading=known.name_of(each.reading))
+        if each.backlash:
+            what = 'the zero of "{setup}" jumped before {reading}; or {axis} has that backlash: accept backlash'
+            axis = _turned(known, each)
+            return said(what, setup=names[0], reading=known.name_of(each.reading), axis=axis)
         what = 'the zero of "{setup}" jumped before {reading}. Take readings before and after it again'
         return said(what, setup=names[0], reading=known.name_of(each.reading))
     if each.mistake == "sign":
@@ -109,10 +115,26 @@ def question(known: Estimation, named: Explained) -> str:
     if named.mistake == "stuck":
         what = 'From reading {number} on "{setup}" shows again what it showed before. Is it stuck?'
         return said(what, setup=setup.name, number=number)
+    if named.backlash:
+        what = '"{setup}" shows a step before reading {number}, where {axis} turned: zero set anew, or backlash?'
+        return said(what, setup=setup.name, number=number, axis=_turned(known, named))
     if setup.artefact is not None:
         what = 'Was "{artefact}" moved in "{setup}" before reading {number}?'
         return said(what, artefact=setup.artefact.name, setup=setup.name, number=number)
     return said('Was the zero of "{setup}" set anew before reading {number}?', setup=setup.name, number=number)
+
+
+def _turned(known: Estimation, jump: Explained) -> str:
+    """Return the axis that turned where a jump may be backlash."""
+    described = known.stated.description
+    return described.machine.axes[described.setups[jump.setups[0]].moves[0]].name
+
+
+def odds_text(each: Explained) -> str:
+    """Return how likely a mistake is beside none: "33 : 1", "1 : 12"."""
+    if each.odds >= 1:
+        return put("{odds} : 1", odds=f"{each.odds:.0f}" if each.odds < _MOST else said("more than a million"))
+    return put("1 : {odds:.0f}", odds=1 / each.odds)
 
 
 def agreement_document(found: Agreement) -> dict[str, object]:
@@ -198,7 +220,9 @@ def named(known: Estimation, cause: str, setup: str | None, path: Path) -> Accep
     setup : whose readings, where several are named; path : of the record
     Raises RecordError where they do not name it, or for several set-ups.
     """
-    each = [acceptance(found, known) for found in known.agreement.explained]
+    explained = known.agreement.explained
+    each = [acceptance(found, known) for found in explained]
+    each += [replace(acceptance(found, known), mistake="backlash", name="") for found in explained if found.backlash]
     mine = [one for one in each if one.mistake == cause and (setup is None or setup in one.setups)]
     if not mine:
         found = dict.fromkeys(said('{cause} of "{setup}"', cause=one.mistake, setup=one.setups[0]) for one in each)
@@ -221,6 +245,8 @@ def change_words(accepted: Accepted) -> str:
     if accepted.mistake == "jump":
         what = 'the readings of "{setup}" before reading {number} have a zero of their own'
         return said(what, setup=name, number=accepted.reading)
+    if accepted.mistake == "backlash":
+        return said('the step of "{setup}" before reading {number} is backlash', setup=name, number=accepted.reading)
     if accepted.mistake == "swapped":
         return said('"{setup}" and "{other}" exchange their values', setup=name, other=accepted.setups[1])
     if accepted.mistake == "stuck":

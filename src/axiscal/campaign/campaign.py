@@ -1,9 +1,5 @@
 """The campaign: the one stateful thing. It asks, records, takes back, stops, and forgets nothing.
 
-    with Campaign.create(Path("mill.axiscal"), description) as campaign:
-        campaign.next()
-        campaign.record(1.7e-6)
-
 Its state is folded from the record at every step; the belief follows the readings.
 """
 
@@ -237,7 +233,7 @@ class Campaign(Closing):
     def accept(self, cause: str, setup: str | None = None, before: int | None = None) -> Accepted:
         """Accept a mistake that the readings name now, and return it; what follows sees readings without it.
 
-        cause : jump, sign, unit, swapped, shifted, stuck or frame; setup : whose readings, where several are named
+        cause : as of `Accepted`; setup : whose readings, where several are named
         before : number of a reading before which a person knows of a jump. Raises RecordError where none can be.
         """
         refuse_finished(self.state.finished, self.path)
@@ -253,6 +249,10 @@ class Campaign(Closing):
             self._append(Finished(because or self.reached(ended=True) or "ended by the operator"))
         self.sign()
         return self.state.finished or ""
+
+    def has_done(self, step: str) -> bool:
+        """Whether a step has been done, by its id."""
+        return self._record.holds(step)
 
     def sign(self) -> None:
         """Sign the record so far, if this person has a key."""

@@ -27,7 +27,7 @@ from axiscal.estimation.promise.unknowns import space_of
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import put, said
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import reads_angles
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, drawn
 from axiscal.numerics import Array
@@ -49,7 +49,7 @@ def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescriptio
         return
     first = readings[min(doubt.reading for doubt in doubts)]
     size = float(np.median([doubt.surprise for doubt in doubts]))
-    guess = unit_guess(size, INSTRUMENTS[campaign.setup(first.setup).instrument].model.reads == "angle")
+    guess = unit_guess(size, reads_angles(campaign.setup(first.setup)))
     what = (
         "{count} of {readings} readings are some {size:.0f} standard deviations from all that the "
         "stated std of the errors allow"

@@ -30,7 +30,7 @@ _MAIN = {
     "init": "init",
     "plan": "plan",
     "measure": "measure",
-    "serve": "measure.serve",
+    "serve": "serve.serve",
     "finish": "report.finish",
     "export": "export",
     "verify": "verify",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Annotated
 
 import typer
@@ -27,6 +26,7 @@ from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.present.beside import beside_the_tool
+from axiscal.present.delivery import evaluated
 from axiscal.present.findings import copies, regular_places, untimed
 from axiscal.present.result_set import RECORD, mend
 from axiscal.present.summarising import Extras, iso230_block
@@ -118,9 +118,7 @@ def estimate(
     regular = list(regular_places(placed, description.setups, description.machine.axes))
     warnings = [*copies(placed, description.setups), *untimed(placed, description.setups), *regular]
     extras = replace(extras, warnings=warnings)
-    with TemporaryDirectory(prefix="axiscal-") as folder, Campaign.create(Path(folder) / RECORD, description) as opened:
-        opened.adopt(placed)
-        opened.finish("all readings evaluated")
+    with evaluated(description, placed) as opened:
         seen = [*regular, *beside_the_tool(opened.so_far())]
         kept = out / RECORD
         again = "give the command again"

@@ -106,18 +106,11 @@ def _lines_of_due(found: Shop, tables: str | None) -> list[str]:
 
 
 def _line(machine: DueMachine, name: str) -> str:
-    day = said("not within 20 years") if machine.due is None else machine.due.isoformat()
-    if machine.due == machine.last:
-        worse, faded = (
-            "at once: its last campaign was not as good",
-            "at once: its last campaign came to {rms}, and what is not kept is more",
-        )
-        day = said(worse if machine.then > machine.target else faded, rms=said_quantity(machine.then, "um"))
     rms, target = (said_quantity(each, "um") for each in (machine.now, machine.target))
     time = said("{minutes:.0f} min the last time", minutes=machine.minutes)
     if machine.renewed:
         time = said("{time}, renewed since: {parts}", time=time, parts=", ".join(machine.renewed))
-    return f"{name}  {machine.last}  {rms:>9}  {target:>9}  {day} ({time})"
+    return f"{name}  {machine.last}  {rms:>9}  {target:>9}  {machine.day_text} ({time})"
 
 
 _SHOWN = 12

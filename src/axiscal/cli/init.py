@@ -41,7 +41,7 @@ from axiscal.machine import builtin_names
 from axiscal.measurement.readers.probe_offset import pair_of
 
 _Answer = TypeVar("_Answer")
-_MACHINE, _INSTRUMENT = "three-axis-mill", "square"
+_MACHINE = "three-axis-mill"
 """What an empty answer stands for."""
 
 
@@ -63,7 +63,7 @@ def init(
     ] = None,
     instrument: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help=f"Of {', '.join(offered_words())}; several times."),
+        typer.Option(metavar="NAME", help=f"Of {', '.join(offered_words())}, or grid.py:Grid; several times."),
     ] = None,
     target: Annotated[
         str | None,
@@ -74,8 +74,9 @@ def init(
 
     Every line has a word of explanation; the command asks for what is not given. From a built-in machine, or from the
     INI file of a LinuxCNC: axes, limits, units, speeds, kinematics with their pivots, joints, and whether tables or
-    backlash are active. A printer.cfg says kinematics, travels, speeds, and where the probe stands. What the file
-    cannot say is marked CHECK. The JSON schemas beside the files let editors complete and check while you write.
+    backlash are active. A printer.cfg says kinematics, travels, speeds, where the probe stands and where it is sent.
+    What the file cannot say is marked CHECK. The JSON schemas beside the files let editors complete and check while
+    you write.
     Nothing is written over.
 
     \b
@@ -91,6 +92,7 @@ def init(
         raise typer.BadParameter(said("{option} belongs to --from", option="--limits" if chain is None else "--chain"))
     try:
         begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
+        begun = replace(begun, folder=folder)
         given = instrument and instruments_of(", ".join(instrument))
         names = given or _instruments(begun)
         if "probe" in names and not given and begun.beside is None:
@@ -99,7 +101,13 @@ def init(
         made = partial(first_files, begun, names)
         files = _answered(wanted, (), lambda text: made(Purpose(text))) if target is None else made(Purpose(target))
     except EOFError:
-        raise DescriptionError("Nobody answered", "Give --machine or --from, --instrument and --target") from None
+        asked = {
+            said("--machine or --from"): machine is None and ini is None,
+            "--instrument": not instrument,
+            "--target": target is None,
+        }
+        lacking = joined([option for option, lacks in asked.items() if lacks])
+        raise DescriptionError("Nobody answered", "Give {options}", options=lacking) from None
     write_files(folder, files.texts)
     written, campaign = folder / "machine.toml", folder / "campaign.toml"
     say(said("{file}: change it to what your machine is", file=written))
@@ -125,12 +133,13 @@ def _built_in(machine: str | None) -> Beginning:
 
 def _instruments(begun: Beginning) -> list[str]:
     def offered(text: str) -> list[str]:
-        names = instruments_of(text) or [_INSTRUMENT]
+        names = instruments_of(text) or [begun.instrument]
         first_described(begun, names, Purpose())  # refuses those that it has none for
         return names
 
     known = offered_words()
-    question = said("Which instruments are there? Enter for {usual}", usual=known[list(OFFERED).index(_INSTRUMENT)])
+    usual = known[list(OFFERED).index(begun.instrument)]
+    question = said("Which instruments are there? Enter for {usual}", usual=usual)
     return _answered(question, known, offered)
 
 
@@ -168,14 +177,14 @@ def _with_probe(begun: Beginning) -> Beginning:
     """Return a machine with the place of its probe, which is asked for."""
     question = said("How far does the probe stand beside the tool point along X and Y, in mm? Enter for 0 0")
 
-    def placed(text: str) -> Beginning:
+    def standing(text: str) -> Beginning:
         beside = pair_of((text or "0 0").replace(",", " ").split())
         if beside is None:
             what, remedy = "{text} are not two lengths in mm", 'Write those along X and along Y, such as "-33 -46"'
             raise DescriptionError(what, remedy, text=shown(text))
         return replace(begun, beside=beside)
 
-    return _answered(question, (), placed)
+    return _answered(question, (), standing)
 
 
 def _from_ini(file: Path, chain: str | None, limits: Sequence[str], folder: Path) -> Beginning:

@@ -1,31 +1,30 @@
-"""The dialogue at the prompt, one question after the other, and the page that takes its place in a browser.
+"""The dialogue at the prompt, one question after the other.
 
 The prompt shows the line on top, the set-up to mount, the reading to take, and what can be typed.
 """
 
 from __future__ import annotations
 
-import webbrowser
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
-
-import typer
+from typing import Literal
 
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside, standing_answer
 from axiscal.answers.answer_words import answer_text, columns, minutes_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
-from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder, only_record, records_here
+from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder
 from axiscal.cli.outputs import write_outputs
-from axiscal.cli.printing import ask, say, tell
+from axiscal.cli.printing import ask, say
 from axiscal.cli.progress import tell_out_of_reach
-from axiscal.cli.texts import opened_to_write
+from axiscal.cli.texts import help_text, opened_to_write
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import counted, decimals, listed, put, said, speaking, spoken_now
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import (
+    Answer,
+    Named,
     Progress,
     confirmed,
     contradictions,
@@ -38,7 +37,6 @@ from axiscal.present.guide.progress import (
     take_note,
 )
 from axiscal.present.guide.question import (
-    ACTIONS,
     SURPRISING,
     Question,
     Word,
@@ -94,7 +92,7 @@ class Prompt:
                 return then, mounted
         say(headline(self.campaign, question))
         say(question_lines(question))
-        return self._asked(said("reading [{unit}] > ", unit=question.unit), question, standing=True), question.setup
+        return self._asked(said("reading [{unit}] > ", unit=question.asks), question, standing=True), question.setup
 
     def _asked(self, prompt: str, question: Question, *, standing: bool) -> _Then:
         setup = self.campaign.description.setup(question.setup)
@@ -172,8 +170,8 @@ class Prompt:
         minds, named = others_doubted(self.campaign, before), named_now(self.campaign)
         if named is not None and named != asked:
             say(f"  {named.question}")
-            if _is_yes(said("Type yes if so, Enter if not:")):
-                say(f"  {confirmed(self.campaign, named)}")
+            if (chosen := _chosen(named)) is not None:
+                say(f"  {confirmed(self.campaign, named, chosen)}")
                 minds = []
         for sentence in [*minds, *contradictions(self.campaign)]:
             say("  " + said("Mind: {sentence}", sentence=sentence))
@@ -244,28 +242,16 @@ class Prompt:
         return "same"
 
 
+def _chosen(named: Named) -> Answer | None:
+    """Ask what is named, and return the answer; None where the person does not know, or says no."""
+    if len(named.answers) == 1:
+        return named.answers[0] if _is_yes(said("Type yes if so, Enter if not:")) else None
+    choice = said("Type {answers}; Enter if you do not know:", answers=listed(said(" or "), [*named.typed]))
+    return named.typed.get(ask(f"  {choice} ").strip().lower())
+
+
 def _is_yes(choice: str) -> bool:
     return ask(f"  {choice} ").strip().lower() in ("yes", "y", said("yes"))
-
-
-def help_text() -> str:
-    """Return what can be typed at the prompt, in the language that is spoken."""
-    undo, skip, note, leave, stop, pause, _, anew, *_ = (said(word) for word in ACTIONS)
-    because, text = said("REASON"), said("TEXT")
-    rows = (
-        ("-1.7", said("keep a reading, in the unit that is shown; a decimal comma does as well")),
-        ("0.0021 mm", said("keep a reading in another unit")),
-        (said("found X Y Z"), said("where the axes stood with the ball found, in mm")),
-        ("Enter", said("show the question again")),
-        (undo, said("take back the last reading or skip")),
-        (f"{skip} {because}", said("the reading cannot be taken")),
-        (f"{leave} {because}", said("nothing more can be read with this set-up; the plan is made anew without it")),
-        (f"{note} {text}", said("keep a sentence in the record, or how warm the scale is: {note} 21.4 °C", note=note)),
-        (anew, said("the zero was set anew, bumped or mounted again: another one from this reading on")),
-        (stop, said("end the campaign here: what would be left, and what the tables would reach, is said first")),
-        (pause, said("stop for now; axiscal measure goes on here")),
-    )
-    return "\n".join(f"  {typed:<18} {does}" for typed, does in rows)
 
 
 def headline(campaign: Campaign, question: Question) -> str:
@@ -298,7 +284,11 @@ def question_lines(question: Question) -> str:
 
 def expected_text(question: Question) -> str:
     """Return what each number of the reading is expected to be, with two standard deviations."""
-    return f"{', '.join(f'{_plain(each.mean)} ± {_plain(each.half)}' for each in question.expected)} {question.unit}"
+    shown = [f"{_plain(each.mean)} ± {_plain(each.half)}" for each in question.expected]
+    if len({*question.units}) > 1:
+        shown = [f"{each} {unit}" for each, unit in zip(shown, question.units, strict=True)]
+        return ", ".join(shown)
+    return f"{', '.join(shown)} {question.unit}"
 
 
 def _plain(shown: float) -> str:
@@ -338,51 +328,3 @@ def measure(
                 campaign.sign()
         if not over:
             say(said("Paused; every reading is kept. Go on: axiscal measure {record}", record=record))
-
-
-def serve(
-    record: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="RECORD",
-            default_factory=only_record,
-            show_default=False,
-            autocompletion=records_here,
-            help="The campaign record; AXISCAL_RECORD, or the only one here, where it is left out; else the start.",
-        ),
-    ],
-    port: Annotated[
-        int, typer.Option(metavar="PORT", min=0, max=65535, show_default=False, help="Port; default: any that is free.")
-    ] = 0,
-    start: Annotated[
-        bool, typer.Option("--start", help="Show the start, also where there is one record here.")
-    ] = False,
-    browser: Annotated[bool, typer.Option("--browser", help="Open the page in the browser.")] = False,
-    language: Language = None,
-) -> None:
-    """Plan and measure on a page in the browser.
-
-    Without a record it begins at the start: go on with a campaign of this folder, or begin one.
-
-    The page is for this computer only; its address holds a token that is new at every start. Several windows, and
-    `axiscal measure` beside them, may be open at once: each reading is on the disk before the next one is asked for.
-
-    \b
-    Examples:
-      axiscal serve
-      axiscal serve mill.axiscal
-    """
-    from axiscal.web.serving import serve_page  # a server, which no prompt needs
-
-    opened = None if start else record
-    if opened is not None:
-        tell(said("Looking at what is known and planned; a plan that is not made yet takes up to a minute"))
-
-    def ready(address: str) -> None:
-        say(said("Open {address}\nEnd it with Ctrl-C; every reading is kept.", address=address))
-        if browser:
-            webbrowser.open(address)
-
-    with speaking(chosen(language)):
-        left = serve_page(opened, port, ready)
-    say(f"{said('Ended; every reading is kept.')} {left}".rstrip())

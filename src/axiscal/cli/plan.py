@@ -18,7 +18,6 @@ from axiscal.cli.progress import tell_mind, tell_out_of_reach, tell_unasked
 from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription, as_exact
 from axiscal.document.durable import write_whole
-from axiscal.estimation.accuracy.unseen import seen_as_one
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import PlanError, TargetError
@@ -29,6 +28,7 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import (
     beyond_budget,
     bought,
+    compared,
     proposed,
     proven,
     reached_unread,
@@ -36,6 +36,7 @@ from axiscal.planning.proposal import (
     refuse_out_of_reach,
     refuse_unless_provable,
 )
+from axiscal.planning.unseen import seen_as_one
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.present.machine_drawing.setup_picture import plan_picture
 from axiscal.present.plan_answer import plan_answer
@@ -129,6 +130,8 @@ def plan(
     if prove:
         of_figure = 2 if case.description.target.criterion == "volume" else 1  # the RMS is the root of a J
         proposal = proven(case, proposal, candidates, (_GAP if gap is None else gap) / 100 * of_figure)
+    if details or json or prove:
+        proposal = compared(case, limits, proposal, candidates)
     if picture is not None:
         title = said("Where {machine} is read", machine=case.description.machine.name)
         write_whole(picture, plan_picture(title, case.description, placed(case, proposal.plan)).encode())

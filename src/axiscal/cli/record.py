@@ -21,10 +21,10 @@ from axiscal.description.placed_readings import logged_readings, placed_approach
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import counted, joined, later, listed, quoted, said
 from axiscal.machine import Machine
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import model_of
 from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose
 from axiscal.measurement.setup import Setup
-from axiscal.present.guide.progress import contradictions, doubted, last_doubt, others_doubted
+from axiscal.present.guide.progress import contradictions, doubted, last_doubt, open_question, others_doubted
 from axiscal.present.guide.question import Stands, asked_text, found_at, value_texts
 from axiscal.units import format_quantity, parse_quantity, to_unit
 
@@ -91,17 +91,17 @@ def record(
             pose = placed_pose(chosen, machine, _position(at, machine))
             place = Place(chosen.name, pose, placed_approach(chosen, machine, _directions(approach or "")))
         mounted = campaign.description.setup(place.setup)
-        dimension = INSTRUMENTS[mounted.instrument].model.reads
+        reads = model_of(mounted).reads_each(mounted)
         met = found_at(text, mounted, Stands(campaign.description.machine, place.pose))
         parts = value_texts(text, mounted) if met is None else []
-        number, *others = [parse_quantity(part, dimension) for part in parts] if met is None else met.tolist()
-        noise = None if std is None else parse_quantity(std, dimension)
+        number, *others = [*map(parse_quantity, parts, reads)] if met is None else met.tolist()
+        noise = None if std is None else parse_quantity(std, reads[0])
         before = doubted(campaign)
         left = _left(campaign, place)
         kept = campaign.record(number, noise, place, accepted=accept, others=tuple(others))
         doubt = last_doubt(campaign)
         found = [*others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else "", left]
-        minded = [sentence for sentence in (*found, *contradictions(campaign)) if sentence]
+        minded = [sentence for sentence in (*found, open_question(campaign), *contradictions(campaign)) if sentence]
         document, line = _kept(campaign, kept)
         document |= {"surprise": None if doubt is None else round(doubt.surprise, 2), "mind": minded}
         lines = [line, *(said("Mind: {sentence}", sentence=sentence) for sentence in minded)]

@@ -18,7 +18,7 @@ from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, asked_screen, opened_to_write
 from axiscal.description.type_text import is_type_text
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import capital, counted, decimals, said
+from axiscal.language.spoken import capital, counted, decimals, listed, said
 from axiscal.present.delivery import write_report
 from axiscal.present.guide.progress import contradictions
 from axiscal.present.guide.question import asked_text
@@ -106,6 +106,18 @@ def status(record: OwnRecord, details: Details = False, json: Json = False) -> N
         say(standing_screen(campaign))
         for each in campaign.state.newer:
             say(said("An entry of a newer version: {kind}. It says nothing of the readings.", kind=each.kind))
+        for person, numbers in _by_others(campaign).items():
+            readings = listed(", ", [str(number) for number in numbers])
+            say(said("By {person}: readings {readings}.", person=person, readings=readings))
+
+
+def _by_others(campaign: Campaign) -> dict[str, list[int]]:
+    """Return the numbers of the readings that others took than who began the campaign, by person."""
+    found: dict[str, list[int]] = {}
+    for index, reading in enumerate(campaign.state.readings):
+        if reading.by:
+            found.setdefault(reading.by, []).append(reading.numbered(index))
+    return found
 
 
 def _lines(campaign: Campaign) -> list[str]:
@@ -151,6 +163,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
     reached, finished : why it may end, and has, as the record keeps it; mind : what readings contradict
     planned : what is known after the plan, before the first reading
     newer : kinds of entries that a newer version has written; skipped : readings that could not be taken
+    by : readings that others took than who began the campaign, by person
     """
     status, planned = campaign.status(), coming_answer(campaign)
     state, target = status.state, campaign.description.target
@@ -173,6 +186,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "sisters": _sisters(campaign) or None,
         "question": campaign.request(state.pending).message() if state.pending else None,
         "accepted": [change_words(each) for each in state.accepted],
+        "by": _by_others(campaign),
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
         "newer": [each.kind for each in state.newer],
         "skipped": [

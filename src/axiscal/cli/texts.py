@@ -16,8 +16,8 @@ from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import AxiscalError, InputError
 from axiscal.language.spoken import ending, put, said
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.reading import reading_unit
-from axiscal.present.guide.question import axis_places, question_text, sense, sign_on, touch_text
+from axiscal.measurement.reading import asked_values, reading_unit, sense
+from axiscal.present.guide.question import ACTIONS, axis_places, question_text, sign_on, touch_text
 from axiscal.record.events import Asked, State
 from axiscal.units import said_quantity
 
@@ -25,13 +25,13 @@ from axiscal.units import said_quantity
 def asked_screen(campaign: Campaign, asked: Asked) -> str:
     """Return what the operator is to do."""
     setup = campaign.description.setup(asked.place.setup)
-    values = ", ".join(f"{name.upper() or 'VALUE'} {reading_unit(setup)}" for name in model_of(setup).names_of(setup))
+    values = asked_values(setup) if any(model_of(setup).names_of(setup)) else f"VALUE {reading_unit(setup)}"
     then = said("then"), f'axiscal step record {campaign.path} "{values}"'
     head = said(
         'Reading {number}: set-up "{setup}", {instrument}, reads {reads}',
         number=asked.reading,
         setup=setup.name,
-        instrument=said(setup.instrument),
+        instrument=said(setup.title),
         reads=sense(setup).reads,
     )
     where = question_text(
@@ -117,3 +117,23 @@ def _kept(before: State, now: State, record: Path, going_on: str) -> str:
 
 def _nothing(record: Path) -> str:
     return said("Nothing was added to {record}; give the command again.", record=record)
+
+
+def help_text() -> str:
+    """Return what can be typed at the prompt, in the language that is spoken."""
+    undo, skip, note, leave, stop, pause, _, anew, *_ = (said(word) for word in ACTIONS)
+    because, text = said("REASON"), said("TEXT")
+    rows = (
+        ("-1.7", said("keep a reading, in the unit that is shown; a decimal comma does as well")),
+        ("0.0021 mm", said("keep a reading in another unit")),
+        (said("found X Y Z"), said("where the axes stood with the ball found, in mm")),
+        ("Enter", said("show the question again")),
+        (undo, said("take back the last reading or skip")),
+        (f"{skip} {because}", said("the reading cannot be taken")),
+        (f"{leave} {because}", said("nothing more can be read with this set-up; the plan is made anew without it")),
+        (f"{note} {text}", said("keep a sentence in the record, or how warm the scale is: {note} 21.4 °C", note=note)),
+        (anew, said("the zero was set anew, bumped or mounted again: another one from this reading on")),
+        (stop, said("end the campaign here: what would be left, and what the tables would reach, is said first")),
+        (pause, said("stop for now; axiscal measure goes on here")),
+    )
+    return "\n".join(f"  {typed:<18} {does}" for typed, does in rows)

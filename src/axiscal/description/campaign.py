@@ -16,6 +16,7 @@ from pydantic import Field
 
 from axiscal.description.artefacts import read_artefacts
 from axiscal.description.campaign_schema import CampaignTable, ReportTable, SistersTable
+from axiscal.description.fields import TableContext
 from axiscal.description.screws import BedScrews
 from axiscal.description.setups import each_alone, read_setups
 from axiscal.description.sites import Surroundings
@@ -188,7 +189,7 @@ def with_offset(described: CampaignDescription, setup: str, beside: tuple[float,
     x, y = (format_quantity(each, "mm", 6) for each in beside)
     said = f'offset = ["{x}", "{y}", "0 mm"]'
     document = Document.parse(described.text, described.source)
-    tables = read_model(document, CampaignTable, context=described.machine).setups
+    tables = read_model(document, CampaignTable, context=TableContext(described.machine, document)).setups
     line = document.line("setups", [table.name for table in tables].index(setup), "name") or 1
     lines = document.text.split("\n")
     if not lines[line - 1].lstrip().startswith("name"):
@@ -225,7 +226,7 @@ def _described(
     asking: bool,
     usual_doubts: bool = True,
 ) -> CampaignDescription:
-    table = read_model(document, CampaignTable, context=machine)
+    table = read_model(document, CampaignTable, context=TableContext(machine, document))
     target = read_target(table.target, machine, document)
     artefacts = read_artefacts(table.artefacts, document)
     tool = _tool(table, usual_doubts)
@@ -246,7 +247,8 @@ def _described(
     _refuse_budget(target, setups, document)
     usual = table.usual == "on"
     machine = usual_machine(machine, setups, printer) if usual else machine
-    source = str(document.path)
+    # from its record a file of instruments is looked for again, wherever that is opened
+    source = str(document.path.absolute() if any(setup.written for setup in setups) else document.path)
     return CampaignDescription(
         machine=machine,
         target=target,

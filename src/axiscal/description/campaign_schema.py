@@ -37,21 +37,24 @@ from axiscal.description.fields import (
     arc_ends,
     coordinate,
     line_ends,
+    nodes,
     plane_ways,
+    read_instrument,
 )
 from axiscal.description.screws import ScrewsTable
 from axiscal.description.target import TargetTable
 from axiscal.description.type_b import type_b_names
 from axiscal.document import Length, QuantityText, meant, shown
+from axiscal.document.ports import names
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import said
 from axiscal.machine.entry import Sure
 from axiscal.machine.machine_schema import MachineFile
 from axiscal.machine.motion import Driving, move_groups
 from axiscal.measurement.artefact import reads_as
-from axiscal.measurement.instrument import INSTRUMENTS, Instrument
-from axiscal.measurement.instruments.kind import Reads
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instruments.kind import Instrument, Reads
+from axiscal.measurement.instruments.written import PORTS
 from axiscal.measurement.setup import FINEST, Nodes, Vector
 from axiscal.record.log import STORED
 from axiscal.units import dimension_of, format_quantity, within
@@ -67,6 +70,7 @@ _FASTEST = 1e-3 / 60
 ControlName = Literal[
     "csv",
     "fanuc",
+    "grblhal",
     "heidenhain",
     "isg",
     "klipper",
@@ -80,18 +84,15 @@ ControlName = Literal[
 """The controls that files are written for, as `compensation` knows them."""
 
 
-def _instrument(name: str) -> str:
-    if name not in INSTRUMENTS:
-        remedy = meant(name, INSTRUMENTS, said("Instruments are {known}", known=", ".join(INSTRUMENTS)))
-        raise DescriptionError("{name} is not an instrument", remedy, name=shown(name))
-    return name
-
-
 def _by_instrument(read: Callable[[str, Instrument], float], form: object = QuantityText) -> ReadAs:
     """Return what reads a key by the instrument of its set-up; where that is wrong itself, it is not read."""
 
     def made(text: str, known: Beside) -> float:
-        usual = INSTRUMENTS.get(known.data.get("instrument", ""))
+        usual = known.data.get("instrument")
+        if usual is not None and usual.model.scales:
+            raise DescriptionError(
+                "the numbers of {instrument} are not alike", "Say it in its class", instrument=usual.name
+            )
         return 0.0 if usual is None else read(text, usual)
 
     return ReadAs(form, made, by=True)
@@ -121,23 +122,23 @@ def stated_drift(text: str, usual: Instrument) -> float:
 
 def _type_b(name: str, text: str, known: Beside) -> float:
     """Return the size of a cause that no reading shows."""
-    instrument = known.data.get("instrument", "")
-    causes = type_b_names(instrument)
+    instrument = known.data.get("instrument")
+    causes = {} if instrument is None else type_b_names(instrument)
     if name not in causes:
-        what = "{name} is not known of an instrument such as this {instrument}"
-        raise DescriptionError(what, meant(name, causes), name=shown(name), instrument=instrument)
+        what, named = "{name} is not known of an instrument such as this {instrument}", instrument and instrument.name
+        raise DescriptionError(what, meant(name, causes), name=shown(name), instrument=named or "")
     return within(text, dimension_of(causes[name].unit), 0.0)
 
 
 def _unknown(name: str, text: str, known: Beside) -> float:
     """Return the std of an unknown, m or rad; which there are depends on where it is read."""
-    usual = INSTRUMENTS.get(known.data.get("instrument", ""))
+    usual = known.data.get("instrument")
     own: Mapping[str, Reads] = {"slope": "angle"} if usual is None else {"slope": "angle", **usual.model.unknown_reads}
     return within(text, own.get(name, reads_as(name)), FINEST)
 
 
 def _moves(names: Sequence[str], known: Beside) -> tuple[int, ...]:
-    indices = [known.context.index(name) for name in names]
+    indices = [known.context.machine.index(name) for name in names]
     if len(set(indices)) < len(indices):
         raise DescriptionError("{text} names an axis twice", "Name each axis once", text=shown(names))
     return tuple(sorted(indices))
@@ -145,18 +146,8 @@ def _moves(names: Sequence[str], known: Beside) -> tuple[int, ...]:
 
 def _step(name: str, text: str, known: Beside) -> float:
     """Return the raster of an axis, or of a coordinate of a line, a circle or a sphere, m or rad."""
-    dimension = _COORDINATES.get(name) or known.context.axis(name).dimension
+    dimension = _COORDINATES.get(name) or known.context.machine.axis(name).dimension
     return within(text, dimension, FINEST)
-
-
-def _nodes(name: str, given: Sequence[str | int], known: Beside) -> Nodes:
-    """Return where the nodes of a map lie along an axis; raises DescriptionError or UnitError."""
-    if len(given) == 3 and isinstance(given[2], int) and given[2] > 1:
-        low, high = (coordinate(str(end), known.context.axis(name)) for end in given[:2])
-        if low < high:
-            return low, high, given[2]
-    remedy = 'Write the first node, the last, and how many: ["20 mm", "280 mm", 5]'
-    raise DescriptionError("{text} is no side of a map", remedy, text=shown(list(given)))
 
 
 _COORDINATES: dict[str, Literal["length", "angle"]] = {
@@ -168,7 +159,7 @@ _COORDINATES: dict[str, Literal["length", "angle"]] = {
 
 
 def _turning(name: str, rate: float, known: Beside) -> float:
-    if not known.context.axis(name).rotary:
+    if not known.context.machine.axis(name).rotary:
         raise DescriptionError("{name} does not turn", "Name a rotary axis: the linear ones follow", name=name)
     return rate
 
@@ -191,7 +182,7 @@ class SetupTable(Table):
 
     name: Name = Field(examples=['"laser along X"'])
     # Before what is read by it: pydantic goes from key to key.
-    instrument: Annotated[str, ReadAs(str, _instrument)] = Field(examples=['"interferometer"'])
+    instrument: Annotated[Instrument, ReadAs(str, read_instrument, by=True)] = Field(examples=['"interferometer"'])
     direction: Direction | None = Field(None, examples=['"x"'])
     offset: Spot | None = Field(None, examples=['["-33 mm", "-46 mm", "0 mm"]'])
     temperature: Warm | None = Field(None, examples=['"22.5 degC"'])
@@ -221,7 +212,7 @@ class SetupTable(Table):
     raster: Annotated[dict[str, float], EachAs(dict[str, QuantityText], _step)] = Field(
         default={}, examples=['{ X = "10 mm" }']
     )
-    approach: Literal["both", "+", "-"] = Field("+", examples=['"both"'])
+    approach: Literal["both", "+", "-"] | None = Field(None, examples=['"both"'])
     drift: Annotated[float, _by_instrument(stated_drift)] | None = Field(None, examples=['"2 um/h"'])
     warm: bool = Field(False, examples=["true"])
     artefact: str | None = Field(None, examples=['"three spheres"'])
@@ -230,7 +221,7 @@ class SetupTable(Table):
     turn: Turn | None = Field(None, examples=['"90 deg"'])
     mounted: int = Field(1, ge=1, examples=["2"])
     reach: Spans = Field(default={}, examples=['{ X = ["150 mm", "450 mm"] }'])
-    map: Annotated[dict[str, Nodes], EachAs(dict[str, list[str | int]], _nodes)] = Field(
+    map: Annotated[dict[str, Nodes], EachAs(dict[str, list[str | int]], nodes)] = Field(
         default={}, examples=['{ X = ["20 mm", "280 mm", 5], Y = ["20 mm", "280 mm", 5] }']
     )
     along: Annotated[tuple[Vector, Vector], ReadAs(list[Spot], line_ends)] | None = Field(
@@ -278,12 +269,12 @@ def _clearance(text: str, known: Beside) -> tuple[str, float]:
     name, equals, place = (part.strip() for part in text.partition("="))
     if not equals:
         raise DescriptionError("{text} is not AXIS=PLACE", 'Write something such as "Z=-5 mm"', text=shown(text))
-    return name, coordinate(place, known.context.axis(name))
+    return name, coordinate(place, known.context.machine.axis(name))
 
 
 def _order(text: str, known: Beside) -> tuple[tuple[str, ...], ...]:
     order = tuple(tuple(group.split()) for group in text.split(","))
-    move_groups(known.context, Driving(order=order))
+    move_groups(known.context.machine, Driving(order=order))
     return order
 
 
@@ -359,7 +350,8 @@ def machine_schema() -> dict[str, Any]:
 def campaign_schema() -> dict[str, Any]:
     """Return the schema of campaign.toml; it knows the names of the instruments."""
     schema = _schema(CampaignTable, "campaign.toml: one calibration")
-    schema["$defs"]["SetupTable"]["properties"]["instrument"]["enum"] = list(INSTRUMENTS)
+    own = {"pattern": r"\.py:"}, {"enum": [*INSTRUMENTS, *names(PORTS)]}
+    schema["$defs"]["SetupTable"]["properties"]["instrument"]["anyOf"] = [*own]
     return schema
 
 

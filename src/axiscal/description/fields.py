@@ -6,17 +6,21 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from axiscal.document import QuantityText, shown
+from axiscal.document import Document, QuantityText, meant, shown
+from axiscal.document.ports import names
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import LANGUAGES, later
-from axiscal.machine import Axis
-from axiscal.measurement.setup import FINEST, Vector
+from axiscal.language.spoken import LANGUAGES, later, said
+from axiscal.machine import Axis, Machine
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instruments.kind import Instrument
+from axiscal.measurement.instruments.written import PORTS, named
+from axiscal.measurement.setup import FINEST, Nodes, Vector
 from axiscal.units import parse_quantity
 
 Ends = tuple[float, float]
@@ -34,9 +38,16 @@ WAYS = later('Write "x", "-y" or three numbers such as [1, 0, 0], in the workpie
 
 
 class Table(BaseModel):
-    """A table in which every key is known and no value is bent to fit; it is read by the machine as context."""
+    """A table in which every key is known and no value is bent to fit; it is read by a `TableContext`."""
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
+
+
+class TableContext(NamedTuple):
+    """What a campaign is read by: its machine, and the document itself."""
+
+    machine: Machine
+    document: Document
 
 
 def unit_vector(value: str | Sequence[float]) -> Vector:
@@ -134,11 +145,11 @@ def ends_on(texts: Sequence[str], axis: Axis) -> tuple[float, float]:
 
 
 def _coordinate(name: str, text: str, known: Beside) -> float:
-    return coordinate(text, known.context.axis(name))
+    return coordinate(text, known.context.machine.axis(name))
 
 
 def _ends(name: str, texts: Sequence[str], known: Beside) -> Ends:
-    return ends_on(texts, known.context.axis(name))
+    return ends_on(texts, known.context.machine.axis(name))
 
 
 Coordinates = Annotated[dict[str, float], EachAs(dict[str, QuantityText], _coordinate)]
@@ -220,3 +231,27 @@ Warmth = Annotated[float, QuantityOf("temperature_difference", 0.0)]
 Growth = Annotated[float, QuantityOf("expansion", 0.0)]
 Warm = Annotated[float, QuantityOf("temperature", *WARM)]
 """What keys may say, in SI, with their bounds."""
+
+
+def nodes(name: str, given: Sequence[str | int], known: Beside) -> Nodes:
+    """Return where the nodes of a map lie along an axis; raises DescriptionError or UnitError."""
+    if len(given) == 3 and isinstance(given[2], int) and given[2] > 1:
+        low, high = (coordinate(str(end), known.context.machine.axis(name)) for end in given[:2])
+        if low < high:
+            return low, high, given[2]
+    remedy = 'Write the first node, the last, and how many: ["20 mm", "280 mm", 5]'
+    raise DescriptionError("{text} is no side of a map", remedy, text=shown(list(given)))
+
+
+def read_instrument(name: str, known: Beside) -> Instrument:
+    """Return an instrument of ours, or the one that somebody wrote; raises DescriptionError."""
+    if name in INSTRUMENTS:
+        return INSTRUMENTS[name]
+    file = known.context.document
+    of = [table.get("instrument") for table in file.data["setups"]]
+    found = named(name, file.path, file.line("setups", of.index(name), "instrument"))
+    if found is None:
+        every = [*INSTRUMENTS, *names(PORTS)]
+        remedy = meant(name, every, said("Instruments are {known}", known=", ".join(every)))
+        raise DescriptionError("{name} is not an instrument", remedy, name=shown(name))
+    return found

@@ -76,7 +76,8 @@ def first_campaign(
     values = {"machine": machine, "source": source, "instruments": list(instruments)}
     head = templates().get_template("campaign.jinja").render(values, **purpose._asdict(), active=active)
     offered = [name for name in instruments if name != "dial" or "square" not in instruments]
-    setups = [text for name in offered for text in OFFERED[name].setups(machine)]
+    made = [OFFERED[name].setups if name in OFFERED else partial(_own, name=name) for name in offered]
+    setups = [text for each in made for text in each(machine)]
     if not setups:
         what = "Nothing of {instruments} can be offered for {machine}"
         if "sphere" in instruments:
@@ -266,6 +267,11 @@ def _probes(machine: Machine) -> Iterator[str]:
     axes = {axis.name: axis for axis in _linear(machine)}
     if {"X", "Y", "Z"} <= set(axes):
         yield _setups(machine).probe(axes["X"], axes["Y"], axes["Z"])
+
+
+def _own(machine: Machine, name: str) -> Iterator[str]:
+    """Yield a set-up of an instrument that somebody wrote, which all linear axes move."""
+    yield _setups(machine).own(name, name.rpartition(":")[2], _linear(machine))
 
 
 class Offer(NamedTuple):

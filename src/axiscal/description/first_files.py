@@ -7,7 +7,7 @@ import os
 import re
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -19,12 +19,14 @@ from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import IniMachine, machine_of
 from axiscal.description.printer_file import is_printer_file, read_printer
 from axiscal.description.screws import screws_text
+from axiscal.document import ports
 from axiscal.document.durable import write_whole
 from axiscal.document.quoting import shown, toml_value
 from axiscal.exceptions import DescriptionError, InputError, RecordError
 from axiscal.language.spoken import LANGUAGES, later, said, speaking
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.axis import letter_direction
+from axiscal.measurement.instruments.written import PORTS
 from axiscal.measurement.readers.probe_offset import Beside
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.units import format_quantity, from_unit, parse_quantity, to_unit
@@ -37,6 +39,9 @@ class Beginning:
     text : of machine.toml; active : the line of campaign.toml on compensation; look : what could not be read
     beside : how far a probe stands beside the tool point along x and y, m; None where nobody said
     screws : the lines of campaign.toml on those under the bed, "" where there are none
+    mesh : from where to where along X and Y a probe is sent, mm; none where nobody said
+    instrument : of `OFFERED`, that it is measured by where nobody says another
+    folder : where campaign.toml will stand, and files of instruments beside it
     """
 
     text: str
@@ -44,6 +49,9 @@ class Beginning:
     look: tuple[str, ...] = ()
     beside: Beside | None = None
     screws: str = ""
+    mesh: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    instrument: str = "square"
+    folder: Path = Path()
 
 
 class FirstFiles(NamedTuple):
@@ -59,15 +67,22 @@ def offered_words() -> list[str]:
 
 
 def instruments_of(text: str) -> list[str]:
-    """Return the instruments that a person names, of `OFFERED`; raises DescriptionError for a word that is none."""
-    names, found = _by_word(), list[str]()
-    for words in (part.split() for part in text.casefold().split(",")):
+    """Return the instruments that a person names; raises DescriptionError for a word that is none.
+
+    They are of `OFFERED`, brought by packages, or files as in `grid.py:Grid`.
+    """
+    names, found, brought = _by_word(), list[str](), ports.names(PORTS)
+    for part in map(str.strip, text.split(",")):
+        own = part in brought or ".py:" in part
+        found += [part] * own
+        words = [] if own else part.casefold().split()
         while words:
             count = next((n for n in (3, 2, 1) if _unspaced(words[:n]) in names), 0)
             if not count:
                 what = "{name} is no instrument whose set-ups can be offered"
                 remedy = "docs/campaign.md shows how others are written. Offered are {known}"
-                raise DescriptionError(what, remedy, name=shown(words[0]), known=", ".join(offered_words()))
+                every = ", ".join([*offered_words(), *brought])
+                raise DescriptionError(what, remedy, name=shown(words[0]), known=every)
             found.append(names[_unspaced(words[:count])])
             del words[:count]
     return [name for name in dict.fromkeys(found) if name]
@@ -136,6 +151,8 @@ def of_printer(file: Path, chain: str | None = None) -> Beginning:
         look=tuple(look),
         beside=found.beside,
         screws=screws_text(found.thread, found.screws) if found.screws else "",
+        mesh=found.mesh,
+        instrument="probe",
     )
 
 
@@ -253,13 +270,19 @@ def first_described(begun: Beginning, instruments: Sequence[str], purpose: Purpo
     if begun.beside is not None:
         x, y = (format_quantity(each, "mm", 6) for each in begun.beside)
         text = text.replace(UNSAID_OFFSET, f'offset = ["{x}", "{y}", "0 mm"]', 1)
+    if begun.mesh:
+        ends = ", ".join(f'{axis} = ["{low:g} mm", "{high:g} mm"]' for axis, (low, high) in begun.mesh.items())
+        text = _REACHED.sub(f"reach = {{ {ends} }}", text, count=1)
     if "probe" in instruments:
         text += begun.screws
     try:
-        return campaign_from_texts(text, "campaign.toml", machine, "machine.toml")
+        return campaign_from_texts(text, str(begun.folder / "campaign.toml"), machine, "machine.toml")
     except InputError as fault:  # it stands in a file that nobody has
         what = "What is usual of {instruments} cannot be read on this machine: {fault}"
         raise DescriptionError(what, fault.remedy, instruments=", ".join(instruments), fault=fault.what) from None
+
+
+_REACHED = re.compile(r"reach = \{.*\}(?=   # CHECK: where the probe reaches)")
 
 
 def first_files(begun: Beginning, instruments: Sequence[str], purpose: Purpose) -> FirstFiles:

@@ -1,18 +1,22 @@
-"""A printer.cfg of Klipper: how a printer is built, and how far and how fast its axes travel."""
+"""A printer.cfg of Klipper and what it includes: how a printer is built, and how far and how fast its axes travel."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from glob import glob
 from pathlib import Path
 
 from axiscal.description.ini_file import IniFile, IniValue
+from axiscal.document import shown
+from axiscal.exceptions import DescriptionError
 from axiscal.measurement.readers.probe_offset import Beside, offset_in
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.units import from_unit
 
 _SECTION = re.compile(r"\[\s*([^\]]+?)\s*\].*")
+_INCLUDED = re.compile(r"\[include\s+(.+?)\s*\].*")
 _KEY = re.compile(r"(\w+)\s*[:=]\s*(.*)")
 _REMARK = re.compile(r"\s[#;].*")
 _GANTRY, _SLIDING = "w-Z'-b-Y-X-t", "w-Y'-b-Z-X-t"
@@ -34,6 +38,7 @@ class PrinterFile:
     speeds, accelerations : mm/s and mm/s² of the axes of which it says any
     beside : how far the probe stands beside the nozzle, m; None where no section says it
     thread, screws : under the bed, as Klipper names it, and where they are, m; "" and none where no section says it
+    mesh : from where to where along X and Y the probe is sent, mm; none where no section says it, as of a round bed
     """
 
     kinematics: str
@@ -44,18 +49,24 @@ class PrinterFile:
     beside: Beside | None
     thread: str = ""
     screws: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    mesh: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def is_printer_file(path: Path) -> bool:
     """Return whether a file has sections of Klipper; raises ReadingError for no file."""
     sections = (_SECTION.fullmatch(line.strip()) for line in read_text(path).lines)
-    return any(found[1].startswith("stepper_") or found[1] == "printer" for found in sections if found)
+    return any(found[1].startswith(("stepper_", "include ")) or found[1] == "printer" for found in sections if found)
 
 
 def read_printer(path: Path) -> PrinterFile:
     """Return what a printer.cfg says; raises ReadingError for no file, DescriptionError with the line."""
-    lines = read_text(path).lines
+    lines = list(_lines(path, path.resolve().parent))
     read = _sections(path, lines)
+    if read.place("printer")[1] is None:
+        for number, line in enumerate(read_text(path).lines, start=1):
+            if (included := _INCLUDED.fullmatch(line.strip())) and not _files(path, included[1]):
+                what, remedy = "The file {name} that is included here is not there", "Copy it beside this one"
+                raise DescriptionError(what, remedy, path, number, name=shown(included[1]))
     stated = read.needed("printer", "kinematics", "corexy")
     if stated.text not in _CHAINS:
         what = "kinematics: {name} has no axes X, Y and Z that move by themselves"
@@ -72,10 +83,29 @@ def read_printer(path: Path) -> PrinterFile:
         }
         for of in ("velocity", "accel")
     )
-    beside = offset_in("\n".join(lines))
+    beside = offset_in("\n".join(text for _, _, text in lines))
     thread, screws = _screws(read, beside)
     build = stated.text, _CHAINS[stated.text]
-    return PrinterFile(*build, travels, speeds, accelerations, beside, thread, screws)
+    return PrinterFile(*build, travels, speeds, accelerations, beside, thread, screws, _mesh(read, travels))
+
+
+def _mesh(read: IniFile, travels: Mapping[str, tuple[float, float]]) -> Mapping[str, tuple[float, float]]:
+    """Return what a mesh and the travels share, mm; raises DescriptionError where that is nothing."""
+    stated = read.get("bed_mesh", "mesh_min"), read.get("bed_mesh", "mesh_max")
+    if stated[0] is None or stated[1] is None:
+        return {}
+    low, high = _place(stated[0], "mesh_min"), _place(stated[1], "mesh_max")
+    found = {axis: (max(low[i], travels[axis][0]), min(high[i], travels[axis][1])) for i, axis in enumerate("XY")}
+    if any(ends[0] >= ends[1] for ends in found.values()):
+        what, remedy = "mesh_max = {text} is not above mesh_min within the travels", "Write where the mesh ends"
+        raise stated[1].fail(what, remedy, text=stated[1].text)
+    return found
+
+
+def _place(stated: IniValue, key: str) -> tuple[float, float]:
+    """Return X and Y, mm; raises DescriptionError."""
+    x, y = (IniValue(part.strip(), stated.file, stated.line) for part in f"{stated.text},".split(",")[:2])
+    return x.number(key), y.number(key)
 
 
 def _screws(read: IniFile, beside: Beside | None) -> tuple[str, Mapping[str, tuple[float, float]]]:
@@ -91,24 +121,42 @@ def _screws(read: IniFile, beside: Beside | None) -> tuple[str, Mapping[str, tup
         stated, named = read.get(section, f"screw{number}"), read.get(section, f"screw{number}_name")
         if stated is None:
             break
-        x, y = (part.strip() for part in f"{stated.text},".split(",")[:2])
-        at = [IniValue(text, stated.file, stated.line).number(f"screw{number}") for text in (x, y)]
+        at = _place(stated, f"screw{number}")
         name = f"screw {number}" if named is None else named.text.replace('"', "")
         places[name] = from_unit(at[0], "mm") + aside[0], from_unit(at[1], "mm") + aside[1]
     thread = read.get(section, "screw_thread")
     return "CW-M3" if thread is None else thread.text, places if len(places) > 2 else {}
 
 
-def _sections(path: Path, lines: Sequence[str]) -> IniFile:
+def _lines(path: Path, folder: Path, above: Sequence[Path] = ()) -> Iterator[tuple[Path, int, str]]:
+    """Yield file, number and text of each line, of included files in their place as Klipper reads them.
+
+    folder : beyond which nothing is looked for; above : the files that include this one
+    What is not there is left out: macros are of no use here.
+    """
+    within = (*above, path.resolve())
+    for number, line in enumerate(read_text(path).lines, start=1):
+        yield path, number, line
+        if included := _INCLUDED.fullmatch(line.strip()):
+            for file in _files(path, included[1]):
+                if file.resolve().is_relative_to(folder) and file.resolve() not in within:
+                    yield from _lines(file, folder, within)
+
+
+def _files(path: Path, pattern: str) -> list[Path]:
+    return [Path(found) for found in sorted(glob(str(path.parent / pattern)))]
+
+
+def _sections(path: Path, lines: Iterable[tuple[Path, int, str]]) -> IniFile:
     read, section = IniFile(path), ""
-    for number, raw in enumerate(lines, start=1):
+    for file, number, raw in lines:
         line = raw.rstrip()
         if line.startswith(("#", ";")):
             continue
         if found := _SECTION.fullmatch(line):
             section = found[1]
         elif key := _KEY.fullmatch(line):
-            value = IniValue(_REMARK.sub("", f" {key[2]}").strip(), path, number)
+            value = IniValue(_REMARK.sub("", f" {key[2]}").strip(), file, number)
             read.values.setdefault((section, key[1]), []).insert(0, value)  # Klipper heeds the last
     return read
 

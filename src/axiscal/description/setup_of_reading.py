@@ -9,11 +9,12 @@ from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import joined, later
 from axiscal.machine import Machine
 from axiscal.machine.entry import parse_error_name
-from axiscal.machine.kinematics import frames
+from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.charts.kinds import Circle
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import model_of, reads_angles
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
 from axiscal.units import format_quantity
 
 _ALONG = 1 - 1e-9
@@ -34,13 +35,9 @@ def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int
         return _levelled(row, campaign), 1
     component = 2 if row.error == "z" else parse_error_name(row.error).component % 3
     moving = {campaign.machine.index(name) for name in row.position}
-    fitting = [
-        setup
-        for setup in campaign.setups
-        if moving <= set(setup.moves)
-        and INSTRUMENTS[setup.instrument].model.reads == row.dimension
-        and abs(setup.direction[component]) > _ALONG
-    ]
+    reads = (setup for setup in campaign.setups if model_of(setup).reads == row.dimension)
+    moves = ((setup, _direction_in_frame(setup, campaign.machine)) for setup in reads if moving <= set(setup.moves))
+    fitting = [(setup, along) for setup, way in moves if abs(along := way[component]) > _ALONG]
     if len(fitting) != 1:
         what = "no set-up reads a length along {axis} while {moving} moves"
         if row.dimension == "angle":
@@ -51,14 +48,15 @@ def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int
                 what = "several set-ups read a rotation about {axis} while {moving} moves"
         remedy = "Describe exactly one set-up for it, or give READINGS.csv with a column setup"
         raise ReadingError(what, remedy, axis="xyz"[component], moving=", ".join(row.position))
-    return fitting[0], 1 if fitting[0].direction[component] > 0 else -1
+    ((setup, along),) = fitting
+    return setup, 1 if along > 0 else -1
 
 
 def _levelled(row: RawReading, campaign: CampaignDescription) -> Setup:
     """Return the set-up of a level survey that names none: the one whose level is moved along that axis."""
     (axis,) = row.position
     moving = (campaign.machine.index(axis),)
-    fitting = [s for s in campaign.setups if s.moves == moving and INSTRUMENTS[s.instrument].model.reads == "angle"]
+    fitting = [s for s in campaign.setups if s.moves == moving and reads_angles(s)]
     fitting = [s for s in fitting if len(fitting) == 1 or _same_base(row, s)]
     if len(fitting) != 1:
         what = "several set-ups of this campaign read an angle while only {axis} moves"
@@ -116,7 +114,7 @@ def _tested(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]
 def _reads_test(row: RawReading, setup: Setup, machine: Machine) -> bool:
     if row.test == "circle":
         return isinstance(setup.chart, Circle)
-    axis, reads = machine.axes[setup.moves[0]], INSTRUMENTS[setup.instrument].model.reads
+    axis, reads = machine.axes[setup.moves[0]], model_of(setup).reads
     if len(setup.moves) != 1 or reads != row.dimension:
         return False
     fits = reads == "angle" or abs(_along(setup, machine)) < _ASIDE
@@ -127,9 +125,13 @@ def _reads_test(row: RawReading, setup: Setup, machine: Machine) -> bool:
 
 def _along(setup: Setup, machine: Machine) -> float:
     """Return the cosine between the direction of a set-up and the way of its axis, or what that turns about."""
-    moving = setup.moves[0]
-    turned = frames(machine, np.array([setup.park])).rotations[moving][0]
-    return float(turned @ np.array(machine.axes[moving].direction) @ np.array(setup.direction))
+    return float(_direction_in_frame(setup, machine) @ np.array(machine.axes[setup.moves[0]].direction))
+
+
+def _direction_in_frame(setup: Setup, machine: Machine) -> Array:
+    """Return the direction of a set-up in the frame of the first axis that it moves, (3,)."""
+    way: Array = in_frame(machine, setup.moves[0], np.array(setup.park)) @ np.array(setup.direction)
+    return way
 
 
 def _only_setup(campaign: CampaignDescription) -> Setup:

@@ -23,10 +23,11 @@ from axiscal.document import Document, meant, shown
 from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
-from axiscal.measurement.instrument import INSTRUMENTS, LENGTH, PRINTER_PROBE, Instrument, model_of
+from axiscal.measurement.instrument import LENGTH, PRINTER_PROBE, model_of
 from axiscal.measurement.instruments.displacement import SQUARE, Displacement
 from axiscal.measurement.instruments.distance import of_each
-from axiscal.measurement.instruments.kind import Rotation
+from axiscal.measurement.instruments.kind import Instrument, Rotation
+from axiscal.measurement.instruments.written import Foreign
 from axiscal.measurement.setup import Nodes, Setup, Unknown, Vector
 from axiscal.units import format_quantity, to_unit
 from axiscal_core.instrument import TOOL
@@ -62,7 +63,7 @@ def each_alone(table: SetupTable) -> list[SetupTable]:
     A length is read at its two ends, from a zero of its own: the noise of each is its noise divided by the root of two.
     """
     if table.lengths:
-        noise = INSTRUMENTS[table.instrument].noise if table.noise is None else table.noise
+        noise = table.instrument.noise if table.noise is None else table.noise
         alike = {"lengths": {}, "noise": noise / math.sqrt(2.0)}
         named = ((f"{table.name} {name}", ends) for name, ends in table.lengths.items())
         steps = (alike | {"name": name, "along": ends, "raster": {"along": math.dist(*ends)}} for name, ends in named)
@@ -79,7 +80,7 @@ def each_alone(table: SetupTable) -> list[SetupTable]:
 
 def _refuse_lengths(table: SetupTable, at: At) -> None:
     """Raise DescriptionError for lengths of another instrument, and for a gauge that has none or something beside."""
-    gauge, beside = table.instrument == LENGTH, ("direction", "moves", "along", "raster", "approach")
+    gauge, beside = table.instrument.name == LENGTH, ("direction", "moves", "along", "raster", "approach")
     remedy = (
         'Write lengths = {{ low = [["0 mm", "0 mm", "0 mm"], ["100 mm", "0 mm", "0 mm"]] }}, in the workpiece frame'
     )
@@ -102,9 +103,9 @@ def _refuse_choice(table: SetupTable, places: Sequence[Vector], at: At) -> None:
     """Raise DescriptionError where a plan may choose from places that are none."""
     stand = ("tracker", "tracer", "ballbar") if table.artefact is None else (*TOUCHING, "ballbar")
     with at("choose_from"):
-        if table.instrument not in stand:
+        if table.instrument.name not in stand:
             what = "a {instrument} stands at no place that could be chosen"
-            raise DescriptionError(what, "Write a set-up for each way to mount it", instrument=table.instrument)
+            raise DescriptionError(what, "Write a set-up for each way to mount it", instrument=table.instrument.name)
         if any(each is not None for each in (table.station, table.stations, table.at)):
             what = "it is said twice where it stands"
             raise DescriptionError(what, "Keep choose_from, or station, stations or at")
@@ -126,14 +127,14 @@ class _Reader(SiteReader):
 
     def setup(self) -> Setup:
         table, around = self._table, self._around
-        usual = PRINTER_PROBE if around.printer and table.instrument == "probe" else INSTRUMENTS[table.instrument]
+        usual = PRINTER_PROBE if around.printer and table.instrument.name == "probe" else table.instrument
         site = self.site()
         with self._at("direction"):
             direction = self._direction(usual, site)
         with self._at("stations"):
             stations = stations_of(table, usual)
         noise = usual.noise if table.noise is None else table.noise
-        material = material_of(table, usual, around.machine, direction, site.moves, self._at)
+        material = material_of(table, usual, around.machine, direction, site, self._at)
         base = self._base(usual)
         unknowns = self._unknowns(usual, site)
         unknowns = of_each(unknowns, len(stations)) if stations else unknowns
@@ -151,7 +152,7 @@ class _Reader(SiteReader):
             settle=usual.settle if table.settle is None else table.settle,
             reading_time=usual.reading_time if table.reading_time is None else table.reading_time,
             raster=self._raster(site, base or 0.0),
-            approach=table.approach,
+            approach=table.approach or usual.approach,
             station=site.station or table.station,
             stations=stations,
             warmer=material.warmer,
@@ -164,11 +165,15 @@ class _Reader(SiteReader):
             resolution=table.resolution,
             reach=self._reach(site.moves),
             nodes=self._nodes(site.moves),
+            written=usual if issubclass(usual.model, Foreign) else None,
         )
         setup = self._on_square(setup)
         setup = seen(table, around.machine, self._at, setup) if site.chart is None else self._sited(setup, site)
         with self._at("instrument" if base is None else "base"):
             model_of(setup).check_setup(setup, self._machine)
+            if issubclass(usual.model, Foreign):
+                curved = usual.model.curved_in(setup, self._machine)
+                setup = replace(setup, written=replace(usual, curved=curved))
         return self._complete(dense(table, around.machine, self._at, setup))
 
     def _sited(self, setup: Setup, site: Site) -> Setup:
@@ -327,7 +332,7 @@ class _Reader(SiteReader):
 
     def _on_square(self, setup: Setup) -> Setup:
         """Return a set-up whose straightedge is a leg of a square: the turn of the square replaces the slope."""
-        if self._table.instrument != "straightedge" or self._table.artefact is None:
+        if self._table.instrument.name != "straightedge" or self._table.artefact is None:
             return setup
         square = replace(self._named(), mounted=self._table.mounted)
         if square.balls:

@@ -22,8 +22,8 @@ from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates, chart_places
 from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Circle, Held, Sight
 from axiscal.measurement.charts.room import Chart, Coordinate, Room
-from axiscal.measurement.instrument import Instrument
 from axiscal.measurement.instruments.distance import MOST
+from axiscal.measurement.instruments.kind import Instrument
 from axiscal.measurement.setup import Setup, Vector
 from axiscal.numerics import Array, even_subset
 from axiscal.units import format_quantity
@@ -195,7 +195,7 @@ _CONE = math.radians(60.0)
 def refuse_no_sight(table: SetupTable, at: At) -> None:
     """Raise DescriptionError for keys of what is seen in a set-up whose instrument does not look."""
     for key in _KEYS:
-        if key in table.model_fields_set and table.instrument not in _LOOKING:
+        if key in table.model_fields_set and table.instrument.name not in _LOOKING:
             with at(key):
                 raise DescriptionError("{key} belongs to a tracker or tracer", "Take {key} out", key=key)
 
@@ -204,12 +204,12 @@ def refuse_stray_keys(table: SetupTable, at: At) -> None:
     """Raise DescriptionError for keys that exclude one another, or belong to what the set-up has not."""
     given = {key for key in ("along", "length", "artefact", "reach") if getattr(table, key)}
     for pair in ({"along", "length"}, {"along", "artefact"}, {"along", "reach"}, {"artefact", "reach"}):
-        if pair <= given and table.instrument != "straightedge":
+        if pair <= given and table.instrument.name != "straightedge":
             first, second = sorted(pair)
             with at(second):
                 what = "{first} and {second} exclude one another"
                 raise DescriptionError(what, "Give one of them", first=first, second=second)
-    if table.touches and (table.instrument != "sphere" or table.sides == "mean"):
+    if table.touches and (table.instrument.name != "sphere" or table.sides == "mean"):
         what = "three touches are those of a sphere, and meet no side and its opposite: there is no mean of both"
         with at("touches"):
             raise DescriptionError(what, "Take sides out, or touches")
@@ -219,7 +219,7 @@ def refuse_stray_keys(table: SetupTable, at: At) -> None:
                 remedy = 'Give artefact = "board", too'
                 raise DescriptionError("{key} belongs to an artefact, and the set-up has none", remedy, key=key)
     for key in ("plane", "arc", "turning", "stroke"):
-        if key in table.model_fields_set and table.length is None and table.instrument != "rtest":
+        if key in table.model_fields_set and table.length is None and table.instrument.name != "rtest":
             with at(key):
                 remedy = "Give its length, too"
                 raise DescriptionError("{key} belongs to a bar, and the set-up has none", remedy, key=key)

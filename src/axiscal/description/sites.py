@@ -81,7 +81,8 @@ class Site:
 
 def evened(table: SetupTable) -> bool:
     """Return whether readings are the mean of coming from both sides: spheres touched all round are unless said."""
-    return table.sides == "mean" or (table.sides is None and table.instrument == "sphere" and table.touches is None)
+    all_round = table.instrument.name == "sphere" and table.touches is None
+    return table.sides == "mean" or (table.sides is None and all_round)
 
 
 class SiteReader:
@@ -101,9 +102,9 @@ class SiteReader:
         refuse_stray_keys(self._table, self._at)
         if self._table.along is not None:
             return self._line(self._table.along)
-        if self._table.instrument == "ballbar":
+        if self._table.instrument.name == "ballbar":
             return self._anywhere() if self._table.length is None else self._bar(self._table.length)
-        if self._table.instrument in TOUCHING and self._table.artefact is not None:
+        if self._table.instrument.name in TOUCHING and self._table.artefact is not None:
             return self._held()
         return self._anywhere()
 
@@ -119,7 +120,7 @@ class SiteReader:
 
     def _line(self, ends: tuple[Vector, Vector]) -> Site:
         step, park = self._table.raster.get("along", 0.0), self._park()
-        overrun = 0.0 if self._table.instrument == LENGTH else self._overrun()  # nobody says how its ends are met
+        overrun = 0.0 if self._table.instrument.name == LENGTH else self._overrun()  # nobody says how its ends are met
         line = Line.between_ends(self._room(None), np.array(ends), park, step, overrun)
         poses = line.poses(np.array([[0.0], [line.coordinates[0].high]]))
         for end, there in enumerate(line.feasible(poses)):
@@ -237,7 +238,7 @@ class SiteReader:
         self._refuse_one_place(turning, steps)
         coordinates = turns(self._machine, turning, steps)
         park, free, at = self._park(turning), np.array(artefact.free), artefact.points
-        contact: Contact = "held" if self._table.instrument == "rtest" else "retracted"
+        contact: Contact = "held" if self._table.instrument.name == "rtest" else "retracted"
         back = 0.0 if contact == "held" else self._table.retract or RETRACT
         touching = back, self._coming(), self._touching(artefact)
         each = tuple(
@@ -256,7 +257,7 @@ class SiteReader:
 
     def _touching(self, artefact: Artefact) -> Callable[[Array], Array] | None:
         """Return where the axes go to touch a ball from all sides; None where they do not, or a size is not known."""
-        all_round, size = self._table.instrument == "sphere" and self._table.touches is None, artefact.diameter
+        all_round, size = self._table.instrument.name == "sphere" and self._table.touches is None, artefact.diameter
         if not all_round or size is None or self._machine.stylus <= 0:
             return None
         return partial(gone_to, self._machine, Cycle((size + self._machine.stylus) / 2))
@@ -328,7 +329,9 @@ class SiteReader:
         for k, axis in enumerate(self._machine.axes):
             if at_zero and axis.rotary and axis.travel[0] <= 0.0 <= axis.travel[1]:
                 places[k] = 0.0
-        for name, place in self._table.park.items():
+        usual = self._table.instrument.park
+        own = {name: place for name, place in usual if self._machine.index(name) not in moves}
+        for name, place in (own | self._table.park).items():
             index = self._machine.index(name)
             if index in moves:
                 with self._at("park", name):

@@ -11,14 +11,16 @@ import numpy as np
 
 from axiscal.description.campaign_schema import CampaignTable, SetupTable
 from axiscal.description.fields import At
+from axiscal.description.sites import Site
 from axiscal.description.type_b import TEMPERATURE, WITH_LIGHT
 from axiscal.document import Document
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine import Machine
+from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.artefact import Artefact
-from axiscal.measurement.instrument import INSTRUMENTS, LENGTH, Instrument, model_of
-from axiscal.measurement.instruments.kind import CARRIED, TRUED
+from axiscal.measurement.instrument import LENGTH, instrument_of, model_of
+from axiscal.measurement.instruments.kind import CARRIED, TRUED, Instrument
 from axiscal.measurement.setup import STEEL, SaidOfDrift, Setup, Unknown, Vector
 from axiscal.units import format_quantity
 from axiscal_core.instrument import TOOL
@@ -96,11 +98,11 @@ def refers_to_20(table: CampaignTable, artefacts: Mapping[str, Artefact], docume
 
 def _against_length(setup: SetupTable, artefacts: Mapping[str, Artefact]) -> bool:
     artefact = artefacts.get(setup.artefact or "")
-    return setup.instrument in (*WITH_LIGHT, LENGTH) or (artefact is not None and artefact.calibrated is not None)
+    return setup.instrument.name in (*WITH_LIGHT, LENGTH) or (artefact is not None and artefact.calibrated is not None)
 
 
 def material_of(
-    table: SetupTable, usual: Instrument, machine: Machine, direction: Vector, moves: Sequence[int], at: At
+    table: SetupTable, usual: Instrument, machine: Machine, direction: Vector, site: Site, at: At
 ) -> Material:
     """Return what a set-up says of the material; raises DescriptionError."""
     expansion = STEEL if table.expansion is None else table.expansion
@@ -109,7 +111,7 @@ def material_of(
     if table.temperature is None:
         return Material(None, expansion, (), stated)
     with at("temperature"):
-        if not _grows(usual, machine, direction, moves):
+        if not _grows(usual, machine, direction, site.moves, site.park):
             what = "a temperature corrects a length along the linear axes that move, and this set-up reads none"
             raise DescriptionError(what, "Take temperature out, or name the axis in moves")
     warmer = table.temperature - REFERENCE
@@ -118,18 +120,20 @@ def material_of(
     return Material(warmer, expansion, (Unknown("growth", std),) if unknown else (), stated)
 
 
-def _grows(usual: Instrument, machine: Machine, direction: Vector, moves: Sequence[int]) -> bool:
+def _grows(usual: Instrument, machine: Machine, direction: Vector, moves: Sequence[int], park: Sequence[float]) -> bool:
     """Return whether an instrument reads how far a machine expands: it follows the tool, or reads along what moves."""
     if not usual.model.directed:
         return usual.name in WITH_LIGHT
-    linear = [machine.axes[index].direction for index in moves if not machine.axes[index].rotary]
-    ways = (sum(a * b for a, b in zip(each, direction, strict=True)) for each in linear)
+    linear = [
+        (machine.axes[k].direction, in_frame(machine, k, np.array(park))) for k in moves if not machine.axes[k].rotary
+    ]
+    ways = [float(np.array(way) @ frame @ np.array(direction)) for way, frame in linear]
     return "growth" in usual.model.unknown_reads and math.hypot(*ways) >= _ALONG
 
 
 def takes_temperature(setup: Setup, machine: Machine) -> bool:
     """Return whether a temperature changes what the readings of a set-up say of the machine."""
-    return setup.at_20 and _grows(INSTRUMENTS[setup.instrument], machine, setup.direction, setup.moves)
+    return setup.at_20 and _grows(instrument_of(setup), machine, setup.direction, setup.moves, setup.park)
 
 
 def lacks_temperature(setup: Setup, machine: Machine) -> bool:

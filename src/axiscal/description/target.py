@@ -99,7 +99,7 @@ def _rows_of(axes: Sequence[Axis]) -> Iterator[RowName]:
 
 
 def _want(_: int, text: str, given: Beside) -> Want:
-    known = {row.name.casefold(): row for row in rows_of(given.context)}
+    known = {row.name.casefold(): row for row in rows_of(given.context.machine)}
     planes = [row for row in known.values() if row.kind == "squareness"]
     known |= {RowName(row.kind, row.axes[::-1]).name.casefold(): row for row in planes}
     plain = " ".join(text.split()).casefold()
@@ -110,7 +110,7 @@ def _want(_: int, text: str, given: Beside) -> Want:
         remedy = said("Perhaps {word} is meant", word=f'"{known[near].name}"') if near else _examples(known)
         raise DescriptionError("{text} is no row of an answer for this machine", remedy, text=shown(text))
     row, rest = known[name], " ".join(text.split())[len(name) :].strip()
-    return Want(row, within(rest, dimension(row, given.context), FINEST) if rest else None)
+    return Want(row, within(rest, dimension(row, given.context.machine), FINEST) if rest else None)
 
 
 def _once(wants: list[Want]) -> tuple[Want, ...]:
@@ -245,7 +245,7 @@ def _size(key: str, given: str | list[str], known: Beside) -> Size:
     ends = given if isinstance(given, list) else [given]
     if key in ("x", "y", "z"):
         return span(ends)
-    axis = known.context.axis(key)
+    axis = known.context.machine.axis(key)
     if not axis.rotary:
         remedy = "Name x, y, z in the workpiece frame, or a rotary axis"
         raise DescriptionError("{axis} follows the part", remedy, axis=axis.name)
@@ -258,7 +258,7 @@ def _part(given: Mapping[str, Any], known: Beside) -> PartVolume:
     radius, along = given.get("radius"), {"x", "y", "z"} & set(given)
     if along != ({"x", "y", "z"} if radius is None else {"z"}):
         raise DescriptionError("the part has no shape", _SHAPE)
-    turns = tuple(given.get(axis.name, axis.travel) for axis in known.context.axes if axis.rotary)
+    turns = tuple(given.get(axis.name, axis.travel) for axis in known.context.machine.axes if axis.rotary)
     width = (-(radius or 0.0), radius or 0.0)
     return PartVolume((given.get("x", width), given.get("y", width), given["z"]), radius, turns)
 

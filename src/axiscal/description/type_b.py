@@ -6,7 +6,7 @@ readings that share the cause have it in common. It moves no estimate, and U has
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Literal
@@ -15,7 +15,7 @@ import numpy as np
 
 from axiscal.measurement.instrument import LENGTH
 from axiscal.measurement.instruments.displacement import SQUARE
-from axiscal.measurement.instruments.kind import Kind
+from axiscal.measurement.instruments.kind import Instrument, Kind
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import touch_frames
 from axiscal.numerics import Array
@@ -235,6 +235,19 @@ _OWN_KEYS = ("temperature", "expansion")
 """Keys of a set-up of their own."""
 
 
-def type_b_names(instrument: str) -> dict[str, TypeB]:
+def _by_itself(read: Read, size: float, name: str) -> Array:
+    """Return what the class of an instrument shows of a cause of its own, (k, r)."""
+    return size * read.kind.own_slopes(read.at, (name,))[:, :, 0].T
+
+
+def rows_of(instrument: Instrument) -> Iterator[TypeB]:
+    """Yield the causes of an instrument: of the table, and those that its class names."""
+    yield from (row for row in TYPE_B if instrument.name in row.instruments)
+    for name, size, unit in instrument.type_b:
+        effect, of = partial(_by_itself, name=name), (instrument.name,)
+        yield TypeB(name, of, "normal", size, unit, "its class", "instrument", effect, covered=(name,))
+
+
+def type_b_names(instrument: Instrument) -> dict[str, TypeB]:
     """Return the causes of an instrument that the key type_b of a set-up may state, by name."""
-    return {row.name: row for row in TYPE_B if instrument in row.instruments and row.name not in _OWN_KEYS}
+    return {row.name: row for row in rows_of(instrument) if row.name not in _OWN_KEYS}

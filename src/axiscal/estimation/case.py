@@ -12,11 +12,10 @@ import numpy as np
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import POSES, Target
 from axiscal.description.usual import rescaled_machine, sizes_of
-from axiscal.errors.gauge import MANY_READINGS, Hidden, hidden, unseen_factor
+from axiscal.errors.gauge import MANY_READINGS, unseen_factor
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import MovedErrors, VolumeMoments, of_rests, volume_moments
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
-from axiscal.estimation.accuracy.unseen import seen_as_one, tool_doubt
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.knowledge import Knowledge
@@ -165,7 +164,7 @@ class Case:
         setup, columns = self.description.setups[index], self.observation.unknowns_of(index).tolist()
         own = dict(zip((unknown.name for unknown in setup.unknowns), columns, strict=True))
         names = _located_by(setup, set(own))
-        if names is None or names == TURNS or not set(names) <= set(own):
+        if names is None or not setup.standing or names == TURNS or not set(names) <= set(own):
             return ()
         each = iter(names)
         return tuple((own[x], own[y], own[z]) for x, y, z in zip(each, each, each, strict=True))
@@ -286,13 +285,6 @@ class Case:
         poses: Array = low + (high - low) * even_points(POSES, len(low))
         return poses
 
-    @cached_property
-    def hidden(self) -> tuple[Hidden, ...]:
-        """Errors that the allowed readings cannot see, in words."""
-        tool = tool_doubt(self.observation, self.yardstick, self.prior.factor, self._allowed_rows()[0])
-        whole = seen_as_one(self.yardstick)
-        return (*tool, *whole, *hidden(self.errors, self.yardstick.unseen, self.yardstick.moments))
-
     def unit_of(self, setup: Setup, unknown: Unknown) -> str:
         """Return the unit in which an unknown of a set-up is shown."""
         reads = model_of(setup).unknown_reads.get(unknown.name) or reads_as(unknown.name)
@@ -315,7 +307,7 @@ class Case:
         setups = tuple(replace(s, approach="both") if s.name in self.both else s for s in self.description.setups)
         return spread(self.description.machine, setups, len(self.lattice)) if self.both else self.lattice
 
-    def _allowed_rows(self) -> tuple[Array, Array]:
+    def allowed_rows(self) -> tuple[Array, Array]:
         """Return the rows of readings there, each over its noise, (m, size), and that noise, (m,)."""
         rows, variances, _ = rows_at(self.observation, self._allowed)
         noise = np.sqrt(variances)
@@ -328,7 +320,7 @@ class Case:
         With F of the unseen alone the gain of many readings is F Fᵀ Hᵀ R⁻¹.
         """
         causes = contributions(self.observation, self._allowed, usual=self.description.usual)
-        rows, noise = self._allowed_rows()
+        rows, noise = self.allowed_rows()
         unseen = unseen_factor(self.prior.factor, rows)
         shown = [rows.T @ (each.effects / noise) * (MANY_READINGS / len(rows)) for each in causes]
         moved = [unseen @ (unseen.T @ each) for each in shown]

@@ -19,10 +19,10 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.cells import wandering
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import reads_angles
 from axiscal.measurement.instruments.distance import SHIFTS, TURNS
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.reading import Reading, reading_text, reading_unit
+from axiscal.measurement.reading import Reading, reading_text, units_of
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -67,13 +67,14 @@ def unit_guess(size: float, angular: bool = False) -> str:
 
 def objection(doubt: Doubt, reading: Reading, setup: Setup, axes: Sequence[Axis]) -> str:
     """Return what is wrong with a reading that is not used, and which slip of the unit may have made it."""
-    unit, named = reading_unit(setup), reading_text(axes, setup, reading, doubt.reading)
+    named = reading_text(axes, setup, reading, doubt.reading)
     if not doubt.implausible:
         away = "{reading} is {away:.1f} standard deviations from what the other readings say"
         return said(away, reading=named, away=float(doubt.surprise))
-    value = listed(", ", [said_quantity(each, unit, 6) for each in reading.values])
+    pairs = zip(reading.values, units_of(setup), strict=True)
+    value = listed(", ", [said_quantity(each, unit, 6) for each, unit in pairs])
     size = f"{doubt.surprise:.0f}" if doubt.surprise < _COUNTLESS else said("more than a million")
-    guess = unit_guess(doubt.surprise, INSTRUMENTS[setup.instrument].model.reads == "angle")
+    guess = unit_guess(doubt.surprise, reads_angles(setup))
     text = said(
         "{reading}, {value}, is {size} standard deviations from all that the stated std and the other readings allow",
         reading=named,

@@ -21,7 +21,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Reading, drawn
-from axiscal.measurement.reading_rows import Seen, seen, shown_by_each
+from axiscal.measurement.reading_rows import Seen, scaled_values, seen, shown_by_each
 from axiscal.measurement.setup import About
 from axiscal.numerics import Array
 from axiscal_core.eigen import settled
@@ -35,7 +35,7 @@ class BentReadings:
         self.case, self.readings = case, readings
         self.start = case.prior.mean
         self.root = case.prior.factor
-        self.values = np.array([value for reading in readings for value in reading.values])
+        self.values = scaled_values(case.observation.setups, readings)
         self.variances = seen(case.observation, readings).variances
 
     def linearised(self, point: Array) -> Seen:

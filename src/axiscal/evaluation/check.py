@@ -210,9 +210,9 @@ class Check:
         first = self._whole(first, candidates, most, tolerance)
         left = max(USUAL - len(first), _FEW) if count is None else count - len(first)
         if left < 1 or len(first) == len(candidates):
-            return _in_order(first)
+            return _along_axes(first)
         least = left if count is not None else 0 if len(first) else _FEW
-        return _in_order(Places.joined([first, self._others(candidates, left, first, tolerance, least)]))
+        return _along_axes(Places.joined([first, self._others(candidates, left, first, tolerance, least)]))
 
     def _whole(self, first: Places, candidates: Places, count: int, tolerance: float) -> Places:
         """Return `count` places at most, the first ones and what their set-ups lack to be told from the machine.
@@ -333,7 +333,7 @@ def requests(description: CampaignDescription, places: Sequence[Place]) -> list[
     ]
 
 
-def _in_order(places: Places) -> Places:
+def _along_axes(places: Places) -> Places:
     """Return places set-up by set-up, along the axes."""
     return places.within(np.lexsort((*places.approaches.T[::-1], *places.poses.T[::-1], places.setups)))
 

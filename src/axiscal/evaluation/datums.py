@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames, turn_between
-from axiscal.measurement.instrument import model_of, values_of
+from axiscal.measurement.instrument import model_of, scales_of, values_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
@@ -213,4 +213,4 @@ def added_to_values(machine: Machine, setup: Setup, poses: Array, approaches: Ar
     seen = kind.slopes(kind.places(poses, approaches))
     pairs = (seen.moved, after.tcp - before.tcp), (seen.turned, turn_between(before.tool, after.tool))
     added: Array = sum(np.einsum("mkc,mc->mk", ways, moved) for ways, moved in pairs)
-    return added
+    return added / scales_of(setup)

@@ -91,6 +91,17 @@ def bed_in_workpiece(machine: Machine, poses: Array) -> Array:
     return found
 
 
+def in_frame(machine: Machine, axis: int, pose: Array) -> Array:
+    """Return the directions x, y, z of an axis frame in the workpiece frame, a row each, (3, 3).
+
+    pose : (q,) m or rad, where the other axes stand; the axis itself stands at zero
+    """
+    stands = pose.copy()
+    stands[axis] = 0.0
+    directions: Array = frames(machine, stands[None]).rotations[axis][0].T
+    return directions
+
+
 def tool_motion(machine: Machine, poses: Array, small: SmallMotions) -> rigid.Motion:
     """Return orientation and TCP of the tool in the workpiece frame, exactly, nothing linearised (B&H eq. 1).
 

@@ -3,36 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import MappingProxyType
+
+import numpy as np
 
 from axiscal.measurement.instruments.displacement import Displacement, Stepped
 from axiscal.measurement.instruments.distance import SHIFTS, TURNS, ZEROS, Distance, Nest, Tracker
-from axiscal.measurement.instruments.kind import CARRIED, Kind, Rotation
+from axiscal.measurement.instruments.kind import CARRIED, Instrument, Kind, Rotation
 from axiscal.measurement.setup import Setup, Unknown
+from axiscal.numerics import Array
 from axiscal_core.instrument import TOOL
-
-
-@dataclass(frozen=True, slots=True)
-class Instrument:
-    """Usual figures of a kind of instrument; every one of them can be replaced in the description of a set-up.
-
-    model : what it sees; noise : standard deviation of one reading, m or rad
-    unknowns : what each new mounting leaves open, with prior standard deviations
-    setup_time, settle, reading_time : s
-    wanders : std of the rate of its zero, m/s or rad/s: as a rule, and where machine and instrument are warm
-    display : whether a person reads a display that follows the tool, so that a jog shows on it
-    """
-
-    name: str
-    model: type[Kind]
-    noise: float
-    unknowns: tuple[Unknown, ...]
-    setup_time: float
-    settle: float
-    reading_time: float
-    wanders: tuple[float, float]
-    display: bool = False
 
 
 def _open(names: Sequence[str], std: float) -> tuple[Unknown, ...]:
@@ -86,11 +67,26 @@ PRINTER_PROBE = replace(INSTRUMENTS["probe"], noise=5e-6, setup_time=60.0)
 deviation of ten readings, goes from 0.8 um (docked microswitches) to 13 um (inductive ones); 5 um is an assumption."""
 
 
+def instrument_of(setup: Setup) -> Instrument:
+    """Return the instrument of a set-up, with its usual figures."""
+    return setup.written or INSTRUMENTS[setup.instrument]
+
+
 def model_of(setup: Setup) -> type[Kind]:
     """Return what a set-up sees: a level whose feet are stepped along a way sees another thing than one that rides."""
-    return INSTRUMENTS[setup.instrument].model if setup.base is None else Stepped
+    return instrument_of(setup).model if setup.base is None else Stepped
 
 
 def values_of(setup: Setup) -> int:
     """Return how many numbers a reading of a set-up has."""
-    return len(INSTRUMENTS[setup.instrument].model.names_of(setup))
+    return len(model_of(setup).names_of(setup))
+
+
+def scales_of(setup: Setup) -> Array:
+    """Return by what each number of a reading is multiplied within rows, so that all are equally noisy, (k,)."""
+    return np.array(model_of(setup).scales or (1.0,) * values_of(setup))
+
+
+def reads_angles(setup: Setup) -> bool:
+    """Return whether a set-up reads angles, at least with its first number."""
+    return model_of(setup).reads == "angle"

@@ -113,7 +113,7 @@ class Observation:
         """The machine that is read."""
         return self.errors.machine
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Number of unknowns."""
         wandering = sum(len(course.columns) for course in self.courses.values())

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +16,10 @@ from numpy.typing import NDArray
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import listed, put, said
 from axiscal.machine.axis import Axis
-from axiscal.measurement.instrument import INSTRUMENTS, model_of, values_of
+from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.setup import Setup
+from axiscal.measurement.instruments.kind import Reads
+from axiscal.measurement.setup import Setup, Vector
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 
@@ -132,6 +134,7 @@ class Reading:
     accepted : somebody vouches for it, however much it surprises
     number : under which a campaign knows it for life, from 1; None outside of a campaign
     check : its place was drawn at random
+    by : who took it, in a campaign "" where that is who began it, or nobody knows
     """
 
     setup: str
@@ -145,6 +148,7 @@ class Reading:
     time: float | None = None
     number: int | None = None
     check: bool = False
+    by: str = field(default="", compare=False, repr=False)
 
     @property
     def place(self) -> Place:
@@ -155,10 +159,11 @@ class Reading:
         """Return its number; where no campaign gave one, that of its place in the list of readings, from 1."""
         return index + 1 if self.number is None else self.number
 
-    def under(self, number: int) -> Reading:
-        """Return the same reading under the number by which a campaign knows it."""
+    def under(self, number: int, began: str = "") -> Reading:
+        """Return the same reading under the number by which a campaign knows it.  began : who began that"""
         of_value = self.value, self.std, self.line, self.accepted, self.others, self.time
-        return Reading(self.setup, self.pose, self.approach, *of_value, number, self.check)
+        by = "" if self.by == began else self.by
+        return Reading(self.setup, self.pose, self.approach, *of_value, number, self.check, by)
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -176,6 +181,7 @@ def drawn(readings: Sequence[Reading], most: int) -> list[Reading]:
 
 _VALUE_COLUMNS = ("value_um", "value_urad", *(f"value_{name}_um" for name in ("x", "y", "z", *range(1, MOST + 1))))
 """Columns for values in a file of readings, in their order."""
+_UNIT: Mapping[Reads, str] = {"length": "um", "angle": "urad"}
 _TO_A_MICROMETRE = 6
 """Decimals of m, or rad: a reading is told from others by less, and where it was taken stands in the list."""
 
@@ -217,12 +223,18 @@ def place_text(axes: Sequence[Axis], pose: Sequence[float], only: Sequence[int] 
 
 
 def reading_text(axes: Sequence[Axis], setup: Setup, reading: Reading, index: int) -> str:
-    """Return which reading is meant: 'reading 7 in "laser" at X = 120 mm'.  index : in the list of readings"""
+    """Return which reading is meant: 'reading 7 in "laser" at X = 120 mm by Anna'.  index : in the list of readings"""
     place = place_text(axes, [round(value, _TO_A_MICROMETRE) for value in reading.pose], setup.moves)
     number = reading.numbered(index)
-    if not place:
-        return said('reading {number} in "{setup}"', number=number, setup=setup.name)
-    return said('reading {number} in "{setup}" at {place}', number=number, setup=setup.name, place=place)
+    words = said('reading {number} in "{setup}"', number=number, setup=setup.name)
+    if place:
+        words = said('reading {number} in "{setup}" at {place}', number=number, setup=setup.name, place=place)
+    return said("{reading} {by}", reading=words, by=by_text(reading)) if reading.by else words
+
+
+def by_text(reading: Reading) -> str:
+    """Return who took a reading, "by Anna"; "" where that is who began the campaign, or nobody knows."""
+    return said("by {person}", person=reading.by) if reading.by else ""
 
 
 def shown_approach(axes: Sequence[Axis], approach: Sequence[float]) -> dict[str, str]:
@@ -243,14 +255,47 @@ def direction_text(setup: Setup) -> str:
     return "(" + ", ".join(f"{component:.4g}" for component in setup.direction) + ")"
 
 
+class Sense(NamedTuple):
+    """What a set-up reads, of the tool, seen from the workpiece.
+
+    reads : "x, y and z", "the distance from its station", "along x" or "about -y"; sign : when a reading is positive
+    ways : the directions along or about which it is; none where it is a distance
+    """
+
+    reads: str
+    sign: str
+    ways: tuple[Vector, ...]
+
+
+def sense(setup: Setup) -> Sense:
+    """Return what a set-up reads."""
+    model, direction = model_of(setup), direction_text(setup)
+    if setup.written:
+        return Sense(", ".join(model.names_of(setup)), said("+ as the instrument counts"), ())
+    towards = "+ where the tool stands too far towards {way}, seen from the workpiece"
+    if len(model.numbers) > 1:
+        every = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+        return Sense(said("x, y and z"), said(towards, way="+x, +y, +z"), every)
+    if not model.directed:
+        several, one = "the distances from its {count} stations, in their order", "the distance from its station"
+        reads = said(several, count=len(setup.stations)) if setup.stations else said(one)
+        return Sense(reads, said("+ where the distance is longer than it should be"), ())
+    way = direction if direction[0] in "-(" else f"+{direction}"
+    if model.reads == "angle":
+        turned = "+ where the tool is turned too far about {way} by the right hand, seen from the workpiece"
+        return Sense(said("about {way}", way=direction), said(turned, way=way), (setup.direction,))
+    return Sense(said("along {way}", way=direction), said(towards, way=way), (setup.direction,))
+
+
 def value_columns(setup: Setup) -> tuple[str, ...]:
     """Return the columns of a file of readings for its values, such as value_um, or value_x_um and two more."""
-    return tuple(f"value{'_' * bool(name)}{name}_{reading_unit(setup)}" for name in model_of(setup).names_of(setup))
+    kind = model_of(setup)
+    return tuple(f"{kind.column(n)}_{unit}" for n, unit in zip(kind.names_of(setup), units_of(setup), strict=True))
 
 
 def refuse_other_values(setup: Setup, count: int, dimension: str | None = None) -> None:
     """Raise ReadingError for values that a set-up's instrument does not read.  dimension : where a file says it"""
-    reads, values, instrument = INSTRUMENTS[setup.instrument].model.reads, values_of(setup), setup.instrument
+    reads, values, instrument = model_of(setup).reads, values_of(setup), setup.instrument
     if dimension not in (None, reads):
         what = 'the {instrument} of the set-up "{setup}" reads a length, not an angle'
         if reads == "angle":
@@ -267,10 +312,22 @@ def refuse_other_values(setup: Setup, count: int, dimension: str | None = None) 
 
 def columns_of(setups: Iterable[Setup]) -> list[str]:
     """Return the columns of a file of readings for the values of set-ups, those of each kind beside each other."""
-    needed = {column for setup in setups for column in value_columns(setup)}
-    return [column for column in _VALUE_COLUMNS if column in needed]
+    needed = dict.fromkeys(column for setup in setups for column in value_columns(setup))
+    usual = [column for column in _VALUE_COLUMNS if column in needed]
+    return [*usual, *(column for column in needed if column not in usual)]
 
 
 def reading_unit(setup: Setup) -> str:
-    """Return the unit in which its readings are shown: "um" or "urad"."""
-    return "um" if INSTRUMENTS[setup.instrument].model.reads == "length" else "urad"
+    """Return the unit in which its readings are shown: "um" or "urad"; of unlike numbers that of the first."""
+    return units_of(setup)[0]
+
+
+def asked_values(setup: Setup) -> str:
+    """Return what is asked for at a reading: "um", or of several numbers "dx um, dy um"."""
+    pairs = zip(model_of(setup).names_of(setup), units_of(setup), strict=True)
+    return listed(", ", [put("{name} {unit}", name=name, unit=unit) if name else unit for name, unit in pairs])
+
+
+def units_of(setup: Setup) -> tuple[str, ...]:
+    """Return the unit in which each number of its readings is shown."""
+    return tuple(_UNIT[reads] for reads in model_of(setup).reads_each(setup))

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.measurement.cells import Cell, Course, RestEffects, rest_effects
-from axiscal.measurement.instrument import values_of
+from axiscal.measurement.instrument import scales_of, values_of
 from axiscal.measurement.observation import Observation, Zero
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import Setup
@@ -157,9 +157,13 @@ def linear_values(observation: Observation, places: Places, readings: Sequence[R
         parts = observation.nonlinear_part(setup, places.poses[mine], places.approaches[mine])
         for index, part in zip(np.arange(len(places))[mine], parts, strict=True):
             beside[index] = part
-    return np.concatenate(
-        [np.array(r.values) - part for r, part in zip(readings, beside, strict=True)] or [np.zeros(0)]
-    )
+    return scaled_values(observation.setups, readings) - np.concatenate(beside or [np.zeros(0)])
+
+
+def scaled_values(setups: Sequence[Setup], readings: Sequence[Reading]) -> Array:
+    """Return the values of all numbers of readings as rows have them, (m,)."""
+    scales = {setup.name: scales_of(setup) for setup in setups}
+    return np.concatenate([np.array(r.values) * scales[r.setup] for r in readings] or [np.zeros(0)])
 
 
 def shown_by_each(observation: Observation, readings: Sequence[Reading], points: Array) -> Array:

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 from axiscal.machine.axis import Axis
 from axiscal.machine.motion import USUAL, Driving
@@ -58,6 +58,39 @@ class Unknown:
     owner: str = ""
 
 
+Model = TypeVar("Model")
+"""Class of what an instrument sees."""
+
+
+@dataclass(frozen=True)
+class Figures(Generic[Model]):
+    """Usual figures of a kind of instrument; every one of them can be replaced in the description of a set-up.
+
+    model : what it sees; noise : standard deviation of one reading, m or rad
+    unknowns : what each new mounting leaves open, with prior standard deviations
+    setup_time, settle, reading_time : s
+    wanders : std of the rate of its zero, m/s or rad/s: as a rule, and where machine and instrument are warm
+    display : whether a person reads a display that follows the tool, so that a jog shows on it
+    park, approach : where other axes stand, m or rad by name, and from which sides it is read, unless a set-up says it
+    type_b : what no reading shows: name, standard deviation in SI units, and the unit that it is shown in
+    curved : unknowns in which a class is not linear, so that readings are linearised where these have been found
+    """
+
+    name: str
+    model: type[Model] = field(compare=False)
+    noise: float
+    unknowns: tuple[Unknown, ...]
+    setup_time: float
+    settle: float
+    reading_time: float
+    wanders: tuple[float, float]
+    display: bool = False
+    park: tuple[tuple[str, float], ...] = ()
+    approach: Approach = "+"
+    type_b: tuple[tuple[str, float, str], ...] = ()
+    curved: tuple[str, ...] = ()
+
+
 @dataclass(frozen=True, slots=True)
 class Setup:
     """How one instrument stands on the machine.
@@ -95,6 +128,7 @@ class Setup:
         where they touch
     length : of a ball bar, m; stroke : by how much what it reads may differ from nominal, m
     driving : how programs go from place to place
+    written : the instrument, where it is none of ours
     lacks : what is not said before readings can be asked for, and what to add, in words; None where nothing is lacking
     """
 
@@ -137,6 +171,7 @@ class Setup:
     stroke: float | None = None
     driving: Driving = USUAL
     lacks: tuple[str, str] | None = None
+    written: Figures[Any] | None = None
 
     def sided(self, axes: Sequence[Axis]) -> tuple[int, ...]:
         """Return the axes that are approached from a side of their own: on a chart the linear ones follow.
@@ -146,6 +181,11 @@ class Setup:
         if self.chart is None or len(self.chart.coordinates) == len(self.moves):
             return self.moves
         return tuple(k for k in self.moves if axes[k].rotary and self.length is None)
+
+    @property
+    def title(self) -> str:
+        """What its instrument is called: its name, or that of the class."""
+        return self.instrument.rpartition(":")[2]
 
     @property
     def growth(self) -> float:

@@ -24,7 +24,7 @@ from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry, ErrorName, parse_error_name
 from axiscal.machine.kinematics import Deviation, actual_deviation
 from axiscal.measurement.cells import MEMORY
-from axiscal.measurement.instrument import model_of, values_of
+from axiscal.measurement.instrument import model_of, scales_of, values_of
 from axiscal.measurement.observation import Owned
 from axiscal.measurement.readers.csv_table import (
     ANGLES,
@@ -172,7 +172,9 @@ class VirtualMachine:
         shown = self.exactly(setup, at, actual, come)
         wander = self.drifts.get(setup.name)
         moved = np.zeros(values_of(setup)) if wander is None else wander(seconds)
-        each = (v + d + _scattered(setup, rng) for v, d in zip(shown, moved, strict=False))
+        scales = scales_of(setup)
+        off = ((d + _scattered(setup, rng)) / scale for d, scale in zip(moved, scales, strict=False))
+        each = (v + o for v, o in zip(shown, off, strict=False))
         step = setup.resolution
         return tuple(round(value / step) * step if step else value for value in each)
 
@@ -210,7 +212,7 @@ class VirtualMachine:
         """
         kind = model_of(setup)(setup, self.model.machine)
         at = kind.places(pose, approach, deviation=actual)
-        shown: list[float] = kind.shown(at, self.offsets.get(setup.name, {}))[0].tolist()
+        shown: list[float] = (kind.shown(at, self.offsets.get(setup.name, {}))[0] / scales_of(setup)).tolist()
         return shown
 
     def _chord(self, setup: Setup, poses: Array) -> Deviation:

@@ -16,12 +16,8 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_rows
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import blank_readings
-from axiscal.planning.other_readings import with_both_sides, with_rooms
-from axiscal.planning.plan.greedy import chosen_setups, picked, sets_within
-from axiscal.planning.plan.order import in_order
-from axiscal.planning.plan.plan import MANY, refuse_unplannable
-from axiscal.planning.plan.task import Goal, Limits, Task
-from axiscal.planning.plan.tour import retoured
+from axiscal.planning.other_readings import Checked, with_both_sides, with_rooms
+from axiscal.planning.plan.task import Goal, Limits
 from axiscal.planning.promise import FEW, foreseen
 
 
@@ -55,43 +51,36 @@ def _within(case: Case, known: Knowledge, limits: Limits) -> bool:
     return expanded(case.yardstick, known.belief).space <= attainable(limits.expanded, floor)
 
 
-def few_more(limits: Limits, least: int = 0) -> Limits:
-    """Return limits of a few readings for what the likely sizes reach.  least : at least so many"""
-    few = FEW if limits.readings is None else min(FEW, limits.readings)
-    return Limits(max(few, least), budget=limits.budget)
+def few_more(limits: Limits) -> Limits:
+    """Return limits of a few readings for what the likely sizes reach."""
+    return Limits(FEW if limits.readings is None else min(FEW, limits.readings), budget=limits.budget)
 
 
-def enough(case: Case, limits: Limits, readings: Sequence[Reading] = (), left: Sequence[Place] = ()) -> Limits:
-    """Return limits, or those of a few readings where readings so far, or likely sizes, reach them already.
-
-    left : of an earlier plan
-    """
+def enough(case: Case, limits: Limits, readings: Sequence[Reading] = ()) -> Limits:
+    """Return limits, or those of a few readings where readings so far, or likely sizes, reach them already."""
     if limits.accurate and (readings or len(case.sizes)) and reached_by(case, limits, (), readings):
-        return few_more(limits, len(left))
+        return few_more(limits)
     return limits
 
 
 def goal_of(
-    case: Case, limits: Limits, readings: Sequence[Reading] = (), believed: Sequence[Reading] = (), unsure: float = 1.0
+    case: Case,
+    limits: Limits,
+    readings: Sequence[Reading] = (),
+    believed: Sequence[Reading] = (),
+    checked: Checked = tuple,
+    unsure: float = 1.0,
 ) -> Goal | None:
     """Return what readings to come are to reach; None where limits ask for no accuracy.
 
-    readings : so far; believed : of these; unsure : factor by which what is foreseen may yet become larger
+    readings : so far; believed : of these; checked : the readings to come with the checks that belong to them
+    unsure : factor by which what is foreseen may yet become larger
     """
     if not limits.accurate:
         return None
 
     def reached_at(within: Limits, places: Places) -> bool:
-        return reached_by(case, within, with_both_sides(case, readings, with_rooms(case, places)), believed)
+        coming = with_both_sides(case, readings, with_rooms(case, places))
+        return reached_by(case, within, checked(coming), believed)
 
     return Goal(partial(reached_at, limits), partial(reached_at, limits.times(1 / unsure)))
-
-
-def roughly(case: Case, task: Task, limits: Limits) -> tuple[Place, ...]:
-    """Return about as many readings as a plan has, from some hundred candidates; raises PlanError as a plan does."""
-    refuse_unplannable(task, limits)
-    coarse = task.coarse
-    if limits.budget is not None:
-        none = Places.none(len(case.description.machine.axes))
-        return with_rooms(case, retoured(coarse, limits, max(sets_within(coarse, limits), key=len), none, 0.0))
-    return with_rooms(case, in_order(task, picked(coarse, limits.readings or MANY, chosen_setups(task, limits))))

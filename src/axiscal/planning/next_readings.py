@@ -27,8 +27,9 @@ from axiscal.language.stages import stage
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.numerics import Array
-from axiscal.planning.enough import enough, goal_of, roughly
+from axiscal.planning.enough import enough, goal_of
 from axiscal.planning.other_readings import (
+    Checked,
     columns_of,
     planned_with_markers,
     with_both_sides,
@@ -59,22 +60,23 @@ def planned_places(
     gaps: Sequence[Gap] = (),
     left: Sequence[Place] = (),
     believed: Sequence[Reading] = (),
+    checked: Checked = tuple,
 ) -> tuple[Place, ...]:
     """Return the readings to come, chosen together, in the order of a short way.  Raises PlanError.
 
     task, limits : what is to be planned after the readings so far, and when it ends; believed : of these readings
     gaps : places that could not be read, which are planned around
-    left : of an earlier plan and in no gap, to begin with
+    left : of an earlier plan and in no gap, to begin with; checked : readings with their checks, as a plan is judged
     """
     unsure = 1 + 1 / math.sqrt(2 * max(len(task.taken), 1)) if len(case.sizes) and left else 1.0
-    goal = goal_of(case, limits, readings, believed, unsure)
+    goal = goal_of(case, limits, readings, believed, checked, unsure)
 
-    def planned(within: Limits) -> tuple[Place, ...]:
+    def planned(within: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
         coming = _chosen(case, task, within, goal, left, gaps)
         places = with_both_sides(case, readings, with_rooms(case, coming))
         return tuple(place for place in places if not in_gap(case, place, gaps))
 
-    return planned_with_markers(case, readings, gaps, limits, lambda: left or roughly(case, task, limits), planned)
+    return planned_with_markers(case, readings, gaps, limits, left, planned)
 
 
 def reaching(
@@ -92,10 +94,10 @@ def reaching(
     heeded : limits that a search heeds for them
     """
 
-    def beside_checks(within: Limits, left: tuple[Place, ...]) -> tuple[Place, ...]:
+    def beside_checks(within: Limits, left: Sequence[Place], checked: Checked) -> tuple[Place, ...]:
         most = [each for each in (heeded.readings, within.readings) if each is not None]
         search = replace(heeded, readings=min(most, default=None), budget=within.budget)
-        return planned_places(case, task, search, readings, gaps, left, believed)
+        return planned_places(case, task, search, readings, gaps, left, believed, checked)
 
     return with_checks(case, task, limits, readings, left, beside_checks)
 
@@ -222,7 +224,7 @@ def next_places(
         task = replace(task, lattice=task.lattice.within(task.lattice.setups == worth_most(task)))
     believed = [reading for index, reading in enumerate(readings) if index not in bad]
     try:
-        heeded = enough(case, limits, believed, begin)
+        heeded = enough(case, limits, believed)
         return reaching(case, task, limits, heeded, readings, believed, closed, begin)
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         return planned_places(case, task, Limits(1), readings, closed)

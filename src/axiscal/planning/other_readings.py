@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import count as count_from
 
 import numpy as np
@@ -101,30 +101,32 @@ def planned_with_markers(
     readings: Sequence[Reading],
     gaps: Sequence[Gap],
     limits: Limits,
-    rough: Callable[[], Sequence[Place]],
-    plan: Callable[[Limits], tuple[Place, ...]],
+    left: Sequence[Place],
+    plan: Callable[[Limits, Sequence[Place]], tuple[Place, ...]],
 ) -> tuple[Place, ...]:
     """Return the readings to come with the markers among them, within the limits.
 
-    readings : so far; rough : about as many readings to come, to count the markers by
-    plan : the readings to come within limits, in their order
+    readings : so far; left : of an earlier plan, to begin with and to count the markers by
+    plan : the readings to come within limits, in their order, from those that are left
     """
     if all(setup.drift == 0 for setup in case.description.setups):
-        return plan(limits)
-    # a plan mostly ends by its accuracy, before its readings or its time do
-    like = () if (limits.accurate and limits.budget is None) or _smaller(case, limits, 1) == limits else rough()
-    within = _smaller(case, limits, len(with_markers(case, readings, gaps, like)) - len(like))
-    places = plan(within)
+        return plan(limits, left)
+    within = _smaller(case, limits, len(with_markers(case, readings, gaps, left)) - len(left))
+    places = plan(within, left)
     marked = with_markers(case, readings, gaps, places)
     true = _smaller(case, limits, len(marked) - len(places))
     fits = limits.budget is None and len(marked) <= (limits.readings or len(marked))
-    return marked if fits or true == within else with_markers(case, readings, gaps, plan(true))
+    return marked if fits or true == within else with_markers(case, readings, gaps, plan(true, places))
 
 
 def without_markers(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -> tuple[Place, ...]:
     """Return the places of an earlier plan that were not put there to watch a drift."""
-    markers = _markers(case, readings, ())
-    return tuple(place for place in places if markers.get(place.setup) != place)
+    markers, begun, found = _markers(case, readings, places), {reading.setup for reading in readings}, list[Place]()
+    for place in places:
+        if markers.get(place.setup) != place or place.setup not in begun:
+            found.append(place)
+        begun.add(place.setup)
+    return tuple(found)
 
 
 def with_markers(
@@ -249,8 +251,10 @@ def _there(case: Case, setup: Setup, axis: int, like: Place, at: float, side: in
 _SHARE, _FEWEST, _MOST, _LEAST = 5, 3, 12, 12
 """One of so many readings is a check, from few that tell s to many; below so many readings all are planned ones."""
 
-Within = Callable[[Limits, tuple[Place, ...]], tuple[Place, ...]]
-"""The readings to come within limits, from those that are left of an earlier plan."""
+Checked = Callable[[Sequence[Place]], tuple[Place, ...]]
+"""The readings to come with the checks that belong to them."""
+Within = Callable[[Limits, Sequence[Place], Checked], tuple[Place, ...]]
+"""The readings to come within limits, from those that are left of a plan, judged with their checks."""
 
 
 def checks_among(described: CampaignDescription, readings: int) -> int:
@@ -265,46 +269,85 @@ def with_checks(
 ) -> tuple[Place, ...]:
     """Return the readings to come with the checks among them, within the limits.  Raises PlanError.
 
-    readings : so far; left : of an earlier plan, with its checks; those of an accuracy come on top of what it needs
+    readings : so far; left : of an earlier plan, with its checks
+    A budget holds their time as well, and an accuracy is reached together with them.
     """
-    described, taken = case.description, sum(reading.check for reading in readings)
+    described, most, count = case.description, limits.readings, _MOST
     own, known = (tuple(place for place in left if place.check is which) for which in (False, True))
-    most, count = limits.readings, _MOST
     if most is not None:
+        taken = sum(reading.check for reading in readings)
         count = max(min(checks_among(described, len(readings) + most) - taken, most), 0)
         limits = replace(limits, readings=most - count)
     if limits.readings == 0 and not known:
         what, remedy = "{checks} checks leave none of {readings} readings to plan", "Give fewer checks in [target]"
         raise PlanError(what, remedy, checks=described.target.checks or count, readings=most)
-    places = () if limits.readings == 0 else plan(limits, own)
-    if len(places) != limits.readings:
-        planned = len(readings) - taken + len(places)
-        due = next(more for more in count_from(0) if checks_among(described, planned + more) <= more)
-        count = min(count, due - taken)
-    if count <= 0 or not (places or known):
-        return places
-    among, open_ones = columns_of(case, places or known).setups, columns_of(case, known[:count])
-    drawn = drawn_places(distinct(task.lattice), among, count - len(open_ones), len(readings))
-    checks = Places.joined([open_ones, drawn])
-    found, budget = _with_drawn(case, task, places, checks), limits.budget
-    if budget is None or _seconds(case, task, found) <= budget:
-        return found
-    # the search fills all the time that it may: checks get their share of what comes after the first reading
-    now = _seconds(case, task, places)
-    share = now + (now - _seconds(case, task, places[:1])) / _SHARE
-    tried = (_with_drawn(case, task, places, checks.within(slice(kept))) for kept in range(count, -1, -1))
-    longer = next((longer for each in tried if (longer := _seconds(case, task, each)) <= share), now)
-    places = plan(replace(limits, budget=budget - longer + now), own)
-    tried = (_with_drawn(case, task, places, checks.within(slice(kept))) for kept in range(count, 0, -1))
-    return next((each for each in tried if _seconds(case, task, each) <= budget), places)
+    checks, budget = _Checks(case, task, readings, known, distinct(task.lattice), count, limits.readings), limits.budget
+    if limits.readings == 0 or budget is None:
+        return checks.beside(() if limits.readings == 0 else plan(limits, own, checks.beside))
+    if not own:  # what checks take follows from a plan that fills the time without them
+        own = plan(limits, (), checks.beside)
+        if checks.seconds(found := checks.beside(own)) <= budget:
+            return found
+    within = replace(limits, budget=budget - checks.seconds_beside(own))
+    places = plan(within, without_markers(case, readings, own), checks.beside)
+    return checks.fitting(places, budget)
 
 
-def _seconds(case: Case, task: Task, places: Sequence[Place]) -> float:
-    return seconds_along(task, columns_of(case, places))
+@dataclass(frozen=True, eq=False)
+class _Checks:
+    """The checks of readings to come.
 
+    readings : so far; known : of an earlier plan; candidates : one at each place
+    most : so many at most, which so many planned readings as `full` have
+    """
 
-def _with_drawn(case: Case, task: Task, places: Sequence[Place], checks: Places) -> tuple[Place, ...]:
-    order, drawn = inserted(task, columns_of(case, places), checks)
-    return tuple(
-        replace(place, check=check) for place, check in zip(with_rooms(case, order), drawn.tolist(), strict=True)
-    )
+    case: Case
+    task: Task
+    readings: Sequence[Reading]
+    known: tuple[Place, ...]
+    candidates: Places
+    most: int
+    full: int | None
+
+    def beside(self, places: Sequence[Place]) -> tuple[Place, ...]:
+        """Return planned readings with the checks that belong to them, each where it costs least time."""
+        return self._first(places, self._count(len(places)))
+
+    def seconds(self, places: Sequence[Place]) -> float:
+        """Return the time of readings in this order."""
+        return seconds_along(self.task, columns_of(self.case, places))
+
+    def seconds_beside(self, places: Sequence[Place]) -> float:
+        """Return the time that the checks of planned readings may take: a fifth of what comes after the first."""
+        alone = self.seconds(places)
+        most = (alone - self.seconds(places[:1])) / _SHARE
+        longer = (self.seconds(each) - alone for each in self._fewer(places))
+        return next(more for more in longer if more <= most)
+
+    def fitting(self, places: Sequence[Place], budget: float) -> tuple[Place, ...]:
+        """Return planned readings with as many checks as there is time for."""
+        return next((each for each in self._fewer(places) if self.seconds(each) <= budget), tuple(places))
+
+    def _fewer(self, places: Sequence[Place]) -> Iterator[tuple[Place, ...]]:
+        """Yield planned readings with their checks, one less each time, and alone at last."""
+        return (self._first(places, count) for count in range(max(self._count(len(places)), 0), -1, -1))
+
+    def _count(self, planned: int) -> int:
+        """Return how many checks belong to so many planned readings."""
+        if planned == self.full:
+            return self.most
+        taken = sum(reading.check for reading in self.readings)
+        before = len(self.readings) - taken + planned
+        due = next(more for more in count_from(0) if checks_among(self.case.description, before + more) <= more)
+        return min(self.most, due - taken)
+
+    def _first(self, places: Sequence[Place], count: int) -> tuple[Place, ...]:
+        """Return planned readings with so many checks: those of an earlier plan first."""
+        if count <= 0 or not (places or self.known):
+            return tuple(places)
+        among = columns_of(self.case, places or self.known).setups
+        known = columns_of(self.case, self.known[:count])
+        drawn = drawn_places(self.candidates, among, count - len(known), len(self.readings))
+        every = inserted(self.task, columns_of(self.case, places), Places.joined([known, drawn]))
+        order, added = with_rooms(self.case, every[0]), every[1].tolist()
+        return tuple(replace(place, check=check) for place, check in zip(order, added, strict=True))

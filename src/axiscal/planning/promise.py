@@ -29,7 +29,7 @@ from axiscal.numerics import Array
 from axiscal.units import to_unit
 
 FEW = 6
-"""Readings planned at once for what likely sizes reach and all sizes together do not: then it is looked at again."""
+"""Readings planned at once where likely sizes alone reach a target, or fall short of it: then it is looked at again."""
 _TAKEN = 0.5
 """Share of what comes and goes that is taken for the curve, from which on it is said."""
 _AGAIN, _FEWEST = 4, 6

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from axiscal.answers.answer_of_campaign import answer_of
 from axiscal.campaign.campaign import Campaign
-from axiscal.description.campaign import Particulars
+from axiscal.description.campaign import CampaignDescription, Particulars
 from axiscal.document.durable import write_whole, written
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import said, speaking
 from axiscal.language.stages import stage
+from axiscal.measurement.reading import Reading
 from axiscal.present.result_document import EFFECT, READINGS, readings_csv, result_json
 from axiscal.present.result_set import RECORD, result_set, write_manifest
 from axiscal.present.statement import NOT_KNOWN
@@ -28,6 +31,18 @@ from axiscal_core.threads import one_thread
 
 _ALWAYS = "csv"
 """What every finished campaign gets beside the files for its own controls; `axiscal export` makes others."""
+
+
+@contextmanager
+def evaluated(description: CampaignDescription, readings: tuple[Reading, ...]) -> Iterator[Campaign]:
+    """Give a campaign of readings that exist, ended, for as long as its results are written; raises ReadingError."""
+    with (
+        TemporaryDirectory(prefix="axiscal-") as folder,
+        Campaign.create(Path(folder) / RECORD, description) as campaign,
+    ):
+        campaign.adopt(readings)
+        campaign.finish("all readings evaluated")
+        yield campaign
 
 
 @one_thread()

@@ -40,6 +40,7 @@ from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.reading import Reading, place_text, reading_unit
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.numerics import Array
+from axiscal.planning.unseen import hidden_of
 from axiscal.present.beside import beside_the_tool
 from axiscal.present.summary import Finding
 from axiscal.units import format_quantity, said_quantity, to_unit
@@ -241,7 +242,7 @@ _MATTERS = 0.1
 def observability(case: Case) -> list[str]:
     """Return what no allowed reading can see, in sentences, and what is not in the model at all."""
     absent = undescribed(case.description.machine)
-    return [*(part.text for part in case.hidden), *([absent] if absent else [])]
+    return [*(part.text for part in hidden_of(case)), *([absent] if absent else [])]
 
 
 def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
@@ -343,7 +344,7 @@ def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
             moved, spread = float(to_unit(far, unit)), float(to_unit(std, unit))
             seconds = float(path.times[worst] - path.times[0])
             yield said(
-                many if model_of(setup).names_of(setup)[0] == "x" else one,
+                many if values_of(setup) > 1 and not setup.stations else one,
                 way=model_of(setup).names_of(setup)[number],
                 setup=f"{setup.name} {number + 1}" if setup.stations else setup.name,
                 size=put("{moved:.2g} ± {spread:.2g} {unit}", moved=moved, spread=spread, unit=unit),

@@ -27,14 +27,24 @@ from axiscal.description.type_b import Distribution
 from axiscal.description.type_text import is_type_text
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
-from axiscal.estimation.functionals.functional import seen_by
+from axiscal.estimation.functionals.functional import seen_by, stand_of
 from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate
-from axiscal.language.spoken import later, resaid, said, speaking
+from axiscal.language.spoken import later, listed, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.axis import letter_direction
+from axiscal.machine.kinematics import in_frame
 from axiscal.machine.questions import questions, which_way
-from axiscal.measurement.instrument import model_of, values_of
-from axiscal.measurement.reading import Reading, approach_text, direction_text, reading_unit, shown_pose, value_columns
+from axiscal.measurement.instrument import model_of, scales_of, values_of
+from axiscal.measurement.reading import (
+    Reading,
+    approach_text,
+    by_text,
+    direction_text,
+    reading_unit,
+    shown_pose,
+    units_of,
+    value_columns,
+)
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
@@ -44,6 +54,7 @@ from axiscal.present.findings import findings, observability
 from axiscal.present.sentences import cause_words
 from axiscal.present.statement import conditions, counted_along
 from axiscal.present.summary import (
+    WORTH,
     BudgetRow,
     Finding,
     HistoryRow,
@@ -87,17 +98,21 @@ def iso230_blocks(
 def _test(description: CampaignDescription, setup: Setup, readings: Sequence[Reading]) -> PositioningTest | None:
     """Return a set-up's readings as a test; None where they are none: each target as often from each side.
 
+    Deviations are those along, or about, the way in which the axis counts, wherever the instrument looks.
     A reading of nan takes its run out, the n-th reading of every target from its side.
     """
-    if (seen := seen_by(setup)) is None:
+    stands = stand_of(setup, readings)
+    if (seen := seen_by(setup, description.machine, stands)) is None:
         return None
     axis, own = setup.moves[0], description.machine.axes[setup.moves[0]]
     if seen != ("angle" if own.rotary else "length", letter_direction(own.letter)):
         return None
+    way = np.array(own.direction) @ in_frame(description.machine, axis, stands)
+    along = 1.0 if way @ np.array(setup.direction) > 0 else -1.0
     found: dict[tuple[int, int], list[float]] = {}
     for reading in readings:
         target = round(reading.pose[axis] / _SAME)
-        found.setdefault((target, reading.approach[axis]), []).append(reading.value)
+        found.setdefault((target, reading.approach[axis]), []).append(along * reading.value)
     targets = sorted({target for target, _ in found})
     sides = [_runs(found, targets, side) for side in (1, -1)]
     if len(targets) < _FEWEST_TARGETS or any(side == 0 for _, side in found) or all(side is None for side in sides):
@@ -141,8 +156,6 @@ _WORDS = {
     "sizes": later("Sizes of the errors, as far as the readings leave them open"),
 }
 _DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangular": later("rectangular")}
-_WORTH = 5e-4
-"""Shares below are left out: they show as nought."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -185,7 +198,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
     rows = _history(campaign, estimation)
     linear, found, stated = linearity(estimation), expanded_uncertainty(estimation), estimation.stated
     space, worst, x, y, z = (to_unit(each, "um") for each in (found.space, found.worst, *found.axes))
-    factor = found.factor(estimation.accuracy.rms)
+    factor, (sources, smaller) = found.factor(estimation.accuracy.rms), budget_rows(estimation)
     target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
     changes = [said("A person accepted: {change}.", change=change_words(each)) for each in campaign.state.accepted]
     accepted, over = [Finding("accepted", None, change) for change in changes], campaign.state.finished is not None
@@ -240,7 +253,8 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         bent=bent_volume(estimation, controller, control) if campaign.state.readings else None,
         positioning=positioning_curves(estimation, control),
         circles=ball_bar_circles(estimation, control),
-        budget=budget_rows(estimation),
+        budget=sources,
+        smaller_um=smaller,
         particulars=description.particulars,
         checksums=_checksums(campaign),
         ended=last.date().isoformat(),
@@ -306,6 +320,7 @@ def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> Hi
         std=None if reading.std is None else to_unit(reading.std, unit),
         time=reading.time,
         check=reading.check,
+        by=by_text(reading),
     )
 
 
@@ -313,12 +328,13 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
     axes = campaign.description.machine.axes
     count = sum(reading.setup == setup.name for reading in campaign.state.readings)
     moves = [axes[k].name for k in setup.moves]
-    unit = reading_unit(setup)
-    noise = said_quantity(setup.noise, unit)
+    noises = zip(setup.noise / scales_of(setup), units_of(setup), strict=True)
+    noise = listed(", ", [*dict.fromkeys(said_quantity(float(each), unit) for each, unit in noises)])
     of = campaign.description.particulars.setups.get(setup.name, Equipment())
-    along = " ".join(model_of(setup).names_of(setup)) if values_of(setup) > 1 else direction_text(setup)
+    named = values_of(setup) > 1 or setup.written
+    along = " ".join(model_of(setup).names_of(setup)) if named else direction_text(setup)
     along = along if setup.length is None else said("the bar")
-    own = setup.name, said(setup.instrument), along, moves, noise, count
+    own = setup.name, said(setup.title), along, moves, noise, count
     grown = said("{growth:.3g} um/m against 20 degC", growth=float(setup.growth * 1e6)) if setup.growth else ""
     return SetupUse(*own, of.serial, of.certificate, grown)
 
@@ -334,16 +350,17 @@ def not_gaussian(found: Linearity) -> Iterator[Finding]:
     yield Finding("not-gaussian", None, said(text, reading=found.reading, times=float(found.largest)))
 
 
-def budget_rows(known: Estimation) -> list[BudgetRow]:
-    """Return the sources of the standard uncertainty above 0, the largest first."""
+def budget_rows(known: Estimation) -> tuple[list[BudgetRow], float]:
+    """Return the sources of the standard uncertainty, the largest first, and the RMS of those without a row, um."""
     shares = budget(known)
     whole = sum(share.rms**2 for share in shares) or 1.0
     rows = []
     for share in shares:  # of type A (GUM 4.2), or of type B with its distribution
         evaluated = ("A", "") if share.cause is None else ("B", _DISTRIBUTIONS[share.cause.row.distribution])
         rows.append(BudgetRow(_words(share), to_unit(share.rms, "um"), share.rms**2 / whole, *evaluated))
-    counted = [row for row in rows if row.share >= _WORTH]
-    return [counted[k] for k in ranked(np.array([row.share for row in counted]), ALIKE)]
+    counted = [row for row in rows if row.share >= WORTH]
+    smaller = math.sqrt(sum(row.rms_um**2 for row in rows if row.share < WORTH))
+    return [counted[k] for k in ranked(np.array([row.share for row in counted]), ALIKE)], smaller
 
 
 def _words(share: BudgetShare) -> str:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from axiscal.answers.prediction import tcp_prediction
 from axiscal.campaign.wrong_unit import refuse_implausible
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.file_readings import file_readings
 from axiscal.document.ports import ours
 from axiscal.errors.model import ErrorFunction
@@ -26,8 +27,9 @@ from axiscal.exceptions import ReadingError, ShapeError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
-from axiscal.present.delivery import write_files
+from axiscal.present.delivery import deliver, evaluated, write_files
 from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, line_trace
+from axiscal.present.summarising import Extras
 from axiscal.python.measured_case import FILL, HEIGHT, LINE, Case, NotebookPicture, Quantity, html_table, si
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
@@ -142,14 +144,15 @@ def estimate(campaign: Case | str | Path, readings: Sequence[Reading] | str | Pa
         file = readings
         description, readings = file_readings(raw, description, readings)
         refuse_implausible(readings, description, file)
-    return Estimated(in_detail(case_of(description), tuple(readings)))
+    return Estimated(description, tuple(readings))
 
 
 class Estimated(Mapping[str, Curve]):
     """The errors of a machine by name, as curves; all of them together give its deviation anywhere."""
 
-    def __init__(self, estimation: Estimation) -> None:
-        self.estimation = estimation
+    def __init__(self, campaign: CampaignDescription, readings: tuple[Reading, ...]) -> None:
+        self._given = campaign, readings
+        self.estimation: Estimation = in_detail(case_of(campaign), readings)
 
     @property
     def machine(self) -> Machine:
@@ -210,6 +213,15 @@ class Estimated(Mapping[str, Curve]):
         offered = registry.export(self.estimation.estimate(), controller, ExportOptions())
         write_files(offered, Path(folder))
         return [Path(folder) / name for name in (*offered.files, "README.txt")]
+
+    def report(self, folder: str | Path) -> Path:
+        """Write report.pdf with result.json, tables and the record into a folder; return the report.
+
+        Raises InputError, OSError.
+        """
+        with evaluated(*self._given) as campaign:
+            deliver(campaign, campaign.estimate(ended=True), Path(folder), Extras())
+        return Path(folder) / "report.pdf"
 
     def plot(self) -> NotebookPicture:
         """Return a picture of every curve with its 95 % band."""

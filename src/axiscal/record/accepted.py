@@ -17,8 +17,9 @@ from axiscal.measurement.reading import Reading
 class Accepted:
     """A mistake of `estimation.promise.agreement` that a person accepted or, of a jump, told.
 
-    mistake : jump, sign, unit, swapped, shifted, stuck or frame; setups : whose readings
+    mistake : jump, backlash, sign, unit, swapped, shifted, stuck or frame; setups : whose readings
     reading : number of the first one behind a jump, in another unit or stuck, 0 for all; behind a jump perhaps to come
+        of backlash, of the first one behind the turn, which then counts as right
     name : of the set-up that those before a jump then belong to
     factor : the values are multiplied by it; of shifted ones, 1 to the place behind and −1 to the place before
     """
@@ -72,6 +73,13 @@ def _jump(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: 
     return {i: replace(readings[i], setup=accepted.name) for i in mine[0] if i < first}
 
 
+def _backlash(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
+    behind = [i for i in mine[0] if readings[i].number == accepted.reading]
+    if not behind:
+        raise ValueError(f"there is no reading {accepted.reading} behind a turn")
+    return {i: replace(readings[i], accepted=True) for i in behind}
+
+
 def _times(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
     wrong = [i for i in mine[0] if readings[i].numbered(i) >= accepted.reading]
     return {i: _multiplied(readings[i], accepted.factor) for i in wrong}
@@ -113,6 +121,7 @@ def _with_value_of(reading: Reading, other: Reading) -> Reading:
 
 MISTAKES: Mapping[str, Callable[[Sequence[Reading], Sequence[Sequence[int]], Accepted], _Changed]] = {
     "jump": _jump,
+    "backlash": _backlash,
     "sign": _times,
     "unit": _times,
     "swapped": _swapped,

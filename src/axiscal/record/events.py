@@ -19,11 +19,11 @@ class Created:
     """The campaign begins; it carries its own inputs, so that the record needs no other file.
 
     machine_text, campaign_text : the two descriptions, word for word
-    machine_source, campaign_source : where they were read
-    versions : of axiscal and of what it computes with
+    machine_source, campaign_source : where they were read; versions : of axiscal and of what it computes with
     prior_text : the campaign whose result is its prior, as `heritage` writes it; empty for none
     usual_doubts : what nothing is stated of is doubted as is usual; records of before could not say it
     fine_knots : knots of which nothing is said are as close as is cheap; records of before could not say it
+    by : who wrote it, which stands beside the fields; "" where nobody knows
     """
 
     machine_text: str
@@ -34,6 +34,7 @@ class Created:
     prior_text: str = ""
     usual_doubts: bool = False
     fine_knots: bool = False
+    by: str = field(default="", compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -309,8 +310,7 @@ class Folding:
         """Let one more event happen."""
         event = stored.event
         if isinstance(event, Created) is (self.created is not None):
-            first = "the first event is not the creation of the campaign"
-            raise EventOrderError("the campaign was created twice" if self.created else first)
+            raise EventOrderError("the creation of the campaign is its first event, and no other one")
         if self.finished is not None and not isinstance(stored.event, Undone | Noted | Signed | Newer):
             raise EventOrderError("it comes after the end of the campaign")
         if not isinstance(event, Planned | Asked | Noted | Signed | Newer):
@@ -347,7 +347,7 @@ class Folding:
             asked = self.pending.reading if self.pending else self.highest + 1
             number = asked if event.reading.number is None else event.reading.number
             self.highest = max(self.highest, number)
-            self.written.append(event.reading.under(number))
+            self.written.append(event.reading.under(number, self.created.by if self.created else ""))
             self.readings.append(self.written[-1])
             planned = self.pending is not None and event.reading.place == self.pending.place
             self.renew = self.renew or not planned

@@ -18,7 +18,7 @@ from axiscal.exceptions import NewerError, OvertakenError, RecordError
 from axiscal.record.events import Event, EventOrderError, Folding, Newer, Signed, State, Stored, fold
 from axiscal.record.line_form import DamageError, EventText, chained
 from axiscal.record.payload import PayloadError, decode, encode, hand_of
-from axiscal.record.signing import Hand, Signature, holds, key_file, own_hand, signature, what_is_signed
+from axiscal.record.signing import Hand, Signature, hand_now, holds, key_file, signature, step_now, what_is_signed
 
 EMPTY = 64 * "0"
 """The chain before the first event."""
@@ -97,6 +97,12 @@ class EventLog(Closing):
         row = EventText(at, *encode(Signed(by.key, by.signature), Hand(by.person, by.computer)))
         self.extend([row], after=len(texts))
         return True
+
+    def holds(self, step: str) -> bool:
+        """Return whether a step wrote more than a plan.  step : its id, hex digits; "" for none"""
+        mark = f'"step":"{step}"'  # in what a person wrote it would stand with backslashes
+        rows = [text.row for text in self.texts()] if step else []
+        return any(mark in row.payload and row.kind not in ("planned", "continued", "asked") for row in rows)
 
     def events(self) -> tuple[Stored, ...]:
         """Return all events, oldest first."""
@@ -237,8 +243,8 @@ def shared_events(one: Sequence[str], other: Sequence[str]) -> int:
 
 def rows_of(events: Sequence[Event]) -> list[EventText]:
     """Return events as they are written now, in one transaction; raises ValueError for one that cannot be kept."""
-    at, hand = _now(), own_hand()
-    return [EventText(at, *encode(event, hand), n == len(events)) for n, event in enumerate(events, 1)]
+    at, hand, step = _now(), hand_now(), step_now()
+    return [EventText(at, *encode(event, hand, step), n == len(events)) for n, event in enumerate(events, 1)]
 
 
 def in_one(rows: Sequence[EventText]) -> list[EventText]:

@@ -31,6 +31,8 @@ from axiscal.record.events import (
 from axiscal.record.signing import Hand
 
 _T = TypeVar("_T")
+_BESIDE = (*Hand._fields, "step")
+"""What stands beside the fields of every kind."""
 ABSURD = 1e9
 """m or rad: no number of a reading is as large; what deviates by less is judged by those who know the machine."""
 
@@ -39,14 +41,14 @@ class PayloadError(ValueError):
     """Text in a record that is not an event."""
 
 
-def encode(event: Event, hand: Hand | None = None) -> tuple[str, str]:
+def encode(event: Event, hand: Hand | None = None, step: str = "") -> tuple[str, str]:
     """Return kind and JSON text; raise ValueError if a number is not finite, RecordError for what is no text.
 
-    hand : who writes it, where that is to be kept
+    hand : who writes it, where that is to be kept; step : the id of the step that it belongs to, "" for none
     """
     if isinstance(event, Newer):
         return event.kind, event.text
-    said = _fields(event) | ({} if hand is None else hand._asdict())
+    said = _fields(event) | ({} if hand is None else hand._asdict()) | ({"step": step} if step else {})
     text = json.dumps(said, allow_nan=False, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
     try:
         text.encode()
@@ -61,10 +63,9 @@ def decode(kind: str, text: str) -> Event:
     """Return the event, `Newer` for one that this version does not know; raise PayloadError if this is none."""
     try:
         found = _is(dict, json.loads(text))
-        for name in Hand._fields:  # older records could not say it
-            _is(str, found.pop(name, ""))
+        beside = {name: _is(str, found.pop(name, "")) for name in _BESIDE}  # older records could not say it
         if kind in _READ and found.keys() <= _KEYS[kind]:
-            return _READ[kind](found)
+            return _READ[kind](found | beside)
         return Newer(kind, text, kind != "noted" if kind in _READ else not _OF_READINGS.isdisjoint(found))
     except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
         raise PayloadError(f"an entry of kind {kind!r} cannot be read: {error}") from error
@@ -92,7 +93,7 @@ def _fields(event: Event) -> dict[str, object]:
             return {**numbered, **_place_fields(reading.place), **of_value, **circumstances}
         case Skipped(reason, False):
             return {"reason": reason}  # as older versions wrote it
-    return asdict(event)
+    return {name: value for name, value in asdict(event).items() if name in _KEYS[type(event).__name__.lower()]}
 
 
 def _place_fields(place: Place) -> dict[str, object]:
@@ -132,8 +133,9 @@ def _created(fields: Mapping[str, Any]) -> Created:
     versions = {_is(str, name): _is(str, value) for name, value in _is(dict, fields["versions"]).items()}
     machine, campaign = _is(str, fields["machine_text"]), _is(str, fields["campaign_text"])
     sources = _is(str, fields["machine_source"]), _is(str, fields["campaign_source"])
-    held = (_is(bool, fields.get(name, False)) for name in ("usual_doubts", "fine_knots"))  # older ones said neither
-    return Created(machine, campaign, *sources, versions, _is(str, fields.get("prior_text", "")), *held)
+    doubts, knots = (_is(bool, fields.get(name, False)) for name in ("usual_doubts", "fine_knots"))  # not in older ones
+    prior = _is(str, fields.get("prior_text", ""))
+    return Created(machine, campaign, *sources, versions, prior, doubts, knots, fields["person"])
 
 
 def _recorded(fields: Mapping[str, Any]) -> Recorded:
@@ -146,7 +148,7 @@ def _recorded(fields: Mapping[str, Any]) -> Recorded:
     number = None if fields.get("reading") is None else _is(int, fields["reading"])
     at, value = _place(fields), _number(fields["value"], ABSURD)
     of_value = value, std, None, accepted, others, time, number
-    return Recorded(Reading(at.setup, at.pose, at.approach, *of_value, at.check))
+    return Recorded(Reading(at.setup, at.pose, at.approach, *of_value, at.check, fields["person"]))
 
 
 _LARGEST_FACTOR = 1e4
@@ -190,6 +192,7 @@ _AT = frozenset(("setup", "position", "approach", "check"))
 _KEYS: Mapping[str, frozenset[str]] = {
     kind.__name__.lower(): frozenset(field.name for field in fields(kind)) for kind in get_args(Event)
 } | {
+    "created": frozenset(field.name for field in fields(Created)) - {"by"},
     "planned": frozenset(("places", "grounds")),
     "continued": frozenset(("grounds",)),
     "asked": _AT | {"reading"},

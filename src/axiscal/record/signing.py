@@ -17,7 +17,8 @@ import hashlib
 import json
 import os
 import platform
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -25,11 +26,13 @@ from axiscal.exceptions import RecordError
 
 if TYPE_CHECKING:
     from cryptography import x509
-    from cryptography.hazmat.primitives.asymmetric.ec import EllipticCurvePublicKey
+    from cryptography.hazmat.primitives.asymmetric.ec import EllipticCurvePrivateKey, EllipticCurvePublicKey
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
 
 PERSON, KEY, PEOPLE = "AXISCAL_PERSON", "AXISCAL_KEY", "AXISCAL_PEOPLE"
 """Variables of the environment: the name of who writes, the file of the key, and that of the keys of people."""
+_YEARS = 20
+"""Of the shop's certificate: longer than a computer lasts."""
 
 
 class Hand(NamedTuple):
@@ -37,6 +40,27 @@ class Hand(NamedTuple):
 
     person: str
     computer: str
+
+
+class Writer(NamedTuple):
+    """Who takes a step, "" for the user of this computer, and the id of that step, "" for none."""
+
+    person: str = ""
+    step: str = ""
+
+
+_NOBODY = Writer()
+_WRITER: ContextVar[Writer] = ContextVar("writer", default=_NOBODY)
+
+
+@contextlib.contextmanager
+def writing(**by: str) -> Iterator[None]:
+    """Let all that is written in the block be by a person, or of a step.  by : fields of `Writer`"""
+    before = _WRITER.set(_WRITER.get()._replace(**by))
+    try:
+        yield
+    finally:
+        _WRITER.reset(before)
 
 
 class Signature(NamedTuple):
@@ -55,6 +79,17 @@ def own_hand() -> Hand:
     except (KeyError, OSError):  # a user without a name, as in containers
         person = "nobody"
     return Hand(*(name.encode("utf-8", "replace").decode() for name in (person, platform.node())))
+
+
+def hand_now() -> Hand:
+    """Return who takes a step now: the person of the block that is `writing`, else of this computer."""
+    own = own_hand()
+    return own._replace(person=_WRITER.get().person or own.person)
+
+
+def step_now() -> str:
+    """Return the id of the step that is taken now, "" for none."""
+    return _WRITER.get().step
 
 
 def key_file() -> Path:
@@ -83,18 +118,63 @@ def is_known(key: str) -> bool:
 
 def make_key() -> None:
     """Make the key of this person unless there is one; raises OSError."""
-    from cryptography.hazmat.primitives import serialization as form
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
     path = key_file()
     if path.exists():
         return
+    _keep_secret(path, Ed25519PrivateKey.generate(), b"")
+
+
+def _keep_secret(path: Path, key: Ed25519PrivateKey | EllipticCurvePrivateKey, behind: bytes) -> None:
+    """Write a key that nobody else may read, and what stands behind it in its file; raises OSError."""
+    from cryptography.hazmat.primitives import serialization as form
+
     path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-    secret = Ed25519PrivateKey.generate().private_bytes(
-        form.Encoding.PEM, form.PrivateFormat.PKCS8, form.NoEncryption()
-    )
+    secret = key.private_bytes(form.Encoding.PEM, form.PrivateFormat.PKCS8, form.NoEncryption())
     with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
-        file.write(secret)
+        file.write(secret + behind)
+
+
+def shop_certificate() -> tuple[Path, str]:
+    """Return the file of the certificate by which this computer answers its shop, with its key, and its fingerprint.
+
+    It is made once and signs itself, so that a person compares the fingerprint: SHA-256, in pairs of hex digits.
+    Raises OSError, RecordError for one that cannot be used.
+    """
+    from cryptography import x509
+    from cryptography.hazmat.primitives.hashes import SHA256
+
+    folder = os.environ.get("XDG_DATA_HOME") or os.environ.get("LOCALAPPDATA")
+    path = (Path(folder) if folder else Path.home() / ".local" / "share") / "axiscal" / "shop.pem"
+    if not path.exists():
+        _make_certificate(path)
+    _refuse_shared(path)
+    try:
+        found = x509.load_pem_x509_certificate(path.read_bytes())
+    except ValueError as fault:
+        what, remedy = "The certificate cannot be read: {reason}", "Remove it; another one is made"
+        raise RecordError(what, remedy, path, reason=fault) from None
+    return path, found.fingerprint(SHA256()).hex(":").upper()
+
+
+def _make_certificate(path: Path) -> None:
+    from cryptography import x509
+    from cryptography.hazmat.primitives import serialization as form
+    from cryptography.hazmat.primitives.asymmetric import ec
+    from cryptography.hazmat.primitives.hashes import SHA256
+
+    key, computer = ec.generate_private_key(ec.SECP256R1()), own_hand().computer[:64] or "axiscal"
+    name = x509.Name([x509.NameAttribute(x509.NameOID.COMMON_NAME, computer)])
+    today = datetime.datetime.now(datetime.UTC)
+    certificate = (
+        x509.CertificateBuilder(name, name, key.public_key(), x509.random_serial_number())
+        .not_valid_before(today - datetime.timedelta(days=1))  # clocks of tablets differ
+        .not_valid_after(today + datetime.timedelta(days=_YEARS * 365))
+        .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
+        .sign(key, SHA256())
+    )
+    _keep_secret(path, key, certificate.public_bytes(form.Encoding.PEM))
 
 
 def signature(document: Mapping[str, object]) -> Signature | None:
@@ -182,6 +262,11 @@ def _certificate(of: EllipticCurvePublicKey | Ed25519PublicKey, by: Ed25519Priva
     )
 
 
+def _refuse_shared(path: Path) -> None:
+    if os.name == "posix" and path.stat().st_mode & 0o077:
+        raise RecordError("Others may read this key", "Keep it to yourself: chmod 600 {path}", path, path=path)
+
+
 def _own_key() -> Ed25519PrivateKey | None:
     path = key_file()
     if not path.exists():
@@ -189,8 +274,7 @@ def _own_key() -> Ed25519PrivateKey | None:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
     from cryptography.hazmat.primitives.serialization import load_pem_private_key
 
-    if os.name == "posix" and path.stat().st_mode & 0o077:
-        raise RecordError("Others may read this key", "Keep it to yourself: chmod 600 {path}", path, path=path)
+    _refuse_shared(path)
     try:
         key = load_pem_private_key(path.read_bytes(), None)
     except (OSError, TypeError, ValueError) as fault:

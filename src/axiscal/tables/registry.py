@@ -26,6 +26,7 @@ _ABSURD = 1.0
 CONTROLLERS = {
     "csv": "tables.controllers.plain_csv:PlainCsv",
     "fanuc": "tables.controllers.fanuc:Fanuc",
+    "grblhal": "ports.grblhal:GrblHal",
     "heidenhain": "tables.controllers.heidenhain:Heidenhain",
     "isg": "tables.controllers.isg:Isg",
     "klipper": "ports.printers.klipper:Klipper",

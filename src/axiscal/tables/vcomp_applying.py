@@ -79,6 +79,10 @@ class VcompFile:
     bed: Mesh | None = None
 
 
+CORE = "axiscal_vcomp_core.h"
+"""The same in C, beside this file: what LinuxCNC's component and grblHAL's plugin include."""
+
+
 def fnv1a(data: bytes) -> int:
     """Return the 32-bit FNV-1a hash of bytes (Fowler, Noll, Vo): any single changed byte changes it."""
     found = 2166136261

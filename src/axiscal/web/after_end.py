@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from datetime import UTC, datetime
+from pathlib import Path
+
 from axiscal.answers.answer_words import digits
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.document.durable import write_whole
 from axiscal.document.ports import ours
 from axiscal.estimation.estimation import Estimation
 from axiscal.evaluation.check import Check, Taken
-from axiscal.exceptions import TableError
+from axiscal.exceptions import TableError, TargetError
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.csv_readings import filled_sheet
 from axiscal.measurement.reading import Places
 from axiscal.present.check_answer import check_answer, check_plan, check_sentences
 from axiscal.present.guide.checking import check_places, typed_readings
 from axiscal.present.sentences import spelt
-from axiscal.record.signing import own_hand
+from axiscal.record.signing import hand_now
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions, informed
 from axiscal.units import to_unit
@@ -48,6 +52,16 @@ def put_into(desk: Desk, control: str, printer: str) -> str:
     return str(loader.load(loader.accepted_text(files), options.name))
 
 
+def measure_again(record: Path, files: Iterable[Path]) -> str:
+    """Return when the machine of a record is due; raises RecordError.  files : may tell how machines change"""
+    try:
+        shop = ours("ports.fleet.due_dates:due_dates")([record, *files], datetime.now(UTC).date())
+    except TargetError:
+        return said("Measure again: the campaign has no target of U or RMS that would say when.")
+    days = (each.day_text for each in shop.machines if each.record.resolve() == record.resolve())
+    return said("Measure again: {day}.", day=next(days, said("another campaign of this machine says when")))
+
+
 def check(desk: Desk, control: str) -> CheckShape:
     """Return where the tables of a control are to be checked, and by which tolerance."""
     checked, places = _check(desk, control)
@@ -69,7 +83,7 @@ def judge(desk: Desk, asked: CheckedRequest) -> CheckedShape:
         sheet = filled_sheet(checked.description.machine.axes, each)
         write_whole(desk.campaign.path.with_name(name), sheet.encode())
     judged = checked.judged(readings, asked.tolerance)
-    answer = check_answer(judged, len(places), checked.tables.U, Taken(own_hand().person, "page"))
+    answer = check_answer(judged, len(places), checked.tables.U, Taken(hand_now().person, "page"))
     return CheckedShape(verdict=answer.verdict, sentences=[spelt(line) for line in check_sentences(answer)])
 
 

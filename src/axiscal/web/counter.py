@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
+from contextvars import copy_context
 from pathlib import Path
 from threading import Lock, get_ident
 from time import monotonic
@@ -19,7 +20,7 @@ from typing import Any, TypeVar
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import OvertakenError, RecordError
-from axiscal.language.spoken import said, speaking, spoken_now
+from axiscal.language.spoken import said
 from axiscal.language.stages import Listener, Stage, listening, stage_text
 from axiscal.web import shapes
 from axiscal.web.desk import Desk
@@ -53,13 +54,15 @@ def _overtaken() -> OvertakenError:
 
 
 class Counter:
-    """One record, open on its own thread, in the language that is spoken; raises RecordError if that is none.
+    """One record, open on its own thread; raises RecordError if that is none.
+
+    Work there is done in the language, and by the person, of who asks for it.
 
     record : None for none yet
     """
 
     def __init__(self, record: Path | None) -> None:
-        self._pool, self._language = ThreadPoolExecutor(1, thread_name_prefix="campaign"), spoken_now()
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="campaign")
         self._lock, self._closing = Lock(), False
         self._at_work: int | None = None
         self._drawn_up = Future[Any]()
@@ -216,7 +219,7 @@ class Counter:
         self._desk = Desk(Campaign.open(record), self._publish)
 
     def _submitted(self, work: Callable[[], _Result]) -> Future[_Result]:
-        return self._pool.submit(self._done, work)
+        return self._pool.submit(copy_context().run, self._done, work)
 
     def _done(self, work: Callable[[], _Result]) -> _Result:
         with self._lock:
@@ -224,7 +227,7 @@ class Counter:
                 raise _overtaken()
             self._at_work = get_ident()
         try:
-            with one_thread(), speaking(self._language), listening(Listener(self._stages, lambda: None)):
+            with one_thread(), listening(Listener(self._stages, lambda: None)):
                 return work()
         except KeyboardInterrupt:
             raise _overtaken() from None

@@ -24,6 +24,7 @@ from axiscal.language.spoken import decimals, said, spoken_now
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import (
+    Answer,
     Named,
     Progress,
     confirmed,
@@ -55,11 +56,12 @@ from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_text
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
+from axiscal.record.signing import step_now
 from axiscal.tables import registry
 from axiscal.units import to_unit
 from axiscal.web.shapes import (
     AnswerShape,
-    CostShape,
+    SentenceShape,
     StateShape,
     TypedShape,
 )
@@ -169,6 +171,10 @@ class Desk:
         words = {cause: said(CAUSES[cause]) for cause in named}
         return TypedShape(values=shown, surprise=surprise, surprising=True, sentence=sentence, causes=words)
 
+    def once(self, step: Callable[[Desk], str]) -> str:
+        """Do a step unless the record has it: where its answer got lost on the way it is sent again."""
+        return said("That is kept already.") if self.campaign.has_done(step_now()) else step(self)
+
     def keep(self, after: int, text: str, cause: Cause | None = None) -> str:
         """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one."""
         self._refuse_overtaken(after)
@@ -234,15 +240,15 @@ class Desk:
         setup = description.setup(asked.place.setup)
         return setup_picture(setup_scene(description, setup, taken, asked.place, state.coming), width)
 
-    def cost(self, *, rest: bool) -> CostShape:
+    def cost(self, *, rest: bool) -> SentenceShape:
         """Return what skipping the reading costs, or leaving its set-up."""
-        return CostShape(sentence=spelt(cost_sentence(cost_words(self.campaign, rest=rest))))
+        return SentenceShape(sentence=spelt(cost_sentence(cost_words(self.campaign, rest=rest))))
 
-    def set_anew(self, after: int, *, asked: bool) -> str:
-        """Keep that a zero was set anew before the next reading.  asked : before the one that the page asks about"""
+    def set_anew(self, after: int, answer: Answer | None) -> str:
+        """Keep that a zero was set anew before the next reading, or the answer to what the page asks."""
         self._refuse_overtaken(after)
-        named = self._asks if asked else None
-        told = set_anew(self.campaign) if named is None else confirmed(self.campaign, named)
+        named = None if answer is None else self._asks
+        told = set_anew(self.campaign) if named is None or answer is None else confirmed(self.campaign, named, answer)
         self._show()
         return told
 
@@ -314,6 +320,7 @@ class Desk:
         return StateShape(
             version=self._version,
             last=state.last,
+            begun=campaign.begun,
             machine=campaign.description.machine.name,
             record=campaign.path.name,
             progress=Progress.of(campaign),
@@ -330,6 +337,7 @@ class Desk:
             minds=[spelt(each) for each in [*self._minds, *contradictions(campaign, command=False)]],
             named=state.finished is None and self._explained() is not None,
             asks="" if self._asks is None else spelt(self._asks.question),
+            choices={} if self._asks is None else self._asks.choices,
             answer=None if self._answer is None or overtaken else _answer(campaign, self._answer, results),
             results=results.name if written else "",
             tables=sorted(each.name for each in (results / "tables").glob("*/")) if written else (),

@@ -272,13 +272,18 @@ def _shown(draft: DraftShape) -> MachineShape:
     )
 
 
-def _records(here: Path) -> tuple[list[BegunShape], list[str]]:
-    """Return the campaigns of a folder and those below it, the last first, and what cannot be read."""
+def record_files(here: Path) -> list[Path]:
+    """Return the last records of a folder and of those below it, the last first."""
     files = {file: file.stat().st_mtime for pattern in ("*.axiscal", "*/*.axiscal") for file in here.glob(pattern)}
     results = {results_beside(file) for file in files}
     own = {file: at for file, at in files.items() if file.parent not in {*results, here / FOLDER}}
+    return sorted(own, key=lambda file: -own[file])[:_LISTED]
+
+
+def _records(here: Path) -> tuple[list[BegunShape], list[str]]:
+    """Return the campaigns that can be gone on with, and what cannot be read."""
     begun, left_out = list[BegunShape](), list[str]()
-    for file in sorted(own, key=lambda file: -own[file])[:_LISTED]:
+    for file in record_files(here):
         try:
             with opened_log(file, write=False) as log:
                 state, last = log.state(), log.events()[-1]

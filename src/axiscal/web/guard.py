@@ -1,8 +1,10 @@
-"""The guard before the page: only this computer, only who knows the token, only our own page, nothing large.
+"""The guard before the page: only known doors, only who has a bearer of that door, only our own page, nothing large.
 
 A page from elsewhere that is open in the same browser can reach the port. Three things stop it: its Host if it has
-renamed itself (rebinding), its Origin, and the token, which each request carries in its head. A browser would send a
-cookie to every port of this computer; what a tab keeps for itself, other ports cannot read.
+renamed itself (rebinding), its Origin, and the bearer, which each request carries in its head. A browser would send a
+cookie to every port of this computer; what a page keeps for itself, other ports cannot read.
+
+The door of this computer has one bearer, the token; the door of the shop one for each device that a code let in.
 
 Pictures, downloads and the report are fetched by the browser, which adds no head. Each has an address for one request.
 
@@ -17,7 +19,7 @@ from collections.abc import Callable, Collection
 from functools import partial
 from importlib import resources
 from time import monotonic
-from typing import Any
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from fastapi import FastAPI, Request, Response, Security
 from fastapi.exceptions import RequestValidationError
@@ -32,12 +34,16 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from axiscal.answers.answer import AnswerDocument
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import messages, spoken_now
+from axiscal.record.signing import writing
 from axiscal.web.desk import SurprisingError
 from axiscal.web.shapes import ProblemShape
 
 ROOT = "/api/1"
+DEVICES = f"{ROOT}/devices"
+"""Where a device comes in with a code."""
 LARGEST = 64 * 1024
 """Bytes of a request's body; what a person types is far smaller."""
+_What = TypeVar("_What")
 _KINDS = {"css": "text/css", "js": "text/javascript", "svg": "image/svg+xml", "html": "text/html"}
 _REFUSALS: dict[int | str, dict[str, Any]] = {
     status: {"model": ProblemShape, "description": "Not done, and why"} for status in (400, 403, 409, 413, 422)
@@ -124,7 +130,7 @@ async def _defect(request: Request, failure: Exception) -> Response:
     return problem(500, "defect", said)
 
 
-_TOKEN_BYTES = 32  # 256 bits; from 128 on nobody guesses
+TOKEN_BYTES = 32  # 256 bits; from 128 on nobody guesses
 _WITHIN = 60.0
 """s in which an address that answers once has to be asked for: a browser does it at once, a busy one within seconds."""
 _POLICY = (
@@ -140,40 +146,66 @@ _HEADERS = {
 }
 
 
-class Addresses:
-    """Addresses that answer one request, for what a browser fetches without the token."""
+class Tickets(Generic[_What]):
+    """Secrets, each of which stands for something once, within `lasts` s."""
+
+    def __init__(self, lasts: float) -> None:
+        self._lasts, self._kept = lasts, dict[str, tuple[_What, float]]()
+
+    def issue(self, what: _What, form: str = "{}") -> str:
+        """Return a new secret that stands for something.  form : what stands around it"""
+        now, secret = monotonic(), form.format(secrets.token_urlsafe(TOKEN_BYTES))
+        self._kept = {each: kept for each, kept in self._kept.items() if kept[1] > now}
+        self._kept[secret] = what, now + self._lasts
+        return secret
+
+    def redeem(self, secret: str) -> _What | None:
+        """Return what a secret stands for, and forget it; None for one that stands for nothing."""
+        what, until = self._kept.pop(secret, (None, 0.0))
+        return what if until > monotonic() else None
+
+
+class Addresses(Tickets[tuple[str, str]]):
+    """Addresses that answer one request, for what a browser fetches without the token; path and query of each."""
 
     def __init__(self) -> None:
-        self._kept = dict[str, tuple[str, str, float]]()
+        super().__init__(_WITHIN)
 
     def once(self, path: str) -> str:
         """Return an address that answers one request for `path`, with its query, within a minute."""
         plain, _, query = path.partition("?")
-        now, name = monotonic(), plain.rpartition("/")[2]
-        self._kept = {each: kept for each, kept in self._kept.items() if kept[2] > now}
-        address = f"/once/{secrets.token_urlsafe(_TOKEN_BYTES)}/{name}"
-        self._kept[address] = plain, query, now + _WITHIN
-        return address
+        return self.issue((plain, query), f"/once/{{}}/{plain.rpartition('/')[2]}")
 
-    def meant(self, address: str) -> tuple[str, str] | None:
-        """Return path and query that an address stands for, and forget it; None for one that stands for nothing."""
-        path, query, until = self._kept.pop(address, ("", "", 0.0))
-        return (path, query) if until > monotonic() else None
+
+class Door(NamedTuple):
+    """One way in.
+
+    scheme, hosts : of the addresses that a page of ours has there
+    bearers : who comes in by each, "" for the user of this computer; remedy : for those who have none
+    """
+
+    scheme: str
+    hosts: tuple[str, ...]
+    bearers: dict[str, str]
+    remedy: str
 
 
 class Guard:
     """Lets a request through to `app`, or refuses it with its reason; sets the headers of every answer.
 
     free : paths of what everybody may see: the files of the page
-    port : we listen on; address : to open, with a token that is new at every start
+    port : we listen on; shop : the door for devices; address : to open, with a token that is new at every start
     The token stands behind the #, which a browser sends to nobody.
     """
 
-    def __init__(self, app: ASGIApp, port: int, free: Collection[str], addresses: Addresses) -> None:
+    def __init__(
+        self, app: ASGIApp, port: int, free: Collection[str], addresses: Addresses, shop: Door | None = None
+    ) -> None:
         self._app, self._free, self._addresses = app, free, addresses
-        self._token = secrets.token_urlsafe(_TOKEN_BYTES)
-        self._hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
-        self.address = f"http://127.0.0.1:{port}/#{self._token}"
+        token, hosts = secrets.token_urlsafe(TOKEN_BYTES), (f"127.0.0.1:{port}", f"localhost:{port}")
+        own = Door("http", hosts, {token: ""}, "Open the address that axiscal serve has printed: it holds the token")
+        self._doors = {each.scheme: each for each in (own, shop) if each is not None}
+        self.address = f"http://{hosts[0]}/#{token}"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request."""
@@ -189,30 +221,32 @@ class Guard:
                 answer.setdefault("Content-Security-Policy", _POLICY)
             await send(message)
 
-        refusal = self._refusal(HTTPConnection(scope))
-        if refusal is not None:
-            await problem(*refusal)(scope, receive, answered)
+        asks = self._asks(HTTPConnection(scope))
+        if isinstance(asks, Response):
+            await asks(scope, receive, answered)
             return
-        await self._app(scope, _bounded(receive), answered)
+        with writing(person=asks):
+            await self._app(scope, _bounded(receive), answered)
 
-    def _refusal(self, asked: HTTPConnection) -> tuple[int, str, str] | None:
-        """Return status, code and sentence of what is wrong; None where nothing is."""
-        headers = asked.headers
-        if headers.getlist("host") not in ([host] for host in self._hosts):
-            return 400, "host", "This page answers under http://127.0.0.1 only"
-        if headers.get("origin") not in (None, *(f"http://{host}" for host in self._hosts)):
-            return 403, "forbidden", "This request comes from another page"
+    def _asks(self, asked: HTTPConnection) -> str | Response:
+        """Return who asks, "" for the user of this computer or nobody in particular; else what is wrong."""
+        headers, door = asked.headers, self._doors[asked.scope["scheme"]]
+        if headers.getlist("host") not in ([host] for host in door.hosts):
+            return problem(400, "host", f"This page answers under {door.scheme}://{door.hosts[0]} only")
+        if headers.get("origin") not in (None, *(f"{door.scheme}://{host}" for host in door.hosts)):
+            return problem(403, "forbidden", "This request comes from another page")
         scheme, _, token = headers.get("authorization", "").partition(" ")
-        ours = hmac.compare_digest(token.encode("utf-8", "replace"), self._token.encode())
-        if (scheme.lower() == "bearer" and ours) or self._is_free(asked.scope):
-            return None
-        return 403, "forbidden", "Open the address that axiscal serve has printed: it holds the token"
+        for bearer, person in door.bearers.items():
+            ours = hmac.compare_digest(token.encode("utf-8", "replace"), bearer.encode())
+            if scheme.lower() == "bearer" and ours:
+                return person
+        return "" if self._is_free(asked.scope) else problem(403, "forbidden", door.remedy)
 
     def _is_free(self, scope: Scope) -> bool:
         """Return whether a request needs no token; one for an address that answers once is led to what that means."""
         if scope["method"] not in ("GET", "HEAD"):
-            return False
-        meant = self._addresses.meant(scope["path"])
+            return bool(scope["path"] == DEVICES)  # a code is asked for there
+        meant = self._addresses.redeem(scope["path"])
         if meant is not None:
             scope["path"], scope["raw_path"], scope["query_string"] = meant[0], meant[0].encode(), meant[1].encode()
         return meant is not None or scope["path"] in self._free

@@ -14,24 +14,28 @@ from types import FrameType
 from typing import Annotated
 
 import uvicorn
-from fastapi import FastAPI, Query, Response
+from fastapi import FastAPI, Query, Request, Response
 from fastapi.responses import FileResponse
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from axiscal.answers.answer import AnswerDocument
 from axiscal.exceptions import InputError, OvertakenError
+from axiscal.language.spoken import said
+from axiscal.record.signing import writing
 from axiscal.web import after_end, draft, shapes
 from axiscal.web.counter import Counter, lost_interruptions
 from axiscal.web.desk import Desk
-from axiscal.web.guard import ROOT, Addresses, Guard, document, page_application, problem
+from axiscal.web.guard import DEVICES, ROOT, Addresses, Guard, document, page_application, problem
+from axiscal.web.shop import LOOPBACK, Code, Device, ShopDoor, listening
 
-_FILES = ("page.css", "elements.js", "start.js", "page.js", "after.js", "pictures.js", "words.js", "icon.svg")
+_SCRIPTS = ("elements", "start", "page", "after", "pictures", "shop", "outbox", "words")
+_FILES = ("page.css", "icon.svg", *(f"{name}.js" for name in _SCRIPTS))
 
 
-def application(counter: Counter, port: int, here: Path) -> Guard:
+def application(counter: Counter, port: int, here: Path, shop: ShopDoor | None = None) -> Guard:
     """Return the whole page behind its guard.  here : the folder of what begins on it"""
     addresses = Addresses()
-    api = _Api(counter, here, addresses)
+    api = _Api(counter, here, addresses, shop)
 
     @asynccontextmanager
     async def watching(app: FastAPI) -> AsyncIterator[None]:
@@ -62,13 +66,14 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
     app.post(f"{ROOT}/open", response_model=shapes.DoneShape)(api.open)
     app.get(f"{ROOT}/state", response_model=shapes.StateShape)(api.state)
     app.get(f"{ROOT}/typed", response_model=shapes.TypedShape)(api.typed)
-    app.get(f"{ROOT}/cost", response_model=shapes.CostShape)(api.cost)
+    app.get(f"{ROOT}/cost", response_model=shapes.SentenceShape)(api.cost)
     app.post(f"{ROOT}/readings", response_model=shapes.DoneShape)(api.keep)
     app.post(f"{ROOT}/jogs", response_model=shapes.DoneShape)(api.jog)
     app.post(f"{ROOT}/accepts", response_model=shapes.DoneShape)(api.accept)
     app.post(f"{ROOT}/leave", response_model=shapes.StageShape)(api.leave)
     app.get(f"{ROOT}/texts", response_model=shapes.TextsShape)(api.table_texts)
     app.post(f"{ROOT}/load", response_model=shapes.DoneShape)(api.put_into)
+    app.get(f"{ROOT}/again", response_model=shapes.SentenceShape)(api.again)
     app.get(f"{ROOT}/check", response_model=shapes.CheckShape)(api.check)
     app.post(f"{ROOT}/check", response_model=shapes.CheckedShape)(api.judge)
     app.post(f"{ROOT}/skips", response_model=shapes.DoneShape)(api.skip)
@@ -77,24 +82,42 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
     app.post(f"{ROOT}/undo", response_model=shapes.DoneShape)(api.undo)
     app.post(f"{ROOT}/next", response_model=shapes.DoneShape)(api.go_on)
     app.post(f"{ROOT}/finish", response_model=shapes.DoneShape)(api.finish)
-    return Guard(app, port, {"/", "/words.json", *(f"/{name}" for name in _FILES)}, addresses)
+    app.post(f"{ROOT}/codes", response_model=Code)(api.code)
+    app.post(DEVICES, response_model=Device)(api.let_in)
+    free = {"/", "/words.json", *(f"/{name}" for name in _FILES)}
+    return Guard(app, port, free, addresses, None if shop is None else shop.door)
 
 
 class _Api:
     """What the routes answer; the description of the API says of each what stands here."""
 
-    def __init__(self, counter: Counter, here: Path, addresses: Addresses) -> None:
-        self._counter, self._here, self._addresses = counter, here, addresses
+    def __init__(self, counter: Counter, here: Path, addresses: Addresses, shop: ShopDoor | None) -> None:
+        self._counter, self._here, self._addresses, self._shop = counter, here, addresses, shop
 
     async def once(self, asked: shapes.AddressRequest) -> Response:
         """Return an address that answers one request within a minute, for a picture, a download or the report."""
         return document(shapes.AddressShape(address=self._addresses.once(asked.path)))
 
+    async def code(self, asked: shapes.CodeRequest, request: Request) -> Response:
+        """Return a code that lets a device of a person in; only the page of this computer may ask."""
+        if request.url.scheme != "http":
+            return problem(403, "forbidden", said("Codes are shown at the computer alone"))
+        return document(self._open_shop().code(asked.person))
+
+    async def let_in(self, asked: shapes.DeviceRequest) -> Response:
+        """Return the bearer of a device that comes with a code, which does so once."""
+        return document(self._open_shop().let_in(asked.code))
+
+    def _open_shop(self) -> ShopDoor:
+        if self._shop is None:
+            raise InputError(said("No device can come in"), said("End axiscal serve, and start axiscal serve --shop"))
+        return self._shop
+
     async def state(self, query: Annotated[shapes.WaitQuery, Query()]) -> Response:
         """All that the page shows, at once or when it is newer than what was seen."""
         return document(await self._counter.newer(query.seen, query.wait))
 
-    async def typed(self, query: Annotated[shapes.TextRequest, Query()]) -> Response:
+    async def typed(self, query: Annotated[shapes.TypedQuery, Query()]) -> Response:
         """What a typed text would mean for the question that is open."""
         return document(self._counter.desk.read(query.text))
 
@@ -111,35 +134,35 @@ class _Api:
 
     async def keep(self, asked: shapes.KeepRequest) -> Response:
         """Keep a reading of what is asked."""
-        return await self._done(lambda desk: desk.keep(asked.after, asked.text, asked.cause))
+        return await self._done(asked.step, lambda desk: desk.keep(asked.after, asked.text, asked.cause))
 
     async def jog(self, asked: shapes.JogRequest) -> Response:
         """Keep what the display shows at the test of its sign."""
-        return await self._done(lambda desk: desk.jog(asked.after, asked.text, anyway=asked.anyway))
+        return await self._done(asked.step, lambda desk: desk.jog(asked.after, asked.text, anyway=asked.anyway))
 
     async def skip(self, asked: shapes.SkipRequest) -> Response:
         """Note that the reading asked for cannot be taken."""
-        return await self._done(lambda desk: desk.skip(asked.after, asked.reason, rest=asked.rest))
+        return await self._done(asked.step, lambda desk: desk.skip(asked.after, asked.reason, rest=asked.rest))
 
-    async def note(self, asked: shapes.TextRequest) -> Response:
+    async def note(self, asked: shapes.NoteRequest) -> Response:
         """Keep a sentence in the record."""
-        return await self._done(lambda desk: desk.note(asked.text))
+        return await self._done(asked.step, lambda desk: desk.note(asked.text))
 
     async def set_anew(self, asked: shapes.AnewRequest) -> Response:
         """Note that a zero was set anew, bumped or mounted again."""
-        return await self._done(lambda desk: desk.set_anew(asked.after, asked=asked.asked))
+        return await self._done(asked.step, lambda desk: desk.set_anew(asked.after, asked.answer))
 
     async def undo(self, asked: shapes.StepRequest) -> Response:
         """Take back the last reading, skip or end."""
-        return await self._done(lambda desk: desk.undo(asked.after))
+        return await self._done(asked.step, lambda desk: desk.undo(asked.after))
 
     async def go_on(self, asked: shapes.StepRequest) -> Response:
         """Ask for one more reading although a target is reached."""
-        return await self._done(lambda desk: desk.go_on(asked.after))
+        return await self._done(asked.step, lambda desk: desk.go_on(asked.after))
 
     async def finish(self, asked: shapes.StepRequest) -> Response:
         """End the campaign and write its results beside the record."""
-        return await self._done(lambda desk: desk.finish(asked.after))
+        return await self._done(asked.step, lambda desk: desk.finish(asked.after))
 
     async def report(self) -> Response:
         """The report, which allows its own scripts by their hashes and asks for nothing."""
@@ -164,7 +187,13 @@ class _Api:
 
     async def put_into(self, asked: shapes.LoadRequest) -> Response:
         """Put the tables into a printer."""
-        return await self._done(lambda desk: after_end.put_into(desk, asked.control, asked.printer))
+        return await self._done("", lambda desk: after_end.put_into(desk, asked.control, asked.printer))
+
+    async def again(self) -> Response:
+        """When the machine is to be measured again."""
+        record = self._counter.desk.campaign.path
+        sentence = await asyncio.to_thread(after_end.measure_again, record, draft.record_files(self._here))
+        return document(shapes.SentenceShape(sentence=sentence))
 
     async def check(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
         """Where the tables of a control are to be checked."""
@@ -176,7 +205,7 @@ class _Api:
 
     async def accept(self, asked: shapes.StepRequest) -> Response:
         """Put right the mistake that readings name."""
-        return await self._done(lambda desk: desk.accept(asked.after))
+        return await self._done(asked.step, lambda desk: desk.accept(asked.after))
 
     async def leave(self) -> Response:
         """Close the record, and show the start again."""
@@ -190,9 +219,10 @@ class _Api:
             return problem(404, "missing", "There is no report yet")
         return FileResponse(file, headers=headers)
 
-    async def _done(self, step: Callable[[Desk], str]) -> Response:
-        said = await self._counter.do(step)
-        return document(shapes.DoneShape(sentence=said, state=await self._counter.newer(0, 0.0)))
+    async def _done(self, own: str, step: Callable[[Desk], str]) -> Response:
+        with writing(step=own):
+            sentence = await self._counter.do(lambda desk: desk.once(step))
+        return document(shapes.DoneShape(sentence=sentence, state=await self._counter.newer(0, 0.0)))
 
     async def start(self) -> Response:
         """All that the start shows."""
@@ -236,25 +266,24 @@ class _Api:
         return document(shapes.DoneShape(sentence=sentence, state=await self._counter.newer(0, 0.0)))
 
 
-_LOOPBACK = "127.0.0.1"
 _ASKING, _BURST, _PATIENCE, _HEAD = 100, 100, 5.0, 16 * 1024
 """Connections that have not asked to the end; those taken in at once; seconds to ask in; bytes of a request's head."""
 
 
 @lost_interruptions()
-def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> str:
+def serve_page(record: Path | None, port: int, ready: Callable[[str], None], shop: ShopDoor | None = None) -> str:
     """Serve the page of a record, or the start of one in this folder, until Ctrl-C.
 
     Returns a sentence on what was broken off, "" where nothing was.
 
     Page and answers are in the language that is spoken.
-    port : 0 is any that is free; ready : called with the address once the page answers
+    port : 0 is any that is free; ready : called with the address once the page answers; shop : lets devices in
     Raises RecordError if that is no record, InputError if the port is taken.
     """
     counter = Counter(record)
     try:
-        with _listening(port) as listener:
-            page = application(counter, int(listener.getsockname()[1]), Path.cwd())
+        with listening(LOOPBACK, port) as listener:
+            page = application(counter, int(listener.getsockname()[1]), Path.cwd(), shop)
             config = uvicorn.Config(
                 page,
                 http=_Caller,
@@ -267,25 +296,13 @@ def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> 
                 backlog=_BURST,
                 h11_max_incomplete_event_size=_HEAD,
             )
-            server = _Server(config, counter.end, lambda: ready(page.address))
+            server = _Server(config, counter.end, lambda: ready(page.address), shop)
             server.run(sockets=[listener])
     except KeyboardInterrupt:
         pass  # the way in which a server is ended
     finally:
         left = counter.close()
     return left
-
-
-def _listening(port: int) -> socket.socket:
-    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    try:
-        listener.bind((_LOOPBACK, port))
-        listener.listen()
-    except OSError as failure:
-        listener.close()
-        what, remedy = "Port {port} cannot be used: {strerror}", "Name another one with --port, or leave it out"
-        raise InputError(what, remedy, port=port, strerror=failure.strerror) from failure
-    return listener
 
 
 class _Caller(H11Protocol):
@@ -323,14 +340,29 @@ class _Caller(H11Protocol):
 class _Server(uvicorn.Server):
     """The server, which says when it answers, and tells those who wait for news that it is about to end."""
 
-    def __init__(self, config: uvicorn.Config, ending: Callable[[], None], ready: Callable[[], None]) -> None:
+    def __init__(
+        self, config: uvicorn.Config, ending: Callable[[], None], ready: Callable[[], None], shop: ShopDoor | None
+    ) -> None:
         super().__init__(config)
-        self._ending, self._ready = ending, ready
+        self._ending, self._ready, self._shop = ending, ready, shop
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Begin to answer, and say so: from here on a signal ends it as it should."""
         await super().startup(sockets)
+        if self._shop is not None:
+            self.servers.append(await self._listening_to(self._shop))
         self._ready()
+
+    async def _listening_to(self, shop: ShopDoor) -> asyncio.Server:
+        """Return what takes in the devices of the shop, which has to greet in time, too."""
+        loop = asyncio.get_running_loop()
+        return await loop.create_server(
+            lambda: _Caller(self.config, self.server_state, self.lifespan.state, loop),
+            sock=shop.listener,
+            ssl=shop.context,
+            ssl_handshake_timeout=_PATIENCE,
+            backlog=_BURST,
+        )
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         """Take a signal to end; who still waits for an answer then is sent away, which is no fault to be told of."""

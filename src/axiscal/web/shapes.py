@@ -11,7 +11,7 @@ from axiscal.answers.answer import AnswerDocument, BoughtAccuracy, PlannedAnswer
 from axiscal.answers.answer_words import AnswerText
 from axiscal.campaign.possible import LONGEST_TEXT
 from axiscal.present.guide.checking import CheckPlace
-from axiscal.present.guide.progress import Due, KeptReading, Progress
+from axiscal.present.guide.progress import Answer, Due, KeptReading, Progress
 from axiscal.present.guide.question import Question
 from axiscal.present.guide.slips import Cause, Jog
 from axiscal.present.sentences import spelt
@@ -46,10 +46,10 @@ class AnswerShape(AnswerDocument):
 
 
 class StateShape(AnswerDocument):
-    """All that the page shows. `last` names the state of the record, `version` this document.
+    """All that the page shows. `last` names the state of the record, `version` this document, `begun` the campaign.
 
     minds : what to mind about the last reading; named : whether it names a mistake that can be put right
-    asks : whether a zero was set anew before some reading, "" for nothing
+    asks : whether a zero was set anew before some reading, "" for nothing; choices : of answers, in words
     jog : the test with which the mounting begins, null where it is done
     shows : what the instrument on a virtual machine shows at the question, "" on a real one
     answer : null until it is known for the first time; tables : the controls that there are tables for, once it ended
@@ -59,6 +59,7 @@ class StateShape(AnswerDocument):
     document: Literal["axiscal-page/1"] = "axiscal-page/1"
     version: int
     last: int
+    begun: str
     machine: str
     record: str
     progress: Progress
@@ -75,6 +76,7 @@ class StateShape(AnswerDocument):
     minds: list[str]
     named: bool
     asks: str
+    choices: Mapping[Answer, str]
     answer: AnswerShape | None
     results: str
     tables: Sequence[str]
@@ -243,6 +245,18 @@ class AddressShape(AnswerDocument):
     address: str
 
 
+class CodeRequest(AnswerDocument):
+    """Who measures with the device that a code is to let in."""
+
+    person: Annotated[str, Field(max_length=60)]
+
+
+class DeviceRequest(AnswerDocument):
+    """The code by which a device comes in."""
+
+    code: Short
+
+
 class OpenRequest(AnswerDocument):
     """A record of the start to go on with; "" for the campaign of the draft, which begins."""
 
@@ -269,8 +283,8 @@ class CostQuery(AnswerDocument):
     rest: bool = False
 
 
-class CostShape(AnswerDocument):
-    """The cost of skipping, in words."""
+class SentenceShape(AnswerDocument):
+    """An answer in words: what skipping costs, or when the machine is due."""
 
     sentence: str
 
@@ -289,7 +303,13 @@ class WaitQuery(AnswerDocument):
     wait: Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False)] = 0.0
 
 
-class StepRequest(AnswerDocument):
+class OnceRequest(AnswerDocument):
+    """What counts once, however often it is sent.  step : an id of its own, a UUID; "" for none"""
+
+    step: Annotated[str, Field(pattern="^([0-9a-f-]{36})?$")] = ""
+
+
+class StepRequest(OnceRequest):
     """A step that needs no more words."""
 
     after: After
@@ -313,9 +333,9 @@ class JogRequest(StepRequest):
 
 
 class AnewRequest(StepRequest):
-    """A zero was set anew; asked : before the reading that the page asks about, else before the next one."""
+    """A zero was set anew before the next reading; answer : to what the page asks, instead."""
 
-    asked: bool = False
+    answer: Answer | None = None
 
 
 class SkipRequest(StepRequest):
@@ -325,8 +345,14 @@ class SkipRequest(StepRequest):
     rest: bool = False
 
 
-class TextRequest(AnswerDocument):
-    """A text as it is typed, or a sentence for the record: it answers no question, so no state has to be named."""
+class NoteRequest(OnceRequest):
+    """A sentence for the record: it answers no question, so no state has to be named."""
+
+    text: Short
+
+
+class TypedQuery(AnswerDocument):
+    """A text as it is typed."""
 
     text: Short
 

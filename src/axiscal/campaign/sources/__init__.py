@@ -47,7 +47,7 @@ def open_source(
     if kind in ("csv", "exec", "moonraker", "duet") and not rest.strip():
         raise _nothing_named(text, kind)
     if kind == "csv":
-        return CsvSource(Path(rest), taken)
+        return CsvSource(Path(rest), taken, simulator.setups)
     if kind == "exec":
         from axiscal.campaign.sources.exec import TIMEOUT, ExecSource
 

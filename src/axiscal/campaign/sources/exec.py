@@ -14,13 +14,15 @@ import sys
 import threading
 import time
 from collections import deque
+from collections.abc import Sequence
 from typing import IO, Any
 
 from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.exceptions import SourceError, UnitError
 from axiscal.language.spoken import said
-from axiscal.measurement.instrument import INSTRUMENTS, values_of
-from axiscal.measurement.reading import reading_unit
+from axiscal.measurement.instrument import model_of, values_of
+from axiscal.measurement.instruments.kind import Reads
+from axiscal.measurement.reading import asked_values, reading_unit, units_of
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.units import dimension_of, format_quantity, from_unit, shortened
 
@@ -177,8 +179,10 @@ class ExecSource:
         return self._answer(answer, line, request)
 
     def _answer(self, answer: dict[str, Any], line: str, request: Request) -> Answer:
-        unit = self._unit(answer.get("unit"), line, request)
-        value, *others = self._numbers(answer.get("value"), unit, line, request.setup)
+        kinds, unit = model_of(request.setup).reads_each(request.setup), answer.get("unit")
+        each = unit if isinstance(unit, list) and len(unit) == len(kinds) else [unit] * len(kinds)
+        units = [self._unit(one, reads, line, request) for one, reads in zip(each, kinds, strict=True)]
+        unit, (value, *others) = units[0], self._numbers(answer.get("value"), units, line, request.setup)
         if answer.get("std") is None:
             return Answer(value, others=tuple(others), live=True)
         std = self._number(answer["std"], unit, line)
@@ -195,24 +199,22 @@ class ExecSource:
             raise self._failure(what, remedy, answer=_quoted(line), noise=noise)
         return Answer(value, std, tuple(others), live=True)
 
-    def _numbers(self, value: object, unit: str, line: str, setup: Setup) -> list[float]:
+    def _numbers(self, value: object, units: Sequence[str], line: str, setup: Setup) -> list[float]:
         """Return the numbers of a reading: one, or a list of those along x, y and z, or from each station."""
         count = values_of(setup)
         if count == 1:
-            return [self._number(value, unit, line)]
+            return [self._number(value, units[0], line)]
         if not isinstance(value, list) or len(value) != count:
             what = "the command `{command}` answered {answer}, in which {count} numbers were expected"
-            remedy = 'Answer with the values along x, y and z: {{"value": [1.7, 0.2, -0.4], "unit": "um"}}'
-            if setup.stations:
-                remedy = (
-                    'Answer with the values from each station in its order: {{"value": [1.7, 0.2, -0.4], "unit": "um"}}'
-                )
-            raise self._failure(what, remedy, answer=_quoted(line), count=count)
-        return [self._number(each, unit, line) for each in value]
+            remedy = 'Answer with all of {names}: {{"value": [1.7, ...], "unit": [{units}]}}'
+            units_said = ", ".join(f'"{unit}"' for unit in units_of(setup))
+            raise self._failure(
+                what, remedy, answer=_quoted(line), count=count, names=asked_values(setup), units=units_said
+            )
+        return [self._number(each, unit, line) for each, unit in zip(value, units, strict=True)]
 
-    def _unit(self, unit: object, line: str, request: Request) -> str:
-        reads = INSTRUMENTS[request.setup.instrument].model.reads
-        example, instrument = reading_unit(request.setup), request.setup.instrument
+    def _unit(self, unit: object, reads: Reads, line: str, request: Request) -> str:
+        example, instrument = {"length": "um", "angle": "urad"}[reads], request.setup.instrument
         remedy = said(
             'The {instrument} reads a length: give a unit such as "{unit}"', instrument=instrument, unit=example
         )

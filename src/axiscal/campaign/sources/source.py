@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
@@ -124,11 +125,11 @@ class CsvSource:
 
     A row that contradicts the question is refused.  Raises ReadingError for a file that is no such table, SourceError
     for one with fewer rows than an earlier run has used.
-    taken : rows that it has used
+    taken : rows that it has used; setups : those that may be asked for, whose instruments may name columns
     """
 
-    def __init__(self, path: Path, taken: int) -> None:
-        read = recognised(path, Around(bare=True))
+    def __init__(self, path: Path, taken: int, setups: Sequence[Setup]) -> None:
+        read = recognised(path, Around(setups=setups, bare=True))
         rows = read.found.readings
         if any(row.error or row.test for row in rows):
             what = "this is {title}, and no table of readings in the order asked"

@@ -18,7 +18,9 @@ from axiscal.estimation.functionals.functional import (
     functional,
     line_of,
     seen_by,
+    stand_of,
     through_the_volume,
+    ways_of,
 )
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
@@ -84,7 +86,8 @@ def _lines(description: CampaignDescription, readings: Sequence[Reading], whole:
     if readings and not whole and target.accurate:
         left_out = {setup.name for setup in description.setups} - {reading.setup for reading in readings}
     for setup in description.setups:
-        if setup.name in left_out or (seen := seen_by(setup)) is None:
+        seen = seen_by(setup, machine, stand_of(setup, readings))
+        if setup.name in left_out or seen is None:
             continue
         line = line_of(setup, readings, machine, whole)
         for row in _rows_seen(machine.axes[line.axis], *seen):
@@ -170,7 +173,8 @@ def beside_the_line(description: CampaignDescription, readings: Sequence[Reading
         away = poses - line.poses[0]
         away[:, line.axis] = 0.0
         own = letter_direction(description.machine.axes[line.axis].letter)
-        found[:, own] = OFFSET.size * np.linalg.norm(away, axis=1)
+        way = ways_of(description.machine, line, angular=False)[own]
+        found = OFFSET.size * np.linalg.norm(away, axis=1)[:, None] * np.abs(way)
     return found
 
 

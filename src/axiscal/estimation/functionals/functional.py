@@ -8,8 +8,9 @@
     squareness    angle between the best-fit lines of both paths, less 90 degrees
     centre, tilt  e of the best fit d ≈ c − T e, T the turn of the tool on the workpiece since the axis stood at zero
 
-e is where the line of a rotary axis lies, and which way it leans, across the axis in the workpiece frame at its zero.
+e is where the line of a rotary axis lies, and which way it leans, across the axis.
 Centre and tilt follow ISO 230-7 and ISO 10791-6; the tilt fits rotations instead of displacements.
+Directions are those of the axis frame, as axes count (`ways_of`), wherever a table stands.
 A line is where an axis was read, or is to be read, while the others stand still.
 """
 
@@ -28,7 +29,7 @@ from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.belief import Belief
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames
+from axiscal.machine.kinematics import frames, in_frame
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
@@ -136,45 +137,57 @@ def functional(kind: Kind, lines: Sequence[AxisLine], machine: Machine, ways: Se
     if kind in ABOUT:
         return _turning(lines[0], machine, angular=kind == "tilt")
     (line,), (way,) = lines, ways
-    found, axis = _ALONG_ONE[kind](line, way), machine.axes[line.axis]
+    axis = machine.axes[line.axis]
+    angular = kind in ANGLES or axis.rotary
+    found = _ALONG_ONE[kind](line, ways_of(machine, line, angular=angular)[way])
     names = (axis.name,) if len(found.weights) == 1 else ()
-    return replace(found, angular=kind in ANGLES or axis.rotary, directions=names)
+    return replace(found, angular=angular, directions=names)
 
 
-def _positioning(line: AxisLine, way: int) -> Functional:
+def ways_of(machine: Machine, line: AxisLine, *, angular: bool) -> Array:
+    """Return the directions in which rows of a line are above zero, in the workpiece frame, a row each, (3, 3).
+
+    Displacements have the directions x, y, z of the axis frame, turned round where an axis counts against ISO 841.
+    angular : rotations about them, of which that about a rotary axis itself is turned round likewise
+    """
+    own, signs = machine.axes[line.axis], np.ones(3)
+    for axis in machine.axes if not angular else [own]:
+        if axis.rotary == angular and axis.reversed:
+            signs[letter_direction(axis.letter)] = -1.0
+    return signs[:, None] * in_frame(machine, line.axis, line.poses[0])
+
+
+def _positioning(line: AxisLine, way: Array) -> Functional:
     count = 2 * len(line.poses)
     return _two_sided(line, line.poses, np.eye(count) - 1 / count, way)
 
 
-def _backlash(line: AxisLine, way: int) -> Functional:
+def _backlash(line: AxisLine, way: Array) -> Functional:
     poses = line.poses_at(line.both) if line.both else line.poses
     share = np.full((1, len(poses)), 1 / len(poses))
     return _two_sided(line, poses, np.hstack([share, -share]), way)
 
 
-def _scale(line: AxisLine, way: int) -> Functional:
+def _scale(line: AxisLine, way: Array) -> Functional:
     fit: Array = np.asarray(np.linalg.pinv(_ramp(line.positions)), dtype=float)
     return _resting(line.poses, fit[1:], way)
 
 
-def _straightness(line: AxisLine, way: int) -> Functional:
+def _straightness(line: AxisLine, way: Array) -> Functional:
     ramp = _ramp(line.positions)
     return _resting(line.poses, np.eye(len(ramp)) - ramp @ np.linalg.pinv(ramp), way)
 
 
-def _angle(line: AxisLine, way: int) -> Functional:
+def _angle(line: AxisLine, way: Array) -> Functional:
     return _resting(line.poses, np.eye(len(line.poses)) - 1 / len(line.poses), way)
 
 
 def _squareness(lines: Sequence[AxisLine], machine: Machine, ways: Sequence[int]) -> Functional:
-    """Return the slopes of both paths over where the tool goes, added, with the other sign.
-
-    ways : of each line along the other's axis
-    """
+    """Return the slopes of both paths, added, with the other sign.  ways : of each line along the other's axis"""
     weights = list[Array]()
-    for line, way, along in zip(lines, ways, reversed(ways), strict=True):
-        fit: Array = np.asarray(np.linalg.pinv(_ramp(frames(machine, line.poses).tcp[:, along])), dtype=float)
-        weights.append(_towards(-fit[1:], way))
+    for line, way in zip(lines, ways, strict=True):
+        fit: Array = np.asarray(np.linalg.pinv(_ramp(line.positions)), dtype=float)
+        weights.append(_towards(-fit[1:], ways_of(machine, line, angular=False)[way]))
     poses, names = np.vstack([line.poses for line in lines]), "".join(machine.axes[line.axis].name for line in lines)
     return Functional(poses, np.zeros_like(poses), np.concatenate(weights, axis=1), directions=(names,))
 
@@ -186,13 +199,14 @@ def _turning(line: AxisLine, machine: Machine, *, angular: bool) -> Functional:
     across = np.linalg.svd(turns.mean(axis=0) - turns[0])[2][:2].T
     columns = np.concatenate([np.broadcast_to(np.eye(3), turns.shape), turns @ across], axis=2).reshape(-1, 5)
     fit: Array = np.asarray(np.linalg.pinv(columns), dtype=float)[3:]
-    weights = -(across @ fit).reshape(3, -1, 3)
-    told = np.linalg.norm(across, axis=1) > _SQUARE
+    ways = ways_of(machine, line, angular=angular) @ across
+    weights = -(ways @ fit).reshape(3, -1, 3)
+    told = np.linalg.norm(ways, axis=1) > _SQUARE
     names = tuple(name for name, has in zip("ABC" if angular else "XYZ", told, strict=True) if has)
     return Functional(line.poses, np.zeros_like(line.poses), weights[told], angular, names)
 
 
-_ALONG_ONE: dict[Kind, Callable[[AxisLine, int], Functional]] = {
+_ALONG_ONE: dict[Kind, Callable[[AxisLine, Array], Functional]] = {
     "positioning": _positioning,
     "scale": _scale,
     "backlash": _backlash,
@@ -208,36 +222,34 @@ def _ramp(positions: Array) -> Array:
     return np.stack([np.ones(len(positions)), positions], axis=1)
 
 
-def _resting(poses: Array, weights: Array, way: int) -> Functional:
+def _resting(poses: Array, weights: Array, way: Array) -> Functional:
     """Return a row for which sides do not count.  weights : (k, m)"""
     return Functional(poses, np.zeros_like(poses), _towards(weights, way))
 
 
-def _two_sided(line: AxisLine, poses: Array, weights: Array, way: int) -> Functional:
+def _two_sided(line: AxisLine, poses: Array, weights: Array, way: Array) -> Functional:
     """Return a row of the deviations from + and, after them, from −.  weights : (k, 2 m)"""
     sides = np.zeros((2 * len(poses), poses.shape[1]))
     sides[: len(poses), line.axis], sides[len(poses) :, line.axis] = 1.0, -1.0
     return Functional(np.vstack([poses, poses]), sides, _towards(weights, way))
 
 
-def _towards(weights: Array, way: int) -> Array:
-    """Return weights (k, m) of one direction as weights of all, (k, m, 3)."""
-    wide = np.zeros((*weights.shape, 3))
-    wide[:, :, way] = weights
-    return wide
+def _towards(weights: Array, way: Array) -> Array:
+    """Return weights (k, m) of a direction (3,) as weights of x, y, z, (k, m, 3)."""
+    return weights[:, :, None] * way
 
 
 PLACES = 41
 """Places of a line: what a spline of a dozen knots does between two of them is below a hundredth of its size."""
 _ALONG = 0.999
-"""Cosine of 2.5 degrees: a set-up that reads further off a direction of the workpiece reads something else."""
+"""Cosine of 2.5 degrees: a set-up that reads further off a direction of the axis frame reads something else."""
 _SAME = 1e-6
 """m or rad: two readings at one place."""
 _SQUARE = 1e-6
 """rad: a direction nearer than that to square to a plane has no part in it."""
 
 Seen = tuple[Literal["length", "angle"], int]
-"""Whether a set-up reads lengths or angles, and along, or about, which direction x, y, z of the workpiece frame."""
+"""Whether a set-up reads lengths or angles, and along, or about, which direction x, y, z of the axis frame."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,15 +285,24 @@ class AxisLine:
         return poses
 
 
-def seen_by(setup: Setup) -> Seen | None:
-    """Return what a set-up reads along a line; None where it reads no line, or no direction of the workpiece."""
+def seen_by(setup: Setup, machine: Machine, stands: Array) -> Seen | None:
+    """Return what a set-up reads along a line; None where it reads no line, or no direction of the axis frame.
+
+    stands : (q,) m or rad, where the other axes stand
+    """
     several = len(setup.moves) != 1 or values_of(setup) > 1 or setup.base is not None
-    if several or setup.chart is not None or setup.balls or setup.length is not None:
+    if several or setup.chart is not None or setup.balls or setup.length is not None or setup.station is not None:
         return None
-    along = int(np.argmax(np.abs(setup.direction)))
-    if abs(setup.direction[along]) < _ALONG or setup.station is not None:
-        return None
-    return model_of(setup).reads, along
+    direction = np.abs(in_frame(machine, setup.moves[0], stands) @ np.array(setup.direction))
+    along = int(np.argmax(direction))
+    return (model_of(setup).reads, along) if direction[along] >= _ALONG else None
+
+
+def stand_of(setup: Setup, readings: Sequence[Reading]) -> Array:
+    """Return the pose in which a set-up was read, (q,) m or rad; where it was not, the one it is parked in."""
+    at = [reading.pose for reading in readings if reading.setup == setup.name]
+    stands: Array = np.median(np.array(at or [setup.park]), axis=0)
+    return stands
 
 
 def line_of(setup: Setup, readings: Sequence[Reading], machine: Machine, whole: bool = False) -> AxisLine:
@@ -291,13 +312,10 @@ def line_of(setup: Setup, readings: Sequence[Reading], machine: Machine, whole: 
     """
     (axis,) = setup.moves
     mine = [reading for reading in readings if reading.setup == setup.name]
-    stands, ends = np.array(setup.park), setup.span(machine.axes[axis], axis)
-    if mine:
-        at = np.array([reading.pose for reading in mine])
-        stands = np.median(at, axis=0)
-        if not whole and np.ptp(at[:, axis]) > _SAME:
-            ends = float(at[:, axis].min()), float(at[:, axis].max())
-    poses = np.tile(stands, (PLACES, 1))
+    ends, at = setup.span(machine.axes[axis], axis), [reading.pose[axis] for reading in mine]
+    if at and not whole and max(at) - min(at) > _SAME:
+        ends = min(at), max(at)
+    poses = np.tile(stand_of(setup, mine), (PLACES, 1))
     poses[:, axis] = np.linspace(*ends, PLACES)
     return AxisLine(axis, poses, setup.name, *_places(mine, axis))
 

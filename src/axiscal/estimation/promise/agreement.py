@@ -18,7 +18,8 @@ cannot show; a random place hides nothing. With s² the mean z² of the checks, 
 
 The answer names a mistake with odds above 20 : 1, its prior of 1 % over all its places included. Exceptions: another
 one is 20 times as likely, or the readings do not agree with it either. A jump is named where the readings agree, too: a
-person may know of it. p is at most that of no mistake which is named.
+person may know of it. Where backlash explains it as well it is named unless backlash is 20 times as likely. p is at
+most that of no mistake which is named.
 """
 
 from __future__ import annotations
@@ -76,6 +77,7 @@ class Explained(NamedTuple):
     log_odds : beside no mistake; setups : whose readings
     reading : index of the first that is wrong, for a jump, a unit that changed, and an instrument that is stuck
     factor : by which values are too large or too small, for a unit; axes : that count the other way
+    backlash : explains a jump as well: it is where the axis turned
     """
 
     mistake: Mistake
@@ -84,6 +86,12 @@ class Explained(NamedTuple):
     reading: int = -1
     factor: float = 1.0
     axes: tuple[str, ...] = ()
+    backlash: bool = False
+
+    @property
+    def least(self) -> float:
+        """Logarithm of the odds from which it is named."""
+        return float(-np.log(NAMED) if self.backlash else np.log(NAMED))
 
     @property
     def odds(self) -> float:
@@ -227,10 +235,12 @@ class Tried(NamedTuple):
 
 
 def _explained(tried: Iterable[Tried]) -> list[Explained]:
-    """Return the mistakes with which readings agree, at odds above 20 : 1 beside none and within these of the best."""
+    """Return the mistakes with which readings agree, at odds to be named and within 20 : 1 of the best."""
     each = sorted(tried, key=lambda one: -one.mistake.log_odds)
-    least = max(np.log(NAMED), each[0].mistake.log_odds - np.log(NAMED))
-    likely = [one.mistake for one in each if one.mistake.log_odds > least and 2 * one.p >= CONTRADICTS]
+    near = each[0].mistake.log_odds - np.log(NAMED)
+    likely = [
+        one.mistake for one in each if one.mistake.log_odds > max(one.mistake.least, near) and 2 * one.p >= CONTRADICTS
+    ]
     first = {(one.mistake, one.setups): one for one in reversed(likely)}
     return [one for one in likely if first[one.mistake, one.setups] is one]
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.type_b import TYPE_B, Read, TypeB
-from axiscal.measurement.instrument import model_of
+from axiscal.description.type_b import Read, TypeB, rows_of
+from axiscal.measurement.instrument import instrument_of, model_of
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import numbers_of_setups
@@ -40,7 +40,7 @@ def contributions(
     found, each = dict[tuple[str, str], Contribution](), numbers_of_setups(observation.setups)[places.setups]
     first = np.cumsum(each) - each
     for mine, read in _by_setup(observation, places, values):
-        for row in TYPE_B:
+        for row in rows_of(instrument_of(read.kind.setup)):
             stated = row.name in dict(read.kind.setup.stated)
             if not row.met(read.kind.setup) or not (usual or stated):
                 continue

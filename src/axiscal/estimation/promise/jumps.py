@@ -10,11 +10,14 @@ The likeliest one is then weighed with the sizes integrated out, by the evidence
 without. No size is beyond ten times what is stated (`description.usual`), so none stands for a jump. At odds above 20 :
 1, its prior of 1 % over all its places included, its columns stay, and the next one is sought. One reading alone beyond
 a jump is a bad reading. What stands on the table may have stood elsewhere since its first reading, too.
+
+Readings out and back along one axis cannot tell a jump where it turns from backlash: both add the same to them. Such a
+step is weighed likewise, and named unless backlash is 20 times as likely.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -50,6 +53,8 @@ _BEYOND = 2
 _NAMED = float(np.log(NAMED))
 _BAD = float(np.log(BAD_SHARE / BAD.size))
 """Of log odds: what a bad reading costs."""
+_ALIKE = 1e-6
+"""Of a column: rounding, below which others make it as well."""
 _WEIGHED = 2
 """Suspects that are weighed: each costs as much as an estimate."""
 
@@ -83,14 +88,14 @@ class Jumped(NamedTuple):
         return self.found.log_evidence - self.without.log_evidence + self.log_prior
 
 
-def jumped(problem: Problem, found: Weighed[Given] | None = None) -> Jumped | None:
+def jumped(problem: Problem, found: Weighed[Given] | None = None, sure: Collection[int] = ()) -> Jumped | None:
     """Return the jumps that readings tell, one after the other; None for none.
 
-    found : draws for the readings without any
+    found : draws for the readings without any; sure : readings before which what seems a jump is backlash
     """
     known, told = None, tuple[Explained, ...]()
     while suspected := [
-        one for one in suspects(known.problem if known else problem, told) if one.mistake.log_odds > _NAMED
+        one for one in suspects(known.problem if known else problem, told, sure) if one.mistake.log_odds > _NAMED
     ]:
         found = found or sized(space_of(problem))
         following = _weighed(known or Jumped(problem, found, found), suspected)
@@ -137,18 +142,48 @@ def _weighed(known: Jumped, suspected: list[Suspect]) -> Jumped | None:
     return None
 
 
-def suspects(problem: Problem, told: Sequence[Explained] = ()) -> Iterator[Suspect]:
+def at_turns(problem: Problem, found: Weighed[Given], sure: Collection[int]) -> Iterator[Tried]:
+    """Yield the jumps where an axis turned, unless backlash is 20 times as likely.
+
+    found : draws for the readings without any; sure : readings before which it is backlash
+    """
+    for setup in np.unique(problem.setup).tolist():
+        mine = problem.setup == setup
+        turn = turn_of(problem, mine)
+        if turn < 0 or turn in sure:
+            continue
+        suspect = _suspect(problem, _as_stated_or_larger(problem, found.drawn.stated), mine, np.array([turn]), False)
+        if suspect.mistake.log_odds <= -_NAMED:
+            continue
+        wider = problem.wider(suspect.columns)
+        beside = sized(space_of(wider))
+        odds = beside.log_evidence - found.log_evidence + float(np.log(PRIOR / suspect.places))
+        yield Tried(suspect.mistake._replace(log_odds=odds), tail_of(wider, beside))
+
+
+def turn_of(problem: Problem, mine: NDArray[np.bool_]) -> int:
+    """Return the reading of a set-up, by its index, before which a jump does what backlash does; −1 for none."""
+    of_backlash = np.isin(problem.size_at, [i for i, size in enumerate(problem.sizes.of) if size.kind == "reversal"])
+    backlash, reading = problem.rows[:, of_backlash], problem.reading[mine]
+    turns = np.flatnonzero(np.diff(np.sign(backlash[mine].sum(axis=1)))) + 1
+    if len(turns) != 1 or numbers_of_one(reading) > 1 or not _BEYOND <= turns[0] <= len(reading) - _BEYOND:
+        return -1
+    turn = int(reading[turns[0]])
+    column = (mine & (problem.reading >= turn)) / problem.noise
+    others = np.hstack([backlash, problem.rows[:, problem.rows.shape[1] - problem.unknowns :]])
+    left = column - others @ np.linalg.lstsq(others, column, rcond=None)[0]
+    return turn if np.linalg.norm(left) < _ALIKE * np.linalg.norm(column) else -1
+
+
+def suspects(problem: Problem, told: Sequence[Explained] = (), sure: Collection[int] = ()) -> Iterator[Suspect]:
     """Yield the likeliest jump of each set-up, at sizes as stated and three times these, if as stated contradict.
 
-    told : jumps that have columns
+    told : jumps that have columns; sure : readings before which what seems a jump is backlash
     """
-    space = space_of(problem)
-    stated = as_stated(space)
+    stated = as_stated(space_of(problem))
     if chi_square_tail(len(problem.values), stated.misfit) >= CONTRADICTS:
         return
-    kept = np.array([size.kind in ("length", "noise") for size in problem.sizes.of], dtype=bool)
-    larger = space.given(np.where(kept, 0.0, _LARGER))
-    each = [stated] if larger is None else [stated, larger]
+    each = _as_stated_or_larger(problem, stated)
     for setup in np.unique(problem.setup).tolist():
         mine = problem.setup == setup
         of = np.unique(problem.reading[mine])
@@ -156,10 +191,19 @@ def suspects(problem: Problem, told: Sequence[Explained] = ()) -> Iterator[Suspe
         readings = of[_BEYOND : len(of) - _BEYOND + 1]
         near = np.abs(np.searchsorted(of, readings)[:, None] - before) < SEVERAL
         readings = readings[~near.any(axis=1)]
+        turn = turn_of(problem, mine)
+        readings = readings[readings != turn] if turn in sure else readings
         if not len(before) and len(of) > 1 and numbers_of_one(problem.reading[mine]) > 1:
             readings = np.append(of[0], readings)
         if len(readings):
             yield _suspect(problem, each, mine, readings, bool(readings[0] == of[0]))
+
+
+def _as_stated_or_larger(problem: Problem, stated: Given) -> list[Given]:
+    """Return everything at sizes as stated, and at three times these."""
+    kept = np.array([size.kind in ("length", "noise") for size in problem.sizes.of], dtype=bool)
+    larger = space_of(problem).given(np.where(kept, 0.0, _LARGER))
+    return [stated] if larger is None else [stated, larger]
 
 
 def _suspect(
@@ -175,8 +219,9 @@ def _suspect(
     size, best = np.unravel_index(np.argmax(log_odds), log_odds.shape)
     name: Mistake = "place" if stands and best == 0 else "jump"
     odds = float(log_odds[size, best] + np.log(PRIOR / places))
-    setup = int(problem.setup[mine][0])
-    return Suspect(Explained(name, odds, (setup,), int(readings[best])), _JUMPS[size] * columns[best], places)
+    setup, first = int(problem.setup[mine][0]), int(readings[best])
+    mistake = Explained(name, odds, (setup,), first, backlash=first == turn_of(problem, mine))
+    return Suspect(mistake, _JUMPS[size] * columns[best], places)
 
 
 def _gains(given: Given, columns: Array, values: Array) -> Array:

@@ -32,7 +32,7 @@ from axiscal.estimation.promise.agreement import (
     Turned,
     agreement,
 )
-from axiscal.estimation.promise.jumps import jumped, likelier
+from axiscal.estimation.promise.jumps import at_turns, jumped, likelier
 from axiscal.estimation.promise.left_out import LeftOut, left_out, with_stated
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.spaces import Given, Sources
@@ -132,7 +132,8 @@ def _judged(problem: Problem, apart: Sequence[int], before: Draws[Given] | None 
 class Sorted:
     """Readings of a problem without the bad ones: mine; of bad ones that may be details of the machine: with_details
 
-    sizes, bad : as of a posterior; count : of all readings; jumps : that readings tell, which nobody has accepted
+    sizes, bad : as of a posterior; count : of all readings; sure : are not taken out
+    jumps : that readings tell, which nobody has accepted
     """
 
     problem: Problem
@@ -141,6 +142,7 @@ class Sorted:
     sizes: dict[_Owned, float]
     bad: dict[int, LeftOut]
     count: int
+    sure: frozenset[int] = frozenset()
     jumps: tuple[Tried, ...] = ()
 
     @one_thread()
@@ -177,7 +179,7 @@ class Sorted:
         every = (self.problem, sized(space_of(self.problem))) if out >= SEVERAL else None
         others = ((axes, other.only(kept)) for axes, other in turned)
         frames = ((setup, other.only(kept)) for setup, other in framed)
-        told = (*self.jumps, *stuck(mine, found, repeated))
+        told = (*(self.jumps or at_turns(mine, found, self.sure)), *stuck(mine, found, repeated))
         agreed = agreement(mine, found, z, out, others, frames, every, told)
         known = dict(zip(self.problem.cells, cells.tolist(), strict=True))
         of_sizes = self.sizes, _surely(mine, found), found.effective
@@ -196,21 +198,21 @@ def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] 
     bad, stages = _taken_out(first, accepted)
     mine = stages[frozenset(bad)]
     for among, found in dict.fromkeys([(problem, None if apart else first.found), (mine.problem, mine.found)]):
-        if (moved := jumped(among, found)) is not None:
+        if (moved := jumped(among, found, accepted)) is not None:
             slips, beside_slips = _taken_out(_Judged(moved.problem, moved.found), accepted)
             beside = beside_slips[frozenset(slips)]
             if jumps := likelier(moved, (beside.problem, beside.found), (mine.problem, mine.found)):
                 sizes, bad = _sizes(among, moved.without), {i: bad[i] for i in bad if i not in among.reading}
-                return Sorted(problem, _Judged(among, moved.without), None, sizes, bad, count, jumps)
+                return Sorted(problem, _Judged(among, moved.without), None, sizes, bad, count, accepted, jumps)
     details = [i for i, each in bad.items() if _may_be_a_detail(problem, i, each)]
     details = [i for i in details if not _told_again(problem, i, [*mine.left], [*bad])]
     sizes = _sizes(mine.problem, mine.found)
     if not details:
-        return Sorted(problem, mine, None, sizes, bad, count)
+        return Sorted(problem, mine, None, sizes, bad, count, accepted)
     others = frozenset(bad) - frozenset(details)
     with_details = stages.get(others) or _judged(problem, [*apart, *others])
     sizes = _half_and_half(sizes, _sizes(with_details.problem, with_details.found))
-    return Sorted(problem, mine, with_details, sizes, bad, count)
+    return Sorted(problem, mine, with_details, sizes, bad, count, accepted)
 
 
 def _taken_out(first: _Judged, accepted: Collection[int]) -> tuple[dict[int, LeftOut], dict[frozenset[int], _Judged]]:

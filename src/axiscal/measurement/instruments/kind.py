@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Deviation, frames
-from axiscal.measurement.setup import Setup
+from axiscal.measurement.setup import Figures, Setup
 from axiscal.numerics import Array
 from axiscal_core import rigid
 from axiscal_core.instrument import TOOL, At, Slopes, Unknowns, numbers, own_slopes, slopes
@@ -39,12 +39,14 @@ class Kind:
     """A kind of instrument, as it is mounted on a machine.
 
     reads : lengths or angles; numbers : what those of a reading are told apart by
+    scales : by what each number is multiplied so that all are as noisy as the first; none where they are
     directed : it reads along or about a direction that has to be stated
     unknown_reads : by name of each possible unknown of a set-up, whether it is a length or an angle
     """
 
     reads: Reads = "length"
     numbers: tuple[str, ...] = ("",)
+    scales: tuple[float, ...] = ()
     directed = True
     unknown_reads: Mapping[str, Reads] = {}
 
@@ -67,10 +69,21 @@ class Kind:
         """Return what the numbers of a set-up's readings are told apart by; "" of a single one."""
         return cls.numbers
 
+    @classmethod
+    def reads_each(cls, setup: Setup) -> tuple[Reads, ...]:
+        """Return what each number of a set-up's readings is."""
+        return (cls.reads,) * len(cls.names_of(setup))
+
+    @classmethod
+    def column(cls, name: str) -> str:
+        """Return what a file of readings calls the column of a number, its unit left out."""
+        return f"value_{name}" if name else "value"
+
     @staticmethod
     def located(setup: Setup) -> tuple[str, ...]:
         """Return the unknowns that say where a set-up stands, which `Setup.found` has values of; as a rule none."""
-        return ()
+        curved = setup.written.curved if setup.written else ()
+        return tuple(unknown.name for unknown in setup.unknowns if unknown.name in curved)
 
     @classmethod
     def found(cls, setup: Setup) -> dict[str, float]:
@@ -136,6 +149,10 @@ class Kind:
         tip = at.tip(u) + self.grown(at) if self.setup.growth else at.tip(u)
         artefact = self.setup.artefact
         return tip if artefact is None else tip - artefact.displacements(u, artefact.nearest(at.tcp, self.setup.balls))
+
+
+Instrument: TypeAlias = Figures[Kind]
+"""A kind of instrument with its usual figures."""
 
 
 def need_station(setup: Setup, what: str) -> None:

@@ -18,6 +18,7 @@ from typing import Literal
 from axiscal.document import shown
 from axiscal.exceptions import Faults, UnitError
 from axiscal.machine.axis import Axis
+from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.readers.csv_table import (
     ANGLES,
@@ -42,11 +43,12 @@ _CLOCK = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d(?:\.\d+)?))?", re.A
 _DAY = re.compile(r"\d{4}-?(\d{2}-?\d{2}|W\d{2}(-?\d)?)", re.ASCII)
 _REMEDY = "write it as 2026-11-20T14:05:30, 14:05:30 or 95 min, and the lines in the order of time"
 
+_LENGTH = ("length",)
 _THREE = ("value_x", "value_y", "value_z")
 _MET = ("found_x", "found_y", "found_z")
 _STATIONS = tuple(f"value_{number}" for number in range(1, MOST + 1))
 """Columns of tracers that read at once."""
-_VALUES = ("value", "length", _THREE[0], _MET[0], _STATIONS[0])
+_VALUES = (("value",), _LENGTH, _THREE, _MET, _STATIONS)
 """One of these each line has."""
 _HIGHEST = 10**6
 """Of a number of a reading: whoever writes more has slipped."""
@@ -161,9 +163,10 @@ def table_readings(file: TextFile, around: Around) -> Found:
     """
     header = ",".join(heading(around.axes, columns_of(around.setups))) if around.axes else EXAMPLE
     table, bare = table_of(file, header), around.bare
-    table.allow(_LAYOUT | axis_layout(table))
+    own = {each.name: own_columns(each) for each in around.setups if each.written}
+    table.allow(_LAYOUT | {stem: units for each in own.values() for stem, units in each.items()} | axis_layout(table))
     setup = next(iter(table.all_of("setup")), None) if bare else table.one_of("setup", "setup")
-    if not any(table.all_of(first) for first in _VALUES):
+    if not any(table.all_of(first) for first, *_ in (*_VALUES, *own.values())):
         table.one_of("value", "value_um")
     used = next(iter(table.all_of("used")), None)
     table = replace(table, rows=tuple(row for row in table.rows if used is None or row.text(used) != "no"))
@@ -172,7 +175,8 @@ def table_readings(file: TextFile, around: Around) -> Found:
     faults, readings = Faults(), list[RawReading]()
     for row in table.rows:
         with faults.noted():
-            readings.append(_reading(table, row, "" if setup is None else row.text(setup), bare))
+            name = "" if setup is None else row.text(setup)
+            readings.append(_reading(table, row, name, bare, own.get(name, {})))
     faults.refuse()
     times = read_times(table.rows, next(iter(table.all_of("time")), None))
     drawn = next(iter(table.all_of("check")), None)
@@ -200,38 +204,41 @@ def _numbers(table: CsvTable) -> list[int | None]:
     return list(lines)
 
 
-def _reading(table: CsvTable, row: Row, setup: str, bare: bool) -> RawReading:
-    three = [row.only_filled(table.all_of(stem)) for stem in _THREE]
-    met = [row.only_filled(table.all_of(stem)) for stem in _MET]
-    stations = [row.only_filled(table.all_of(stem)) for stem in _STATIONS]
-    column = row.only_filled([column for first in _VALUES for column in table.all_of(first)])
-    if column is None:
+def own_columns(setup: Setup) -> dict[str, tuple[str, ...]]:
+    """Return the columns of an instrument whose class names them, each with its units."""
+    kind = model_of(setup)
+    each = zip(kind.names_of(setup), kind.reads_each(setup), strict=True)
+    return {kind.column(name): LENGTHS if reads == "length" else ANGLES for name, reads in each}
+
+
+def _reading(table: CsvTable, row: Row, setup: str, bare: bool, own: Mapping[str, tuple[str, ...]]) -> RawReading:
+    """Return the reading of a line; raises ReadingError.  own : columns that its instrument names, {} of one of ours"""
+    first = row.only_filled([column for stems in _VALUES for column in table.all_of(stems[0])])
+    stems = tuple(own) or next((each for each in _VALUES if first is not None and each[0] == first.stem), ())
+    if not stems:
         raise row.fail("the line has no value", "write the deviation that was read, or take out the line")
     if not (setup or bare):
         raise row.fail("the line has no set-up", "write the name of the set-up as the campaign has it")
-    value, std = row.quantity(column), _std(table, row, column)
-    position, approach = read_position(table, row), read_approach(table, row)
-    others, by_station = tuple[float, ...](), column is stations[0]
-    if column is three[0]:
-        what = "the line has a value along x, but not along y and z too"
-        others = _beside(row, three, len(three), what, "fill value_x, value_y and value_z")
-    elif column is met[0]:
-        what = "the line has a place along x, but not along y and z too"
-        others = _beside(row, met, len(met), what, "fill found_x, found_y and found_z")
-    elif by_station:
-        what = "a station between others has no value"
-        others = _beside(row, stations, 1, what, "fill value_1, value_2 and so on, one for each station")
-    raw = RawReading(setup, position, approach, value, std, column.dimension, row.line, others)
-    return replace(raw, by_station=by_station, met=column is met[0], whole=column in table.all_of("length"))
+    columns = _filled(table, row, stems, own)
+    value, *others = map(row.quantity, columns)
+    std = _std(table, row, columns[0])
+    at = setup, read_position(table, row), read_approach(table, row)
+    raw = RawReading(*at, value, std, columns[0].dimension, row.line, tuple(others))
+    return replace(raw, by_station=stems is _STATIONS, met=stems is _MET, whole=stems is _LENGTH)
 
 
-def _beside(row: Row, columns: Sequence[Column | None], least: int, what: str, remedy: str) -> tuple[float, ...]:
-    """Return the values after the first, filled without a gap and of one kind; raises ReadingError for fewer."""
-    filled = [column for column in columns if column is not None]
-    kinds = {column.dimension for column in filled}
-    if len(filled) < least or columns[: len(filled)] != filled or len(kinds) > 1:
-        raise row.fail(what, remedy)
-    return tuple(row.quantity(column) for column in filled[1:])
+def _filled(table: CsvTable, row: Row, stems: Sequence[str], own: Mapping[str, tuple[str, ...]]) -> list[Column]:
+    """Return the column of each number of a reading, of one kind unless its instrument names them; of some stations."""
+    each = [[column for column in table.all_of(stem) if not own or column.fits(own[stem])] for stem in stems]
+    columns = list(map(row.only_filled, each))
+    while stems is _STATIONS and columns[-1] is None:
+        columns.pop()
+    found = list[Column]()
+    for stem, column in zip(stems, columns, strict=False):
+        if column is None or not (own or column.dimension == (found or [column])[0].dimension):
+            raise row.fail("the line has no value {name}", "write all of its numbers, or take out the line", name=stem)
+        found.append(column)
+    return found
 
 
 def _std(table: CsvTable, row: Row, value: Column) -> float | None:

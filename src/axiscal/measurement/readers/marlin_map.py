@@ -25,9 +25,10 @@ from axiscal.units import from_unit
 
 _TOPOGRAPHY = re.compile("Bed Topography Report")
 _LINEAR = re.compile("Bed Height Topography:")
-_PRINTED = re.compile(r"Bilinear Leveling Grid:|Measured points:")
+_PRINTED = re.compile(r"(?:raw |compensated )?Bilinear Leveling Grid:|Measured points:", re.IGNORECASE)
 _LABELLED = re.compile(r"(\d{1,3}) ?\|(.*)")
 _CORNER = re.compile(r"\(\s*(-?[\d.]+),\s*(-?[\d.]+)\)")
+_CELL = re.compile(r"[-+]?[\d.]+|=+|nan", re.IGNORECASE)
 _NUMBERED = re.compile(r"(\d{1,3})((?:\s+(?:[-+]?[\d.]+|=+|nan))+)", re.IGNORECASE)
 _NODE = re.compile(r"(?:N\d{1,9}\s+)?(M421|G29 [WS]3?)(?![\d.])([^;*]*)")
 _INDEX = re.compile(r"\d{1,3}")
@@ -38,25 +39,36 @@ _BUILT = re.compile(r"; mesh from X (\S+) to (\S+) and Y (\S+) to (\S+)")
 _WHOLE = "copy the whole map as Marlin printed it"
 
 
-is_topography, is_linear, is_printed = telling(_TOPOGRAPHY), telling(_LINEAR), telling(_PRINTED)
+_titled, is_linear, is_printed = telling(_TOPOGRAPHY), telling(_LINEAR), telling(_PRINTED)
 """Whether a line begins the topography of UBL (M420 V, G29 T), that of a level plane, or a grid of M420 V."""
+_cornered, _labelled = telling(_CORNER), telling(_LABELLED)
 is_probed, is_nodes = telling(_POINT), telling(_NODE)
 """Whether there are lines of G29 V4, or that set a node: M421, or G29 W and G29 S3 of a report of M503."""
 
 
+def is_topography(file: TextFile) -> bool:
+    """Return whether this is a topography of UBL, with its title or copied without it."""
+    return _titled(file) or (_cornered(file) and _labelled(file))
+
+
 def topography(file: TextFile, around: Around) -> Found:
     """Return the readings of a topography: its corners are printed, or the set-up states them; raises ReadingError."""
-    begin, below = below_title(file, _TOPOGRAPHY)
+    begin, below = below_title(file, _TOPOGRAPHY) if _titled(file) else (1, list(told_lines(file)))
     if "CSV" in file.lines[begin - 1]:
         lines = [(number, text.split()) for number, text in below if "\t" in text]
         return without_places(file, lines[::-1], begin, around).readings()
-    rows, corners = dict[int, tuple[int, list[str]]](), list[tuple[str, str]]()
+    rows, unlabelled, corners = dict[int, tuple[int, list[str]]](), Rows(), list[tuple[str, str]]()
     for number, text in below:
-        if row := _LABELLED.match(text):
+        cells = re.sub(r"[\[\]]", " ", text)
+        if row := _LABELLED.match(cells):
             if int(row[1]) in rows:
                 raise file.fail("row {row} stands here twice", _WHOLE, number, row=row[1])
-            rows[int(row[1])] = number, re.sub(r"[\[\]]", " ", row[2]).split()
+            rows[int(row[1])] = number, row[2].split()
+        elif cells.strip() and all(map(_CELL.fullmatch, cells.split())):
+            unlabelled.append((number, cells.split()))
         corners += _CORNER.findall(text)
+    if not rows:
+        rows, corners = dict(enumerate(reversed(unlabelled))), _of_marlin_1(corners, unlabelled)
     if len(corners) != 4 or rows.keys() != set(range(len(rows))) or not rows:
         what = "the map has {rows} rows that follow each other from 0 on, and {corners} of 4 corners"
         whole = next((count for count in range(len(rows) + 1) if count not in rows), 0)
@@ -68,6 +80,13 @@ def topography(file: TextFile, around: Around) -> Found:
             raise file.fail("the corners are those of no rectangle", _WHOLE, begin)
         keys |= {f"min_{letter}": ends[0], f"max_{letter}": ends[-1]}
     return grid(file, keys, [rows[j] for j in range(len(rows))], begin).readings()
+
+
+def _of_marlin_1(corners: list[tuple[str, str]], rows: Rows) -> list[tuple[str, str]]:
+    """Return the corners in mm of a map of Marlin 1, around which it prints their nodes; all where it is not whole."""
+    right, top = str(len(rows[0][1]) - 1) if rows else "", str(len(rows) - 1)
+    nodes = [("0", top), (right, top), ("0", "0"), (right, "0")]
+    return corners[2:6] if corners[:2] + corners[6:] == nodes else corners
 
 
 def printed(file: TextFile, around: Around) -> Found:

@@ -218,10 +218,9 @@ def _singular(matrix: Array) -> tuple[Array, Array, Array]:
     if matrix.shape[1] == 1:
         length = np.sqrt(np.sum(matrix**2, axis=0))
         return matrix / np.maximum(length, _NOUGHT), length, np.ones((1, 1))
-    if len(matrix) < matrix.shape[1]:  # numbers that have nothing to tell keep their noise
-        basis, values, turn = np.linalg.svd(np.pad(matrix, ((0, matrix.shape[1] - len(matrix)), (0, 0))))
-        return basis[: len(matrix)], values, turn
-    return np.linalg.svd(matrix, full_matrices=False)
+    more = max(matrix.shape[1] - len(matrix), 0)  # numbers that have nothing to tell keep their noise
+    basis, values, turn = np.linalg.svd(matrix, full_matrices=more > 0)
+    return np.pad(basis, ((0, 0), (0, more))), np.pad(values, (0, more)), turn
 
 
 def informed(factor: Array, scaled: Array) -> Array:

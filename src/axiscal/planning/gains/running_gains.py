@@ -162,9 +162,12 @@ class Scores:
         T G C Gᵀ Tᵀ = 1 − η and V C Gᵀ Tᵀ = V H η after the last change.  As of `_taken`.
         """
         eta, own, width = self.last.eta, len(self.pool) + slots, self.pool.width
-        back = np.zeros((len(slots), width, len(eta)))
+        shape = (len(slots), width, len(eta))
+        back = np.zeros(shape)
         back[owner, inside] = self.last.back
-        for whole, turned in ((self.above, back @ (eta @ self.last.omega @ eta)), (self.below, back - back @ eta)):
+        flat = back.reshape(-1, len(eta))  # one product of two matrices, not one for each reading
+        far, near = (flat @ (eta @ self.last.omega @ eta)).reshape(shape), (flat - flat @ eta).reshape(shape)
+        for whole, turned in ((self.above, far), (self.below, near)):
             whole[:, :, own] = (turned @ back.swapaxes(1, 2)).transpose(1, 2, 0)
         self.below[:, :, own] += np.eye(width)[:, :, None] * self.noise[slots]
 

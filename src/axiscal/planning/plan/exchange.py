@@ -25,7 +25,7 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import Covariance
+from axiscal.planning.gains.covariance import Covariance, unexplained
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.gains.running_gains import Allowed, Scores
 from axiscal.planning.plan.task import Clock, Patience, work_of_climb
@@ -70,16 +70,38 @@ class _Free(NamedTuple):
 
     def put(self, places: Places, coordinates: Array) -> Places:
         """Return the places with other values of them, (f,) m or rad; where a chart gives no pose it stays."""
-        poses = places.poses.copy()
+        poses, alone = places.poses.copy(), np.array([chart is None for chart in self.charts], dtype=bool)
+        poses[self.reading[alone], self.axis[alone]] = coordinates[alone]
         for k, chart in enumerate(self.charts):
             if chart is None:
-                poses[self.reading[k], self.axis[k]] = coordinates[k]
                 continue
             at = chart.places(poses[[self.reading[k]]])
             at[0, self.axis[k]] = coordinates[k]
             found = chart.poses(at)[0]
             poses[self.reading[k]] = found if np.all(np.isfinite(found)) else poses[self.reading[k]]
         return replace(places, poses=poses)
+
+
+class _Beside(NamedTuple):
+    """The reading of each free coordinate with a little more of it, then with a little less.
+
+    both : (2 f,) places; apart : (f,) how far they are apart, shares of where a reading may be
+    """
+
+    both: Places
+    apart: Array
+
+    @classmethod
+    def of(cls, places: Places, free: _Free) -> _Beside:
+        """Return them."""
+        alone, span, own = places.within(free.reading), free.high - free.low, free.alone
+        further, nearer = (
+            own.put(alone, np.clip(own.coordinates(alone) + sign * _STEP * span, free.low, free.high))
+            for sign in (1, -1)
+        )
+        apart = (own.coordinates(further) - own.coordinates(nearer)) / span
+        # where a chart gives no pose beside it, nothing changes
+        return cls(Places.joined([further, nearer]), np.where(apart > 0, apart, 1.0))
 
 
 class Minutes(NamedTuple):
@@ -91,12 +113,11 @@ class Minutes(NamedTuple):
     budget: float
     around: Callable[[Places, NDArray[np.intp], Places], tuple[float, Array]]
 
-    def over(self, places: Places, free: _Free) -> tuple[float, Array]:
+    def over(self, places: Places, free: _Free, beside: _Beside) -> tuple[float, Array]:
         """Return by what share of the budget readings take too long, and its derivative by each free coordinate."""
-        further, nearer = _beside(places, free)
-        seconds, longer = self.around(places, free.reading, further)
-        apart = _apart(further, nearer, free)
-        slopes = (longer - self.around(places, free.reading, nearer)[1]) / apart
+        seconds, around = self.around(places, np.concatenate([free.reading, free.reading]), beside.both)
+        further, nearer = np.split(around, 2)
+        slopes = (further - nearer) / beside.apart
         share = seconds / self.budget - _WITHIN
         return share, slopes / self.budget
 
@@ -117,10 +138,11 @@ def relocated(state: Covariance, places: Places, timed: Minutes | None = None) -
 
     def value(shares: Array) -> tuple[float, Array]:
         at = placed(shares)
-        left, slopes = _value(state, at, free)
+        beside = _Beside.of(at, free)
+        left, slopes = _value(state, at, free, beside)
         if timed is None:
             return left, slopes
-        over, slower = timed.over(at, free)
+        over, slower = timed.over(at, free, beside)
         weight = _DEAR * begun * max(over, 0.0)
         return left + weight * over, slopes + 2 * weight * slower
 
@@ -168,45 +190,24 @@ def _coordinates(state: Covariance, reading: int, number: int) -> Iterator[tuple
             yield reading, k, low, high, setup.chart
 
 
-def _value(state: Covariance, places: Places, free: _Free) -> tuple[float, Array]:
+def _value(state: Covariance, places: Places, free: _Free, beside: _Beside) -> tuple[float, Array]:
     """Return J over what there was before, and its gradient with respect to shares of the free coordinates."""
-    target = state.weighted
-    rows, owner = state.whitened(places)
-    crossed = target @ rows.T
-    information = np.eye(len(rows)) + rows @ rows.T
-    left = target - np.linalg.solve(information, crossed.T).T @ rows
-    total = float(np.sum(target**2))
+    target, count = state.weighted, len(free.reading)
+    every, owner = state.whitened(Places.joined([places, beside.both]))
+    first = np.searchsorted(owner, np.arange(len(places) + 2 * count + 1))
+    own, middle = first[len(places)], first[len(places) + count]
+    rows, total = every[:own], float(np.sum(target**2))
+    left = unexplained(target, rows)
     slope = -2 * (left @ rows.T).T @ left / total
-    changes = _changes(state, places, free)
-    gradient = np.array([np.sum(slope[owner == i] * change) for i, change in zip(free.reading, changes, strict=True)])
+    of = owner[own:middle] - len(places)
+    inside = np.arange(own, middle) - first[len(places) + of]
+    changes = np.einsum("ij,ij->i", slope[first[free.reading[of]] + inside], every[own:middle] - every[middle:])
+    gradient = np.bincount(of, changes, count) / beside.apart
     return float(np.sum(left * target)) / total, gradient
 
 
-def _beside(places: Places, free: _Free) -> tuple[Places, Places]:
-    """Return the reading of each free coordinate with a little more of it, and with a little less."""
-    alone, span, own = places.within(free.reading), free.high - free.low, free.alone
-    further, nearer = (
-        own.put(alone, np.clip(own.coordinates(alone) + sign * _STEP * span, free.low, free.high)) for sign in (1, -1)
-    )
-    return further, nearer
-
-
-def _apart(further: Places, nearer: Places, free: _Free) -> Array:
-    """Return how far these are apart, shares of where a reading may be, (f,)."""
-    apart = (free.alone.coordinates(further) - free.alone.coordinates(nearer)) / (free.high - free.low)
-    return np.where(apart > 0, apart, 1.0)  # where a chart gives no pose beside it, nothing changes
-
-
-def _changes(state: Covariance, places: Places, free: _Free) -> list[Array]:
-    """Return the derivative of the rows of its reading with respect to the share of each free coordinate."""
-    count, (further, nearer) = len(free.reading), _beside(places, free)
-    rows, owner = state.whitened(Places.joined([further, nearer]))
-    first = np.searchsorted(owner, np.arange(2 * count + 1))
-    ends = [rows[first[k] : first[k + 1]] for k in range(2 * count)]
-    apart = _apart(further, nearer, free)
-    return [(ends[i] - ends[count + i]) / apart[i] for i in range(count)]
-
-
+ROUNDS = 6
+"""Rounds of a polish end where no reading moves; this only ends what would go round."""
 SWEEPS = 50
 """Sweeps end where no exchange helps; this only ends what would go round."""
 _BETTER = 1e-7

@@ -9,7 +9,8 @@ import numpy as np
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.planning.plan.beginnings import evenly_spaced
-from axiscal.planning.plan.task import Goal, Task
+from axiscal.planning.plan.minutes import retoured
+from axiscal.planning.plan.task import Goal, Limits, Task
 
 _SHAKES, _SHARE, _SEED = 10, 0.02, 1
 """How many, by how much of the travel at most, and any seed: a plan is the same every time."""
@@ -18,6 +19,18 @@ _FEWEST = 8
 _DRAWN, _AS_GOOD = 0.8, 1.15
 """Share of its part in which a place is drawn, and times J: of drawn shapes such readings miss less than those of the
 plan (`benchmarks/bench_grid.py`)."""
+
+
+def irregular(task: Task, limits: Limits, order: Places, goal: Goal | None = None) -> Places:
+    """Return readings at places that keep no regular distances; where seconds count in their order and within limits.
+
+    goal : an accuracy that they reach; it stays reached
+    """
+    places = spread_if_as_good(task, goal, shaken(task, order))
+    if not limits.timed or places.same_as(order):
+        return places
+    setups = tuple(np.unique(order.setups).tolist())
+    return retoured(task, limits, setups, places, 0.0, np.inf, goal)
 
 
 def shaken(task: Task, places: Places) -> Places:

@@ -3,9 +3,9 @@
     plan = make_plan(task, Limits(readings=40))
     plan.places.poses[0], plan.accuracy.rms, plan.seconds, plan.ratio
 
-Tours of `tour` plan for a budget, and for an accuracy in the fewest minutes. For so many readings exchange chooses them
-together. It improves a greedy, a space-filling, an evenly spaced and the best random design; the best result is the
-plan. So no such plan is worse than one of these.
+Tours of `minutes` plan for a budget, and for an accuracy in the fewest minutes. For so many readings exchange chooses
+them together. It improves a greedy, a space-filling, an evenly spaced and the best random design; the best result is
+the plan. So no such plan is worse than one of these.
 
 While measuring, `renewed` plans the rest: from the readings that are still open, by what exchanges still help. Readings
 of linear instruments sharpen a belief by their places, not by their values. So the rest of a plan is still the plan, as
@@ -30,13 +30,14 @@ from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import RunningAccuracy, after_each
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.beginnings import best_of_random, plain_designs
-from axiscal.planning.plan.exchange import SWEEPS, drop, exchange, polish
+from axiscal.planning.plan.exchange import ROUNDS, SWEEPS, drop, exchange, polish
 from axiscal.planning.plan.greedy import Setups, affordable, chosen_setups, filled, scores_among, sets_within
-from axiscal.planning.plan.irregular import shaken, spread_if_as_good
+from axiscal.planning.plan.irregular import irregular
+from axiscal.planning.plan.minutes import grown, quickest, retoured, toured
 from axiscal.planning.plan.order import arriving, in_order, interleaved, seconds_along, seconds_each
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import PATIENCE, Goal, Limits, Patience, Task, clock
-from axiscal.planning.plan.tour import grown, quickest, retoured, toured
+from axiscal.planning.promise import FEW
 from axiscal_core.threads import one_thread
 from axiscal_core.ties import ALIKE, ranked
 
@@ -76,7 +77,8 @@ def renewed(
         found = retoured(task, limits, _those_of(reaching), reaching, patience, _WORTH, goal)
         order = _ordered(task, limits, found, left, usual)
     elif not hurried:
-        places = _renewed(task, replace(limits, budget=None), setups, left, patience)
+        most = limits.readings if goal is None else max(len(left), FEW)  # sizes are learnt anew by then
+        places = _renewed(task, Limits(most), setups, left, patience)
         order = _ordered(task, limits, in_order(task, places), left, usual)
     if reaching is None and (hurried or _too_long(task, limits, order)):
         order = _ordered(task, limits, retoured(task, limits, within, left, patience, _WORTH), left, usual)
@@ -165,8 +167,6 @@ _RANDOM = 0.2
 """Share of the patience that random starts may take besides."""
 _MUCH = 1e9
 """Operations of exchange from which on only the best beginning is swept, or goes on after its first sweep."""
-_ROUNDS = 6
-"""Rounds end where no reading moves; this only ends what would go round."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -254,11 +254,8 @@ def _any_time(task: Task, within: Limits, patience: float, usual: bool) -> Place
     with stage("readings chosen together"):
         scores = _together(task, within.readings or MANY, setups, _RANDOM * patience)
     with stage("off the lattice"):
-        polish(scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
-    places = scores.places
-    if usual and len(places):
-        places = spread_if_as_good(task, None, shaken(task, places))
-    order = in_order(task, places)
+        polish(scores, affordable(times, setups, 0.0), ROUNDS, Patience(patience))
+    order = in_order(task, irregular(task, limits, scores.places) if usual and len(scores.places) else scores.places)
     return interleaved(task, within, order) if usual else order
 
 
@@ -273,10 +270,7 @@ def _in_minutes(task: Task, limits: Limits, patience: float, usual: bool, goal: 
         order = toured(task, limits, sets, patience) if goal is None else quickest(task, limits, sets, goal, patience)
         if not usual or order is None or not len(order):
             return order
-        places = spread_if_as_good(task, goal, shaken(task, order))
-        if not places.same_as(order):
-            order = retoured(task, limits, _those_of(order), places, 0.0, np.inf, goal)
-        return interleaved(task, limits, order)
+        return interleaved(task, limits, irregular(task, limits, order, goal))
 
 
 def refuse_unplannable(task: Task, limits: Limits) -> None:

@@ -48,6 +48,7 @@ class Run:
 
     slots : (k,) which readings of a plan; mounting, reading : s; places : the readings
     A run out and back along one axis counts as a round: so what lies beyond its ends costs both ways.
+    Ways are known to nodes: the m candidates of the set-up, then the places that it began with.
     """
 
     def __init__(self, ways: Ways, setup: int) -> None:
@@ -58,84 +59,111 @@ class Run:
         self.reading, self._round = reading_seconds(described), returns(described)
         self._begin = ways.seconds(self._here, self._mine).sum(axis=0)
         self.slots, self.places = np.zeros(0, dtype=np.intp), self._mine.within(slice(0, 0))
-        self._away = self._back = np.zeros((0, len(self._mine)))
-        self._legs, self._first = np.zeros((0, 0)), np.zeros(0)
-        self._gaps: Array | None = None
+        self._nodes, self._to_begun = np.zeros(0, dtype=np.intp), np.zeros((len(self._mine), 0))
+        self._away, self._back = list[Array](), list[Array]()  # to every node; from every candidate
+        self._first, self._legs = np.zeros(0), np.zeros(0)
+        self._gaps = self.mounting + self._begin[None]
 
     @property
     def seconds(self) -> float:
         """Seconds of mounting, ways and readings."""
         if not len(self.slots):
             return 0.0
-        return self.mounting + float(self._first[0] + np.diagonal(self._legs, 1).sum()) + self.reading * len(self.slots)
+        return self.mounting + float(self._first[0] + self._legs.sum()) + self.reading * len(self.slots)
 
     def saved(self) -> Array:
         """Return the seconds less without each reading, (k,)."""
         if len(self.slots) == 1:
             return np.array([self.seconds])
-        legs, far = np.diagonal(self._legs, 1), np.diagonal(self._legs, 2)
-        before, after = np.concatenate([self._first[:1], legs]), np.append(legs, 0.0)
-        saved: Array = self.reading + before + after - np.concatenate([self._first[1:2], far, [0.0]])
+        before, after = np.concatenate([self._first[:1], self._legs]), np.append(self._legs, 0.0)
+        saved: Array = self.reading + before + after - np.concatenate([self._first[1:2], self._apart(2), [0.0]])
         return saved
+
+    def _apart(self, steps: int) -> Array:
+        """Return the seconds from each reading to the one so many later, (k - steps,)."""
+        return np.array([away[node] for away, node in zip(self._away, self._nodes[steps:].tolist(), strict=False)])
 
     def gaps(self) -> Array:
         """Return the seconds more of ways to each candidate before each reading and after the last, (k + 1, m).
 
         The first reading of a set-up bears its mounting.
         """
-        if self._gaps is None:
-            self._gaps = self._found_gaps()
-        return self._gaps
+        gaps: Array = self._gaps
+        if not self._round or not len(self.slots):
+            return gaps
+        gaps = gaps.copy()
+        gaps[0] = gaps[-1] = gaps[-1] + self._back[0] - self._away[-1][self._nodes[0]]
+        return gaps
 
-    def _found_gaps(self) -> Array:
+    def _gap(self, at: int) -> Array:
+        """Return the seconds more of ways to each candidate before a reading, or after the last, (m,)."""
+        count = len(self._mine)
+        gap: Array = self._away[at - 1][:count] if at else self._begin
         if not len(self.slots):
-            mounted: Array = self.mounting + self._begin[None]
-            return mounted
-        there, legs = np.vstack([self._begin, self._away]), np.diagonal(self._legs, 1)[:, None]
-        there[0] -= self._first[0]
-        there[:-1] += self._back
-        there[1:-1] -= legs
-        if self._round:
-            there[0] = there[-1] = self._away[-1] + self._back[0] - self._legs[-1, 0]
-        return there
+            return gap + self.mounting
+        if at < len(self.slots):
+            gap = gap + self._back[at] - (self._legs[at - 1] if at else self._first[0])
+        return gap
 
     def without(self, at: int) -> Self:
         """Return the run were a reading not there."""
         other = copy.copy(self)
-        other._take(np.delete(np.arange(len(self.slots)), at))
+        kept = np.delete(np.arange(len(self.slots)), at)
+        other._keep(kept)
+        over = [self._away[at - 1][node] for node in self._nodes[at + 1 : at + 2].tolist()] if at else []
+        other._legs = np.concatenate([self._legs[: max(at - 1, 0)], over, self._legs[at + 1 :]])
+        other._gaps = np.concatenate([self._gaps[:at], other._gap(at)[None], self._gaps[at + 2 :]])
         return other
 
     def through(self, slots: NDArray[np.intp], places: Places) -> Self:
         """Return the run with readings of a plan in this order."""
-        other = copy.copy(self)
-        other.slots, other.places, other._gaps = slots, places, None
-        other._away, other._back = self._ways.seconds(places, self._mine), self._ways.seconds(self._mine, places).T
-        other._legs, other._first = (
-            self._ways.seconds(places, places),
-            self._ways.seconds(self._here, places).sum(axis=0),
-        )
+        other, ways = copy.copy(self), self._ways
+        other.slots, other.places, other._to_begun = slots, places, ways.seconds(self._mine, places)
+        other._nodes = len(self._mine) + np.arange(len(slots))
+        other._away = list(ways.seconds(places, Places.joined([self._mine, places])))
+        other._back = list(other._to_begun.T)
+        other._first = ways.seconds(self._here, places).sum(axis=0)
+        other._renew()
         return other
 
     def insert(self, at: int, slot: int, candidate: int) -> None:
         """Put a candidate of the set-up before a reading."""
         away, back = self._ways.around(self.setup, candidate)
-        to, here = self._away[:, candidate], self._back[:, candidate]
-        self._legs = np.insert(np.insert(self._legs, at, here, axis=0), at, np.insert(to, at, 0.0), axis=1)
+        before = [each[candidate] for each in self._away[:at][-1:]]
+        after = [each[candidate] for each in self._back[at : at + 1]]
+        self._legs = np.concatenate([self._legs[: max(at - 1, 0)], before, after, self._legs[at:]])
         self._first = np.insert(self._first, at, self._begin[candidate])
-        self._away, self._back = np.insert(self._away, at, away, axis=0), np.insert(self._back, at, back, axis=0)
-        self.slots, self._gaps, place = np.insert(self.slots, at, slot), None, self._mine.single(candidate)
+        away = np.concatenate([away, self._to_begun[candidate]])
+        self._away = [*self._away[:at], away, *self._away[at:]]
+        self._back = [*self._back[:at], back, *self._back[at:]]
+        self.slots, self._nodes = np.insert(self.slots, at, slot), np.insert(self._nodes, at, candidate)
+        place = self._mine.single(candidate)
         self.places = Places.joined([self.places.within(slice(at)), place, self.places.within(slice(at, None))])
+        around = np.stack([self._gap(at), self._gap(at + 1)])
+        self._gaps = np.concatenate([self._gaps[:at], around, self._gaps[at + 1 :]])
 
     def shorten(self) -> None:
         """Bring the readings into a shorter order: out and back where they are read so."""
-        if len(self.slots) > 1:
-            task = self._ways.task
-            self._take(out_and_back(task, self.places) if self._round else shortened(self._legs, self._first))
+        if len(self.slots) < 2:
+            return
+        if self._round:
+            order = out_and_back(self._ways.task, self.places)
+        else:
+            order = shortened(np.stack(self._away)[:, self._nodes], self._first)
+        if not np.array_equal(order, np.arange(len(order))):
+            self._keep(order)
+            self._renew()
 
-    def _take(self, kept: NDArray[np.intp]) -> None:
-        self._legs, self._first, self.slots = self._legs[np.ix_(kept, kept)], self._first[kept], self.slots[kept]
-        self._away, self._back, self.places = self._away[kept], self._back[kept], self.places.within(kept)
-        self._gaps = None
+    def _keep(self, kept: NDArray[np.intp]) -> None:
+        """Keep some readings, in this order."""
+        self.slots, self.places, self._first = self.slots[kept], self.places.within(kept), self._first[kept]
+        self._nodes = self._nodes[kept]
+        self._away, self._back = ([each[k] for k in kept.tolist()] for each in (self._away, self._back))
+
+    def _renew(self) -> None:
+        """Find legs and gaps of the readings in their order."""
+        self._legs = self._apart(1)
+        self._gaps = np.stack([self._gap(at) for at in range(len(self.slots) + 1)])
 
 
 def first_seconds(task: Task) -> dict[int, float]:

@@ -27,10 +27,11 @@ from axiscal.estimation.estimation import Estimation, as_standard
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.exceptions import AxiscalError, InputError, RecordError, TableError, TargetError
-from axiscal.language.spoken import listed, put
+from axiscal.language.spoken import listed, put, said
 from axiscal.language.stages import staged
 from axiscal.ports.fleet.sister_records import ACTIVE, MachineRecord, equation_of, other_machine, read_records, why_not
 from axiscal.ports.fleet.worn_machine import YEAR, Aging, Pair, Wearing, aging, found_by, worn
+from axiscal.units import said_quantity
 from axiscal_core.threads import one_thread
 
 _HORIZON = 20.0
@@ -58,6 +59,19 @@ class DueMachine:
     now: float
     due: date | None
     renewed: tuple[str, ...]
+
+    @property
+    def day_text(self) -> str:
+        """When it is due, in words."""
+        if self.due is None:
+            return said("not within 20 years")
+        if self.due > self.last:
+            return self.due.isoformat()
+        worse, faded = (
+            "at once: its last campaign was not as good",
+            "at once: its last campaign came to {rms}, and what is not kept is more",
+        )
+        return said(worse if self.then > self.target else faded, rms=said_quantity(self.then, "um"))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -14,16 +14,17 @@ from typing import ClassVar
 
 import numpy as np
 
+from axiscal import tables
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import later
 from axiscal.ports.linuxcnc.patching import FILE, HAL_FILE, STATEMENT, hal_text
 from axiscal.tables import vcomp_file
 from axiscal.tables.exporter import Draft, ExportOptions, Written
 from axiscal.tables.offer import spread_poses
-from axiscal.tables.vcomp_applying import VcompFile, whole_control
+from axiscal.tables.vcomp_applying import CORE, VcompFile, whole_control
 from axiscal.units import format_quantity
 
-SOURCES = ("axiscal_vcomp.comp", "axiscal_vcomp_core.h")
+_COMPONENT = "axiscal_vcomp.comp"
 _NOTHING = 1e-12
 """m or rad: rounding."""
 _SHARE, _QUICKEST, _SLOWEST = 0.2, 5e-3, 5.0
@@ -66,9 +67,9 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
         given = [(numbers[axis.name], own) for axis, own in zip(machine.axes, reversal_times(estimate), strict=True)]
         file = vcomp_file.content_of(estimate, given, options.unit, largest, options.origin)
         joints = [n for axis in file.axes for n in axis.joints]
-        source = resources.files(__package__)
+        sources = {_COMPONENT: resources.files(__package__), CORE: resources.files(tables)}
         files = {FILE: vcomp_file.text_of(file, STATEMENT), HAL_FILE: hal_text(joints)}
-        files |= {name: source.joinpath(name).read_text(encoding="ascii") for name in SOURCES}
+        files |= {name: place.joinpath(name).read_text(encoding="ascii") for name, place in sources.items()}
         notes, steps = _notes(estimate, file), {axis.name: _AWAY for axis in machine.axes}
         return replace(self.draft(Written(files, steps, notes), wanted, machine, options), first=_first(file))
 

@@ -20,9 +20,9 @@ from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import floor_of, known_to
 from axiscal.estimation.judged import Doubt
-from axiscal.estimation.promise.agreement import ASKED, Mistake
-from axiscal.language.spoken import counted, decimals, said
-from axiscal.measurement.reading import reading_text, reading_unit, shown_coordinate
+from axiscal.estimation.promise.agreement import Mistake
+from axiscal.language.spoken import counted, decimals, listed, said
+from axiscal.measurement.reading import by_text, reading_text, reading_unit, shown_coordinate, units_of
 from axiscal.planning.promise import foreseen, rejected
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted
@@ -105,13 +105,37 @@ def others_doubted(campaign: Campaign, before: frozenset[int], *, command: bool 
     return minds
 
 
+Answer = Literal["jump", "backlash", "stuck"]
+_ANSWERS: dict[tuple[Mistake, bool], tuple[Answer, ...]] = {
+    ("jump", False): ("jump",),
+    ("jump", True): ("jump", "backlash"),
+    ("stuck", False): ("stuck",),
+}
+"""What a person may say of a mistake, and whether backlash explains it as well."""
+
+
 class Named(NamedTuple):
-    """What a person is asked about at once: a mistake of `ASKED`, of which set-up, from which reading on."""
+    """What a person is asked about at once: a mistake, of which set-up, from which reading on.
+
+    answers : one, which is yes, or two of which one is right
+    """
 
     mistake: Mistake
     setup: str
     number: int
     question: str
+    answers: tuple[Answer, ...]
+
+    @property
+    def choices(self) -> dict[Answer, str]:
+        """The answers in words."""
+        words: dict[Answer, str] = {"jump": said("zero set anew"), "backlash": said("backlash")}
+        return {each: words[each] if len(self.answers) > 1 else said("Yes") for each in self.answers}
+
+    @property
+    def typed(self) -> dict[str, Answer]:
+        """What a person types for each of several answers."""
+        return {said("jump").lower(): "jump", said("backlash").lower(): "backlash"}
 
 
 _NIGHT = 16 * 3600.0
@@ -135,18 +159,27 @@ def named_now(campaign: Campaign) -> Named | None:
     """Return the likeliest zero that was set anew, or instrument that is stuck, which the readings name now."""
     known = campaign.estimate()
     for each in known.agreement.explained:
-        if each.mistake in ASKED:
+        if (answers := _ANSWERS.get((each.mistake, each.backlash))) is not None:
             event = acceptance(each, known)
-            return Named(each.mistake, event.setups[0], event.reading, question(known, each))
+            return Named(each.mistake, event.setups[0], event.reading, question(known, each), answers)
     return None
 
 
-def confirmed(campaign: Campaign, named: Named) -> str:
-    """Keep that a mistake is there which the readings name, and return a sentence of it."""
-    if named.mistake == "jump":
+def confirmed(campaign: Campaign, named: Named, answer: Answer) -> str:
+    """Keep the answer to what is asked, and return a sentence of it."""
+    if answer == "jump":
         return set_anew(campaign, named.setup, named.number)
-    change = change_words(campaign.accept(named.mistake, named.setup))
+    change = change_words(campaign.accept(answer, named.setup))
     return said("Kept: {change}; undo takes it back.", change=change)
+
+
+def open_question(campaign: Campaign) -> str:
+    """Return what is asked about readings that agree, with the command that answers it; "" for nothing."""
+    named = None if campaign.estimate().agreement.contradicts else named_now(campaign)
+    if named is None:
+        return ""
+    what, causes = "{question} Answer: axiscal step accept {record} {causes}", listed(said(" or "), [*named.answers])
+    return said(what, question=named.question, record=campaign.path, causes=causes)
 
 
 def set_anew(campaign: Campaign, setup: str | None = None, before: int | None = None) -> str:
@@ -280,7 +313,10 @@ _LATEST = 3
 
 
 class KeptReading(AnswerDocument):
-    """A reading that is kept: where, what, when (ISO 8601, UTC; "" where nobody knows), and whether it is doubted."""
+    """A reading that is kept: where, what, when (ISO 8601, UTC; "" where nobody knows), whether it is doubted.
+
+    by : "by Anna" for one that another person took than who began the campaign
+    """
 
     number: int
     setup: str
@@ -289,6 +325,7 @@ class KeptReading(AnswerDocument):
     unit: str
     at: str
     doubted: bool
+    by: str
 
 
 def latest(campaign: Campaign) -> Iterator[KeptReading]:
@@ -305,7 +342,8 @@ def latest(campaign: Campaign) -> Iterator[KeptReading]:
             setup=reading.setup,
             place=", ".join(stood),
             values=to_unit(np.array(reading.values), unit).tolist(),
-            unit=unit,
+            unit=listed(", ", [*dict.fromkeys(units_of(setup))]),
             at="" if seconds is None else (begun + timedelta(seconds=seconds)).isoformat(timespec="milliseconds"),
             doubted=index in doubted,
+            by=by_text(reading),
         )

@@ -16,24 +16,22 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from axiscal.answers.answer import AnswerDocument
+from axiscal.answers.prediction import expectation
 from axiscal.campaign.campaign import Campaign
-from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.knowledge import block
-from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, said
 from axiscal.machine import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.instrument import INSTRUMENTS, model_of, values_of
+from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.reading import (
-    Place,
-    direction_text,
+    asked_values,
     place_text,
     reading_unit,
     refuse_other_values,
+    sense,
     shown_coordinate,
+    units_of,
 )
-from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Setup, Vector
 from axiscal.measurement.touched import off_ball
 from axiscal.numerics import Array
@@ -98,10 +96,9 @@ def answer(text: str, setup: Setup, stands: Stands | None = None) -> Array | Wor
     if word[0].isalpha():
         what = said('"{text}" is no reading and no word known here', text=text.strip())
         raise ReadingError(what, said("Type ? for what can be typed"))
-    values, dimension = list[float](), INSTRUMENTS[setup.instrument].model.reads
-    for part in value_texts(text.strip(), setup):
-        values.append(parse_quantity(_with_unit(part, reading_unit(setup)), dimension))
-    return np.array(values)
+    of = model_of(setup).reads_each(setup)
+    each = zip(value_texts(text.strip(), setup), units_of(setup), of, strict=True)
+    return np.array([parse_quantity(_with_unit(part, unit), reads) for part, unit, reads in each])
 
 
 def found_at(text: str, setup: Setup, stands: Stands) -> Array | None:
@@ -139,10 +136,9 @@ def value_texts(text: str, setup: Setup) -> list[str]:
     if len(parts) != count:
         given = counted("one value", "{count} values", len(parts))
         what = said('"{text}" is {given}, and the instrument gives {count}', text=text, given=given, count=count)
-        example = " ".join(("1.2", "-0.4", "0.8", "0.3")[:count]) + " um"
-        if setup.stations:
-            raise ReadingError(what, said("Type one from each station in its order, as in {example}", example=example))
-        raise ReadingError(what, said("Type those along x, y and z, as in {example}", example=example))
+        raise ReadingError(what, said("Type each of {names}", names=asked_values(setup)))
+    if len({*units_of(setup)}) > 1:
+        return parts
     numbers = [_PLAIN.match(part) for part in parts]
     bare = [number is not None and number.end() == len(part) for part, number in zip(parts, numbers, strict=True)]
     if all(bare[:-1]) and (last := numbers[-1]) is not None:
@@ -200,7 +196,7 @@ class Question(AnswerDocument):
     touch : the ball, and how to get there; again : which reading has been taken there before, in words
     check : that the place was drawn at random, in words
     ways : directions, of the workpiece, in which a reading is positive; turns : it is about them
-    unit : of the values when none is typed
+    unit : of the values when none is typed; units : of each of them; asks : what is to be typed, with its unit
     names : of the numbers of a reading, x, y, z or those of stations; "" of a single one
     """
 
@@ -220,6 +216,8 @@ class Question(AnswerDocument):
     unit: str
     expected: list[ExpectedNumber]
     names: list[str]
+    units: list[str]
+    asks: str
 
     @classmethod
     def from_campaign(cls, campaign: Campaign, asked: Asked) -> Question:
@@ -235,7 +233,7 @@ class Question(AnswerDocument):
         return cls(
             number=asked.reading,
             setup=setup.name,
-            instrument=setup.instrument,
+            instrument=setup.title,
             mount=not readings or readings[-1].setup != setup.name,
             mount_sentence=mount_sentence(setup, places),
             mounting=[MountingStep(name=name, what=what) for name, what in mount_steps(setup, places, touch)],
@@ -245,10 +243,12 @@ class Question(AnswerDocument):
             check=said("drawn at random: what the others promise is judged by it") if asked.place.check else "",
             sign=sign_on(campaign.description.machine, setup),
             ways=list(sense(setup).ways),
-            turns=INSTRUMENTS[setup.instrument].model.reads == "angle",
+            turns=model_of(setup).reads == "angle",
             unit=unit,
             expected=[ExpectedNumber(mean=mean, half=half) for mean, half in zip(means, halves, strict=True)],
             names=list(model_of(setup).names_of(setup)),
+            units=list(units_of(setup)),
+            asks=asked_values(setup),
         )
 
     def surprise(self, values: Array) -> float:
@@ -323,36 +323,6 @@ def axis_places(campaign: Campaign, asked: Asked) -> list[AxisPlace]:
     return sorted(found, key=lambda place: (place.unit != "mm", place.axis))
 
 
-class Sense(NamedTuple):
-    """What a set-up reads, of the tool, seen from the workpiece.
-
-    reads : "x, y and z", "the distance from its station", "along x" or "about -y"; sign : when a reading is positive
-    ways : the directions along or about which it is; none where it is a distance
-    """
-
-    reads: str
-    sign: str
-    ways: tuple[Vector, ...]
-
-
-def sense(setup: Setup) -> Sense:
-    """Return what a set-up reads."""
-    model, direction = INSTRUMENTS[setup.instrument].model, direction_text(setup)
-    towards = "+ where the tool stands too far towards {way}, seen from the workpiece"
-    if len(model.numbers) > 1:
-        every = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-        return Sense(said("x, y and z"), said(towards, way="+x, +y, +z"), every)
-    if not model.directed:
-        several, one = "the distances from its {count} stations, in their order", "the distance from its station"
-        reads = said(several, count=len(setup.stations)) if setup.stations else said(one)
-        return Sense(reads, said("+ where the distance is longer than it should be"), ())
-    way = direction if direction[0] in "-(" else f"+{direction}"
-    if model.reads == "angle":
-        turned = "+ where the tool is turned too far about {way} by the right hand, seen from the workpiece"
-        return Sense(said("about {way}", way=direction), said(turned, way=way), (setup.direction,))
-    return Sense(said("along {way}", way=direction), said(towards, way=way), (setup.direction,))
-
-
 def sign_on(machine: Machine, setup: Setup) -> str:
     """Return when a reading is positive, and that x, y and z turn with a table where one turns in the set-up."""
     sign, axes = sense(setup).sign, [machine.axes[k] for k in setup.moves]
@@ -366,16 +336,6 @@ SURPRISING = 4.0
 """Standard deviations from which a person is asked before a reading is kept: one in 16,000 by chance."""
 
 
-def expectation(known: Estimation, place: Place) -> Band:
-    """Return what the readings so far say of the next one: ŷ = h·m and s² = h C hᵀ + rests + σ² (method.md 2).
-
-    mean, std : (k,) of each number of the reading, its noise included, m or rad
-    """
-    blanks = blank_readings(known.case.description.setups, [place])
-    (found,) = block(known.knowledge, blanks, np.zeros(len(blanks), dtype=bool))[0].innovations
-    return Band(-np.atleast_1d(found.value), np.atleast_1d(found.std))
-
-
 def mount_sentence(setup: Setup, places: Sequence[AxisPlace]) -> str:
     """Return what to mount and what it will read."""
     reads, moving = sense(setup).reads, [place.axis for place in places if place.moves]
@@ -383,7 +343,7 @@ def mount_sentence(setup: Setup, places: Sequence[AxisPlace]) -> str:
     if setup.artefact is not None:
         words = "set up {artefact}, and mount the instrument ({instrument}); it reads {reads}"
         stands = setup.artefact.standing
-    mounted = said(words, artefact=stands, instrument=said(setup.instrument), reads=reads)
+    mounted = said(words, artefact=stands, instrument=said(setup.title), reads=reads)
     return said("{mounted}, while {axis} moves", mounted=mounted, axis=moving[0]) if len(moving) == 1 else mounted
 
 

@@ -14,7 +14,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import decimals, later, put, said
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.reading import Reading, reading_unit
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -80,7 +80,7 @@ def surprise_text(question: Question, values: Array) -> str:
     away = np.abs(to_unit(values, question.unit) - means)
     most = int(np.argmax(away / halves))
     what = "It is about {away} {unit} away from what is expected, ± {half}"
-    return said(what, away=digits(float(away[most])), unit=question.unit, half=digits(float(halves[most])))
+    return said(what, away=digits(float(away[most])), unit=question.units[most], half=digits(float(halves[most])))
 
 
 def causes(question: Question, values: Array) -> list[Cause]:
@@ -99,10 +99,10 @@ def keep_as(campaign: Campaign, question: Question, values: Array, cause: Cause 
     """
     if cause is not None and cause not in causes(question, values):
         raise ReadingError(said("It would be a surprise all the same"), said("Read again, or name another cause"))
-    told = set_anew(campaign, question.setup) if cause in ("anew", "bumped") else ""
     factor = 1.0 if cause is None else _FACTORS.get(cause, 1.0)
     value, *others = (factor * float(each) for each in values)
     kept = campaign.record(value, accepted=cause == "really", others=tuple(others))
+    told = set_anew(campaign, question.setup, kept.number) if cause in ("anew", "bumped") else ""
     if cause in ("sign", "mm", "bumped"):
         told = told or said("It is put right, and that is noted.")
         campaign.note(put("reading {number}: {cause}", number=kept.number or 0, cause=said(CAUSES[cause])))
@@ -121,7 +121,7 @@ def _jog(campaign: Campaign) -> Jog | None:
     if asked is None or (readings and readings[-1].setup == asked.place.setup):
         return None
     setup, pose = campaign.description.setup(asked.place.setup), np.array(asked.place.pose)
-    if not INSTRUMENTS[setup.instrument].display or setup.base is not None:
+    if not instrument_of(setup).display or setup.base is not None:
         return None
     ways = (1.0 if x + _STEP <= axis.travel[1] else -1.0 for axis, x in zip(machine.axes, pose, strict=True))
     steps = np.array([0.0 if axis.rotary else _STEP * way for axis, way in zip(machine.axes, ways, strict=True)])

@@ -73,7 +73,7 @@ def _head_on_tripod(stand: MountedSetup, head: Array, way: Array) -> Iterator[Pa
     knee = head - 0.1 * s * way - rise
     for leg in (0.1 * s * way, -0.1 * s * way + 2 * side, -0.1 * s * way - 2 * side):
         yield Stroke(np.array([knee, (knee + leg) * [1, 1, 0] + up(foot)]), "stone", 2.2)
-    yield Caption(knee + 3 * rise, said(stand.setup.instrument))
+    yield Caption(knee + 3 * rise, said(stand.setup.title))
 
 
 def _square(middle: Array, half: float, way: Array) -> Stroke:
@@ -115,7 +115,7 @@ def _indicator(stand: MountedSetup) -> Iterator[Part]:
     """Yield a dial gauge against a block on the table."""
     yield from _block(stand)
     yield from _dial(stand, stand.tip)
-    yield Caption(stand.tip + 0.05 * stand.sizes.whole * _from_us(stand.direction), said(stand.setup.instrument))
+    yield Caption(stand.tip + 0.05 * stand.sizes.whole * _from_us(stand.direction), said(stand.setup.title))
 
 
 def _block(stand: MountedSetup) -> Iterator[Part]:
@@ -136,7 +136,7 @@ def _straightedge(stand: MountedSetup) -> Iterator[Part]:
         others = _read_along(stand, each)
         yield from _bar(stand, each, others - others[0] + ends[0])
     yield from _dial(stand, stand.tip)
-    name = owner_of(stand.setup) or said(stand.setup.instrument)
+    name = owner_of(stand.setup) or said(stand.setup.title)
     yield Caption(ends[0] + 0.06 * stand.sizes.whole * _from_us(stand.direction), name)
 
 
@@ -194,7 +194,7 @@ def _level(stand: MountedSetup) -> Iterator[Part]:
     top = foot + up(0.055 * s)
     yield Stroke(np.array([top - 0.4 * half, top + 0.4 * half]), "paper", 5.0)
     yield RoundMark(top, 0.006 * s, "read", 3.0)
-    yield Caption(top, said(stand.setup.instrument))
+    yield Caption(top, said(stand.setup.title))
 
 
 def _ballbar(stand: MountedSetup) -> Iterator[Part]:
@@ -204,7 +204,7 @@ def _ballbar(stand: MountedSetup) -> Iterator[Part]:
         yield stand.post(centre)
         yield Stroke(np.array([centre, tip]), "gold", 5.0)
         yield RoundMark(centre, 0.022 * s, "beam", 4.0)
-        yield Caption((centre + tip) / 2, said(stand.setup.instrument))
+        yield Caption((centre + tip) / 2, said(stand.setup.title))
     yield from _balls(stand)
     yield RoundMark(tip, 0.018 * s, "beam", 4.0)
 
@@ -236,7 +236,7 @@ def _nest(stand: MountedSetup) -> Iterator[Part]:
         foot = base + 0.08 * s * np.array([np.cos(turn), np.sin(turn), 0])
         yield Stroke(np.array([foot, tip + 0.02 * s * np.array([np.cos(turn), np.sin(turn), 0])]), "gold", 4.0)
     yield RoundMark(tip, 0.022 * s, "beam", 4.0)
-    yield Caption(base, said(stand.setup.instrument))
+    yield Caption(base, said(stand.setup.title))
 
 
 def _tracker(stand: MountedSetup) -> Iterator[Part]:
@@ -252,7 +252,7 @@ def _tracker(stand: MountedSetup) -> Iterator[Part]:
             yield cylinder(foot, at - up(0.03 * s), 0.03 * s, "stone")
         yield Stroke(np.array([at, tip]), "beam", 1.8)
         yield RoundMark(at, 0.035 * s, "gold", 6.0)
-        name = said(stand.setup.instrument)
+        name = said(stand.setup.title)
         yield Caption(at + up(0.04 * s), f"{name} {number + 1}" if len(stations) > 1 else name)
     yield RoundMark(tip, 0.018 * s, "beam", 4.0)
 
@@ -265,7 +265,13 @@ def _probe(stand: MountedSetup) -> Iterator[Part]:
     elif abs(along[2]) <= 0.7:
         yield from _block(stand)
     yield RoundMark(tip, 0.01 * s, "beam", 3.0)
-    yield Caption(tip, said(stand.setup.instrument))
+    yield Caption(tip, said(stand.setup.title))
+
+
+def own_drawing(stand: MountedSetup) -> Iterator[Part]:
+    """Yield what is known of an instrument that somebody wrote: it is at the tool point."""
+    yield RoundMark(stand.tip, 0.022 * stand.sizes.whole, "beam", 4.0)
+    yield Caption(stand.tip, said(stand.setup.title))
 
 
 DRAWN: Mapping[str, Callable[[MountedSetup], Iterator[Part]]] = {
@@ -282,7 +288,7 @@ DRAWN: Mapping[str, Callable[[MountedSetup], Iterator[Part]]] = {
     "tracker": _tracker,
     "tracer": _tracker,
 }
-"""What draws an instrument as its set-up stands, by its name; a test holds that it has all of them."""
+"""What draws an instrument of ours as its set-up stands, by its name; a test holds that it has all of them."""
 
 
 def reading_parts(stand: MountedSetup, tips: Array, approaches: Array, colour: str, size: float) -> Iterator[Part]:

@@ -17,7 +17,7 @@ from axiscal.numerics import Array
 from axiscal.present.drawing.scene import RIGHT, Arrow, Part, Stroke, Viewport, drawn
 from axiscal.present.drawing.strokes import text, wrapped
 from axiscal.present.drawing.svg_picture import SCREENS, Drawing, picture_file
-from axiscal.present.machine_drawing.instruments import DRAWN, MountedSetup, owner_of, reading_parts
+from axiscal.present.machine_drawing.instruments import DRAWN, MountedSetup, own_drawing, owner_of, reading_parts
 from axiscal.present.machine_drawing.machine_scene import box_corners, edges, machine_parts, reach_edges
 from axiscal.present.machine_drawing.standing_machine import Measures, StandingMachine, name_of, up
 
@@ -71,7 +71,12 @@ def setup_scene(
     owner = owner_of(setup)
     together = [each for each in campaign.setups if owner and each is not setup and owner_of(each) == owner]
     stand = MountedSetup(Measures(room), setup, _tips(room, [*own, *later]), together)
-    parts = [*machine_parts(room), *reach_edges(room), *_outlines(campaign, room), *DRAWN[setup.instrument](stand)]
+    parts = [
+        *machine_parts(room),
+        *reach_edges(room),
+        *_outlines(campaign, room),
+        *DRAWN.get(setup.instrument, own_drawing)(stand),
+    ]
     size = 3.0 if len(own) + len(later) < 10 else 2.2
     parts += reading_parts(stand, _tips(room, later), _sides(room, later), "soft", size)
     parts += reading_parts(stand, _tips(room, own), _sides(room, own), "read", size)

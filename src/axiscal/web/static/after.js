@@ -16,7 +16,12 @@ export function renderControls(state) {
     select.append(...[...state.tables, ...others].map((name) => Object.assign(element("option", name), { value: name })));
     select.value = state.tables.find((name) => name !== "csv") ?? "csv";
     choose();
+    sayWhen();
   }
+}
+
+async function sayWhen() {
+  text("due-day", (await waiting(call("/again"))).document.sentence);
 }
 
 function control() {
@@ -34,6 +39,15 @@ async function asked(path, body) {
   const { ok, document: answer } = await waiting(call(path, body));
   text("controls-fault", ok ? "" : answer.sentence);
   return ok ? answer : null;
+}
+
+// The window opens at the touch and gets its address later: Safari blocks one that opens after an answer.
+async function openReport(then) {
+  const report = window.open("about:blank");
+  if (report === null) { text("controls-fault", said("The browser opens no window: allow it for this page.")); return; }
+  report.opener = null;
+  report.addEventListener("load", () => then(report));
+  report.location.replace(await once("/report.html"));
 }
 
 // A refusal is a download that fails, and the page stays.
@@ -119,10 +133,7 @@ on("load-form", "submit", async () => {
   const done = await asked("/load", { control: control(), printer: find("printer").value.trim() });
   if (done !== null) text("controls-fault", done.sentence);
 });
-on("open-report", "click", async () => window.open(await once("/report.html"), "_blank", "noopener"));
-on("print", "click", async () => {
-  const report = window.open(await once("/report.html"));
-  report?.addEventListener("load", () => report.print());
-});
+on("open-report", "click", () => openReport(() => {}));
+on("print", "click", () => openReport((report) => report.print()));
 on("pdf", "click", () => save("/report.pdf"));
 on("download", "click", () => save(`/tables.zip?${new URLSearchParams({ control: control() })}`));

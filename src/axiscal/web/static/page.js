@@ -1,6 +1,8 @@
 // The dialogue: shows the newest state, sends what is typed, and says which state that answers.
 import { call, draw, element, find, hear, on, renderWords, show, text, waiting } from "/elements.js";
 import { renderControls } from "/after.js";
+import { deliver, enter, unanswered } from "/outbox.js";
+import "/shop.js";
 import { drawDirection, shown, strip, unitText } from "/pictures.js";
 import { said, translate } from "/words.js";
 
@@ -15,18 +17,21 @@ translate(document.body);
 
 // A step on the record, after those that are under way: what went wrong is said, and nothing that was typed is lost.
 function step(path, body) {
-  const answered = path === "/notes" ? body : { after: state.last, ...body };
-  turn = turn.then(() => sent(path, answered));
+  const own = enter(state.begun, path, path === "/notes" ? body : { after: state.last, ...body });
+  turn = turn.then(() => sent(own));
   return turn;
 }
 
-async function sent(path, body) {
-  try {
-    const done = await waiting(call(path, body));
-    if (done.ok) render(done.document.state);
-    return done;
-  } catch {
-    return { ok: false, document: { problem: "away", sentence: said("axiscal does not answer. Look at the last readings before you go on.") } };
+async function sent(own) {
+  const done = await waiting(deliver(own, (words) => hear(words, true)));
+  if (done.ok) render(done.document.state);
+  return done;
+}
+
+// What an earlier look at this campaign left without an answer.
+function resume() {
+  for (const own of unanswered(state.begun)) {
+    turn = turn.then(async () => { const { ok, document: done } = await sent(own); hear(done.sentence, !ok); });
   }
 }
 
@@ -62,12 +67,13 @@ function renderPlaces(question) {
 
 function expectWords(question) {
   const ranges = question.expected.map((e) => `${shown(e.mean)} ± ${shown(e.half)}`);
-  return `${said("expected")}: ${ranges.join(", ")} ${unitText(question.unit)}`;
+  if (new Set(question.units).size === 1) return `${said("expected")}: ${ranges.join(", ")} ${unitText(question.unit)}`;
+  return `${said("expected")}: ${ranges.map((range, n) => `${range} ${unitText(question.units[n])}`).join(", ")}`;
 }
 
 function drawStrips(values = [], surprising = false) {
   find("strips").replaceChildren();
-  state.question.expected.forEach((e, n) => strip(find("strips"), e, values[n], surprising, state.question.unit, state.question.names[n]));
+  state.question.expected.forEach((e, n) => strip(find("strips"), e, values[n], surprising, state.question.units[n], state.question.names[n]));
 }
 
 function renderQuestion() {
@@ -91,7 +97,7 @@ function renderQuestion() {
   text("again", [question.again, question.check].filter((words) => words !== "").join("; "));
   show("again", question.again + question.check !== "");
   drawDirection(find("drawing"), question);
-  text("unit", unitText(question.unit));
+  text("unit", question.names.map((name, n) => `${name} ${unitText(question.units[n])}`.trim()).join(", "));
   find("field").className = question.expected.length > 1 ? "several" : "";
   text("expect", expectWords(question));
   if (jogging) renderJog();
@@ -141,7 +147,7 @@ function renderKept() {
   find("latest").replaceChildren(...state.readings.map((r) => {
     const row = document.createElement("tr");
     const values = r.values.map((v) => shown(v, 2)).join("  ");
-    row.append(element("td", `${r.number}`), element("td", `${values} ${unitText(r.unit)}`), element("td", r.place.replaceAll("-", "−") + (r.doubted ? ` (${said("not relied on")})` : "")), element("td", clock(r.at)));
+    row.append(element("td", `${r.number}`), element("td", `${values} ${unitText(r.unit)}`), element("td", r.place.replaceAll("-", "−") + (r.doubted ? ` (${said("not relied on")})` : "") + (r.by && ` ${r.by}`)), element("td", clock(r.at)));
     return row;
   }));
   const last = state.readings[0];
@@ -157,6 +163,9 @@ let denied = "";
 function renderAsking() {
   show("asking", state.asks !== "" && state.asks !== denied);
   text("asks", state.asks);
+  const choices = Object.entries(state.choices);
+  find("choices").replaceChildren(...choices.map(([answer, words]) => choice(words, () => plain("/zeros", { answer }))));
+  text("was-not", choices.length > 1 ? said("I do not know") : said("No"));
 }
 
 function renderDue() {
@@ -231,9 +240,11 @@ function drawMachine() {
 async function follow() {
   for (;;) {
     try {
-      const newest = await call(`/state?seen=${state?.version ?? 0}&wait=20`);
-      if (newest.ok) { render(newest.document); }
+      const newest = await call(`/state?seen=${state?.version ?? 0}&wait=20`, undefined, 40000);
+      const first = state === null;
+      if (newest.ok) render(newest.document);
       else throw new Error(newest.document.sentence);
+      if (first) resume();
     } catch (failure) {
       show("trouble", true);
       text("trouble", failure instanceof TypeError ? said("axiscal does not answer. Start axiscal serve again and open the address it prints.") : failure.message);
@@ -267,9 +278,13 @@ async function recorded({ last, typed }, how) {
 }
 
 function causeButton(cause, words) {
+  return choice(words, async () => { await record({ cause }); home(); });
+}
+
+function choice(words, done) {
   const button = element("button", words);
   button.type = "button";
-  button.addEventListener("click", async () => { await record({ cause }); home(); });
+  button.addEventListener("click", done);
   return button;
 }
 
@@ -301,7 +316,7 @@ function home() {
 // What a text means to the program; null where it does not answer.
 async function understood(typed) {
   try {
-    const { ok, document: meant } = await call(`/typed?text=${encodeURIComponent(typed)}`);
+    const { ok, document: meant } = await call(`/typed?text=${encodeURIComponent(typed)}`, undefined, 5000);
     return ok ? meant : null;
   } catch {
     return null;
@@ -362,7 +377,6 @@ on("jog-anyway", "click", () => tryJog(true));
 on("accept", "click", () => plain("/accepts"));
 on("to-start", "click", async () => { if ((await call("/leave", {})).ok) location.assign("/"); });
 on("anew", "click", () => plain("/zeros"));
-on("was-anew", "click", () => plain("/zeros", { asked: true }));
 on("was-not", "click", () => { denied = state.asks; renderAsking(); home(); });
 on("undo", "click", () => plain("/undo"));
 on("skip", "click", () => asksForReason(true));

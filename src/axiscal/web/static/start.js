@@ -36,12 +36,13 @@ async function asked(path, body) {
   }
 }
 
-// Choices are shown at once and sent one after another, so that the last one is kept.
+// Choices are shown at once, and the last one is sent as soon as the one before has arrived.
 function choose(change) {
   draft = { ...draft, ...change };
   const chosen = draft;
   render();
   turn = turn.then(async () => {
+    if (chosen !== draft) return;
     const made = await asked("/draft", chosen);
     if (made === null || chosen !== draft) return;
     machine = made;
@@ -52,10 +53,17 @@ function choose(change) {
   return turn;
 }
 
-async function go(screen) {
-  const kept = choose({ screen });
+// The browser's history has an entry for each screen up to this one: its Back and ours go one screen back.
+function go(screen) {
+  const at = SCREENS.indexOf(history.state.screen), to = SCREENS.indexOf(screen);
+  for (const next of SCREENS.slice(at + 1, to + 1)) history.pushState({ screen: next }, "", "/");
+  if (to < at) history.go(to - at);
+  else enter(screen);
+}
+
+function enter(screen) {
+  choose({ screen });
   find(`${screen}-title`).focus();
-  await kept;
 }
 
 function render() {
@@ -349,7 +357,8 @@ on("minutes", "input", sayBought);
 on("minutes", "change", () => choose({ budget: `${find("minutes").value} min` }));
 for (const button of find("sizes").children) button.addEventListener("click", () => choose({ size: button.dataset.size }));
 for (const step of find("path").querySelectorAll("button")) step.addEventListener("click", () => go(step.dataset.screen));
-for (const back of document.querySelectorAll(".back")) back.addEventListener("click", () => go(SCREENS[SCREENS.indexOf(draft.screen) - 1]));
+for (const back of document.querySelectorAll(".back")) back.addEventListener("click", () => history.back());
+addEventListener("popstate", (event) => { if (event.state?.screen && draft !== null) enter(event.state.screen); });
 find("target").addEventListener("input", () => choose({ target: find("target").value }));
 find("compensated").addEventListener("change", () => choose({ compensated: find("compensated").value }));
 addEventListener("resize", () => { if (machine !== null) drawMachine(); });
@@ -357,6 +366,10 @@ addEventListener("resize", () => { if (machine !== null) drawMachine(); });
 start = await asked("/start");
 if (start !== null) {
   ({ draft, machine } = start);
+  if (history.state?.screen !== draft.screen) {
+    history.replaceState({ screen: SCREENS[0] }, "", "/");
+    for (const next of SCREENS.slice(1, SCREENS.indexOf(draft.screen) + 1)) history.pushState({ screen: next }, "", "/");
+  }
   find("kinds").replaceChildren(...Object.entries(start.machines).map(([name, words]) => {
     const button = choice("", false, () => chooseMachine(name)), picture = Object.assign(document.createElement("img"), { width: 220, height: 209 });
     button.dataset.machine = name;

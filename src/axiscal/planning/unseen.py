@@ -12,8 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.errors.gauge import EITHER, Hidden, unseen_factor
+from axiscal.errors.gauge import EITHER, Hidden, hidden, unseen_factor
 from axiscal.estimation.accuracy.yardstick import Yardstick
+from axiscal.estimation.case import Case
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.observation import Observation
@@ -26,6 +27,13 @@ _SAID = 0.3
 """Share of what cannot be seen from which it is said by itself."""
 _LEAST = 1e-8
 """m; less is rounding."""
+
+
+def hidden_of(case: Case) -> tuple[Hidden, ...]:
+    """Return the errors that the allowed readings cannot see, in words."""
+    tool = tool_doubt(case.observation, case.yardstick, case.prior.factor, case.allowed_rows()[0])
+    whole = seen_as_one(case.yardstick)
+    return (*tool, *whole, *hidden(case.errors, case.yardstick.unseen, case.yardstick.moments))
 
 
 def seen_as_one(yardstick: Yardstick) -> Iterator[Hidden]:

@@ -7,9 +7,11 @@
 #ifndef AXISCAL_VCOMP_CORE_H
 #define AXISCAL_VCOMP_CORE_H
 
+#ifndef VC_AXES /* a controller of little memory says how many its table has */
 #define VC_AXES 6
-#define VC_JOINTS 9
 #define VC_KNOTS 96
+#endif
+#define VC_JOINTS 9
 #define VC_CURVES 12
 #define VC_LEAST_DET 0.2
 #define VC_FADE_MM 5.0

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from axiscal.errors.gauge import MANY_READINGS, Hidden, unseen_factor
-from axiscal.estimation.accuracy.unseen import tool_doubt
 from axiscal.estimation.case import Case
 from axiscal.language.spoken import speaking
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
+from axiscal.planning.unseen import hidden_of, tool_doubt
 from benchmarks.trust.benches import case_of
 
 TOOL = {"tool_x", "tool_y", "tool_z"}
@@ -25,7 +25,7 @@ def five_axes(tool: str) -> Case:
 
 def told(case: Case, rows: Array | None = None, observation: Observation | None = None) -> list[Hidden]:
     """Return what is said of the tool of a case.  rows : readings over their noise, all that are allowed without"""
-    seen = case._allowed_rows()[0] if rows is None else rows
+    seen = case.allowed_rows()[0] if rows is None else rows
     return list(tool_doubt(observation or case.observation, case.yardstick, case.prior.factor, seen))
 
 
@@ -46,13 +46,13 @@ def unseen(case: Case, rows: Array, tool_known: bool) -> float:
 
 def test_it_hides_what_an_exactly_known_tool_would_show() -> None:
     case = five_axes("100 um")
-    rows = case._allowed_rows()[0]
+    rows = case.allowed_rows()[0]
     (found,) = told(case)
     whole, left = (unseen(case, rows, known) for known in (False, True))
     assert case.yardstick.unseen_rms == pytest.approx(whole, rel=0.01)
     assert found.effect == pytest.approx(np.sqrt(whole**2 - left**2), rel=0.01)
     assert f"{found.effect * 1e6:.2g} um of the {case.yardstick.unseen_rms * 1e6:.2g} um" in found.text
-    assert found in case.hidden
+    assert found in hidden_of(case)
 
 
 def test_it_is_said_from_a_tenth_of_the_variance_on() -> None:
@@ -60,7 +60,7 @@ def test_it_is_said_from_a_tenth_of_the_variance_on() -> None:
     shares = []
     for tool in ("0.7 um", "1 um", "1.5 um", "3 um", "4 um"):
         case = five_axes(tool)
-        rows = case._allowed_rows()[0]
+        rows = case.allowed_rows()[0]
         whole, left = (unseen(case, rows, known) for known in (False, True))
         share = 1 - left**2 / whole**2
         shares.append(share)

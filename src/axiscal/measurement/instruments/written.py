@@ -1,0 +1,185 @@
+"""Instruments that somebody wrote: a class derived from `axiscal_core.Instrument` is a kind like ours.
+
+A campaign names it as `file.py:Class`, the file beside campaign.toml, or by the name that an installed package gave it.
+Numbers that are not equally noisy are multiplied by σ₁/σᵢ within estimates and plans, so that one noise is that of all.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any
+from zlib import crc32
+
+import numpy as np
+
+from axiscal.document.ports import one_of
+from axiscal.document.quoting import shown
+from axiscal.exceptions import AxiscalError, DescriptionError
+from axiscal.language.spoken import put
+from axiscal.machine.description import Machine
+from axiscal.measurement.instruments.kind import Instrument, Kind, Reads
+from axiscal.measurement.setup import Setup, Unknown
+from axiscal.numerics import Array
+from axiscal.units import dimension_of
+from axiscal_core import refusals
+from axiscal_core.instrument import At, Unknowns, numbers, own_slopes, refuse_what_is_not_analytic
+from axiscal_core.instrument import Instrument as Seeing
+from axiscal_core.points import even_points
+from axiscal_core.units import Quantity, si
+
+PORTS = "axiscal.instruments"
+"""Group of the entry points by which packages bring instruments."""
+_TRIED = 20
+"""Poses at which a class is tried when a set-up names it: of time."""
+_ROUNDING = 1e-9
+"""Of derivatives, which are m/m or m/rad."""
+_NAME = re.compile(r"(?!(?:reading|setup|approach|time|check|std|used|surprise)$)[a-z]\w*", re.ASCII)
+"""Of a number: a column of its own in a file of readings."""
+
+
+class Foreign(Kind):
+    """What a class of somebody's sees.  made : the class; units : of each number; where : file and line that name it"""
+
+    made: type[Seeing] = Seeing
+    units: tuple[Reads, ...] = ()
+    where: tuple[Path, int | None]
+    directed = False
+
+    def __init__(self, setup: Setup, machine: Machine) -> None:
+        super().__init__(setup, machine)
+        with _placed(*self.where):
+            self._seeing = self.made(setup.name, [machine.axes[k].name for k in setup.moves])
+
+    def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
+        """Return what the class does, each number by its scale."""
+        with _placed(*self.where):
+            shown = numbers(self._seeing, at, u)
+        return [*(shown * np.array(self.scales)).T] if self.scales else [*shown.T]
+
+    @classmethod
+    def check_setup(cls, setup: Setup, machine: Machine) -> None:
+        """Raise DescriptionError where the class fails at a pose of the set-up, or is not analytic there."""
+        kind = cls(setup, machine)
+        with _placed(*cls.where):
+            refuse_what_is_not_analytic(kind._seeing, kind._tried())
+
+    def _tried(self) -> At:
+        """Return places that are spread over what the set-up moves."""
+        poses = np.tile(np.array(self.setup.park), (_TRIED, 1))
+        for k, share in zip(self.setup.moves, even_points(_TRIED, len(self.setup.moves)).T, strict=True):
+            low, high = self.machine.axes[k].travel
+            poses[:, k] = low + (high - low) * share
+        return self.places(poses, np.ones_like(poses))
+
+    @classmethod
+    def curved_in(cls, setup: Setup, machine: Machine) -> tuple[str, ...]:
+        """Return the unknowns on whose size the derivatives by any of them depend."""
+        kind, own = cls(setup, machine), [unknown.name for unknown in setup.unknowns]
+        at, nothing = kind._tried(), dict.fromkeys(cls.unknown_reads, 0.0)
+        slopes = [own_slopes(kind, at, {**nothing, each.name: each.std}, own) for each in setup.unknowns]
+        still = own_slopes(kind, at, nothing, own)
+        moved = (float(np.abs(each - still).max(initial=0.0)) for each in slopes)
+        return tuple(name for name, change in zip(own, moved, strict=True) if change > _ROUNDING)
+
+    @classmethod
+    def reads_each(cls, setup: Setup) -> tuple[Reads, ...]:
+        """Return what each number is."""
+        return cls.units
+
+    @classmethod
+    def column(cls, name: str) -> str:
+        """Return the number's own name."""
+        return name
+
+
+def named(text: str, file: Path, line: int | None) -> Instrument | None:
+    """Return the instrument that a campaign calls so, None where nobody brings one; raises DescriptionError, PortError.
+
+    file, line : where it is named
+    """
+    module, _, name = text.rpartition(":")
+    found = one_of(PORTS, text) if not module else getattr(_module(file.parent / module), name, None)
+    if found is None and not module:
+        return None
+    if not (isinstance(found, type) and issubclass(found, Seeing)):
+        what = "{name} is no class that is derived from axiscal_core.Instrument"
+        raise DescriptionError(what, "Name it as in file.py:Class, the file beside this one", name=shown(text))
+    with _placed(None, None):
+        return _figures(text, found, (file, line))
+
+
+def _module(path: Path) -> Any:
+    """Return a file of Python, run once for what it says; raises DescriptionError."""
+    try:
+        own = f"axiscal_written_{crc32(str(path.absolute()).encode() + path.read_bytes()):08x}"
+        if own not in sys.modules:
+            spec = spec_from_file_location(own, path)
+            if spec is None or spec.loader is None:
+                raise ImportError("it is no file .py")
+            module = module_from_spec(spec)
+            spec.loader.exec_module(module)
+            sys.modules[own] = module
+        return sys.modules[own]
+    except Exception as fault:
+        what = "the instrument {module} cannot be loaded ({kind}: {fault})"
+        remedy = "Put the file there, or repair it"
+        raise DescriptionError(what, remedy, module=path, kind=type(fault).__name__, fault=fault) from fault
+
+
+@contextmanager
+def _placed(file: Path | None, line: int | None) -> Iterator[None]:
+    """Raise whatever a class does wrong as a DescriptionError at the place that names it."""
+    try:
+        yield
+    except AxiscalError:
+        raise
+    except refusals.InputError as fault:
+        what, _, remedy = str(fault).rstrip(".").rpartition(". ")
+        raise DescriptionError(put("{what}", what=what), put("{remedy}", remedy=remedy), file, line) from fault
+    except Exception as fault:
+        what = "the instrument cannot be mounted ({kind}: {fault})"
+        remedy = "Let its class be made of a name and the axes that move"
+        raise DescriptionError(what, remedy, file, line, kind=type(fault).__name__, fault=fault) from fault
+
+
+def _figures(text: str, made: type[Seeing], where: tuple[Path, int | None]) -> Instrument:
+    """Return a class with its figures."""
+    one = made(text, [])
+    names, sigma = tuple(one.names), one.sigma
+    wrong = [name for name in names if not _NAME.fullmatch(name)] or [n for n in names if names.count(n) > 1]
+    if wrong:
+        raise refusals.InputError(made.__name__, "names", f"hold {wrong[0]!r}", "Give each a word of its own")
+    units = tuple[Reads, ...]("angle" if unit == "rad" else "length" for unit in one.units)
+    alike = len(set(units)) == 1 and bool(np.all(sigma == sigma[0]))
+    if one.wander and not alike:
+        raise refusals.InputError(made.__name__, "drift", "is one for unlike numbers", "Leave it out")
+    unknowns = {name: _reads(size, units[0]) for name, size in {**one.unknowns, **one.type_b}.items()}
+    own = {"made": made, "numbers": names, "reads": units[0], "units": units, "where": where}
+    own |= {"scales": () if alike else tuple((sigma[0] / sigma).tolist()), "unknown_reads": unknowns}
+    return Instrument(
+        name=text,
+        model=type(made.__name__, (Foreign,), own),
+        noise=float(sigma[0]),
+        unknowns=tuple(Unknown(name, std) for name, std in one.own.items()),
+        setup_time=one.begins,
+        settle=0.0,
+        reading_time=one.costs,
+        wanders=(one.wander, one.wander),
+        park=tuple((axis, si(place, made.__name__, "park")) for axis, place in one.park.items()),
+        approach=one.approach,
+        type_b=tuple((name, std, _unit(one.type_b[name], units[0])) for name, std in one.considered.items()),
+    )
+
+
+def _unit(size: Quantity, reads: Reads) -> str:
+    """Return the unit that a quantity is written in; of a bare number that of what is read."""
+    return size.split()[-1] if isinstance(size, str) else {"length": "um", "angle": "urad"}[reads]
+
+
+def _reads(size: Quantity, reads: Reads) -> Reads:
+    return "angle" if dimension_of(_unit(size, reads)) == "angle" else "length"

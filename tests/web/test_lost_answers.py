@@ -1,0 +1,160 @@
+"""A network that fails, and a server that is killed, lose and double nothing: what is sent twice counts once."""
+
+from __future__ import annotations
+
+import contextlib
+import http.client
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from uuid import uuid4
+
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from tests.web.browser import Browser, Page
+from tests.web.served import PATIENCE, Served, served, started
+from tests.web.test_page import arrived, stand, type_reading
+
+KILLED = """
+import os, signal, sys
+from axiscal.web.desk import Desk
+once = Desk.once
+def killed(desk, step):
+    {before}
+    os.kill(os.getpid(), signal.SIGKILL)
+Desk.once = killed
+from axiscal.cli import main
+sys.argv = ["axiscal", "serve", *sys.argv[1:]]
+raise SystemExit(main())
+"""
+"""`axiscal serve` that is killed at a step, before its answer goes out."""
+MOMENTS = {"it is done": "once(desk, step)", "it is begun": "pass"}
+
+
+@contextmanager
+def killed_at_a_step(record: Path, before: str, *options: str) -> Iterator[Served]:
+    """Serve a record until the first step kills the server."""
+    call = [sys.executable, "-c", KILLED.format(before=before), str(record), *options]
+    english = {**os.environ, "AXISCAL_LANGUAGE": "en"}
+    process = subprocess.Popen(call, stdout=subprocess.PIPE, text=True, start_new_session=True, env=english)
+    assert process.stdout is not None
+    try:
+        yield Served(process.stdout.readline().split()[1], record, process.pid)
+        assert process.wait(timeout=PATIENCE) == -signal.SIGKILL
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def kept(record: Path) -> list[float]:
+    """Return the readings on the disk, um."""
+    with Campaign.open(record, write=False) as campaign:
+        return [round(reading.value * 1e6, 6) for reading in campaign.state.readings]
+
+
+def free_port() -> int:
+    """Return a port that nobody uses."""
+    with socket.socket() as any_free:
+        any_free.bind(("127.0.0.1", 0))
+        return int(any_free.getsockname()[1])
+
+
+@pytest.mark.parametrize("moment", MOMENTS)
+def test_an_answer_that_is_lost_with_the_server_is_sent_again_and_counts_once(tmp_path: Path, moment: str) -> None:
+    record, reading = started(tmp_path), {"text": "-1.7", "step": str(uuid4())}
+    with killed_at_a_step(record, MOMENTS[moment]) as page, contextlib.suppress(OSError, http.client.HTTPException):
+        last = page.state()["last"]
+        page.call("readings", after=last, **reading)
+    assert kept(record) == ([-1.7] if moment == "it is done" else [])
+    with served(record) as page:
+        for _ in range(3):
+            assert page.call("readings", after=last, **reading).status == 200
+        assert page.call("readings", after=last, text="-1.7", step=str(uuid4())).status == 409
+    assert kept(record) == [-1.7]
+
+
+def test_each_step_counts_once_and_a_refused_one_may_come_again(tmp_path: Path) -> None:
+    record = started(tmp_path)
+    with served(record) as page:
+        first, own = page.state()["last"], str(uuid4())
+        assert page.call("readings", after=first, text="-1.7").status == 200
+        assert page.call("readings", after=first, text="0.5", step=own).status == 409
+        assert page.call("readings", after=page.state()["last"], text="0.5", step=own).status == 200
+        forged = {"text": f'"step":"{(skip := str(uuid4()))}"'}
+        for path, body in (("notes", forged), ("skips", {"reason": "blocked"}), ("undo", {})):
+            body = {"step": skip if path == "skips" else str(uuid4()), "after": page.state()["last"], **body}
+            if path == "notes":
+                del body["after"]
+            before = page.state()["last"]
+            assert page.call(path, **body).status == 200
+            assert (once := page.state()["last"]) > before
+            repeated = page.call(path, **body)
+            assert (repeated.status, repeated.document["sentence"]) == (200, "That is kept already.")
+            assert page.state()["last"] == once
+        assert page.call("undo", after=0, step="no id").status == 422
+    assert kept(record) == [-1.7, 0.5]
+
+
+def outbox(page: Page) -> object:
+    """Return what the browser still has to send."""
+    return page.value("localStorage.getItem('axiscal steps')")
+
+
+@pytest.mark.long
+@pytest.mark.chromium
+@pytest.mark.parametrize("moment", MOMENTS)
+def test_the_page_sends_what_the_killed_server_did_not_answer(browser: Browser, tmp_path: Path, moment: str) -> None:
+    record, port = started(tmp_path), str(free_port())
+    with served(record, "--port", port) as first:
+        page = browser.page(768, 1024)
+        arrived(page, first)
+        stand(page)
+        type_reading(page, "-1.7")
+    with killed_at_a_step(record, MOMENTS[moment], "--port", port) as second:
+        page.open(second.address)
+        page.until("document.activeElement.id === 'field'")
+        page.type("0.5")
+        page.press("Enter")
+    page.until("document.getElementById('heard').textContent.startsWith('No answer yet')")
+    assert re.findall('"text":"([^"]*)"', str(outbox(page))) == ["0.5"]
+    with served(record, "--port", port) as third:
+        page.open(third.address)
+        page.until("document.getElementById('count').textContent === '3 of 4'")
+        page.until("localStorage.getItem('axiscal steps') === '[]'")
+        type_reading(page, "0.4")
+    assert kept(record) == [-1.7, 0.5, 0.4]
+
+
+@pytest.mark.long
+@pytest.mark.chromium
+def test_a_minute_without_network_keeps_what_is_typed(browser: Browser, tmp_path: Path) -> None:
+    record = started(tmp_path)
+    with served(record) as server:
+        page = browser.page(768, 1024)
+        arrived(page, server)
+        stand(page)
+        page.until("document.activeElement.id === 'field'")
+        os.kill(server.process, signal.SIGSTOP)  # it takes in what is sent, and answers later
+        page.type("-1.7")
+        page.press("Enter")
+        page.until("localStorage.getItem('axiscal steps').includes('-1.7')")
+        os.kill(server.process, signal.SIGCONT)
+        page.until("document.getElementById('count').textContent === '2 of 4'")
+        page.call("Network.enable")
+        gone = {"latency": 0, "downloadThroughput": -1, "uploadThroughput": -1}
+        page.call("Network.emulateNetworkConditions", offline=True, **gone)
+        page.type("0.5")
+        page.press("Enter")
+        page.until("document.getElementById('heard').textContent.startsWith('No answer yet')")
+        assert kept(record) == [-1.7]
+        page.call("Network.emulateNetworkConditions", offline=False, **gone)
+        page.until("document.getElementById('count').textContent === '3 of 4'")
+        page.until("localStorage.getItem('axiscal steps') === '[]'")
+    assert kept(record) == [-1.7, 0.5]
