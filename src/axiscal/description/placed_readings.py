@@ -23,7 +23,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.candidates import arrivals_of
 from axiscal.measurement.charts.kinds import Circle, Held
 from axiscal.measurement.charts.room import Chart
-from axiscal.measurement.instrument import LENGTH, values_of
+from axiscal.measurement.instrument import instrument_of, values_of
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.readers.csv_table import parse_table, read_approach, read_position
 from axiscal.measurement.readers.text_file import read_text
@@ -184,7 +184,7 @@ def _ends_of(row: RawReading, campaign: CampaignDescription) -> tuple[Reading, R
     Raises ReadingError where its set-up has no two places.
     """
     setup = campaign.setup(row.setup)
-    if setup.chart is None or setup.instrument != LENGTH:
+    if setup.chart is None or instrument_of(setup).site != "length":
         what = 'a length lies between two places, and "{setup}" names none'
         raise ReadingError(what, 'Give its deviation as value_um, or write instrument = "gauge"', setup=setup.name)
     long = setup.chart.coordinates[0].high

@@ -17,7 +17,7 @@ from axiscal.description.sights import (
     seen,
     stations_of,
 )
-from axiscal.description.sites import RETRACT, STROKE, TOUCHING, Site, SiteReader, Surroundings, evened
+from axiscal.description.sites import RETRACT, STROKE, Site, SiteReader, Surroundings, evened
 from axiscal.description.stated_type_b import dense, drift_of, material_of
 from axiscal.document import Document, meant, shown
 from axiscal.exceptions import DescriptionError, Faults
@@ -80,7 +80,7 @@ def each_alone(table: SetupTable) -> list[SetupTable]:
 
 def _refuse_lengths(table: SetupTable, at: At) -> None:
     """Raise DescriptionError for lengths of another instrument, and for a gauge that has none or something beside."""
-    gauge, beside = table.instrument.name == LENGTH, ("direction", "moves", "along", "raster", "approach")
+    gauge, beside = table.instrument.site == "length", ("direction", "moves", "along", "raster", "approach")
     remedy = (
         'Write lengths = {{ low = [["0 mm", "0 mm", "0 mm"], ["100 mm", "0 mm", "0 mm"]] }}, in the workpiece frame'
     )
@@ -101,9 +101,10 @@ def _refuse_lengths(table: SetupTable, at: At) -> None:
 
 def _refuse_choice(table: SetupTable, places: Sequence[Vector], at: At) -> None:
     """Raise DescriptionError where a plan may choose from places that are none."""
-    stand = ("tracker", "tracer", "ballbar") if table.artefact is None else (*TOUCHING, "ballbar")
+    kind = table.instrument
+    stands = kind.site == "bar" or (kind.site == "sight" if table.artefact is None else kind.contact != "free")
     with at("choose_from"):
-        if table.instrument.name not in stand:
+        if not stands:
             what = "a {instrument} stands at no place that could be chosen"
             raise DescriptionError(what, "Write a set-up for each way to mount it", instrument=table.instrument.name)
         if any(each is not None for each in (table.station, table.stations, table.at)):

@@ -22,6 +22,7 @@ from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates, chart_places
 from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Circle, Held, Sight
 from axiscal.measurement.charts.room import Chart, Coordinate, Room
+from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.instruments.kind import Instrument
 from axiscal.measurement.setup import Setup, Vector
@@ -185,8 +186,6 @@ def _longest(taken: NDArray[np.bool_]) -> tuple[int, int]:
     return int(starts[best]), int(stops[best] - starts[best])
 
 
-_ONE_LINE = ("interferometer", "autocollimator")
-_LOOKING = ("tracker", "tracer")
 _KEYS = ("range", "sight", "faces")
 _CONE = math.radians(60.0)
 """A corner cube is seen within so much of its axis, as makers state for theirs."""
@@ -195,7 +194,7 @@ _CONE = math.radians(60.0)
 def refuse_no_sight(table: SetupTable, at: At) -> None:
     """Raise DescriptionError for keys of what is seen in a set-up whose instrument does not look."""
     for key in _KEYS:
-        if key in table.model_fields_set and table.instrument.name not in _LOOKING:
+        if key in table.model_fields_set and table.instrument.site != "sight":
             with at(key):
                 raise DescriptionError("{key} belongs to a tracker or tracer", "Take {key} out", key=key)
 
@@ -209,7 +208,7 @@ def refuse_stray_keys(table: SetupTable, at: At) -> None:
             with at(second):
                 what = "{first} and {second} exclude one another"
                 raise DescriptionError(what, "Give one of them", first=first, second=second)
-    if table.touches and (table.instrument.name != "sphere" or table.sides == "mean"):
+    if table.touches and (not table.instrument.all_round or table.sides == "mean"):
         what = "three touches are those of a sphere, and meet no side and its opposite: there is no mean of both"
         with at("touches"):
             raise DescriptionError(what, "Take sides out, or touches")
@@ -219,7 +218,7 @@ def refuse_stray_keys(table: SetupTable, at: At) -> None:
                 remedy = 'Give artefact = "board", too'
                 raise DescriptionError("{key} belongs to an artefact, and the set-up has none", remedy, key=key)
     for key in ("plane", "arc", "turning", "stroke"):
-        if key in table.model_fields_set and table.length is None and table.instrument.name != "rtest":
+        if key in table.model_fields_set and table.length is None and table.instrument.contact != "held":
             with at(key):
                 remedy = "Give its length, too"
                 raise DescriptionError("{key} belongs to a bar, and the set-up has none", remedy, key=key)
@@ -312,12 +311,10 @@ def lack_of(setup: Setup, machine: Machine, reached: Collection[str], chosen: bo
     """
     moving = [machine.axes[k].name for k in setup.moves]
     everywhere = all(name in reached for name in moving)
-    enough = len(moving) == 1 or (setup.instrument not in _ONE_LINE and (chosen or everywhere))
-    if setup.instrument in ("rtest", "sphere", "ballbar"):
-        enough = False
-    elif setup.instrument in ("straightedge", "probe"):
-        enough = everywhere
-    if enough or setup.chart is not None or setup.instrument in _LOOKING:
+    site = instrument_of(setup).site
+    enough = len(moving) == 1 or (site != "line" and (chosen or everywhere))
+    enough = everywhere if site == "reach" else enough and site not in ("ball", "bar")
+    if enough or setup.chart is not None or site == "sight":
         return None
     what = said(
         'it is not said where the {instrument} of "{setup}" reads', instrument=setup.instrument, setup=setup.name

@@ -21,7 +21,6 @@ from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, turns
-from axiscal.measurement.instrument import LENGTH
 from axiscal.measurement.instruments.distance import RADIUS
 from axiscal.measurement.observation import unknowns_at
 from axiscal.measurement.setup import Contact, Unknown, Vector
@@ -30,7 +29,6 @@ from axiscal.numerics import Array
 from axiscal.units import format_quantity
 from axiscal_core.instrument import TOOL
 
-TOUCHING = ("rtest", "sphere", "probe")
 OPEN_LENGTH = 1e-3
 OPEN_RADIUS = 1e-4
 """m, std of the radius at which a stylus meets a sphere, where nobody measured it: that of a tool, see Setup."""
@@ -81,7 +79,7 @@ class Site:
 
 def evened(table: SetupTable) -> bool:
     """Return whether readings are the mean of coming from both sides: spheres touched all round are unless said."""
-    all_round = table.instrument.name == "sphere" and table.touches is None
+    all_round = table.instrument.all_round and table.touches is None
     return table.sides == "mean" or (table.sides is None and all_round)
 
 
@@ -102,9 +100,9 @@ class SiteReader:
         refuse_stray_keys(self._table, self._at)
         if self._table.along is not None:
             return self._line(self._table.along)
-        if self._table.instrument.name == "ballbar":
+        if self._table.instrument.site == "bar":
             return self._anywhere() if self._table.length is None else self._bar(self._table.length)
-        if self._table.instrument.name in TOUCHING and self._table.artefact is not None:
+        if self._table.instrument.contact != "free" and self._table.artefact is not None:
             return self._held()
         return self._anywhere()
 
@@ -120,7 +118,8 @@ class SiteReader:
 
     def _line(self, ends: tuple[Vector, Vector]) -> Site:
         step, park = self._table.raster.get("along", 0.0), self._park()
-        overrun = 0.0 if self._table.instrument.name == LENGTH else self._overrun()  # nobody says how its ends are met
+        # of a length nobody says how its ends are met
+        overrun = 0.0 if self._table.instrument.site == "length" else self._overrun()
         line = Line.between_ends(self._room(None), np.array(ends), park, step, overrun)
         poses = line.poses(np.array([[0.0], [line.coordinates[0].high]]))
         for end, there in enumerate(line.feasible(poses)):
@@ -238,7 +237,7 @@ class SiteReader:
         self._refuse_one_place(turning, steps)
         coordinates = turns(self._machine, turning, steps)
         park, free, at = self._park(turning), np.array(artefact.free), artefact.points
-        contact: Contact = "held" if self._table.instrument.name == "rtest" else "retracted"
+        contact = self._table.instrument.contact
         back = 0.0 if contact == "held" else self._table.retract or RETRACT
         touching = back, self._coming(), self._touching(artefact)
         each = tuple(
@@ -257,7 +256,7 @@ class SiteReader:
 
     def _touching(self, artefact: Artefact) -> Callable[[Array], Array] | None:
         """Return where the axes go to touch a ball from all sides; None where they do not, or a size is not known."""
-        all_round, size = self._table.instrument.name == "sphere" and self._table.touches is None, artefact.diameter
+        all_round, size = self._table.instrument.all_round and self._table.touches is None, artefact.diameter
         if not all_round or size is None or self._machine.stylus <= 0:
             return None
         return partial(gone_to, self._machine, Cycle((size + self._machine.stylus) / 2))

@@ -12,14 +12,14 @@ import numpy as np
 from axiscal.description.campaign_schema import CampaignTable, SetupTable
 from axiscal.description.fields import At
 from axiscal.description.sites import Site
-from axiscal.description.type_b import TEMPERATURE, WITH_LIGHT
+from axiscal.description.type_b import TEMPERATURE
 from axiscal.document import Document
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine import Machine
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.artefact import Artefact
-from axiscal.measurement.instrument import LENGTH, instrument_of, model_of
+from axiscal.measurement.instrument import instrument_of, model_of
 from axiscal.measurement.instruments.kind import CARRIED, TRUED, Instrument
 from axiscal.measurement.setup import STEEL, SaidOfDrift, Setup, Unknown, Vector
 from axiscal.units import format_quantity
@@ -98,7 +98,7 @@ def refers_to_20(table: CampaignTable, artefacts: Mapping[str, Artefact], docume
 
 def _against_length(setup: SetupTable, artefacts: Mapping[str, Artefact]) -> bool:
     artefact = artefacts.get(setup.artefact or "")
-    return setup.instrument.name in (*WITH_LIGHT, LENGTH) or (artefact is not None and artefact.calibrated is not None)
+    return setup.instrument.against_length or (artefact is not None and artefact.calibrated is not None)
 
 
 def material_of(
@@ -123,7 +123,7 @@ def material_of(
 def _grows(usual: Instrument, machine: Machine, direction: Vector, moves: Sequence[int], park: Sequence[float]) -> bool:
     """Return whether an instrument reads how far a machine expands: it follows the tool, or reads along what moves."""
     if not usual.model.directed:
-        return usual.name in WITH_LIGHT
+        return usual.light
     linear = [
         (machine.axes[k].direction, in_frame(machine, k, np.array(park))) for k in moves if not machine.axes[k].rotary
     ]

@@ -13,8 +13,9 @@ from typing import Literal
 
 import numpy as np
 
-from axiscal.measurement.instrument import LENGTH
+from axiscal.measurement.instrument import LENGTH, instrument_of
 from axiscal.measurement.instruments.displacement import SQUARE
+from axiscal.measurement.instruments.distance import Distance
 from axiscal.measurement.instruments.kind import Instrument, Kind
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import touch_frames
@@ -114,7 +115,7 @@ def _distant(read: Read, size: float) -> Array:
 
 
 def _by_light(read: Read, size: float) -> Array:
-    return _distant(read, size) if read.kind.setup.instrument == "tracer" else _scaled(read, size)
+    return _distant(read, size) if isinstance(read.kind, Distance) else _scaled(read, size)
 
 
 def _constant(read: Read, size: float) -> Array:
@@ -151,9 +152,7 @@ def _bowed(read: Read, size: float) -> Array:
 
 def _against_length(setup: Setup) -> bool:
     """Whether a set-up compares positions with a length: a wavelength, or balls that are calibrated."""
-    return setup.instrument in (*WITH_LIGHT, LENGTH) or (
-        setup.artefact is not None and setup.artefact.calibrated is not None
-    )
+    return instrument_of(setup).against_length or (setup.artefact is not None and setup.artefact.calibrated is not None)
 
 
 def _warm(setup: Setup, cause: str, measured: bool | None = None) -> bool:

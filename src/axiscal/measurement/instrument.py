@@ -25,6 +25,7 @@ _CUP, _TRACED, _THREE = _open(SHIFTS, 1e-4), _open(SHIFTS, 5e-3), _open(ZEROS, 1
 """Open: a cup is set to a tenth of a millimetre, a tracer stands within five; zeros are known before to one."""
 _LASER, _GAUGE, _INCLINED = ((5e-6 / 3600, 3e-6 / 3600), (10e-6 / 3600, 3e-6 / 3600), (2e-6 / 3600, 2e-6 / 3600))
 """Drifts by the hour, as a rule and where all is warm: see the sources and assumptions below."""
+_TRACKED = *_THREE, *_open(TURNS, 1e-3)
 _ZERO = Unknown("zero", 1e-3)
 _LOOSE = Unknown("zero", 1e-2)
 """Of a length: where it lies says nothing, and no printer is off by a centimetre."""
@@ -33,25 +34,21 @@ _SLOPE = Unknown("slope", 1e-3)
 LENGTH = "gauge"
 """A length between two places: a gauge block, a step gauge, a bar of two balls, a ruler, or calipers on a workpiece."""
 
-INSTRUMENTS: Mapping[str, Instrument] = MappingProxyType(
-    {
-        instrument.name: instrument
-        for instrument in (
-            Instrument("interferometer", Displacement, 0.3e-6, (_ZERO,), 1800.0, 1.0, 3.0, _LASER, display=True),
-            Instrument("indicator", Displacement, 1.0e-6, (_ZERO,), 600.0, 1.0, 5.0, _GAUGE, display=True),
-            Instrument("probe", Displacement, 1.0e-6, (_ZERO,), 600.0, 0.5, 6.0, _GAUGE),
-            Instrument(LENGTH, Displacement, 20e-6, (_LOOSE,), 120.0, 0.0, 20.0, (0.0, 0.0)),
-            Instrument("straightedge", Displacement, 1.0e-6, (_ZERO, _SLOPE), 1200.0, 1.0, 5.0, _GAUGE, display=True),
-            Instrument("level", Rotation, 2.0e-6, (_ZERO,), 300.0, 5.0, 5.0, _INCLINED),
-            Instrument("autocollimator", Rotation, 0.5e-6, (_ZERO,), 1800.0, 1.0, 3.0, _INCLINED),
-            Instrument("ballbar", Distance, 0.5e-6, (_ZERO, *_CUP, *_CARRIED), 900.0, 0.5, 1.0, _GAUGE),
-            Instrument("rtest", Nest, 0.7e-6, (*_THREE, *_CARRIED), 900.0, 1.0, 3.0, _GAUGE),
-            Instrument("sphere", Nest, 1.5e-6, (), 300.0, 1.0, 15.0, _GAUGE),
-            Instrument("tracker", Tracker, 10e-6, (*_THREE, *_open(TURNS, 1e-3), *_CARRIED), 3600.0, 2.0, 5.0, _LASER),
-            Instrument("tracer", Distance, 0.3e-6, (_ZERO, *_TRACED, *_CARRIED), 1800.0, 1.0, 3.0, _LASER),
-        )
-    }
-)
+_OURS = (
+    Instrument("interferometer", Displacement, 0.3e-6, (_ZERO,), 1800.0, 1.0, 3.0, _LASER, "line", "free", True, True),
+    Instrument("indicator", Displacement, 1.0e-6, (_ZERO,), 600.0, 1.0, 5.0, _GAUGE, display=True),
+    Instrument("probe", Displacement, 1.0e-6, (_ZERO,), 600.0, 0.5, 6.0, _GAUGE, "reach", "retracted"),
+    Instrument(LENGTH, Displacement, 20e-6, (_LOOSE,), 120.0, 0.0, 20.0, (0.0, 0.0), "length"),
+    Instrument("straightedge", Displacement, 1e-6, (_ZERO, _SLOPE), 1200.0, 1.0, 5.0, _GAUGE, "reach", display=True),
+    Instrument("level", Rotation, 2.0e-6, (_ZERO,), 300.0, 5.0, 5.0, _INCLINED),
+    Instrument("autocollimator", Rotation, 0.5e-6, (_ZERO,), 1800.0, 1.0, 3.0, _INCLINED, "line"),
+    Instrument("ballbar", Distance, 0.5e-6, (_ZERO, *_CUP, *_CARRIED), 900.0, 0.5, 1.0, _GAUGE, "bar"),
+    Instrument("rtest", Nest, 0.7e-6, (*_THREE, *_CARRIED), 900.0, 1.0, 3.0, _GAUGE, "ball", "held"),
+    Instrument("sphere", Nest, 1.5e-6, (), 300.0, 1.0, 15.0, _GAUGE, "ball", "retracted"),
+    Instrument("tracker", Tracker, 10e-6, (*_TRACKED, *_CARRIED), 3600.0, 2.0, 5.0, _LASER, "sight", "free", True),
+    Instrument("tracer", Distance, 0.3e-6, (_ZERO, *_TRACED, *_CARRIED), 1800.0, 1.0, 3.0, _LASER, "sight", light=True),
+)  # fmt: skip
+INSTRUMENTS: Mapping[str, Instrument] = MappingProxyType({instrument.name: instrument for instrument in _OURS})
 """The indicator is a dial or lever gauge; the straightedge is read by an indicator and lies at an unknown angle; the
 level is an electronic one; a sphere is touched from all sides by a probe in the spindle, and mounted ball by ball; the
 tracer is a length-only interferometer that follows the tool from a station nobody knows well. What carries a ball or a

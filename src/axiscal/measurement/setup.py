@@ -28,6 +28,8 @@ from axiscal.numerics import Array
 Approach = Literal["both", "+", "-"]
 Contact = Literal["free", "held", "retracted"]
 """Between two places nothing is in the way, or the tool keeps in touch, or it goes off and comes back."""
+Sited = Literal["anywhere", "line", "sight", "reach", "ball", "bar", "length"]
+"""What says where an instrument reads: one axis or a line alone, what it sees, its reach, a ball, a bar, two ends."""
 SaidOfDrift = Literal["nothing", "usual", "stated", "denied"]
 """Of how fast a zero wanders: nothing, what is usual of its instrument, a rate, or that it does not."""
 Vector = tuple[float, float, float]
@@ -70,6 +72,8 @@ class Figures(Generic[Model]):
     unknowns : what each new mounting leaves open, with prior standard deviations
     setup_time, settle, reading_time : s
     wanders : std of the rate of its zero, m/s or rad/s: as a rule, and where machine and instrument are warm
+    site : what says where it reads; contact : as of `Setup`, at the balls of an artefact
+    light : whether it compares positions with the wavelength
     display : whether a person reads a display that follows the tool, so that a jog shows on it
     park, approach : where other axes stand, m or rad by name, and from which sides it is read, unless a set-up says it
     type_b : what no reading shows: name, standard deviation in SI units, and the unit that it is shown in
@@ -84,11 +88,24 @@ class Figures(Generic[Model]):
     settle: float
     reading_time: float
     wanders: tuple[float, float]
+    site: Sited = "anywhere"
+    contact: Contact = "free"
+    light: bool = False
     display: bool = False
     park: tuple[tuple[str, float], ...] = ()
     approach: Approach = "+"
     type_b: tuple[tuple[str, float, str], ...] = ()
     curved: tuple[str, ...] = ()
+
+    @property
+    def all_round(self) -> bool:
+        """Whether it touches a ball from all sides."""
+        return self.site == "ball" and self.contact == "retracted"
+
+    @property
+    def against_length(self) -> bool:
+        """Whether it compares positions with a length that is known."""
+        return self.light or self.site == "length"
 
 
 @dataclass(frozen=True, slots=True)

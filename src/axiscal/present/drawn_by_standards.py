@@ -19,6 +19,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.language.spoken import said
 from axiscal.machine.kinematics import frames
+from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -104,7 +105,7 @@ def ball_bar_circles(estimation: Estimation, control: Control | None = None) -> 
     found = []
     for setup in estimation.stated.description.setups:
         mine = [reading for reading in kept if reading.setup == setup.name]
-        if setup.instrument == "ballbar" and len(setup.standing) == 1 and len(mine) >= _FEWEST:
+        if instrument_of(setup).site == "bar" and len(setup.standing) == 1 and len(mine) >= _FEWEST:
             found += _circle(estimation, setup, mine, control)
     return found
 

@@ -17,6 +17,7 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import drawn_back, frames
 from axiscal.measurement.charts.room import Chart
+from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.measurement.readers.touch_log import plan_code
 from axiscal.measurement.reading import Place, approach_text, columns_of
@@ -157,7 +158,7 @@ class _Writer:
         dialect.check_axes(machine.axes)
         self._machine, self._dialect, self._setup, self._places = machine, dialect, setup, places
         self._axes = ProgramAxes.from_setup(machine, setup, [_decimals(axis, setup, dialect) for axis in machine.axes])
-        self.touches = log and setup.contact == "retracted" and setup.instrument == "sphere"
+        self.touches = log and setup.contact == "retracted" and instrument_of(setup).all_round
         self._holds_so_far = count(100, 10)  # a label may stand in a program once; those of the log follow the first
 
     def draft(self) -> tuple[tuple[Step, ...], tuple[Listed, ...]]:

@@ -30,6 +30,7 @@ from axiscal.exceptions import SourceError, TableError, TravelError
 from axiscal.language.spoken import later, said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import tip_at
+from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import FROM_ABOVE, cycle_of, met_from, read_as, stated
 from axiscal.ports.printers.homing import Place, homed_at, zero_of
@@ -258,7 +259,7 @@ class PrinterSource:
         self._refuse_other_offset(request.setup)
         self._printer.refuse_unready()  # somebody may have started a print since
         try:
-            return self._ball(request) if request.setup.instrument == "sphere" else self._height(request)
+            return self._ball(request) if instrument_of(request.setup).all_round else self._height(request)
         except TravelError as impossible:
             return Skip(impossible.what)
 
@@ -318,7 +319,7 @@ class PrinterSource:
         setup, names = request.setup, {axis.name for axis in request.axes}
         upright = abs(setup.direction[2]) > 1 - 1e-9 and setup.direction[2] > 0
         bed = setup.instrument == "probe" and upright and {"X", "Y"} <= names
-        if not bed and not (setup.instrument == "sphere" and set("XYZ") <= names):
+        if not bed and not (instrument_of(setup).all_round and set("XYZ") <= names):
             remedy = 'It probes its bed, instrument = "probe" and direction = "z", or balls, instrument = "sphere"'
             raise SourceError("a printer cannot take the readings of the set-up {setup}", remedy, setup=setup.name)
 
