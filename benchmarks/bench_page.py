@@ -41,7 +41,7 @@ def times() -> list[tuple[float, float]]:
         while (question := desk.state.question) is not None:
             typed = " ".join(f"{expected.mean + 0.2 * expected.half:.2f}" for expected in question.expected)
             wall, processor = time.perf_counter(), time.process_time()
-            desk.keep(desk.state.last, typed, cause="keep")
+            desk.keep(typed, cause="keep")
             found.append((time.perf_counter() - wall, time.process_time() - processor))
             desk.think()
     return found

@@ -15,6 +15,7 @@ from axiscal.campaign.agreement_words import (
     change_words,
     mistake_words,
     named,
+    odds_text,
 )
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.estimation import Estimation
@@ -111,6 +112,13 @@ def test_a_mistake_has_its_event_and_its_words(mistake: Explained, event: Accept
     assert mistake_words(mistake, whole) == words
     assert named(whole, mistake.mistake, None, PATH) == event
     assert named(whole, mistake.mistake, event.setups[-1], PATH) == event
+
+
+@pytest.mark.parametrize(
+    ("log_odds", "said"), [(3.5, "33 : 1"), (0.0, "1 : 1"), (-2.5, "1 : 12"), (20.0, "more than a million : 1")]
+)
+def test_odds_are_said_from_the_likelier_side(log_odds: float, said: str) -> None:
+    assert odds_text(Explained("jump", log_odds, (1,), 3)) == said
 
 
 SIGNS = [Explained("sign", 9.0, (setup,), factor=-1.0) for setup in (0, 1)]

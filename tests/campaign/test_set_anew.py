@@ -6,13 +6,16 @@ from pathlib import Path
 
 import pytest
 
+from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
+from axiscal.cli.outputs import standing_screen
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.present.guide.progress import Named, named_now
 from axiscal.record.accepted import Accepted, put_right
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, read
+from tests.generators.turned_back import OUT, begun_out_and_back
 
 DESCRIBED = campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m")
 
@@ -90,3 +93,17 @@ def test_a_step_is_asked_about_by_the_second_reading_behind_it_and_accepted_it_a
         assert campaign.accept("jump").reading == 6
         assert named_now(campaign) is None
         assert not campaign.estimate().agreement.contradicts
+
+
+@pytest.mark.parametrize("answer", ["jump", "backlash"])
+def test_a_step_where_the_axis_turned_stands_on_the_screen_until_it_is_answered(tmp_path: Path, answer: str) -> None:
+    record = begun_out_and_back(tmp_path / "r.axiscal", 2 * OUT, 30e-6)
+    asked = "shows a step before reading 11, where X turned: zero set anew, or backlash? (1 : "
+    with Campaign.open(record) as campaign:
+        assert asked in " ".join(standing_screen(campaign).split())
+        assert standing_answer(campaign).asks
+        before = {row.row for row in standing_answer(campaign).rows if row.measured}
+        campaign.accept(answer)
+        assert "backlash?" not in standing_screen(campaign)
+        after = {row.row for row in standing_answer(campaign).rows if row.measured}
+        assert before - after == ({"backlash X"} if answer == "jump" else set())

@@ -40,9 +40,9 @@ def of_screen(text: str) -> Shown:
     return Shown(plain("".join(lines[:first])), _columns(lines[first:table]), plain("".join(lines[table:end])))
 
 
-def of_paper(path: Path) -> str:
-    """Return what the first page of a PDF says, without spaces."""
-    command = ["pdftotext", "-layout", "-l", "1", str(path), "-"]
+def of_paper(path: Path, page: int = 1) -> str:
+    """Return what a page of a PDF says, without spaces."""
+    command = ["pdftotext", "-layout", "-f", f"{page}", "-l", f"{page}", str(path), "-"]
     return plain(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
 
 
@@ -55,6 +55,67 @@ def of_page(text: str) -> Shown:
     cells = [[_words(cell) for cell in re.findall(r"<t[hd].*?>(.*?)</t[hd]>", line)] for line in lines]
     below = text[(box if table is None else table).end() :].partition("<dl")[0].partition("<figure")[0]
     return Shown(plain(_words(box[1])), cells, plain(_words(below)))
+
+
+class Printed(NamedTuple):
+    """A number as it is printed.  half : of its last digit, by which it may be off"""
+
+    value: float
+    half: float
+
+
+class Redone(NamedTuple):
+    """What a statement of uncertainty says of u, U and k, beside its parts.  texts : of parts and sum, no spaces"""
+
+    parts: list[Printed]
+    u: Printed
+    k: Printed
+    expanded: Printed
+    texts: list[str]
+
+    @property
+    def faults(self) -> list[str]:
+        """What whoever redoes it with a pocket calculator finds otherwise than rounding allows."""
+        u = math.sqrt(sum(part.value**2 for part in self.parts))
+        off = sum(part.value * part.half for part in self.parts) / u + self.u.half
+        found = [] if abs(u - self.u.value) <= off else [f"u: {u} instead of {self.u.value}"]
+        expanded = self.k.value * self.u.value
+        off = self.k.value * self.u.half + self.u.value * self.k.half + self.expanded.half
+        return (
+            found
+            if abs(expanded - self.expanded.value) <= off
+            else [*found, f"U: {expanded} instead of {self.expanded.value}"]
+        )
+
+
+def redone(sources: Sequence[Sequence[str]], total: str) -> Redone:
+    """Return what is printed of sources, of which u is the cell before the last, and of their sum."""
+    u, k, again, expanded = _all_printed(total)
+    assert u == again
+    texts = [*(plain(source[-2]) for source in sources), plain(total)]
+    return Redone([each for source in sources for each in _all_printed(source[-2])], u, k, expanded, texts)
+
+
+def statement_of(text: str) -> Redone | None:
+    """Return what an HTML report says of its sources of uncertainty; None where it says nothing."""
+    total = re.search(r"<p[^>]*>\s*(u = √.*?)</p>", text, re.DOTALL)
+    if total is None:
+        return None
+    *_, table = re.findall(r"<table.*?</table>", text[: total.start()], re.DOTALL)
+    lines = [
+        re.findall(r"<td.*?>(.*?)</td>", line, re.DOTALL) for line in re.findall(r"<tr>(.*?)</tr>", table, re.DOTALL)
+    ]
+    return redone([[*map(_words, line)] for line in lines if line], _words(total[1]))
+
+
+def _all_printed(text: str) -> list[Printed]:
+    """Return the numbers of a text, in either language."""
+    found = re.findall(r"\d+(?:[.,]\d+)?", plain(text))
+    assert "×" not in text
+    return [
+        Printed(float(each.replace(",", ".")), 0.5 * 10.0 ** -len(each.replace(",", ".").partition(".")[2]))
+        for each in found
+    ]
 
 
 def of_state(answer: Row) -> Shown:

@@ -21,7 +21,18 @@ from tests.golden.__main__ import EXPECTED, compared
 from tests.golden.comparing import of_values
 from tests.golden.given import names
 from tests.golden.running import LANGUAGES, Texts, all_played
-from tests.golden.surfaces import Row, Shown, differing, of_page, of_paper, of_screen, of_state, plain, written_screens
+from tests.golden.surfaces import (
+    Row,
+    Shown,
+    differing,
+    of_page,
+    of_paper,
+    of_screen,
+    of_state,
+    plain,
+    statement_of,
+    written_screens,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 _CUT = re.compile("…|and[0-9]+more|und[0-9]+weitere")
@@ -99,6 +110,16 @@ def standing(record: Path, language: str, folder: Path) -> tuple[dict[str, Any],
 def assert_same(first: list[Row], second: list[Row]) -> None:
     """Fail unless two documents have the same rows: processors that play and read them differ by 1e-5."""
     assert list(of_values(first, second, "rows", 0.0)) == []
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("campaign", names())
+def test_the_second_page_of_a_report_is_redone_with_a_pocket_calculator(campaign: str, played: Played) -> None:
+    for path in sorted(played.folder.glob(f"*/{campaign}/**/report.html")):
+        if (stated := statement_of(path.read_text(encoding="utf-8"))) is not None:
+            assert stated.faults == []
+            paper = of_paper(path.with_suffix(".pdf"), 2)
+            assert [text for text in stated.texts if text not in paper] == []
 
 
 @pytest.mark.long

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -211,16 +212,16 @@ def test_a_marker_is_read_again_every_twenty_minutes() -> None:
     assert without_markers(problem, [first], marked) == tuple(places[1:])
 
 
-@pytest.mark.parametrize(("guessed", "searches"), [(36, 1), (5, 2)])
-def test_markers_are_counted_from_a_rough_plan_and_anew_where_it_is_too_rough(guessed: int, searches: int) -> None:
+@pytest.mark.parametrize(("left", "searches"), [(36, 1), (5, 2)])
+def test_markers_are_counted_from_what_is_left_and_anew_where_a_plan_has_more(left: int, searches: int) -> None:
     problem, asked = Case(_description()), list[int]()
     places = tuple(Place("laser", (0.01 * i,), (1,)) for i in range(40))
 
-    def plan(limits: Limits) -> tuple[Place, ...]:
+    def plan(limits: Limits, _: Sequence[Place]) -> tuple[Place, ...]:
         asked.append(limits.readings or 0)
         return places[: limits.readings]
 
-    found = planned_with_markers(problem, (), (), Limits(40), lambda: places[:guessed], plan)
+    found = planned_with_markers(problem, (), (), Limits(40), places[:left], plan)
     assert len(found) == 40
     assert found == with_markers(problem, (), (), places[: asked[-1]])
     assert len(asked) == searches

@@ -11,6 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.machine import load_machine
 from axiscal.measurement.setup import Unknown
 from axiscal.planning.bound import relaxation
 from axiscal.planning.bound.certificate import Dual, groups, rank_bound, zeros_each, zeros_of
@@ -18,9 +21,11 @@ from axiscal.planning.bound.lower_bound import lower_bound
 from axiscal.planning.bound.relaxation import Relaxation, optimal_weights, turns
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
 from tests.generators.designs import levered, problem, splines
+from tests.generators.texts import campaign_text, setup_text
 
 
 def spent(asked: Task, dual: Dual, readings: int) -> float:
@@ -225,6 +230,16 @@ def test_a_zero_that_is_known_with_other_things_does_not_count() -> None:
     state = asked.state
     place = Pool(asked.observation, asked.lattice).lattice.single(3)
     assert zeros_of(zeros_each(state.after_readings(place), asked.lattice), (int(place.setups[0]),)) is None
+
+
+def test_a_set_up_that_shows_nothing_but_its_zero_is_bounded_by_what_is_there() -> None:
+    """The noise is so large that it, and the zero, leave less than rounding of what else a reading shows."""
+    text = campaign_text("m.toml", setup_text("laser", "interferometer", direction="y", moves=["X"], noise="5 mm"))
+    case = Case(campaign_from_texts(text, "c.toml", load_machine("one-axis").text, "m.toml"))
+    task = posed(case, case.knowledge, candidates=20)
+    places = task.lattice.within(slice(3))
+    bound = lower_bound(Pool(task.observation, task.lattice), task.state, places, np.ones(23), 3.0)
+    assert 0.99 * task.state.value <= bound.value <= task.state.value * (1 + 1e-9)
 
 
 def test_sets_of_set_ups() -> None:

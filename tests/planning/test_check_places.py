@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -15,7 +16,7 @@ from axiscal.measurement.candidates import drawn_places
 from axiscal.measurement.reading import Place, Places
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.next_readings import next_places, placed, posed
-from axiscal.planning.other_readings import checks_among, columns_of, with_checks
+from axiscal.planning.other_readings import Checked, checks_among, columns_of, with_checks
 from axiscal.planning.plan.order import seconds_along
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
@@ -89,6 +90,23 @@ def test_checks_come_on_top_of_what_an_accuracy_needs_and_fit_into_a_budget() ->
     places, task = plan_of('budget = "16 min"'), posed(case, case.knowledge)
     assert len(checks(places)) >= 3
     assert seconds_along(task, columns_of(case, places)) <= 16 * 60
+
+
+def test_a_budget_is_planned_again_from_the_first_plan_with_room_for_its_checks() -> None:
+    case, asked = case_of('budget = "16 min"'), list[tuple[float, int, int]]()
+    task, full = posed(case, case.knowledge), plan_of("readings = 20\nchecks = 0")
+    room = seconds_along(task, columns_of(case, full)) + 1.0
+
+    def plan(limits: Limits, left: Sequence[Place], checked: Checked) -> tuple[Place, ...]:
+        asked.append((limits.budget or 0.0, len(left), len(checked(full)) - len(full)))
+        return full[: 16 if left else 20]
+
+    found = with_checks(case, task, Limits(budget=room), (), (), plan)
+    (first, *none), (second, *begun) = asked
+    assert (first, none, begun) == (room, [0, 5], [20, 5])
+    assert second < room
+    assert seconds_along(task, columns_of(case, found)) <= room
+    assert len(checks(found)) >= 3
 
 
 def test_while_measuring_checks_that_are_open_stay_and_none_is_added() -> None:

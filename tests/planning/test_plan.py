@@ -18,7 +18,7 @@ from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.beginnings import best_of_random, evenly_spaced, plain_designs, space_filling
 from axiscal.planning.plan.exchange import exchange
-from axiscal.planning.plan.greedy import chosen_setups, picked
+from axiscal.planning.plan.greedy import chosen_setups, filled, scores_among
 from axiscal.planning.plan.minutes import grown
 from axiscal.planning.plan.order import seconds_along
 from axiscal.planning.plan.plan import make_plan
@@ -259,4 +259,4 @@ def test_of_places_where_a_tracer_may_stand_those_are_taken_that_leave_least() -
 
 def left_by(asked: Task, setups: tuple[int, ...]) -> float:
     """Return J after sixty picks from some set-ups."""
-    return asked.state.after_readings(picked(asked, 60, setups)).value
+    return asked.state.after_readings(filled(scores_among(asked, setups), 60, setups).places).value

@@ -61,7 +61,7 @@ def written(name: str, folder: Path) -> tuple[Path, dict[str, Any]]:
     with Campaign.create(record, campaign_from_texts(text, "c.toml", described, "m")) as campaign:
         campaign.adopt(tuple(readings))
         desk = Desk(campaign, lambda states: None)
-        desk.finish(campaign.state.last)
+        desk.finish()
         assert desk.state.answer is not None
         return record, desk.state.answer.model_dump(mode="json")
 

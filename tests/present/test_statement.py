@@ -2,24 +2,62 @@
 
 from __future__ import annotations
 
+import json
 import math
-import re
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+from axiscal.estimation.estimate import concluded
+from axiscal.language.spoken import speaking
 from axiscal.present.statement import statement
-from axiscal.present.summary import BudgetRow
+from axiscal.present.summarising import budget_rows
+from axiscal.present.summary import WORTH, BudgetRow
+from tests.generators.laser_axis import CASE, machine, read
+from tests.golden.__main__ import EXPECTED
+from tests.golden.surfaces import redone
 from tests.present.test_page import five_axis_summary
 
+RESULTS = sorted(EXPECTED.rglob("result.json"))
+SMALL = 10
+"""Sources that are too small for a row of their own, at most."""
 
-def test_the_squares_of_the_sources_add_up_to_what_the_sum_says() -> None:
+
+@pytest.mark.parametrize("path", RESULTS, ids=lambda path: path.relative_to(EXPECTED).parent.as_posix())
+def test_the_figures_of_each_golden_campaign_are_redone_from_what_is_printed(path: Path) -> None:
+    """u from its parts and U from k and u, no farther off than the digits that are printed."""
+    document = json.loads(path.read_text(encoding="utf-8"))
+    parts, u = (
+        [BudgetRow(each["source"], each["rms_um"], each["share"]) for each in document["budget"]],
+        document["rms_um"],
+    )
+    smaller = math.sqrt(max(u**2 - sum(part.rms_um**2 for part in parts), 0.0))
+    assert smaller**2 < SMALL * WORTH * u**2
+    stood = five_axis_summary(3)
+    known = replace(stood.expanded, space=document["U_um"], factor=document["k"])
+    for language in ("en", "de"):
+        with speaking(language):
+            said = statement(replace(stood, rms_um=u, budget=parts, smaller_um=smaller, expanded=known))
+        assert redone(said.sources, said.sum).faults == []
+
+
+def test_sources_with_a_row_and_those_without_add_up() -> None:
+    known = concluded(CASE, read(machine(3), 24))
+    rows, smaller = budget_rows(known)
+    assert all(row.share >= WORTH for row in rows)
+    assert 0.0 < smaller < rows[0].rms_um
+    whole = math.hypot(smaller, *(row.rms_um for row in rows))
+    assert whole == pytest.approx(1e6 * known.accuracy.rms, rel=1e-9)
+
+
+def test_a_part_that_is_left_out_is_found() -> None:
     parts = [BudgetRow(str(each), each, each**2 / 25) for each in (3.0, 4.0)]
-    said = statement(replace(five_axis_summary(3), rms_um=5.0, budget=parts))
-    by_hand = math.sqrt(sum(float(source[3].split("\xa0")[0]) ** 2 for source in said.sources))
-    stated = [float(figure) for figure in re.findall(r"= ([\d.]+)\xa0µm", said.sum)]
-    assert stated[0] == pytest.approx(by_hand, rel=0.01)
-    assert 5.0 in stated
+    stood = five_axis_summary(3)
+    known = replace(stood.expanded, space=10.0, factor=2.0)
+    said = statement(replace(stood, rms_um=5.0, budget=parts, expanded=known))
+    assert redone(said.sources, said.sum).faults == []
+    assert redone(said.sources[:1], said.sum).faults == ["u: 3.0 instead of 5.0"]
 
 
 def test_tables_on_a_terminal_have_headings() -> None:

@@ -26,7 +26,7 @@ KILLED = """
 import os, signal, sys
 from axiscal.web.desk import Desk
 once = Desk.once
-def killed(desk, step):
+def killed(desk, *step):
     {before}
     os.kill(os.getpid(), signal.SIGKILL)
 Desk.once = killed
@@ -35,7 +35,7 @@ sys.argv = ["axiscal", "serve", *sys.argv[1:]]
 raise SystemExit(main())
 """
 """`axiscal serve` that is killed at a step, before its answer goes out."""
-MOMENTS = {"it is done": "once(desk, step)", "it is begun": "pass"}
+MOMENTS = {"it is done": "once(desk, *step)", "it is begun": "pass"}
 
 
 @contextmanager

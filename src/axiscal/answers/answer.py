@@ -251,6 +251,7 @@ class ResultAnswer(AnswerDocument):
     offset : um, 95 %, by which U grows for each 100 mm beside the line that was read; None where the volume is known
     checks : readings drawn at random; as_promised : of these
     screws : under the bed, all but the first, which stays; left out where nobody states them
+    asks : a step may be a zero set anew, and nobody has said so; left out where nothing is asked
     """
 
     verdict: Verdict
@@ -271,3 +272,4 @@ class ResultAnswer(AnswerDocument):
     checked: TablesChecked | None = None
     offset: float | None = None
     screws: Sequence[ScrewTurn] = Field(default=(), exclude_if=lambda screws: not screws)
+    asks: bool = Field(default=False, exclude_if=lambda asks: not asks)

@@ -220,6 +220,7 @@ def answer_of(
         steps=list(_steps(campaign, known, verdict, best_control(rows, list(controls)), written)),
         offset=None if offset is None else _digits(to_unit(offset, "um")),
         screws=[] if withheld else screw_turns(known),
+        asks=bool(known.agreement.explained) and not known.agreement.contradicts,
     )
 
 

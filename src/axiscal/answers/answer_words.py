@@ -216,10 +216,10 @@ def by_kind(rows: Sequence[_Row]) -> list[list[_Row]]:
 
 
 def _agreement(answer: ResultAnswer, words: str) -> str:
-    """Return how many readings agree, "" before the first.  words : sentence where they contradict or are not used"""
+    """Return how many readings agree, "" before the first.  words : sentence where there is more to say"""
     if not answer.readings:
         return ""
-    if answer.verdict == "contradict" or answer.left_out:
+    if answer.verdict == "contradict" or answer.left_out or answer.asks:
         return put("{words}.", words=words)
     agree = said("Readings agree: {agreeing} of {count}.", agreeing=answer.agreeing, count=answer.compared)
     if not answer.checks:

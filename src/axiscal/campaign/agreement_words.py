@@ -16,6 +16,8 @@ from axiscal.language.spoken import joined, later, listed, put, quoted, said
 from axiscal.numerics import Array
 from axiscal.record.accepted import Accepted
 
+_MOST = 1e6
+"""Odds beyond which nobody reads the digits."""
 _UNUSED = 3
 """Readings that a sentence names; the others are counted."""
 
@@ -31,11 +33,8 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
         return said(what, count=len(known.readings))
     count = said("{agreeing} of {count} readings agree with the others", agreeing=found.agreeing, count=found.count)
     asked = [question(known, each) for each in found.explained]
-    if not found.contradicts and asked and found.explained[0].backlash:
-        return said("{count}. {asked}", count=count, asked=asked[0])
     if not found.contradicts and asked:
-        odds = f"{found.explained[0].odds:.0f}"
-        return said("{count}. {asked} ({odds} : 1)", count=count, asked=asked[0], odds=odds)
+        return said("{count}. {asked} ({odds})", count=count, asked=asked[0], odds=odds_text(found.explained[0]))
     if not found.contradicts:
         unused = [(known.readings[index], index) for index in sorted(known.left_out)]
         names = [put("{number} ({setup})", number=r.numbered(i), setup=quoted(r.setup)) for r, i in unused]
@@ -129,6 +128,13 @@ def _turned(known: Estimation, jump: Explained) -> str:
     """Return the axis that turned where a jump may be backlash."""
     described = known.stated.description
     return described.machine.axes[described.setups[jump.setups[0]].moves[0]].name
+
+
+def odds_text(each: Explained) -> str:
+    """Return how likely a mistake is beside none: "33 : 1", "1 : 12"."""
+    if each.odds >= 1:
+        return put("{odds} : 1", odds=f"{each.odds:.0f}" if each.odds < _MOST else said("more than a million"))
+    return put("1 : {odds:.0f}", odds=1 / each.odds)
 
 
 def agreement_document(found: Agreement) -> dict[str, object]:

@@ -28,6 +28,7 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import (
     beyond_budget,
     bought,
+    compared,
     proposed,
     proven,
     reached_unread,
@@ -129,6 +130,8 @@ def plan(
     if prove:
         of_figure = 2 if case.description.target.criterion == "volume" else 1  # the RMS is the root of a J
         proposal = proven(case, proposal, candidates, (_GAP if gap is None else gap) / 100 * of_figure)
+    if details or json or prove:
+        proposal = compared(case, limits, proposal, candidates)
     if picture is not None:
         title = said("Where {machine} is read", machine=case.description.machine.name)
         write_whole(picture, plan_picture(title, case.description, placed(case, proposal.plan)).encode())

@@ -12,6 +12,7 @@ from axiscal.campaign.agreement_words import (
     agreement_words,
     change_words,
     mistake_words,
+    odds_text,
 )
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, OwnRecord, RecordFile
@@ -19,9 +20,6 @@ from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.texts import next_text, opened_to_write, question_document
 from axiscal.language.spoken import put, said
 from axiscal.present.guide.progress import take_back, take_note
-
-_MOST = 1e6
-"""Odds beyond which nobody reads the digits."""
 
 
 def accept(
@@ -70,10 +68,9 @@ def _named(campaign: Campaign) -> tuple[dict[str, object], list[str]]:
         ]
     lines = []
     for each in known.agreement.explained:
-        odds = f"{each.odds:.0f}" if each.odds < _MOST else said("more than a million")
         words, change = mistake_words(each, known), change_words(acceptance(each, known))
         lines += [
-            put("{mistake}, {odds} : 1: {words}.", mistake=each.mistake, odds=odds, words=words),
+            put("{mistake}, {odds}: {words}.", mistake=each.mistake, odds=odds_text(each), words=words),
             put("  {accepted}.", accepted=said("Accepted: {change}", change=change)),
         ]
     lines.append(said("Accept one: axiscal step accept {record} CAUSE", record=campaign.path))

@@ -84,7 +84,7 @@ def verify(
 
     It says pass, fail or undecided. First it plans. Read these places without the tables and with them; then give both
     files. A reading decides only with its uncertainty (ISO 14253-1). A table that is missing or has the wrong sign
-    fails; tables not checked are named.
+    fails, also where no tolerance is known; tables not checked are named.
 
     \b
     Examples:
@@ -139,7 +139,7 @@ def verify(
         readings = check.asked(source, check.planned(points, tolerance=check.allowed(tolerance)))
         taken = Taken(own_hand().person, source, check.digests)
     else:
-        tightest = check.tightest(tolerance)
+        tightest = check.allowed(tolerance)
         judged_by = tolerance or (None if tightest else f"{digits(to_unit(check.tables.U, 'um'))} um")
         again += "" if judged_by is None else f" --tolerance {shlex.quote(judged_by)}"
         places = check.planned(points, tolerance=tightest)
@@ -157,7 +157,11 @@ def verify(
     else:
         loading = [said("load the exported files again, then")] if answer.faulty else []
         due = f"axiscal shop due {shlex.quote(str(record.parent))}"
-        coming = [due] if answer.verdict == "pass" else [*loading, f"{again} --plan check.csv"]
+        files = [] if found is None or left is None else ["--found", str(found), "--left", str(left)]
+        read = shlex.join(files or ["--source", str(source)])
+        judging = answer.tolerance_um is None and answer.working
+        undecided = [f"{again} {read} --tolerance LENGTH"] if judging else [*loading, f"{again} --plan check.csv"]
+        coming = [due] if answer.verdict == "pass" else undecided
         say("\n".join([*check_screen(answer), *ending({said("Next"): coming})]))
 
 

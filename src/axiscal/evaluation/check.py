@@ -210,9 +210,9 @@ class Check:
         first = self._whole(first, candidates, most, tolerance)
         left = max(USUAL - len(first), _FEW) if count is None else count - len(first)
         if left < 1 or len(first) == len(candidates):
-            return _in_order(first)
+            return _along_axes(first)
         least = left if count is not None else 0 if len(first) else _FEW
-        return _in_order(Places.joined([first, self._others(candidates, left, first, tolerance, least)]))
+        return _along_axes(Places.joined([first, self._others(candidates, left, first, tolerance, least)]))
 
     def _whole(self, first: Places, candidates: Places, count: int, tolerance: float) -> Places:
         """Return `count` places at most, the first ones and what their set-ups lack to be told from the machine.
@@ -311,18 +311,13 @@ class Check:
         return before, after
 
     def judged(self, readings: FoundAndLeft, tolerance: str | None) -> Judgement:
-        """Return what readings say; raises ReadingError, TargetError.  tolerance : from the target without one"""
+        """Return what readings say; raises ReadingError, TargetError.  tolerance : as of `allowed`"""
         allowed = self.allowed(tolerance)
         return judge(self.estimate, self.description.setups, *readings, self.tables.control, allowed, self.parts)
 
     def allowed(self, tolerance: str | None) -> float:
-        """Return the largest deviation allowed, m; raises TargetError, UnitError."""
+        """Return the largest deviation allowed, m, 0 where nothing says one yet; raises TargetError, UnitError."""
         return tolerance_of(self.description.target, tolerance)
-
-    def tightest(self, tolerance: str | None) -> float:
-        """Return the largest deviation that may be asked for, m: that allowed, or 0 where nothing says one yet."""
-        unsaid = tolerance is None and _largest(self.description.target) is None
-        return 0.0 if unsaid else self.allowed(tolerance)
 
     def sheet(self, places: Places) -> str:
         """Return the places as a file of readings to fill in."""
@@ -338,30 +333,23 @@ def requests(description: CampaignDescription, places: Sequence[Place]) -> list[
     ]
 
 
-def _in_order(places: Places) -> Places:
+def _along_axes(places: Places) -> Places:
     """Return places set-up by set-up, along the axes."""
     return places.within(np.lexsort((*places.approaches.T[::-1], *places.poses.T[::-1], places.setups)))
 
 
 def tolerance_of(target: Target, text: str | None) -> float:
-    """Return the largest deviation allowed, m: as said, or from the target; raises TargetError, UnitError.
+    """Return the largest deviation allowed, m: as said, or from the target; 0 where that is no accuracy.
 
-    U is what 95 % of deviations keep, as twice the RMS is.
+    U is what 95 % of deviations keep, as twice the RMS is.  Raises TargetError, UnitError.
     """
     if text is not None:
         value = parse_quantity(text, "length")
         if value <= 0:
             raise TargetError('a tolerance of "{text}"', "Give a length above zero", text=text)
         return value
-    if (allowed := _largest(target)) is not None:
-        return allowed
-    raise TargetError("the campaign has no accuracy target to judge by", 'Give one: --tolerance "5 um"')
-
-
-def _largest(target: Target) -> float | None:
-    """Return the largest deviation that a target allows, m; None where it is no accuracy."""
     twice = None if target.rms is None else 2 * target.rms
-    return next((each for each in (target.worst, twice, target.expanded) if each is not None), None)
+    return next((each for each in (target.worst, twice, target.expanded) if each is not None), 0.0)
 
 
 _FIRST = (1_000_000, 2_000_000)

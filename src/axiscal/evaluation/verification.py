@@ -224,6 +224,7 @@ def judge(
     """Return what readings without and with the tables say; raises ReadingError when they are not of the same places.
 
     The zero of a set-up and an unknown slope are taken off each set of readings.
+    tolerance : the largest deviation allowed, m; 0 where nothing says one: then only tables that do not work decide
     parts : the tables, each of which must work: one that is missing or has the wrong sign fails, whatever the tolerance
     """
     _refuse_different(found, left)
@@ -247,7 +248,7 @@ def judge(
     taken = [free @ taken_away(estimate.machine, part, setups, places) for part in parts]
     each = shares(parts, np.stack(taken, axis=1), change, apart) if parts else ()
     std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(after, noise, tolerance)
-    decided = proved = verdict(free @ after, std, tolerance)
+    decided = proved = verdict(free @ after, std, tolerance) if tolerance > 0 else "undecided"
     still = _still(left)
     if any(share.checked and not share.works for share in each):
         decided = "fail"

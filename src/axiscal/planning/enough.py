@@ -17,11 +17,7 @@ from axiscal.estimation.known_rows import known_rows
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.other_readings import Checked, with_both_sides, with_rooms
-from axiscal.planning.plan.greedy import chosen_setups, picked, sets_within
-from axiscal.planning.plan.minutes import retoured
-from axiscal.planning.plan.order import in_order
-from axiscal.planning.plan.plan import MANY, refuse_unplannable
-from axiscal.planning.plan.task import Goal, Limits, Task
+from axiscal.planning.plan.task import Goal, Limits
 from axiscal.planning.promise import FEW, foreseen
 
 
@@ -88,13 +84,3 @@ def goal_of(
         return reached_by(case, within, checked(coming), believed)
 
     return Goal(partial(reached_at, limits), partial(reached_at, limits.times(1 / unsure)))
-
-
-def roughly(case: Case, task: Task, limits: Limits) -> tuple[Place, ...]:
-    """Return about as many readings as a plan has, from some hundred candidates; raises PlanError as a plan does."""
-    refuse_unplannable(task, limits)
-    coarse = task.coarse
-    if limits.budget is not None:
-        none = Places.none(len(case.description.machine.axes))
-        return with_rooms(case, retoured(coarse, limits, max(sets_within(coarse, limits), key=len), none, 0.0))
-    return with_rooms(case, in_order(task, picked(coarse, limits.readings or MANY, chosen_setups(task, limits))))

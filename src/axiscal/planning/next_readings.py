@@ -27,7 +27,7 @@ from axiscal.language.stages import stage
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.numerics import Array
-from axiscal.planning.enough import enough, goal_of, roughly
+from axiscal.planning.enough import enough, goal_of
 from axiscal.planning.other_readings import (
     Checked,
     columns_of,
@@ -71,12 +71,12 @@ def planned_places(
     unsure = 1 + 1 / math.sqrt(2 * max(len(task.taken), 1)) if len(case.sizes) and left else 1.0
     goal = goal_of(case, limits, readings, believed, checked, unsure)
 
-    def planned(within: Limits) -> tuple[Place, ...]:
+    def planned(within: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
         coming = _chosen(case, task, within, goal, left, gaps)
         places = with_both_sides(case, readings, with_rooms(case, coming))
         return tuple(place for place in places if not in_gap(case, place, gaps))
 
-    return planned_with_markers(case, readings, gaps, limits, lambda: left or roughly(case, task, limits), planned)
+    return planned_with_markers(case, readings, gaps, limits, left, planned)
 
 
 def reaching(

@@ -101,24 +101,22 @@ def planned_with_markers(
     readings: Sequence[Reading],
     gaps: Sequence[Gap],
     limits: Limits,
-    rough: Callable[[], Sequence[Place]],
-    plan: Callable[[Limits], tuple[Place, ...]],
+    left: Sequence[Place],
+    plan: Callable[[Limits, Sequence[Place]], tuple[Place, ...]],
 ) -> tuple[Place, ...]:
     """Return the readings to come with the markers among them, within the limits.
 
-    readings : so far; rough : about as many readings to come, to count the markers by
-    plan : the readings to come within limits, in their order
+    readings : so far; left : of an earlier plan, to begin with and to count the markers by
+    plan : the readings to come within limits, in their order, from those that are left
     """
     if all(setup.drift == 0 for setup in case.description.setups):
-        return plan(limits)
-    # a plan mostly ends by its accuracy, before its readings or its time do
-    like = () if (limits.accurate and limits.budget is None) or _smaller(case, limits, 1) == limits else rough()
-    within = _smaller(case, limits, len(with_markers(case, readings, gaps, like)) - len(like))
-    places = plan(within)
+        return plan(limits, left)
+    within = _smaller(case, limits, len(with_markers(case, readings, gaps, left)) - len(left))
+    places = plan(within, left)
     marked = with_markers(case, readings, gaps, places)
     true = _smaller(case, limits, len(marked) - len(places))
     fits = limits.budget is None and len(marked) <= (limits.readings or len(marked))
-    return marked if fits or true == within else with_markers(case, readings, gaps, plan(true))
+    return marked if fits or true == within else with_markers(case, readings, gaps, plan(true, places))
 
 
 def without_markers(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -> tuple[Place, ...]:

@@ -31,6 +31,7 @@ from axiscal.planning.other_readings import columns_of, with_rooms
 from axiscal.planning.plan.minutes import retoured
 from axiscal.planning.plan.plan import Plan, judged
 from axiscal.planning.plan.run import first_seconds
+from axiscal.planning.plan.searches import Searches, searched
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked, foreseen
 from axiscal.planning.step.ground import regions
@@ -52,6 +53,8 @@ _ABSURD = 100
 Mark = Literal["half", "asked", "double"]
 _SHARES: dict[float, Mark | None] = {0.25: None, 0.5: "half", 0.75: None, 1.0: "asked", 1.5: None, 2.0: "double"}
 """Of the time of a plan, for which it is said what they buy, with those that are marked."""
+_NEAR = 1.02
+"""J over its bound up to which a proof is near: the RMS is then within 1 % of what no plan can beat."""
 _INSTANT = 1e-3
 """Seconds of a reading that is said to take no time."""
 
@@ -168,10 +171,15 @@ def _half_the_noise(case: Case, relaxation: Relaxation) -> str:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Proposal:
-    """A plan.  gap : share of the bound on J at which its proof stopped; None if none was asked for."""
+    """A plan.
+
+    gap : share of the bound on J at which its proof stopped; None if none was asked for
+    searches : what those from other starts found; None where a bound is near, or none was asked for
+    """
 
     plan: Plan
     gap: float | None = None
+    searches: Searches | None = None
 
 
 @one_thread()
@@ -192,6 +200,20 @@ def proposed(
     places = reaching(case, task, limits, heeded)
     plan = judged(task, heeded, columns_of(case, places), bounded)
     return Proposal(replace(plan, checks=frozenset(i for i, place in enumerate(places) if place.check)))
+
+
+@one_thread()
+def compared(case: Case, limits: Limits, proposal: Proposal, candidates: int = CANDIDATES) -> Proposal:
+    """Return a plan with what searches from other starts found, as it was where its bound is near.
+
+    limits, candidates : it was made with
+    """
+    plan = proposal.plan
+    own = plan.places.within(np.array([index not in plan.checks for index in range(len(plan.places))], dtype=bool))
+    if plan.bound is None or plan.ratio <= _NEAR or not len(own):
+        return proposal
+    task = posed(case, case.knowledge, candidates=candidates)
+    return replace(proposal, searches=searched(task, enough(case, limits), own, case.description.usual))
 
 
 class Bought(NamedTuple):
@@ -233,4 +255,4 @@ def proven(case: Case, proposal: Proposal, candidates: int, gap: float) -> Propo
     """
     task = posed(case, case.knowledge, candidates=candidates)
     proof = prove(task.state, task.lattice, proposal.plan.places, gap)
-    return Proposal(replace(proposal.plan, bound=proof.bound), proof.gap)
+    return replace(proposal, plan=replace(proposal.plan, bound=proof.bound), gap=proof.gap)

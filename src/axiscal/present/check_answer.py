@@ -68,7 +68,7 @@ class CheckAnswer(AnswerDocument):
 
     decision : what the as-left readings prove of the tolerance, by ISO 14253-1; U_um : largest of theirs, k = 2
     person, source, in_force : as of `evaluation.check.Taken`
-    expected_um : U over the volume with the tables loaded
+    expected_um : U over the volume with the tables loaded; tolerance_um : None where nothing says one
     places : how many were read, each without the tables and with them
     found_rms_um, left_rms_um : over the places, in space where a reading has three values
     """
@@ -81,7 +81,7 @@ class CheckAnswer(AnswerDocument):
     source: str
     in_force: Mapping[str, str]
     expected_um: float
-    tolerance_um: float
+    tolerance_um: float | None
     guard_band_um: float
     places: int
     found_rms_um: float
@@ -109,13 +109,19 @@ class CheckAnswer(AnswerDocument):
         return [each for each in self.tables if each.checked and not each.works]
 
     @property
+    def working(self) -> bool:
+        """Whether the readings show a table, each that they show works, and nothing contradicts them."""
+        contradicted = self.set_up_off or self.set_up_still or not self.tables_loaded or self.faulty
+        return not contradicted and any(each.checked for each in self.tables)
+
+    @property
     def summary(self) -> TablesChecked:
         """What the last screen of a campaign says of it."""
         return TablesChecked(
             places=self.places,
             found=self.found_rms_um,
             left=self.left_rms_um,
-            tolerance=self.tolerance_um,
+            tolerance=self.tolerance_um or 0.0,
             verdict=self.verdict,
         )
 
@@ -136,7 +142,7 @@ def check_answer(judgement: Judgement, places: int, promised: float, taken: Take
         source=taken.source,
         in_force=taken.files,
         expected_um=to_unit(promised, "um"),
-        tolerance_um=to_unit(judgement.tolerance, "um"),
+        tolerance_um=to_unit(judgement.tolerance, "um") or None,
         guard_band_um=GUARD * float(std.max()),
         places=places,
         found_rms_um=float(np.sqrt(np.sum(found**2) / places)),
@@ -231,8 +237,9 @@ def check_sentences(answer: CheckAnswer) -> list[str]:
 
 def _judged(answer: CheckAnswer) -> list[str]:
     """Return what was judged, the verdict first."""
+    judged, bare = "{verdict} at {tolerance:.3g} um, guard band {guard:.3g} um: {why}.", "{verdict}: {why}."
     verdict = said(
-        "{verdict} at {tolerance:.3g} um, guard band {guard:.3g} um: {why}.",
+        bare if answer.tolerance_um is None else judged,
         verdict=said(VERDICTS[answer.verdict]),
         tolerance=answer.tolerance_um,
         guard=answer.guard_band_um,
@@ -293,6 +300,9 @@ def _why(answer: CheckAnswer) -> str:
         return later(
             "the readings contradict what is said of the tables or the set-ups: see the warning, and read again"
         )
+    if answer.tolerance_um is None:
+        working = later("all tables that the readings show work as exported, and no tolerance says which sizes pass")
+        return working if answer.working else later("the readings show no table, and no tolerance is given")
     near = later("a deviation lies so near to the tolerance that the readings cannot decide: read again, or better")
     return {
         "pass": later("every deviation lies inside, with its uncertainty"),

@@ -67,12 +67,25 @@ class PlanPoint(AnswerDocument):
     check: bool = Field(False, exclude_if=lambda check: not check)
 
 
+class OtherSearches(AnswerDocument):
+    """Searches from other starts: how many, how many found a better plan, and how many one as good within 0.1 % of J.
+
+    share : the least J that they found, of that of the plan without its checks
+    """
+
+    count: int
+    better: int
+    alike: int
+    share: float
+
+
 class PlanAnswer(PlannedAnswer):
     """A plan in full.
 
     `points`, `J`, `rms_um`, `worst_um` and `ratio` leave out what no reading shows, such as the error of a wavelength
     units : of the axes
     certain_minutes : of a plan for the same target if all that is stated were exact, and nothing else went wrong
+    searches : from other starts; None where the bound is near, or none was asked for
     ratio : of the mean variances that the two RMS figures are the roots of; of J where the criterion is another one
     """
 
@@ -93,6 +106,7 @@ class PlanAnswer(PlannedAnswer):
     ratio: float | None
     bound_holds_for: str | None
     proof_gap_percent: float | None
+    searches: OtherSearches | None = None
 
 
 @one_thread()
@@ -125,7 +139,16 @@ def plan_answer(
         ratio=finite(ratio),
         bound_holds_for=_holds_for(proposal),
         proof_gap_percent=None if proposal.gap is None else finite(_gap_percent(case, proposal)),
+        searches=_others(proposal),
     )
+
+
+def _others(proposal: Proposal) -> OtherSearches | None:
+    """Return what searches from other starts found."""
+    found = proposal.searches
+    if found is None:
+        return None
+    return OtherSearches(count=found.count, better=found.better, alike=found.alike, share=found.share)
 
 
 @one_thread()

@@ -26,7 +26,7 @@ from axiscal.description.type_b import MEASURED_TEMPERATURE
 from axiscal.language.spoken import counted, ending, listed, put, said
 from axiscal.machine.questions import questions
 from axiscal.planning.helping import helping_words
-from axiscal.present.plan_answer import PlanAnswer
+from axiscal.present.plan_answer import OtherSearches, PlanAnswer
 from axiscal.present.sentences import cause_words
 from axiscal.tables.exporter import unasked
 from axiscal.units import said_quantity, um_text
@@ -169,6 +169,8 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
         check = "  " + said("check") if point.check else ""
         yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}{check}"
     yield bound_sentence(answer)
+    if answer.searches is not None:
+        yield _searches(answer.searches)
     if answer.certain_minutes is not None:
         minutes = put("{minutes:.0f}", minutes=answer.certain_minutes)
         yield said("If all that is stated were exact, and nothing else went wrong: {minutes} min.", minutes=minutes)
@@ -209,6 +211,18 @@ def bound_sentence(answer: PlanAnswer) -> str:
     if answer.reachable_rms_um < _MUCH * bound:
         return f"{text}."
     return f"{text}. Of both, {answer.reachable_rms_um:.3g} um is what endless readings leave."
+
+
+def _searches(found: OtherSearches) -> str:
+    """Return what searches from other starts found."""
+    one, many = "{count} independent search", "{count} independent searches"
+    searches = counted(one, many, found.count)
+    if not found.better:
+        what = "{searches} from other starts: none better, {alike} within 0.1 %."
+        return said(what, searches=searches, alike=found.alike)
+    less = put("{percent:.2g}", percent=100 * (1 - found.share))
+    what = "{searches} from other starts: {better} better, the best by {percent} % of J."
+    return said(what, searches=searches, better=found.better, percent=less)
 
 
 def _percent(value: float | None) -> str:

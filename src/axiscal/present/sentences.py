@@ -54,16 +54,15 @@ def percent(share: float) -> str:
     return f"{decimals(f'{100 * share:.1f}')} %"
 
 
-def figure(value: float) -> str:
-    """Return value with three significant digits, without an exponent where a person would write none."""
-    size = abs(value)
+def figure(value: float, digits: int = 3) -> str:
+    """Return value with so many significant digits, without an exponent where a person would write none."""
+    size, shown = abs(value), f".{digits - 1}e"
     if size == 0:
         return "0"
-    if not 1e-3 <= float(f"{size:.3g}") < _LONG:
-        mantissa, exponent = f"{value:.2e}".split("e")
+    if not 1e-3 <= float(f"{size:{shown}}") < _LONG:
+        mantissa, exponent = f"{value:{shown}}".split("e")
         return _minus(decimals(f"{mantissa} × 10{str(int(exponent)).translate(_SUPERSCRIPT)}"))
-    digits = max(0, 2 - math.floor(math.log10(float(f"{size:.3g}"))))
-    return to_decimals(value, digits)
+    return to_decimals(value, max(0, digits - 1 - math.floor(math.log10(float(f"{size:{shown}}")))))
 
 
 def short(value: float) -> str:
@@ -72,10 +71,10 @@ def short(value: float) -> str:
     return text.rstrip("0").rstrip(point) if point in text and "×" not in text else text
 
 
-def quantity(value: float, unit: str) -> str:
+def quantity(value: float, unit: str, digits: int = 3) -> str:
     """Return value and unit with a space that does not break (none before degree and second signs)."""
     sign = unit_text(unit)
-    return f"{figure(value)}{sign if sign in '°″' else _NO_BREAK + sign}"
+    return f"{figure(value, digits)}{sign if sign in '°″' else _NO_BREAK + sign}"
 
 
 def values_text(values: Sequence[float], unit: str) -> str:

@@ -1,6 +1,8 @@
 """The statement of uncertainty: what U holds for and what it is made of, so that a metrologist can redo it by hand.
 
 u = √(Σ u_i²),    U = k u
+
+Parts, u and k have a digit more than U, so that whoever redoes the sum finds U as it is printed.
 """
 
 from __future__ import annotations
@@ -18,10 +20,14 @@ from axiscal.measurement.reading import reading_unit
 from axiscal.measurement.setup import SaidOfDrift, Setup
 from axiscal.present.result_set import RECORD
 from axiscal.present.sentences import coordinate, figure, percent, quantity, root_mean_square, spelt
-from axiscal.present.summary import BudgetRow, ConstantSummary, CurveSummary, Summary, Uncertainty
+from axiscal.present.summary import WORTH, BudgetRow, ConstantSummary, CurveSummary, Summary, Uncertainty
 from axiscal.present.volume_error import PlaneSummary
 from axiscal.units import said_quantity, to_unit
 
+_PARTS = 4
+"""Digits: one more than of U."""
+_UNSEEN = 1e-6
+"""Share of u² that changes none of them."""
 _HOUR, _MANY = 3600.0, 3
 """s; and names in a clause, a matter of taste."""
 
@@ -79,14 +85,22 @@ def statement(summary: Summary) -> Statement:
         *(_error(each.caption, each, each.value_unit) for each in summary.planes),
         *(_error(spelt(each.words), each, each.unit) for each in constants),
     ]
-    sources = [_source(row) for row in summary.budget]
-    total = _sum(summary) if sources else ""
-    return Statement(named, list(_figures(summary)), sources, total, errors, list(_rows(summary)))
+    total = _sum(summary) if summary.budget else ""
+    return Statement(named, list(_figures(summary)), list(_sources(summary)), total, errors, list(_rows(summary)))
+
+
+def _sources(summary: Summary) -> Iterator[list[str]]:
+    """Yield each source of u, those too small for a row as one: their squares add up to u²."""
+    yield from map(_source, summary.budget)
+    share = (summary.smaller_um / summary.rms_um) ** 2 if summary.budget else 0.0
+    if share > _UNSEEN:
+        words = said("Other sources, each less than {most:.2%} of u²", most=WORTH)
+        yield [spelt(words), "", "", quantity(summary.smaller_um, "um", _PARTS), percent(share)]
 
 
 def _source(row: BudgetRow) -> list[str]:
     distribution = said(row.distribution) if row.distribution else ""
-    return [spelt(row.words), row.kind, distribution, quantity(row.rms_um, "um"), percent(row.share)]
+    return [spelt(row.words), row.kind, distribution, quantity(row.rms_um, "um", _PARTS), percent(row.share)]
 
 
 def answered(summary: Summary) -> AnswerText:
@@ -115,9 +129,9 @@ def _figures(summary: Summary) -> Iterator[tuple[str, str]]:
 
 def _sum(summary: Summary) -> str:
     """Return how u and U follow from the sources."""
-    u, found = quantity(summary.rms_um, "um"), summary.expanded
+    u, found = quantity(summary.rms_um, "um", _PARTS), summary.expanded
     words = "u = √(sum of squares) = {u}. U = k u = {k} · {u} = {expanded}."
-    return said(words, u=u, k=figure(found.factor), expanded=quantity(found.space, "um"))
+    return said(words, u=u, k=figure(found.factor, _PARTS), expanded=quantity(found.space, "um"))
 
 
 def _error(caption: str, error: CurveSummary | PlaneSummary | ConstantSummary, unit: str) -> list[str]:

@@ -54,6 +54,7 @@ from axiscal.present.findings import findings, observability
 from axiscal.present.sentences import cause_words
 from axiscal.present.statement import conditions, counted_along
 from axiscal.present.summary import (
+    WORTH,
     BudgetRow,
     Finding,
     HistoryRow,
@@ -155,8 +156,6 @@ _WORDS = {
     "sizes": later("Sizes of the errors, as far as the readings leave them open"),
 }
 _DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangular": later("rectangular")}
-_WORTH = 5e-4
-"""Shares below are left out: they show as nought."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -199,7 +198,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
     rows = _history(campaign, estimation)
     linear, found, stated = linearity(estimation), expanded_uncertainty(estimation), estimation.stated
     space, worst, x, y, z = (to_unit(each, "um") for each in (found.space, found.worst, *found.axes))
-    factor = found.factor(estimation.accuracy.rms)
+    factor, (sources, smaller) = found.factor(estimation.accuracy.rms), budget_rows(estimation)
     target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
     changes = [said("A person accepted: {change}.", change=change_words(each)) for each in campaign.state.accepted]
     accepted, over = [Finding("accepted", None, change) for change in changes], campaign.state.finished is not None
@@ -254,7 +253,8 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         bent=bent_volume(estimation, controller, control) if campaign.state.readings else None,
         positioning=positioning_curves(estimation, control),
         circles=ball_bar_circles(estimation, control),
-        budget=budget_rows(estimation),
+        budget=sources,
+        smaller_um=smaller,
         particulars=description.particulars,
         checksums=_checksums(campaign),
         ended=last.date().isoformat(),
@@ -350,16 +350,17 @@ def not_gaussian(found: Linearity) -> Iterator[Finding]:
     yield Finding("not-gaussian", None, said(text, reading=found.reading, times=float(found.largest)))
 
 
-def budget_rows(known: Estimation) -> list[BudgetRow]:
-    """Return the sources of the standard uncertainty above 0, the largest first."""
+def budget_rows(known: Estimation) -> tuple[list[BudgetRow], float]:
+    """Return the sources of the standard uncertainty, the largest first, and the RMS of those without a row, um."""
     shares = budget(known)
     whole = sum(share.rms**2 for share in shares) or 1.0
     rows = []
     for share in shares:  # of type A (GUM 4.2), or of type B with its distribution
         evaluated = ("A", "") if share.cause is None else ("B", _DISTRIBUTIONS[share.cause.row.distribution])
         rows.append(BudgetRow(_words(share), to_unit(share.rms, "um"), share.rms**2 / whole, *evaluated))
-    counted = [row for row in rows if row.share >= _WORTH]
-    return [counted[k] for k in ranked(np.array([row.share for row in counted]), ALIKE)]
+    counted = [row for row in rows if row.share >= WORTH]
+    smaller = math.sqrt(sum(row.rms_um**2 for row in rows if row.share < WORTH))
+    return [counted[k] for k in ranked(np.array([row.share for row in counted]), ALIKE)], smaller
 
 
 def _words(share: BudgetShare) -> str:

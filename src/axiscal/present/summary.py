@@ -168,6 +168,10 @@ class Iso230:
     left_out: Sequence[int] = ()
 
 
+WORTH = 5e-4
+"""Shares of the square below have no row of their own: they would show as nought."""
+
+
 @dataclass(frozen=True, slots=True)
 class BudgetRow:
     """One source of the uncertainty in words, its standard uncertainty over the volume, um, and share of the square.
@@ -224,7 +228,7 @@ class Summary:
     answer : what is said first; without what tables leave until they are made
     agreement_words : whether the readings agree, in a sentence, "" before the first
     controller : whose tables make what pictures and `volume` show as left
-    radii : the axes whose displays show diameters
+    radii : the axes whose displays show diameters; smaller_um : of the sources whose shares are below `WORTH`
     mistakes : what explains readings that contradict, the likeliest first: its kind, odds, set-ups, and in words
     """
 
@@ -268,6 +272,7 @@ class Summary:
     positioning: Sequence[PositioningCurve] = ()
     circles: Sequence[BallBarCircle] = ()
     budget: Sequence[BudgetRow] = ()
+    smaller_um: float = 0.0
     particulars: Particulars = NOTHING_SAID
     checksums: Mapping[str, str] = field(default_factory=dict)
     ended: str = ""

@@ -68,7 +68,7 @@ def check(desk: Desk, control: str) -> CheckShape:
     lines = check_plan(checked, places)[1]
     return CheckShape(
         sentences=[spelt(line) for line in lines],
-        tolerance=f"{digits(to_unit(checked.tightest(None) or checked.tables.U, 'um'))} um",
+        tolerance=f"{digits(to_unit(checked.allowed(None) or checked.tables.U, 'um'))} um",
         places=check_places(checked, places, desk.virtual),
     )
 
@@ -89,4 +89,4 @@ def judge(desk: Desk, asked: CheckedRequest) -> CheckedShape:
 
 def _check(desk: Desk, control: str) -> tuple[Check, Places]:
     check = Check.from_campaign(desk.campaign, control)
-    return check, check.planned(tolerance=check.tightest(None))
+    return check, check.planned(tolerance=check.allowed(None))

@@ -1,7 +1,7 @@
 """The desk: one open campaign, the steps that a page may ask of it, and the state that all pages are shown.
 
-Everything here runs on one thread. A step says which state it answers. The desk refuses a step if the record has moved
-on since, so that no reading answers another question.
+Everything here runs on one thread. A step says which state it answers. `once` refuses it if the record has moved on
+since, so that no reading answers another question.
 """
 
 from __future__ import annotations
@@ -171,13 +171,22 @@ class Desk:
         words = {cause: said(CAUSES[cause]) for cause in named}
         return TypedShape(values=shown, surprise=surprise, surprising=True, sentence=sentence, causes=words)
 
-    def once(self, step: Callable[[Desk], str]) -> str:
-        """Do a step unless the record has it: where its answer got lost on the way it is sent again."""
-        return said("That is kept already.") if self.campaign.has_done(step_now()) else step(self)
+    def once(self, step: Callable[[Desk], str], after: int | None = None) -> str:
+        """Do a step, unless the record has it: where its answer got lost on the way it is sent again.
 
-    def keep(self, after: int, text: str, cause: Cause | None = None) -> str:
+        after : `last` of the state that it answers, None for what answers none; OvertakenError if that has changed
+        """
+        if self.campaign.has_done(step_now()):
+            return said("That is kept already.")
+        if self._moved_on():
+            self._show()
+        if after is not None and self.campaign.state.last != after and after not in self._alike:
+            what = said("The record has moved on in the meantime, in another window or program: nothing was done")
+            raise OvertakenError(what, said("Look at what is asked now, then do it again if it is still right"))
+        return step(self)
+
+    def keep(self, text: str, cause: Cause | None = None) -> str:
         """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one."""
-        self._refuse_overtaken(after)
         asked = self.campaign.open_question()
         question = self._question or Question.from_campaign(self.campaign, asked)
         typed = self._value(text, question)
@@ -189,14 +198,12 @@ class Desk:
         self._show()
         return f"{said('Kept reading {number}; it is on the disk.', number=kept.number)} {told}".rstrip()
 
-    def jog(self, after: int, text: str, *, anyway: bool) -> str:
+    def jog(self, text: str, *, anyway: bool) -> str:
         """Keep what the display shows at the test of its sign; raises ReadingError where that is wrong."""
-        self._refuse_overtaken(after)
         return self._noted(lambda: try_jog(self.campaign, text, anyway=anyway))
 
-    def accept(self, after: int) -> str:
+    def accept(self) -> str:
         """Put right the mistake that readings name; raises RecordError where they name none."""
-        self._refuse_overtaken(after)
         named = self._explained()
         if named is None:
             raise RecordError(said("The readings name no mistake"), said("Go on with the readings"))
@@ -204,9 +211,8 @@ class Desk:
         self._show()
         return said("Put right: {change}; undo takes it back.", change=change_words(told))
 
-    def skip(self, after: int, reason: str, *, rest: bool = False) -> str:
+    def skip(self, reason: str, *, rest: bool = False) -> str:
         """Keep in mind that the reading asked for cannot be taken; rest : nor any other of its set-up."""
-        self._refuse_overtaken(after)
         skipped = self.campaign.skip(reason, rest=rest)
         self._show()
         if rest:
@@ -217,8 +223,6 @@ class Desk:
 
     def note(self, text: str) -> str:
         """Keep a sentence in the record; who has seen the state before may still answer what is asked."""
-        if self._moved_on():  # somebody else has: what is seen on a page is no longer what is asked
-            self._show()
         return self._noted(lambda: take_note(self.campaign, text))
 
     def _noted(self, told: Callable[[], str]) -> str:
@@ -244,37 +248,33 @@ class Desk:
         """Return what skipping the reading costs, or leaving its set-up."""
         return SentenceShape(sentence=spelt(cost_sentence(cost_words(self.campaign, rest=rest))))
 
-    def set_anew(self, after: int, answer: Answer | None) -> str:
+    def set_anew(self, answer: Answer | None) -> str:
         """Keep that a zero was set anew before the next reading, or the answer to what the page asks."""
-        self._refuse_overtaken(after)
         named = None if answer is None else self._asks
         told = set_anew(self.campaign) if named is None or answer is None else confirmed(self.campaign, named, answer)
         self._show()
         return told
 
-    def undo(self, after: int) -> str:
+    def undo(self) -> str:
         """Take back the last reading, skip or end."""
-        self._refuse_overtaken(after)
         _, sentence = take_back(self.campaign)
         self._show()
         return sentence
 
-    def go_on(self, after: int) -> str:
+    def go_on(self) -> str:
         """Ask for one more reading although a target is reached."""
-        self._refuse_overtaken(after)
         asked = self.campaign.next(beyond=True)
         self._show()
         if isinstance(asked, Ended):
             return said("Nothing more to ask: {because}.", because=because_text(asked.because))
         return said("One more.")
 
-    def finish(self, after: int) -> str:
+    def finish(self) -> str:
         """End the campaign and write its results into the folder beside the record."""
         from axiscal.present.delivery import deliver  # pictures and tables, which no question waits for
         from axiscal.present.result_set import RECORD
         from axiscal.present.summarising import Extras
 
-        self._refuse_overtaken(after)
         self.campaign.refuse_other(self.results / RECORD)
         known = self.campaign.estimate(ended=True)
         self.campaign.finish()
@@ -289,13 +289,6 @@ class Desk:
         """Return the mistake that readings name which contradict each other, None for none."""
         found = self.campaign.estimate().agreement
         return found.explained[0] if found.contradicts and found.explained else None
-
-    def _refuse_overtaken(self, after: int) -> None:
-        if self._moved_on():
-            self._show()
-        if self.campaign.state.last != after and after not in self._alike:
-            what = said("The record has moved on in the meantime, in another window or program: nothing was done")
-            raise OvertakenError(what, said("Look at what is asked now, then do it again if it is still right"))
 
     def _moved_on(self) -> bool:
         """Take in what others have written since, and return whether that was anything."""

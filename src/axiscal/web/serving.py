@@ -134,35 +134,35 @@ class _Api:
 
     async def keep(self, asked: shapes.KeepRequest) -> Response:
         """Keep a reading of what is asked."""
-        return await self._done(asked.step, lambda desk: desk.keep(asked.after, asked.text, asked.cause))
+        return await self._done(asked.step, asked.after, lambda desk: desk.keep(asked.text, asked.cause))
 
     async def jog(self, asked: shapes.JogRequest) -> Response:
         """Keep what the display shows at the test of its sign."""
-        return await self._done(asked.step, lambda desk: desk.jog(asked.after, asked.text, anyway=asked.anyway))
+        return await self._done(asked.step, asked.after, lambda desk: desk.jog(asked.text, anyway=asked.anyway))
 
     async def skip(self, asked: shapes.SkipRequest) -> Response:
         """Note that the reading asked for cannot be taken."""
-        return await self._done(asked.step, lambda desk: desk.skip(asked.after, asked.reason, rest=asked.rest))
+        return await self._done(asked.step, asked.after, lambda desk: desk.skip(asked.reason, rest=asked.rest))
 
     async def note(self, asked: shapes.NoteRequest) -> Response:
         """Keep a sentence in the record."""
-        return await self._done(asked.step, lambda desk: desk.note(asked.text))
+        return await self._done(asked.step, None, lambda desk: desk.note(asked.text))
 
     async def set_anew(self, asked: shapes.AnewRequest) -> Response:
         """Note that a zero was set anew, bumped or mounted again."""
-        return await self._done(asked.step, lambda desk: desk.set_anew(asked.after, asked.answer))
+        return await self._done(asked.step, asked.after, lambda desk: desk.set_anew(asked.answer))
 
     async def undo(self, asked: shapes.StepRequest) -> Response:
         """Take back the last reading, skip or end."""
-        return await self._done(asked.step, lambda desk: desk.undo(asked.after))
+        return await self._done(asked.step, asked.after, lambda desk: desk.undo())
 
     async def go_on(self, asked: shapes.StepRequest) -> Response:
         """Ask for one more reading although a target is reached."""
-        return await self._done(asked.step, lambda desk: desk.go_on(asked.after))
+        return await self._done(asked.step, asked.after, lambda desk: desk.go_on())
 
     async def finish(self, asked: shapes.StepRequest) -> Response:
         """End the campaign and write its results beside the record."""
-        return await self._done(asked.step, lambda desk: desk.finish(asked.after))
+        return await self._done(asked.step, asked.after, lambda desk: desk.finish())
 
     async def report(self) -> Response:
         """The report, which allows its own scripts by their hashes and asks for nothing."""
@@ -187,7 +187,7 @@ class _Api:
 
     async def put_into(self, asked: shapes.LoadRequest) -> Response:
         """Put the tables into a printer."""
-        return await self._done("", lambda desk: after_end.put_into(desk, asked.control, asked.printer))
+        return await self._done("", None, lambda desk: after_end.put_into(desk, asked.control, asked.printer))
 
     async def again(self) -> Response:
         """When the machine is to be measured again."""
@@ -205,7 +205,7 @@ class _Api:
 
     async def accept(self, asked: shapes.StepRequest) -> Response:
         """Put right the mistake that readings name."""
-        return await self._done(asked.step, lambda desk: desk.accept(asked.after))
+        return await self._done(asked.step, asked.after, lambda desk: desk.accept())
 
     async def leave(self) -> Response:
         """Close the record, and show the start again."""
@@ -219,9 +219,9 @@ class _Api:
             return problem(404, "missing", "There is no report yet")
         return FileResponse(file, headers=headers)
 
-    async def _done(self, own: str, step: Callable[[Desk], str]) -> Response:
+    async def _done(self, own: str, after: int | None, step: Callable[[Desk], str]) -> Response:
         with writing(step=own):
-            sentence = await self._counter.do(lambda desk: desk.once(step))
+            sentence = await self._counter.do(lambda desk: desk.once(step, after))
         return document(shapes.DoneShape(sentence=sentence, state=await self._counter.newer(0, 0.0)))
 
     async def start(self) -> Response:

@@ -133,6 +133,8 @@ _MANY = 3
 """With more set-ups all ways to share are not tried; the bound holds, only less tight."""
 
 
+_ROUNDING = 1e-12
+"""Share of what a reading shows that its parts are not known to; more of it makes a bound less tight, never wrong."""
 ZerosEach = Mapping[int, list[tuple[int, float]]]
 """By set-up: the whitened column of each zero, and its variance over the largest of what else a reading shows."""
 
@@ -188,7 +190,7 @@ def _of_setup(state: Covariance, lattice: Places, setup: int) -> list[tuple[int,
                 variance = float(own[0] * state.factor[column, place]) ** 2
                 total = np.sum((seen.rows @ state.factor) ** 2, axis=1) + seen.variances
                 else_shown = total - variance - observation.setups[setup].noise ** 2
-                found.append((place, variance / float(else_shown.max())))
+                found.append((place, variance / float(np.max(else_shown + _ROUNDING * total))))
                 break
     return found
 

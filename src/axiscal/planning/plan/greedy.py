@@ -158,11 +158,6 @@ def scores_among(task: Task, setups: Setups) -> Scores:
     return Scores(Pool(task.observation, lattice), task.state)
 
 
-def picked(task: Task, readings: int, setups: Setups) -> Places:
-    """Return the readings that picks alone make a plan of, before any exchange."""
-    return filled(scores_among(task, setups), readings, setups).places
-
-
 def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, int], NDArray[np.bool_]]:
     """Return which candidates may stand in a slot: of these set-ups, and no dearer than what it held plus the slack."""
 

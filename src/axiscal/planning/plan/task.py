@@ -154,19 +154,19 @@ _CALLS = 2e7
 
 
 class Patience:
-    """How much work is left, in floating point operations."""
+    """How much work is left, in floating point operations.  left : of them"""
 
     def __init__(self, work: float) -> None:
-        self._left = work
+        self.left = work
 
     @property
     def spent(self) -> bool:
         """Whether there is none left."""
-        return self._left <= 0
+        return self.left <= 0
 
     def take(self, work: float) -> None:
         """Take off what has been done."""
-        self._left -= work
+        self.left -= work
 
 
 def work_of_climb(size: int, seen: int) -> float:

@@ -61,21 +61,43 @@ class Carriage:
         if words[4] != "0":
             raise ValueError("a reversal is for another control")
         self.knots: list[float] = []
-        self.curves: list[list[list[float]]] = []
+        curves: list[list[list[float]]] = []
         for left in reversed(range(int(words[0]))):
             self.knots += lines.numbers("knot")
-            self.curves += [[lines.numbers() for _ in range(6)]] if left else []
+            curves += [[lines.numbers() for _ in range(6)]] if left else []
+        self.curves = [faded(curves[0], 0.0, -1), *curves, faded(curves[-1], self.knots[-1] - self.knots[-2], 1)]
+        self.knots = [self.knots[0] - FADE, *self.knots, self.knots[-1] + FADE]
+        self.pieces: list[tuple[float, ...]] = []
+        self.turns, self.leans = False, [0.0] * 3
 
-    def off(self, t: float) -> list[float]:
-        """Return displacement and rotation at t, mm and rad."""
-        inside = min(max(t, self.knots[0]), self.knots[-1])
-        n = min(bisect_right(self.knots, inside), len(self.knots) - 1) - 1
-        x, far = inside - self.knots[n], min(abs(t - inside), FADE)
-        beyond = (far - far * far / (2 * FADE)) * (1 if t > inside else -1)
-        return [
-            e + a + x * (b + x * (c + x * d)) + beyond * (b + x * (2 * c + 3 * x * d))
-            for e, (a, b, c, d) in zip(self.shift, self.curves[n])
-        ]
+    def fold(self, tool: list[float], lever: bool) -> None:
+        """Put tool, side and sign into the cubics, once for all.  lever : whether travels add to that of the tool"""
+        for curves in self.curves:
+            powers = [list(each) for each in zip(*curves)]
+            powers[0] = [e + a for e, a in zip(self.shift, powers[0])]
+            moved = [[d + r for d, r in zip(each[:3], crossed(each[3:], tool))] + each[3:] for each in powers]
+            self.pieces.append(tuple(-self.side * each[k] for k in range(6) for each in moved))
+        self.turns = lever and any(any(piece[12:]) for piece in self.pieces)
+        self.leans = [-each for each in crossed(self.tilt, [float(k == self.along) for k in range(3)])]
+
+    def added(self, t: float, lever: list[float]) -> tuple[float, float, float]:
+        """Return what is added for the axis at t, mm.  lever : the travels between it and the tool"""
+        knots = self.knots
+        inside = min(max(t, knots[0]), knots[-1])
+        n = bisect_right(knots, inside, 1, len(knots) - 1) - 1
+        x, piece, (u, v, w) = inside - knots[n], self.pieces[n], self.leans
+        a, b, c, d, e, f, g, h, i, j, k, m = piece[:12]
+        u = u * t + a + x * (b + x * (c + x * d))
+        v = v * t + e + x * (f + x * (g + x * h))
+        w = w * t + i + x * (j + x * (k + x * m))
+        if not self.turns:
+            return u, v, w
+        a, b, c, d, e, f, g, h, i, j, k, m = piece[12:]
+        a += x * (b + x * (c + x * d))
+        b = e + x * (f + x * (g + x * h))
+        c = i + x * (j + x * (k + x * m))
+        d, e, f = lever
+        return u + b * f - c * e, v + c * d - a * f, w + a * e - b * d
 
 
 class Correction:
@@ -93,35 +115,51 @@ class Correction:
         self.axes = [Carriage(lines) for _ in range(count)]
         if sorted(axis.along for axis in self.axes) != [0, 1, 2]:
             raise ValueError("its axes are not X, Y and Z")
+        for number, axis in enumerate(reversed(self.axes)):
+            axis.fold(self.tool, bool(number) or axis.side < 0)
+        self.chain = self.axes[::-1]
         deep = int(lines.after("bed")[1])
         self.x, self.y = lines.numbers(), lines.numbers()
         self.bed = [lines.numbers() for _ in range(deep)]
 
     def at(self, place: list[float]) -> list[float]:
         """Return what is added at x, y, z, mm."""
-        first = self._once(place)
-        x, y, z = self._once([t + further for t, further in zip(place, first)])
-        return [x, y, z + self._height(place[0], place[1])]
+        x, y, z = place
+        u, v, w = self._once(place)
+        u, v, w = self._once([x + u, y + v, z + w])
+        return [u, v, w + self._height(x, y)]
 
-    def _once(self, place: list[float]) -> list[float]:
-        lever, off = list(self.tool), [0.0, 0.0, 0.0]
-        for axis in reversed(self.axes):
-            k, t, side = axis.along, place[axis.along], axis.side
-            found = axis.off(t)
+    def _once(self, place: list[float]) -> tuple[float, float, float]:
+        lever, x, y, z = [0.0, 0.0, 0.0], 0.0, 0.0, 0.0
+        for axis in self.chain:
+            k, side = axis.along, axis.side
+            t = place[k]
             if side < 0:
                 lever[k] += t
-            way = [t if i == k else 0.0 for i in range(3)]
-            turned, tilted = crossed(found[3:], lever), crossed(axis.tilt, way)
-            off = [o + side * (d + r) + v for o, d, r, v in zip(off, found, turned, tilted)]
+            u, v, w = axis.added(t, lever)
+            x, y, z = x + u, y + v, z + w
             if side > 0:
                 lever[k] += t
-        return [-each for each in off]
+        return x, y, z
 
     def _height(self, x: float, y: float) -> float:
         i, u = cell(self.x, x)
         j, v = cell(self.y, y)
-        low, high = ((1 - u) * row[i] + u * row[i + 1] for row in self.bed[j : j + 2])
-        return (1 - v) * low + v * high
+        low, high = self.bed[j], self.bed[j + 1]
+        return (1 - v) * ((1 - u) * low[i] + u * low[i + 1]) + v * ((1 - u) * high[i] + u * high[i + 1])
+
+
+def faded(curves: list[list[float]], x: float, way: int) -> list[list[float]]:
+    """Return the cubics over FADE beyond an end, to which the slope there falls to nothing.
+
+    curves : of the piece that ends or begins there, at x of it; way : 1 beyond the last knot, -1 before the first
+    """
+    found = []
+    for a, b, c, d in curves:
+        value, slope = a + x * (b + x * (c + x * d)), b + x * (2 * c + 3 * x * d)
+        bent = slope / (2 * FADE)
+        found.append([value, slope, -bent, 0.0] if way > 0 else [value - slope * FADE / 2, 0.0, bent, 0.0])
+    return found
 
 
 def cell(places: list[float], at: float) -> tuple[int, float]:

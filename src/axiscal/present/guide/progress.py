@@ -89,6 +89,7 @@ def others_doubted(campaign: Campaign, before: frozenset[int], *, command: bool 
     doubtful = "with this one, {reading}, is no longer relied on. Read there again."
     minds = [said(doubtful, reading=_shown(campaign, index)) for index in sorted(now - before - {last})]
     minds += [said("with this one, {reading}, is believed.", reading=_shown(campaign, index)) for index in before - now]
+    minds += _clock_asked(campaign)
     surprise, doubt = known.absorbed.innovations[last], last_doubt(campaign)
     size = (surprise.chi_square / surprise.degrees) ** 0.5
     if doubt is not None:
@@ -135,6 +136,23 @@ class Named(NamedTuple):
     def typed(self) -> dict[str, Answer]:
         """What a person types for each of several answers."""
         return {said("jump").lower(): "jump", said("backlash").lower(): "backlash"}
+
+
+_NIGHT = 16 * 3600.0
+"""s between two readings from which on the clock is asked about: from one evening to the next day takes less."""
+
+
+def _clock_asked(campaign: Campaign) -> list[str]:
+    """Return a question about the last reading where the clock says that more than a night went before it."""
+    *before, last = campaign.state.readings
+    earlier = before[-1] if before else last
+    if last.time is None or earlier.time is None or last.time - earlier.time <= _NIGHT:
+        return []
+    what = (
+        "the clock says that {passed} have passed since reading {number}. If it has jumped, take this one back, set it "
+        "right, and read again."
+    )
+    return [said(what, passed=format_quantity(last.time - earlier.time, "h", 3), number=earlier.number)]
 
 
 def named_now(campaign: Campaign) -> Named | None:
