@@ -101,7 +101,7 @@ class _Api:
     async def code(self, asked: shapes.CodeRequest, request: Request) -> Response:
         """Return a code that lets a device of a person in; only the page of this computer may ask."""
         if request.url.scheme != "http":
-            return problem(403, "forbidden", said("Codes are shown at the computer alone"))
+            return problem(403, "forbidden", "Codes are shown at the computer alone")
         return document(self._open_shop().code(asked.person))
 
     async def let_in(self, asked: shapes.DeviceRequest) -> Response:
