@@ -30,9 +30,8 @@ _JOINT = re.compile(r"(?:JOINT|AXIS)_(\d{1,2})")
 _NAMED = re.compile(r"([A-Z][0-9]?)=(.+)")
 _OTHERS = re.compile(r"README\.txt|manifest.*\.json")
 """Files of an export that no control loads."""
-_DIGITS = 60
-"""In a row: a double has 17, and the zeros of a small one written out are fewer than the others."""
-_TOO_LONG = re.compile(rf"\d{{{_DIGITS + 1},}}")
+_TOO_LONG = re.compile(r"\d{61,}")
+"""Digits in a row: a double has 17, and the zeros of a small one written out are fewer than the others."""
 
 
 @dataclass(frozen=True, slots=True)
