@@ -16,7 +16,7 @@ from axiscal.measurement.candidates import drawn_places
 from axiscal.measurement.reading import Place, Places
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.next_readings import next_places, placed, posed
-from axiscal.planning.other_readings import Checked, checks_among, columns_of, with_checks
+from axiscal.planning.other_readings import checks_among, columns_of, with_checks
 from axiscal.planning.plan.order import seconds_along
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
@@ -93,17 +93,17 @@ def test_checks_come_on_top_of_what_an_accuracy_needs_and_fit_into_a_budget() ->
 
 
 def test_a_budget_is_planned_again_from_the_first_plan_with_room_for_its_checks() -> None:
-    case, asked = case_of('budget = "16 min"'), list[tuple[float, int, int]]()
+    case, asked = case_of('budget = "16 min"'), list[tuple[float, int]]()
     task, full = posed(case, case.knowledge), plan_of("readings = 20\nchecks = 0")
     room = seconds_along(task, columns_of(case, full)) + 1.0
 
-    def plan(limits: Limits, left: Sequence[Place], checked: Checked) -> tuple[Place, ...]:
-        asked.append((limits.budget or 0.0, len(left), len(checked(full)) - len(full)))
+    def plan(limits: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
+        asked.append((limits.budget or 0.0, len(left)))
         return full[: 16 if left else 20]
 
     found = with_checks(case, task, Limits(budget=room), (), (), plan)
-    (first, *none), (second, *begun) = asked
-    assert (first, none, begun) == (room, [0, 5], [20, 5])
+    (first, none), (second, begun) = asked
+    assert (first, none, begun) == (room, 0, 20)
     assert second < room
     assert seconds_along(task, columns_of(case, found)) <= room
     assert len(checks(found)) >= 3

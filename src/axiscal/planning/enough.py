@@ -16,7 +16,7 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_rows
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import blank_readings
-from axiscal.planning.other_readings import Checked, with_both_sides, with_rooms
+from axiscal.planning.other_readings import with_both_sides, with_rooms
 from axiscal.planning.plan.task import Goal, Limits
 from axiscal.planning.promise import FEW, foreseen
 
@@ -64,23 +64,16 @@ def enough(case: Case, limits: Limits, readings: Sequence[Reading] = ()) -> Limi
 
 
 def goal_of(
-    case: Case,
-    limits: Limits,
-    readings: Sequence[Reading] = (),
-    believed: Sequence[Reading] = (),
-    checked: Checked = tuple,
-    unsure: float = 1.0,
+    case: Case, limits: Limits, readings: Sequence[Reading] = (), believed: Sequence[Reading] = (), unsure: float = 1.0
 ) -> Goal | None:
     """Return what readings to come are to reach; None where limits ask for no accuracy.
 
-    readings : so far; believed : of these; checked : the readings to come with the checks that belong to them
-    unsure : factor by which what is foreseen may yet become larger
+    readings : so far; believed : of these; unsure : factor by which what is foreseen may yet become larger
     """
     if not limits.accurate:
         return None
 
     def reached_at(within: Limits, places: Places) -> bool:
-        coming = with_both_sides(case, readings, with_rooms(case, places))
-        return reached_by(case, within, checked(coming), believed)
+        return reached_by(case, within, with_both_sides(case, readings, with_rooms(case, places)), believed)
 
     return Goal(partial(reached_at, limits), partial(reached_at, limits.times(1 / unsure)))

@@ -29,7 +29,6 @@ from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.numerics import Array
 from axiscal.planning.enough import enough, goal_of
 from axiscal.planning.other_readings import (
-    Checked,
     columns_of,
     planned_with_markers,
     with_both_sides,
@@ -60,16 +59,15 @@ def planned_places(
     gaps: Sequence[Gap] = (),
     left: Sequence[Place] = (),
     believed: Sequence[Reading] = (),
-    checked: Checked = tuple,
 ) -> tuple[Place, ...]:
     """Return the readings to come, chosen together, in the order of a short way.  Raises PlanError.
 
     task, limits : what is to be planned after the readings so far, and when it ends; believed : of these readings
     gaps : places that could not be read, which are planned around
-    left : of an earlier plan and in no gap, to begin with; checked : readings with their checks, as a plan is judged
+    left : of an earlier plan and in no gap, to begin with
     """
     unsure = 1 + 1 / math.sqrt(2 * max(len(task.taken), 1)) if len(case.sizes) and left else 1.0
-    goal = goal_of(case, limits, readings, believed, checked, unsure)
+    goal = goal_of(case, limits, readings, believed, unsure)
 
     def planned(within: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
         coming = _chosen(case, task, within, goal, left, gaps)
@@ -94,10 +92,10 @@ def reaching(
     heeded : limits that a search heeds for them
     """
 
-    def beside_checks(within: Limits, left: Sequence[Place], checked: Checked) -> tuple[Place, ...]:
+    def beside_checks(within: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
         most = [each for each in (heeded.readings, within.readings) if each is not None]
         search = replace(heeded, readings=min(most, default=None), budget=within.budget)
-        return planned_places(case, task, search, readings, gaps, left, believed, checked)
+        return planned_places(case, task, search, readings, gaps, left, believed)
 
     return with_checks(case, task, limits, readings, left, beside_checks)
 

@@ -251,10 +251,8 @@ def _there(case: Case, setup: Setup, axis: int, like: Place, at: float, side: in
 _SHARE, _FEWEST, _MOST, _LEAST = 5, 3, 12, 12
 """One of so many readings is a check, from few that tell s to many; below so many readings all are planned ones."""
 
-Checked = Callable[[Sequence[Place]], tuple[Place, ...]]
-"""The readings to come with the checks that belong to them."""
-Within = Callable[[Limits, Sequence[Place], Checked], tuple[Place, ...]]
-"""The readings to come within limits, from those that are left of a plan, judged with their checks."""
+Within = Callable[[Limits, Sequence[Place]], tuple[Place, ...]]
+"""The readings to come within limits, from those that are left of a plan."""
 
 
 def checks_among(described: CampaignDescription, readings: int) -> int:
@@ -270,7 +268,7 @@ def with_checks(
     """Return the readings to come with the checks among them, within the limits.  Raises PlanError.
 
     readings : so far; left : of an earlier plan, with its checks
-    A budget holds their time as well, and an accuracy is reached together with them.
+    A budget holds their time as well; they come on top of what an accuracy needs.
     """
     described, most, count = case.description, limits.readings, _MOST
     own, known = (tuple(place for place in left if place.check is which) for which in (False, True))
@@ -283,13 +281,13 @@ def with_checks(
         raise PlanError(what, remedy, checks=described.target.checks or count, readings=most)
     checks, budget = _Checks(case, task, readings, known, distinct(task.lattice), count, limits.readings), limits.budget
     if limits.readings == 0 or budget is None:
-        return checks.beside(() if limits.readings == 0 else plan(limits, own, checks.beside))
+        return checks.beside(() if limits.readings == 0 else plan(limits, own))
     if not own:  # what checks take follows from a plan that fills the time without them
-        own = plan(limits, (), checks.beside)
+        own = plan(limits, ())
         if checks.seconds(found := checks.beside(own)) <= budget:
             return found
     within = replace(limits, budget=budget - checks.seconds_beside(own))
-    places = plan(within, without_markers(case, readings, own), checks.beside)
+    places = plan(within, without_markers(case, readings, own))
     return checks.fitting(places, budget)
 
 

@@ -26,7 +26,7 @@ from axiscal.planning.plan.order import seconds_along, seconds_around, set_ups_i
 from axiscal.planning.plan.run import Ways
 from axiscal.planning.plan.task import Goal, Limits, Patience, Task, work_of_climb
 from axiscal.planning.plan.tour import Tour
-from axiscal_core.ties import ALIKE, first_best
+from axiscal_core.ties import ALIKE, first_best, ranked
 
 _STARTS, _SEED = 8, 1
 """Tours that are begun for one set of set-ups; any seed: a plan is the same every time."""
@@ -41,6 +41,8 @@ _ROUNDS = 3
 _WORK, _SHARES = 1e10, 4
 """Operations after which no tour is begun, and the part of them for one round of swaps: by work, not by the clock, for
 the same plan anywhere."""
+_CLIMBS = 6e9
+"""Operations of climbs after which no other tour is brought off the lattice: a large plan is one of them."""
 _BESIDE = 6e8
 """Operations after which no other tour is begun for a target: the one that has grown to it is nearly as good."""
 _GROWTH, _MORE, _POWER = 1.4, 2, 1.0
@@ -64,7 +66,21 @@ def toured(task: Task, limits: Limits, sets: Iterable[Setups], patience: float) 
 
     setups = of_best_size(sets, left)
     left(setups)
-    return retoured(task, limits, setups, _best_begun([first[setups]], partial(begun, setups), _WORK).places, patience)
+    return _climbed(task, limits, _all_begun([first[setups]], partial(begun, setups), _WORK), patience)
+
+
+def _climbed(task: Task, limits: Limits, tours: Sequence[Tour], patience: float) -> Places:
+    """Return what the best of some tours become off the lattice, where the best one may not stay the best.
+
+    tours : the best first
+    """
+    climb, done, found = _ROUNDS * work_of_climb(task.observation.size, task.observation.size), 0.0, list[Places]()
+    for tour in tours:
+        if done > _CLIMBS:
+            break
+        found.append(retoured(task, limits, tuple(tour.runs), tour.places, patience))
+        done += climb * len(tour.places)
+    return found[first_best(-np.array([task.state.after_readings(each).value for each in found]), ALIKE)]
 
 
 def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, patience: float) -> Places | None:
@@ -86,7 +102,7 @@ def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, pat
     if best is None:
         return None
     begun = partial(_begun, replace(limits, budget=longest), ways, scores, tuple(best.runs))
-    tour = _best_begun([best], begun, _BESIDE)
+    tour, *_ = _all_begun([best], begun, _BESIDE)
     tour = _shortest(tour, ordered, partial(_settled, better=_WORTH)) if ordered.reached(tour.places) else best
     return retoured(task, limits, tuple(tour.runs), tour.places, patience, goal=goal)
 
@@ -174,11 +190,11 @@ def _best(tours: Sequence[Tour]) -> Tour:
     return tours[first_best(-np.array([tour.scores.state.value for tour in tours]), ALIKE)]
 
 
-def _best_begun(tried: list[Tour], begun: Callable[[int], Tour], work: float) -> Tour:
-    """Return the best of some tours and of further ones.  begun : the one of a number; work : after which none is"""
+def _all_begun(tried: list[Tour], begun: Callable[[int], Tour], work: float) -> list[Tour]:
+    """Return tours and further ones, the best first.  begun : the one of a number; work : after which none is"""
     while len(tried) < _STARTS and sum(tour.work for tour in tried) < work:
         tried.append(begun(len(tried)))
-    return _best(tried)
+    return [tried[k] for k in ranked(-np.array([tour.scores.state.value for tour in tried]), ALIKE)]
 
 
 def _begun(limits: Limits, ways: Ways, scores: Scores, setups: Setups, number: int) -> Tour:
