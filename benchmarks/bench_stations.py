@@ -19,7 +19,7 @@ from axiscal.description.campaign import campaign_from_texts, read_campaign
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.planning.next_readings import posed
-from axiscal.planning.plan.greedy import chosen_setups, picked
+from axiscal.planning.plan.greedy import chosen_setups, filled, scores_among
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.units import to_unit
 
@@ -43,7 +43,7 @@ def twelve() -> str:
 
 def left(case: Case, task: Task, readings: int, setups: tuple[int, ...]) -> float:
     """Return the RMS after readings of some set-ups, um."""
-    places = picked(task, readings, setups)
+    places = filled(scores_among(task, setups), readings, setups).places
     return to_unit(case.yardstick.rms_of(task.state.after_readings(places).value), "um")
 
 
