@@ -41,6 +41,12 @@ def server() -> Iterator[RunningServer]:
 def folder(server: RunningServer, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder of records, all of which are in the store too."""
     folder = tmp_path_factory.mktemp("records")
+    stock(server, folder)
+    return folder
+
+
+def stock(server: RunningServer, folder: Path) -> None:
+    """Write records of a shop into a folder, and bring them into a store."""
     shop(folder, 3)
     write_record(folder / "again.axiscal", slide(serial="7"), read_on(5))
     database = Database(store_address(server.address()))
@@ -48,7 +54,16 @@ def folder(server: RunningServer, tmp_path_factory: pytest.TempPathFactory) -> P
     for file in folder.glob("*.axiscal"):
         sent(database, file)
     database.close()
-    return folder
+
+
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[RunningServer]:
+    """Name a store with the same records that a test may add to."""
+    (tmp_path / "records").mkdir()
+    with running_server() as found:
+        stock(found, tmp_path / "records")
+        monkeypatch.setenv("AXISCAL_STORE", found.address())
+        yield found
 
 
 @pytest.fixture(autouse=True)
@@ -111,7 +126,7 @@ def test_the_list_of_a_store_estimates_each_once(folder: Path) -> None:
 
 
 @pytest.mark.long
-def test_of_two_that_went_on_differently_one_counts(folder: Path, server: RunningServer, tmp_path: Path) -> None:
+def test_of_two_that_went_on_differently_one_counts(own: RunningServer, tmp_path: Path) -> None:
     mine, other = tmp_path / "mine.axiscal", tmp_path / "other.axiscal"
     write_record(mine, slide(serial="9"), read_on(6)[:6])
     with Record.open(mine, write=False) as record:
@@ -119,7 +134,7 @@ def test_of_two_that_went_on_differently_one_counts(folder: Path, server: Runnin
     for file, readings in ((mine, read_on(6)[6:7]), (other, read_on(6)[8:12])):
         with Campaign.open(file) as campaign:
             campaign.adopt(tuple(readings))
-    database = Database(store_address(server.address()))
+    database = Database(store_address(own.address()))
     assert [sent(database, file).case for file in (mine, other)] == ["new", "fork"]
     branch = sent(database, other).campaign.called
     database.close()
@@ -143,9 +158,9 @@ def test_of_two_that_went_on_differently_one_counts(folder: Path, server: Runnin
 
 
 def test_campaigns_of_before_with_one_name_or_one_of_no_file_are_named_by_their_ids(
-    folder: Path, server: RunningServer, tmp_path: Path
+    own: RunningServer, tmp_path: Path
 ) -> None:
-    database = Database(store_address(server.address()))
+    database = Database(store_address(own.address()))
     for seed, name in ((7, "slide-1"), (8, "../../evil")):
         file = tmp_path / f"{seed}.axiscal"
         write_record(file, slide(), read_on(seed))
