@@ -129,7 +129,7 @@ def test_what_next_says_to_type_for_three_values_is_taken(tmp_path: Path, comman
     (tmp_path / "campaign.toml").write_text(head + ball + sphere)
     record = str(tmp_path / "ball.axiscal")
     assert run(["start", str(tmp_path / "campaign.toml"), record]) == 0
-    line = re.search(r'record \S+ "(X um, Y um, Z um)"', command("next", record).said)
+    line = re.search(r'record \S+ "(x um, y um, z um)"', command("next", record).said)
     assert line is not None
-    typed = line[1].replace("X", "1").replace("Y", "-2").replace("Z", "0.5")
+    typed = line[1].replace("x", "1").replace("y", "-2").replace("z", "0.5")
     assert "1 reading" in command("record", record, typed).said + command("status", record).said

@@ -68,10 +68,14 @@ def test_a_server_without_tls_is_refused_where_tls_is_asked_for(safe: tuple[Runn
     server, port = safe
     server.stop()
     server.start("listen_addresses=127.0.0.1", f"port={port}", "ssl=off")
-    assert not by_tls(port, "prefer")
-    for mode in ("require", *CHECKED):
-        with pytest.raises(RecordError, match=r"refuses SSL.*sslmode=prefer"):
-            by_tls(port, mode)
+    try:
+        assert not by_tls(port, "prefer")
+        for mode in ("require", *CHECKED):
+            with pytest.raises(RecordError, match=r"refuses SSL.*sslmode=prefer"):
+                by_tls(port, mode)
+    finally:
+        server.stop()
+        server.start("listen_addresses=127.0.0.1", f"port={port}", "ssl=on")
 
 
 def test_no_traceback_shows_the_password() -> None:

@@ -26,6 +26,7 @@ _CUP, _TRACED, _THREE = _open(SHIFTS, 1e-4), _open(SHIFTS, 5e-3), _open(ZEROS, 1
 _LASER, _GAUGE, _INCLINED = ((5e-6 / 3600, 3e-6 / 3600), (10e-6 / 3600, 3e-6 / 3600), (2e-6 / 3600, 2e-6 / 3600))
 """Drifts by the hour, as a rule and where all is warm: see the sources and assumptions below."""
 _TRACKED = *_THREE, *_open(TURNS, 1e-3)
+"""Open of a station that is set up by eye: three lengths, and turns of a milliradian (an assumption)."""
 _ZERO = Unknown("zero", 1e-3)
 _LOOSE = Unknown("zero", 1e-2)
 """Of a length: where it lies says nothing, and no printer is off by a centimetre."""

@@ -20,7 +20,6 @@ import numpy as np
 from axiscal.document.ports import one_of
 from axiscal.document.quoting import shown
 from axiscal.exceptions import AxiscalError, DescriptionError
-from axiscal.language.spoken import put
 from axiscal.machine.description import Machine
 from axiscal.measurement.instruments.kind import Instrument, Kind, Reads
 from axiscal.measurement.setup import Setup, Unknown
@@ -139,8 +138,8 @@ def _placed(file: Path | None, line: int | None) -> Iterator[None]:
     except AxiscalError:
         raise
     except refusals.InputError as fault:
-        what, _, remedy = str(fault).rstrip(".").rpartition(". ")
-        raise DescriptionError(put("{what}", what=what), put("{remedy}", remedy=remedy), file, line) from fault
+        wrong, _, right = str(fault).rstrip(".").rpartition(". ")
+        raise DescriptionError("{wrong}", "{right}", file, line, wrong=wrong, right=right) from fault
     except Exception as fault:
         what = "the instrument cannot be mounted ({kind}: {fault})"
         remedy = "Let its class be made of a name and the axes that move"
