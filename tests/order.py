@@ -20,9 +20,10 @@ def drawn(seed: str, *names: str) -> bytes:
 
 
 def place(seed: str, item: pytest.Item) -> tuple[bytes, bytes]:
-    """Return where a test comes: files in a drawn order, and so the tests of each."""
+    """Return where a test comes: files in a drawn order, and so the tests of each that does not say IN_ORDER."""
     file = item.path.relative_to(item.config.rootpath).as_posix()
-    return drawn(seed, file), drawn(seed, file, item.name)
+    together = getattr(getattr(item, "module", None), "IN_ORDER", False)
+    return drawn(seed, file), b"" if together else drawn(seed, file, item.name)
 
 
 @pytest.hookimpl(tryfirst=True)

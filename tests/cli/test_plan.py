@@ -46,7 +46,7 @@ def test_the_volume_criterion_says_its_bound_in_micrometres(campaign: Path, comm
     assert document["ratio"] == pytest.approx((document["rms_um"] / document["bound_rms_um"]) ** 2, rel=1e-6)
     said = command("plan", campaign, "--readings", "8", "--details").printed
     assert "No plan of" in said
-    assert "%" not in said
+    assert "% of" not in said
 
 
 def moves(folder: Path) -> list[str]:

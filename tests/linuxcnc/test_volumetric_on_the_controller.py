@@ -26,6 +26,8 @@ from tests.linuxcnc.test_closed_loop import known, rms, spread
 from tests.linuxcnc.watched import WatchedSession
 
 pytestmark = [*WITH_COMPONENT, pytest.mark.long]
+IN_ORDER = True
+"""One control goes on from where the last test left it: a start takes twenty seconds."""
 JOINTS = "XYZAC"
 SPEED, ACCELERATION = 500.0, 2500.0
 PLACES = 12

@@ -145,7 +145,7 @@ def test_one_question_one_answer_with_a_value_from_each(tmp_path: Path, command:
     said = command("next", record).printed
     assert '"1 um, 2 um, 3 um"' in said
     assert "reads the distances from its 3 stations, in their order" in said
-    assert "from each station in its order" in command("record", record, "1 um, 2 um").refusal
+    assert "Type each of 1 um, 2 um, 3 um" in command("record", record, "1 um, 2 um").refusal
     assert run(["record", str(record), "1 um, 2 um, -3 um"]) == 0
     with Campaign.open(record) as campaign:
         assert campaign.state.readings[0].values == pytest.approx((1e-6, 2e-6, -3e-6))

@@ -15,7 +15,7 @@ from axiscal.machine import load_machine
 from axiscal.planning.gains.covariance import criterion_after
 from axiscal.planning.next_readings import posed
 from axiscal.planning.plan import greedy
-from axiscal.planning.plan.greedy import Setups, chosen_setups, of_best_size
+from axiscal.planning.plan.greedy import Setups, chosen_setups, filled, of_best_size, scores_among
 from axiscal.planning.plan.task import Limits
 from tests.generators.texts import Said, setup_text
 
@@ -52,14 +52,19 @@ def test_what_readings_leave_follows_from_the_columns_that_they_feel(seed: int, 
 
 @pytest.mark.long
 @pytest.mark.parametrize("limits", [Limits(readings=4), Limits(readings=40)])
-def test_of_many_set_ups_those_are_chosen_that_looking_at_all_sizes_chooses(
+def test_of_many_set_ups_those_are_chosen_that_leave_no_more_than_looking_at_all_sizes(
     monkeypatch: pytest.MonkeyPatch, limits: Limits
 ) -> None:
+    """Where one reading is as good as another, either way of looking may end at another size: J tells less than 1 %."""
     mill = load_machine("three-axis-mill").text
     case = Case(campaign_from_texts(_many(20), "campaign.toml", mill, "three-axis-mill"))
-    few = chosen_setups(posed(case, case.knowledge, candidates=500), limits)
-    monkeypatch.setattr(greedy, "_SIZES", 1000)
-    assert few == chosen_setups(posed(case, case.knowledge, candidates=500), limits)
+    left = list[float]()
+    for sizes in (greedy._SIZES, 1000):
+        monkeypatch.setattr(greedy, "_SIZES", sizes)
+        task = posed(case, case.knowledge, candidates=500)
+        chosen, readings = chosen_setups(task, limits), limits.readings or 0
+        left.append(filled(scores_among(task, chosen), readings, chosen).state.value)
+    assert left[0] <= 1.005 * left[1]
 
 
 def _many(count: int) -> str:
