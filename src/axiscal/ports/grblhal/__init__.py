@@ -74,7 +74,7 @@ def _notes(file: VcompFile) -> tuple[str, ...]:
         f"[KINEMATICS:axiscal {file.campaign}], or OFF and why.",
         "A later campaign brings a new axiscal_table.h only.",
         f"It moves the drives by up to {file.limit:.3g} mm: keep so far from the ends of the travels ($130 and on). "
-        "Its own backlash ($160 and on) has to be 0: the table holds it. Positions are those of the machine, in mm.",
+        "The firmware's backlash ($160 and on) has to be 0: the table holds it. Positions are those of the machine.",
         "First run: spindle stopped, tool clear. Home, look whether the position shown is as before, and check at "
         "three places with a dial gauge that the deviation of the report became smaller.",
         TRIED,
