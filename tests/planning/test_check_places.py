@@ -15,6 +15,7 @@ from axiscal.exceptions import DescriptionError, PlanError
 from axiscal.measurement.candidates import drawn_places
 from axiscal.measurement.reading import Place, Places
 from axiscal.measurement.reading_rows import blank_readings
+from axiscal.planning.enough import reached_by
 from axiscal.planning.next_readings import next_places, placed, posed
 from axiscal.planning.other_readings import checks_among, columns_of, with_checks
 from axiscal.planning.plan.order import seconds_along
@@ -81,11 +82,26 @@ def test_small_plans_and_exact_ones_are_those_without_checks(target: str, above:
     assert not checks(plan_of(target, above))
 
 
-def test_checks_come_on_top_of_what_an_accuracy_needs_and_fit_into_a_budget() -> None:
+def test_an_accuracy_needs_fewer_readings_beside_checks() -> None:
     target = 'rms = "1.2 um"\nrefers_to = "as read"'
     alone, both = plan_of(f"{target}\nchecks = 0"), plan_of(target)
     assert len(alone) >= 12
-    assert len(both) == len(alone) + max(3, round(len(alone) / 4))
+    assert len(checks(both)) == max(3, round(len(alone) / 4))
+    assert len(both) - len(checks(both)) < len(alone)
+    case = case_of(target)
+    assert reached_by(case, Limits.of(case.description.target), both)
+    assert not reached_by(case, Limits.of(case.description.target), [each for each in both if not each.check])
+
+
+def test_readings_are_chosen_beside_their_checks() -> None:
+    case = case_of("readings = 24")
+    task, places = posed(case, case.knowledge), plan_of("readings = 24")
+    alone = plan_of("readings = 19\nchecks = 0")
+    beside = columns_of(case, [*alone, *checks(places)])
+    assert task.state.after_readings(columns_of(case, places)).value < task.state.after_readings(beside).value
+
+
+def test_checks_fit_into_a_budget() -> None:
     case = case_of('budget = "16 min"')
     places, task = plan_of('budget = "16 min"'), posed(case, case.knowledge)
     assert len(checks(places)) >= 3
@@ -97,8 +113,9 @@ def test_a_budget_is_planned_again_from_the_first_plan_with_room_for_its_checks(
     task, full = posed(case, case.knowledge), plan_of("readings = 20\nchecks = 0")
     room = seconds_along(task, columns_of(case, full)) + 1.0
 
-    def plan(limits: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
+    def plan(limits: Limits, left: Sequence[Place], beside: Sequence[Place]) -> tuple[Place, ...]:
         asked.append((limits.budget or 0.0, len(left)))
+        assert bool(beside) == bool(left)
         return full[: 16 if left else 20]
 
     found = with_checks(case, task, Limits(budget=room), (), (), plan)

@@ -64,16 +64,29 @@ def enough(case: Case, limits: Limits, readings: Sequence[Reading] = ()) -> Limi
 
 
 def goal_of(
-    case: Case, limits: Limits, readings: Sequence[Reading] = (), believed: Sequence[Reading] = (), unsure: float = 1.0
+    case: Case,
+    limits: Limits,
+    readings: Sequence[Reading] = (),
+    believed: Sequence[Reading] = (),
+    unsure: float = 1.0,
+    checks: Sequence[Place] = (),
 ) -> Goal | None:
     """Return what readings to come are to reach; None where limits ask for no accuracy.
 
     readings : so far; believed : of these; unsure : factor by which what is foreseen may yet become larger
+    checks : that are read beside them
     """
     if not limits.accurate:
         return None
 
     def reached_at(within: Limits, places: Places) -> bool:
-        return reached_by(case, within, with_both_sides(case, readings, with_rooms(case, places)), believed)
+        planned = with_both_sides(case, readings, with_rooms(case, places))
+        return reached_by(case, within, _with_each_set_up(planned, checks), believed)
 
     return Goal(partial(reached_at, limits), partial(reached_at, limits.times(1 / unsure)))
+
+
+def _with_each_set_up(places: Sequence[Place], checks: Sequence[Place]) -> list[Place]:
+    """Return places with the checks of each set-up after its last one."""
+    setups = dict.fromkeys(place.setup for place in places)
+    return [place for setup in setups for place in (*places, *checks) if place.setup == setup]

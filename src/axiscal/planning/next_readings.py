@@ -59,15 +59,17 @@ def planned_places(
     gaps: Sequence[Gap] = (),
     left: Sequence[Place] = (),
     believed: Sequence[Reading] = (),
+    checks: Sequence[Place] = (),
 ) -> tuple[Place, ...]:
     """Return the readings to come, chosen together, in the order of a short way.  Raises PlanError.
 
     task, limits : what is to be planned after the readings so far, and when it ends; believed : of these readings
     gaps : places that could not be read, which are planned around
-    left : of an earlier plan and in no gap, to begin with
+    left : of an earlier plan and in no gap, to begin with; checks : that are read beside those to come
     """
-    unsure = 1 + 1 / math.sqrt(2 * max(len(task.taken), 1)) if len(case.sizes) and left else 1.0
-    goal = goal_of(case, limits, readings, believed, unsure)
+    unsure = 1 + 1 / math.sqrt(2 * max(len(task.taken), 1)) if len(case.sizes) and readings and left else 1.0
+    goal = goal_of(case, limits, readings, believed, unsure, checks)
+    task = replace(task, beside=columns_of(case, checks))
 
     def planned(within: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
         coming = _chosen(case, task, within, goal, left, gaps)
@@ -92,12 +94,12 @@ def reaching(
     heeded : limits that a search heeds for them
     """
 
-    def beside_checks(within: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
+    def beside(within: Limits, left: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:
         most = [each for each in (heeded.readings, within.readings) if each is not None]
         search = replace(heeded, readings=min(most, default=None), budget=within.budget)
-        return planned_places(case, task, search, readings, gaps, left, believed)
+        return planned_places(case, task, search, readings, gaps, left, believed, checks)
 
-    return with_checks(case, task, limits, readings, left, beside_checks)
+    return with_checks(case, task, limits, readings, left, beside)
 
 
 def _chosen(

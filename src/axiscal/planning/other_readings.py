@@ -6,7 +6,8 @@ Both sides: where a backlash is wanted, two places at least are read from both. 
 everywhere would read one place again and again.
 
 Checks: a fifth of all readings, 3 to 12, are drawn at random and put where they cost least time. There are none below
-12 readings, nor where nothing usually goes wrong. So no place of a check follows from what the model thinks.
+12 readings, nor where nothing usually goes wrong. So no place of a check follows from what the model thinks. The other
+readings are chosen beside them.
 
 Room to come to a place from the side that was planned: at the ends of a travel there is none.
 """
@@ -251,8 +252,8 @@ def _there(case: Case, setup: Setup, axis: int, like: Place, at: float, side: in
 _SHARE, _FEWEST, _MOST, _LEAST = 5, 3, 12, 12
 """One of so many readings is a check, from few that tell s to many; below so many readings all are planned ones."""
 
-Within = Callable[[Limits, Sequence[Place]], tuple[Place, ...]]
-"""The readings to come within limits, from those that are left of a plan."""
+Within = Callable[[Limits, Sequence[Place], Sequence[Place]], tuple[Place, ...]]
+"""The readings to come within limits, from those that are left of a plan, beside checks."""
 
 
 def checks_among(described: CampaignDescription, readings: int) -> int:
@@ -268,7 +269,7 @@ def with_checks(
     """Return the readings to come with the checks among them, within the limits.  Raises PlanError.
 
     readings : so far; left : of an earlier plan, with its checks
-    A budget holds their time as well; they come on top of what an accuracy needs.
+    plan : knows where checks are, and leaves out what they tell. A budget holds their time as well.
     """
     described, most, count = case.description, limits.readings, _MOST
     own, known = (tuple(place for place in left if place.check is which) for which in (False, True))
@@ -280,15 +281,17 @@ def with_checks(
         what, remedy = "{checks} checks leave none of {readings} readings to plan", "Give fewer checks in [target]"
         raise PlanError(what, remedy, checks=described.target.checks or count, readings=most)
     checks, budget = _Checks(case, task, readings, known, distinct(task.lattice), count, limits.readings), limits.budget
-    if limits.readings == 0 or budget is None:
-        return checks.beside(() if limits.readings == 0 else plan(limits, own))
-    if not own:  # what checks take follows from a plan that fills the time without them
-        own = plan(limits, ())
-        if checks.seconds(found := checks.beside(own)) <= budget:
-            return found
-    within = replace(limits, budget=budget - checks.seconds_beside(own))
-    places = plan(within, without_markers(case, readings, own))
-    return checks.fitting(places, budget)
+    if limits.readings == 0:
+        return checks.among((), checks.drawn((), count))
+    begun = own or plan(limits, (), ())  # says how many checks belong to it, and in which set-ups
+    beside = checks.drawn(begun, checks.count(begun)) if budget is None else checks.for_a_fifth(begun)
+    if not own and not beside:
+        return begun
+    if budget is not None:
+        more = checks.seconds(checks.among(begun, beside)) - checks.seconds(begun)
+        limits = replace(limits, budget=budget - more)
+    places = plan(limits, without_markers(case, readings, begun if limits.timed else own), beside)
+    return checks.fitting(places, beside, budget)
 
 
 @dataclass(frozen=True, eq=False)
@@ -307,45 +310,43 @@ class _Checks:
     most: int
     full: int | None
 
-    def beside(self, places: Sequence[Place]) -> tuple[Place, ...]:
-        """Return planned readings with the checks that belong to them, each where it costs least time."""
-        return self._first(places, self._count(len(places)))
-
     def seconds(self, places: Sequence[Place]) -> float:
         """Return the time of readings in this order."""
         return seconds_along(self.task, columns_of(self.case, places))
 
-    def seconds_beside(self, places: Sequence[Place]) -> float:
-        """Return the time that the checks of planned readings may take: a fifth of what comes after the first."""
-        alone = self.seconds(places)
-        most = (alone - self.seconds(places[:1])) / _SHARE
-        longer = (self.seconds(each) - alone for each in self._fewer(places))
-        return next(more for more in longer if more <= most)
-
-    def fitting(self, places: Sequence[Place], budget: float) -> tuple[Place, ...]:
-        """Return planned readings with as many checks as there is time for."""
-        return next((each for each in self._fewer(places) if self.seconds(each) <= budget), tuple(places))
-
-    def _fewer(self, places: Sequence[Place]) -> Iterator[tuple[Place, ...]]:
-        """Yield planned readings with their checks, one less each time, and alone at last."""
-        return (self._first(places, count) for count in range(max(self._count(len(places)), 0), -1, -1))
-
-    def _count(self, planned: int) -> int:
-        """Return how many checks belong to so many planned readings."""
-        if planned == self.full:
+    def count(self, places: Sequence[Place]) -> int:
+        """Return how many checks belong to planned readings."""
+        if len(places) == self.full:
             return self.most
         taken = sum(reading.check for reading in self.readings)
-        before = len(self.readings) - taken + planned
+        before = len(self.readings) - taken + len(places)
         due = next(more for more in count_from(0) if checks_among(self.case.description, before + more) <= more)
-        return min(self.most, due - taken)
+        return max(min(self.most, due - taken), 0)
 
-    def _first(self, places: Sequence[Place], count: int) -> tuple[Place, ...]:
-        """Return planned readings with so many checks: those of an earlier plan first."""
-        if count <= 0 or not (places or self.known):
-            return tuple(places)
+    def drawn(self, places: Sequence[Place], count: int) -> tuple[Place, ...]:
+        """Return so many checks beside planned readings: those of an earlier plan first."""
+        known = self.known[:count]
         among = columns_of(self.case, places or self.known).setups
-        known = columns_of(self.case, self.known[:count])
-        drawn = drawn_places(self.candidates, among, count - len(known), len(self.readings))
-        every = inserted(self.task, columns_of(self.case, places), Places.joined([known, drawn]))
+        found = drawn_places(self.candidates, among, count - len(known), len(self.readings))
+        return (*known, *(replace(place, check=True) for place in with_rooms(self.case, found)))
+
+    def for_a_fifth(self, places: Sequence[Place]) -> tuple[Place, ...]:
+        """Return the checks of planned readings that take a fifth at most of what comes after the first."""
+        alone = self.seconds(places)
+        most = alone + (alone - self.seconds(places[:1])) / _SHARE
+        every = self.drawn(places, self.count(places))
+        fewer = (every[:count] for count in range(len(every), -1, -1))
+        return next(each for each in fewer if self.seconds(self.among(places, each)) <= most)
+
+    def fitting(self, places: Sequence[Place], checks: Sequence[Place], budget: float | None) -> tuple[Place, ...]:
+        """Return planned readings with as many checks as there is time for."""
+        fewer = (self.among(places, checks[:count]) for count in range(len(checks), -1, -1))
+        return next((each for each in fewer if budget is None or self.seconds(each) <= budget), tuple(places))
+
+    def among(self, places: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:
+        """Return planned readings with checks, each where it costs least time."""
+        if not checks:
+            return tuple(places)
+        every = inserted(self.task, columns_of(self.case, places), columns_of(self.case, checks))
         order, added = with_rooms(self.case, every[0]), every[1].tolist()
         return tuple(replace(place, check=check) for place, check in zip(order, added, strict=True))

@@ -209,10 +209,11 @@ def compared(case: Case, limits: Limits, proposal: Proposal, candidates: int = C
     limits, candidates : it was made with
     """
     plan = proposal.plan
-    own = plan.places.within(np.array([index not in plan.checks for index in range(len(plan.places))], dtype=bool))
+    drawn = np.array([index in plan.checks for index in range(len(plan.places))], dtype=bool)
+    own = plan.places.within(~drawn)
     if plan.bound is None or plan.ratio <= _NEAR or not len(own):
         return proposal
-    task = posed(case, case.knowledge, candidates=candidates)
+    task = replace(posed(case, case.knowledge, candidates=candidates), beside=plan.places.within(drawn))
     return replace(proposal, searches=searched(task, enough(case, limits), own, case.description.usual))
 
 

@@ -34,7 +34,7 @@ class Task:
 
     belief : over the unknowns of the observation; root : V (w, n) of the criterion; lattice : the candidates
     here : one place, of the set-up that is mounted and where the machine stands; None before the first
-    read : places of readings that are taken already
+    read : places of readings that are taken already; beside : of those that will be, whatever is planned
     """
 
     observation: Observation
@@ -44,6 +44,7 @@ class Task:
     lattice: Places
     here: Places | None = None
     read: Places | None = None
+    beside: Places | None = None
 
     @property
     def taken(self) -> Places:
@@ -60,8 +61,9 @@ class Task:
     @property
     @remembered
     def state(self) -> Covariance:
-        """The covariance before the first reading of the plan."""
-        return Covariance.from_factor(self.observation, self.belief.factor, self.root)
+        """The covariance before the first reading of the plan, with those beside it."""
+        state = Covariance.from_factor(self.observation, self.belief.factor, self.root)
+        return state if self.beside is None else state.after_readings(self.beside)
 
 
 @dataclass(frozen=True, slots=True)
