@@ -17,10 +17,10 @@ from unittest.mock import patch
 from axiscal.campaign.sources import open_source
 from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
-from axiscal.description.file_readings import file_readings
 from axiscal.description.first_files import of_file
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import machine_of
+from axiscal.description.placed_readings import file_readings
 from axiscal.evaluation.standards import positioning_test
 from axiscal.exceptions import InputError
 from axiscal.machine import load_machine, machine_from_text
