@@ -26,8 +26,9 @@ from axiscal.exceptions import InputError
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.machine.description import parse_chain
 from axiscal.machine.entry import parse_error_name
+from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.csv_table import read_poses
-from axiscal.measurement.readers.files import Around, read_any, recognised
+from axiscal.measurement.readers.files import read_any, recognised
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.simulation import read_truth
 from axiscal.ports.postgres.database import store_address
