@@ -17,19 +17,60 @@ from axiscal_core.errors import CELLS, Curved
 from axiscal_core.model import Model, Numbers
 from axiscal_core.places import Places
 from axiscal_core.refusals import Array
+from axiscal_core.splines import matern
 from axiscal_core.theta import Kind
 
 DRIFT, CYCLE, GROWTH, WAY = 2.0, 0.5, 2.0, 0.06
 """Usual sizes: in noises, the last one of a reversal. Nine ISO 230-2 tests say the first, nobody the others."""
-_WIDE = 0.06  # of the travel, within which half of the variance of a rest is common
-_FUNCTIONS = 20  # of Karhunen and Loève: they leave 1 % of the variance of Brownian motion
+WIDE = 0.06  # of the travel, within which half of the variance of a rest is common
+_FUNCTIONS = 20  # of Karhunen and Loève: they leave 0.5 % of the variance of Brownian motion
 _MINUTES, _LONGEST, _MANY = 360.0, 4 * 3600.0, 300  # s, s, numbers: over more a cycle is not told from noise
-_NODES, _MEMORY = 10, 0.4  # of growth: linear between so many, it forgets itself over this share of the time
-_WAYS = (0.03, 0.1, 0.35)  # m, over which a reversal comes, one as likely as the other
+_NODES, _MEMORY = 10, 0.4  # of growth: five in its length, what lies between two of them is straight to a tenth
+WAYS = (0.03, 0.1, 0.35)  # m, over which a reversal comes: a hand's breadth, from a third of it to three
 _HOUR = 3600.0  # s, over which the rate of a drift that is stated forgets itself
 _NUGGET = 1e-9  # on correlations of readings at one time
 Kernels = Iterator[tuple[Kind, str, Array]]
 """Kind and owner of a size, and the kernel (n, n) that exp 2θ multiplies."""
+
+
+def time_of(clock: Array) -> float:
+    """Return the time T over which readings were taken, s; 1 where all have one time.  clock : (r,) s"""
+    return float(np.ptp(clock)) or 1.0
+
+
+def drift_functions(clock: Array) -> Array:
+    """Return a line and Brownian motion over T, of unknowns of variance one, (r, 21).  clock : (r,) s
+
+    The latter has Karhunen-Loève functions √2 sin((k - ½)π t/T)/((k - ½)π), k = 1…20.
+    """
+    share, turns = (clock - clock.min()) / time_of(clock), (np.arange(_FUNCTIONS) + 0.5) * np.pi
+    return np.column_stack([share, np.sqrt(2.0) * np.sin(np.outer(share, turns)) / turns])
+
+
+def growth_functions(clock: Array) -> Array:
+    """Return Matérn-3/2 in time with 0.4 T, linear between ten nodes, of unknowns of variance one, (r, 10)."""
+    nodes, share = np.linspace(0.0, 1.0, _NODES), (clock - clock.min()) / time_of(clock)
+    alike = matern(np.abs(nodes[:, None] - nodes) / _MEMORY, 1.5) + _NUGGET * np.eye(_NODES)
+    hats = np.column_stack([np.interp(share, nodes, each) for each in np.eye(_NODES)])
+    return np.asarray(hats @ np.linalg.cholesky(alike))
+
+
+def cycle_correlation(clock: Array, numbers: int) -> Array | None:
+    """Return Matérn-1/2 in time with six minutes, (r, r); None where nobody can tell it.  numbers : of all readings"""
+    if time_of(clock) > _LONGEST or numbers > _MANY:
+        return None
+    return np.asarray(np.exp(-np.abs(clock[:, None] - clock) / _MINUTES) + _NUGGET * np.eye(len(clock)))
+
+
+def way_since_turn(at: Array, sides: Array, overrun: float) -> Array:
+    """Return how far an axis has come since it turned, (r,) m.
+
+    at, sides : (r,) m and from where it comes, in order; overrun : m, that it has come where the side changes
+    """
+    since, step = np.full(len(at), overrun), np.diff(at) * sides[1:]
+    for number in np.flatnonzero((sides[1:] == sides[:-1]) & (step >= 0)).tolist():
+        since[number + 1] = since[number] + step[number]
+    return since
 
 
 def kernels(case: Model, places: Places, n: Numbers, clock: Array) -> Kernels:
@@ -43,7 +84,7 @@ def kernels(case: Model, places: Places, n: Numbers, clock: Array) -> Kernels:
 def _rests(case: Model, n: Numbers) -> Kernels:
     for i, (_, term) in enumerate(case.machine.curves):
         if term.rest:
-            cell, wide = n.cell[:, i], max(1, round(_WIDE * CELLS * (len(term.spline.knots) - 1)))
+            cell, wide = n.cell[:, i], max(1, round(WIDE * CELLS * (len(term.spline.knots) - 1)))
             alike = cell[:, None] == cell
             if case.usual:
                 alike = 0.5 * alike + 0.5 * (cell[:, None] // wide == cell // wide)
@@ -58,17 +99,14 @@ class _OfSetup:
         self.instrument, self.name = case.instruments[index], case.setups[index]
         self.mine = np.flatnonzero(n.setup == index)
         self.clock = clock[n.place[self.mine]]
-        self.time = float(np.ptp(self.clock)) or 1.0
-        self.share = (self.clock - self.clock.min()) / self.time
         self.sigma = self.instrument.sigma[n.part[self.mine]]
 
     def kernels(self) -> Kernels:
         """Yield what passes while it is read."""
         zero = self.n.part[self.mine][:, None] == self.n.part[self.mine]  # each number has a zero of its own
         yield "drift", self.name, self._wide(zero * self._drift())
-        if self.time <= _LONGEST and len(self.n.rows) <= _MANY:
-            apart = np.abs(self.clock[:, None] - self.clock)
-            alike = np.exp(-apart / _MINUTES) + _NUGGET * np.eye(len(apart))
+        alike = cycle_correlation(self.clock, len(self.n.rows))
+        if alike is not None:
             yield "cycle", self.name, self._wide(CYCLE**2 * zero * np.outer(self.sigma, self.sigma) * alike)
         yield "growth", self.name, self._wide(self._growth())
         for i, (_, term) in enumerate(self.case.machine.curves):
@@ -83,25 +121,20 @@ class _OfSetup:
         return result
 
     def _drift(self) -> Array:
-        turns = (np.arange(_FUNCTIONS) + 0.5) * np.pi
-        brown = np.sqrt(2.0) * np.sin(np.outer(self.share, turns)) / turns
-        x = self.time / _HOUR
+        functions, x = drift_functions(self.clock), time_of(self.clock) / _HOUR
         stated = self.instrument.wander * _HOUR * np.sqrt(x - 1 + np.exp(-x))
         size = np.hypot(DRIFT * self.sigma, stated)
-        return np.asarray((np.outer(self.share, self.share) + brown @ brown.T) * np.outer(size, size))
+        return np.asarray(functions @ functions.T * np.outer(size, size))
 
     def _growth(self) -> Array:
-        nodes, total = np.linspace(0.0, 1.0, _NODES), np.zeros((len(self.mine),) * 2)
-        s = np.sqrt(3.0) * np.abs(nodes[:, None] - nodes) / _MEMORY
-        hats = np.column_stack([np.interp(self.share, nodes, each) for each in np.eye(_NODES)])
-        together = hats @ ((1 + s) * np.exp(-s) + _NUGGET * np.eye(_NODES)) @ hats.T
+        functions, total = growth_functions(self.clock), np.zeros((len(self.mine),) * 2)
         for i, (_, term) in enumerate(self.case.machine.curves):
             axis = self.case.machine.axes[term.at]
             if term.error.positioning and term.linear and axis.name in self.instrument.moves:
                 at = self.places.poses[self.n.place[self.mine], term.at]
                 along = self.sigma * self.n.reach[self.mine, i] * (at - np.mean(axis.travel)) / axis.length
                 total += GROWTH**2 * np.outer(along, along)
-        return np.asarray(total * together)
+        return np.asarray(total * (functions @ functions.T))
 
     def _way(self, i: int, term: Curved) -> Array:
         """Return the kernel of a reversal that comes over a way.  i : among the curves"""
@@ -109,13 +142,9 @@ class _OfSetup:
         at_places = {place: self.clock[self.n.place[self.mine] == place][0] for place in places.tolist()}
         order = places[np.argsort([at_places[place] for place in places.tolist()], kind="stable")]
         at, sides = self.places.poses[order, term.at], self.places.sides[order, term.at]
-        since, total = np.full(len(order), self.case.machine.axes[term.at].overrun), np.zeros((len(self.mine),) * 2)
-        for j in range(1, len(order)):
-            step = (at[j] - at[j - 1]) * sides[j]
-            if sides[j] == sides[j - 1] and step >= 0:
-                since[j] = since[j - 1] + step
-        missing = np.zeros(len(self.places))
-        for way in _WAYS:
+        since = way_since_turn(at, sides, self.case.machine.axes[term.at].overrun)
+        missing, total = np.zeros(len(self.places)), np.zeros((len(self.mine),) * 2)
+        for way in WAYS:
             missing[order] = np.exp(-since / way)
             column = WAY * term.std * missing[self.n.place[self.mine]] * self.n.reach[self.mine, i]
             total += np.outer(column, column)

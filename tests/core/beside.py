@@ -15,10 +15,9 @@ import numpy as np
 import axiscal_core as ac
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.description.placed_readings import placed_readings
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, timed
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.promise.numbers import Numbers
-from axiscal.estimation.timed import timed
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.readers.files import read_any

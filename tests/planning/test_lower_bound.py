@@ -60,19 +60,6 @@ def test_what_few_readings_must_leave() -> None:
     assert rank_bound(state, 1000) == 0.0
 
 
-@pytest.mark.parametrize("readings", [4, 12])
-def test_no_plan_drawn_from_the_candidates_is_below_the_bound(readings: int) -> None:
-    asked = levered(300)
-    pool, state, count = Pool(asked.observation, asked.lattice), asked.state, float(readings)
-    places = pool.lattice.within(np.linspace(0, len(pool) - 1, readings).astype(np.intp))
-    bound = lower_bound(pool, state, places, np.ones(len(pool) + readings), count).value
-    assert 0 < bound <= state.after_readings(places).value
-    generator = np.random.default_rng(0)
-    for _ in range(50):
-        chosen = pool.lattice.within(generator.integers(len(pool), size=readings))
-        assert bound <= state.after_readings(chosen).value
-
-
 def test_many_candidates_make_the_bound_hardly_looser() -> None:
     case, bounds = Case(read_campaign(ONE_SPLINE)), list[float]()
     for count in (1000, 5000):

@@ -19,12 +19,11 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.usual import sizes_of
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, timed
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import bent, judged, unit_guess
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.unknowns import space_of
-from axiscal.estimation.timed import timed
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import put, said
 from axiscal.measurement.instrument import reads_angles

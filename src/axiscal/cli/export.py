@@ -93,7 +93,7 @@ def export(
         typer.Option(
             metavar="FILE.ini",
             help="linuxcnc-volumetric: your INI file; units and joints are taken from it, and it and its HAL files are "
-            "written with the component in them, with apply.sh and undo.sh, started without motors first.",
+            "written with the component in them, with apply.sh and undo.sh.",
         ),
     ] = None,
     load: Annotated[

@@ -14,14 +14,13 @@ from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import floor_of
 from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.estimation.belief import Belief
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, timed
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.causes import Contribution
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.spaces import Given
 from axiscal.estimation.promise.unknowns import space_of
-from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.reading_rows import blank_readings, places_of, rows_at, times_of

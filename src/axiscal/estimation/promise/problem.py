@@ -34,12 +34,11 @@ from axiscal.measurement.reading_rows import (
     with_cells,
 )
 from axiscal.numerics import Array
+from axiscal_core.causes import WIDE
 from axiscal_core.eigen import unique_root
 from axiscal_core.splines import distances, ramp
 from axiscal_core.theta import Kind, Sizes
 
-_WIDE = 0.06
-"""Share of the travel over which half of the variance of a rest is common."""
 MOST_COLUMNS = 620
 """Beyond so many columns rests of the weakest errors count as noise: the cost grows with the cube.
 
@@ -355,6 +354,6 @@ def _cell_root(term: Term, cells: Sequence[int]) -> Array:
     """
     if not isinstance(term, ErrorFunction):
         return np.eye(len(cells))
-    wide = max(1, round(_WIDE * term.cell_count))
+    wide = max(1, round(WIDE * term.cell_count))
     block = np.array(cells) // wide
     return np.linalg.cholesky(0.5 * (np.eye(len(cells)) + (block[:, None] == block[None])))
