@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +20,6 @@ from axiscal.estimation.promise.numbers import Numbers
 from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.unknowns import Space, Unknowns
-from axiscal.exceptions import InputError
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import INSTRUMENTS
@@ -196,25 +194,6 @@ def test_what_is_stated_counts_where_nothing_usual_does() -> None:
 def test_what_compares_with_a_length_refers_to_twenty_degrees(setup: str, refers: bool) -> None:
     observation = observed(described(f'[[setups]]\nname = "s"\n{setup}'))
     assert ("temperature" in causes(observation, read_at(np.array([0.0, 1.0]), setup="s"))) == refers
-
-
-@pytest.mark.parametrize(
-    ("said", "target", "reason"),
-    [
-        ('type_b = { scales = "1 um/m" }', "", '"scales" is not known of an instrument such as this.*"scale" is meant'),
-        ('type_b = { gain = "1 %" }', "", '"gain" is not known of an instrument such as this interferometer.*Known'),
-        ('type_b = { temperature = "1 K" }', "", '"temperature" is not known of an instrument such as this'),
-        ('type_b = { scale = "-1 um/m" }', "", '"-1 um/m" is negative'),
-        ('type_b = { scale = "nan um/m" }', "", "nan um/m"),
-        ('type_b = { scale = "1 mm" }', "", "1 mm"),
-        ('temperature_std = "-1 K"', "", '"-1 K" is negative'),
-        (WARM, AS_READ, '"laser" states a temperature, .*and the target is "as read".*Take temperature out'),
-    ],
-)
-def test_what_makes_no_sense_is_refused_with_its_remedy(said: str, target: str, reason: str) -> None:
-    with pytest.raises(InputError) as failure:
-        described(LASER + said, target=target)
-    assert re.search(reason, str(failure.value), re.DOTALL)
 
 
 BEDSIDE = """[[setups]]

@@ -197,26 +197,6 @@ def _described(setup: str) -> CampaignDescription:
     return campaign_from_texts(text, "campaign.toml", MACHINE, "bed.toml")
 
 
-@pytest.mark.parametrize(
-    ("setup", "reason"),
-    [
-        (LEVEL.replace("100 mm", "800 mm"), "is not shorter than the travel of X"),
-        (LEVEL.replace("100 mm", "10 mm"), "within which the rest of EZX has no known slope"),
-        (LEVEL.replace("100 mm", "-10 mm"), "is negative"),
-        (LEVEL.replace('"y"', '"x"'), "that is no turn about this direction"),
-        (LEVEL.replace('"y"', "[1, 1, 0]"), "that is no turn about this direction"),
-        (LEVEL.replace('"y"', '"z"'), "no straightness error of X"),
-        (LEVEL.replace('["X"]', '["X", "Z"]'), "here X, Z move"),
-        (LEVEL.replace("level", "probe"), "a probe has no feet"),
-        (LEVEL + 'raster = { X = "760 mm" }', "no multiple of 760 mm lies in the travel"),
-        (LEVEL + 'reach = { X = ["210 mm", "390 mm"] }\nraster = { X = "200 mm" }', "lies in the reach of X"),
-    ],
-)
-def test_set_ups_that_make_no_sense_are_refused(setup: str, reason: str) -> None:
-    with pytest.raises(DescriptionError, match=reason):
-        _described(setup)
-
-
 def test_a_rotary_axis_has_no_way() -> None:
     text = f'machine = "five-axis-mill"\n[target]\nreadings = 1\n[[setups]]\nname = "s"\n{LEVEL}'.replace("X", "C")
     with pytest.raises(DescriptionError, match="a base is stepped along one straight way"):

@@ -200,7 +200,7 @@ def export(
         found = (
             wrapped(bump, 4)
             if bump
-            else wrapped(effect_sentence(said("All files together"), offered.effect, offered.unknown, offered.U), 4)
+            else wrapped(effect_sentence(said("All files together"), offered.effect, offered.known), 4)
         )
         if offered.idle:
             found += wrapped(said("The files do not move {axes}.", axes=joined(offered.idle)), 4)

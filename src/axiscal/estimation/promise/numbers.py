@@ -15,6 +15,7 @@ from axiscal.estimation.promise.spaces import (
     Given,
     factors_of,
     raw_cells,
+    turned,
     variances_of,
 )
 from axiscal.numerics import Array
@@ -146,7 +147,8 @@ class InNumbers(Given):
 
     def without_causes(self) -> Answered:
         """Return the posterior of the answered unknowns."""
-        problem, shown = self.problem, self.shown
+        problem = self.problem
+        shown = turned(problem, problem.rows, self.theta, self.roots, problem.first)
         mean = problem.mean + problem.raw(shown.T @ self.weighted, self.theta, self.roots)
         known = problem.raw(solution(self.root, shown).T, self.theta, self.roots)
         covariance = self.space.prior_covariance(self.theta, self.roots)
