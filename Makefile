@@ -5,12 +5,14 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsafe \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 PEERS := trieste torch others
+# Compiled once, not by every worker and every command that a test gives.
+unexport PYTHONDONTWRITEBYTECODE
 CONTROLS := $(or $(AXISCAL_CONTROLS),../shared/controls)
 COVERING := tests/refusals tests/document tests/description tests/measurement tests/evaluation tests/record tests/tables tests/programs \
 	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py tests/cli/test_type.py \
 	tests/linuxcnc/test_patched_configuration.py
 
-.PHONY: help demo demo-linuxcnc howto-linuxcnc test test-long check quick golden bench bench-peers docs docs-site languages trust certify controls reliability fuzz fuzz-coverage coverage mutants requests audit lock clean distclean
+.PHONY: help demo demo-linuxcnc howto-linuxcnc test test-long check quick golden bench bench-peers docs docs-site languages trust certify controls reliability fuzz coverage mutants requests audit lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
@@ -26,11 +28,10 @@ help:
 	@echo "make languages  bring the translations of prompt, page and report up to the messages there are (src/axiscal/language/translations)"
 	@echo "make docs-site  the documentation as a site in build/site, tools in .venv-docs"
 	@echo "make trust      measure how far the printed bands can be trusted, into docs/evidence/trust.md (PART=iso, PART=zoo, PART=widths: only that section; PART=attacks MACHINES=100 of each, 20 unless said, MINUTES=30 at a time; ONLY='step; bump': shown, not written)"
-	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part; CASES=20000 of it; PART=gcode, PART=dialects, PART=plans and PART=simulator go on where they were ended)"
+	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part; CASES=20000 of it; PART=gcode, PART=dialects and PART=simulator go on where they were ended)"
 	@echo "make controls   the exports in real controls: LinuxCNC, Klipper, Moonraker, RepRapFirmware; a row each (ONLY=klipper)"
 	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours, MINUTES=20 at a time; ROWS='8 9': only these; DISK=/mnt/stick: on another disk; PYTHONS=...: other interpreters too)"
 	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run; SECONDS=600 of each kind; KIND=name)"
-	@echo "make fuzz-coverage  every reader on files that atheris changes so that other lines run (SECONDS=30 of each kind; KIND=name)"
 	@echo "make coverage   which lines and branches of readers and exporters their own tests run (a quarter of an hour)"
 	@echo "make mutants    the source changed by a word, and whether a test fails then (PLACES=100 of each room; SEED=2: other places; ROOM=numerics; SECONDS=20 of tests for each change; OWN=1: the room's own tests only; AGAIN=1: what survived, where tests were added)"
 	@echo "make requests   right and wrong requests to the page's API, each answer held to its description (EXAMPLES=1000 of each of 20 kinds)"
@@ -113,9 +114,6 @@ reliability: .venv/dev.stamp
 fuzz: .venv/dev.stamp
 	$(BIN)/python -m tests.reliability.fuzz $(if $(EXAMPLES),--examples $(EXAMPLES)) $(if $(SECONDS),--seconds $(SECONDS)) $(if $(KIND),--kind $(KIND))
 
-fuzz-coverage: .venv/dev.stamp .venv-fuzz/stamp
-	.venv-fuzz/bin/python -m tests.reliability.guided $(if $(SECONDS),--seconds $(SECONDS)) $(if $(KIND),--kind $(KIND))
-
 coverage: .venv-mutants/stamp
 	.venv-mutants/bin/python -m coverage run -m pytest -q $(COVERING)
 	.venv-mutants/bin/python -m coverage report
@@ -142,7 +140,7 @@ clean:
 	find . -path ./.venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 distclean: clean
-	rm -rf .venv .venv-controls .venv-docs .venv-fuzz .venv-mutants .venv-peers src/*.egg-info
+	rm -rf .venv .venv-controls .venv-docs .venv-mutants .venv-peers src/*.egg-info
 
 .venv/run.stamp: requirements/run.txt pyproject.toml | .venv/bin/pip
 	@echo "axiscal: installing the locked packages into .venv (a minute or two the first time)"
@@ -163,13 +161,13 @@ distclean: clean
 	@if .venv-peers/$*/bin/python -m pip --disable-pip-version-check --quiet install -r $<; then touch $@; \
 	else echo "axiscal: not everything of $< could be installed; the table says what is missing"; fi
 
-# Tools that try the tests themselves have environments of their own: atheris has wheels for Linux and few versions of Python.
-.venv-fuzz/stamp .venv-mutants/stamp: .venv-%/stamp: requirements/%.txt requirements/dev.txt | .venv/bin/pip
-	@echo "axiscal: installing the tools of requirements/$*.txt and the test tools into .venv-$*"
-	@$(BIN)/python -m venv .venv-$*
-	@.venv-$*/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/dev.txt
-	@.venv-$*/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/$*.txt
-	@.venv-$*/bin/python -m pip --disable-pip-version-check --quiet install --no-deps --no-build-isolation -e .
+# Tools that try the tests themselves have an environment of their own.
+.venv-mutants/stamp: requirements/mutants.txt requirements/dev.txt | .venv/bin/pip
+	@echo "axiscal: installing the tools of requirements/mutants.txt and the test tools into .venv-mutants"
+	@$(BIN)/python -m venv .venv-mutants
+	@.venv-mutants/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/dev.txt
+	@.venv-mutants/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/mutants.txt
+	@.venv-mutants/bin/python -m pip --disable-pip-version-check --quiet install --no-deps --no-build-isolation -e .
 	@touch $@
 
 .venv-controls/stamp: requirements/controls.txt | .venv/bin/pip

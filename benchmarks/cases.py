@@ -8,8 +8,7 @@ import axiscal_core as ac
 from axiscal.errors.gauge import unseen_factor
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import volume_moments, whole_travel
-from axiscal.estimation.accuracy import criterion
-from axiscal.estimation.accuracy.yardstick import Yardstick
+from axiscal.estimation.accuracy.yardstick import Yardstick, joint_root
 from axiscal.estimation.belief import Belief
 from axiscal.machine import Axis, Machine, load_machine
 from axiscal.machine.entry import ErrorEntry
@@ -64,5 +63,5 @@ def _problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint
     box = whole_travel(model)
     unseen = unseen_factor(belief.factor, rows)[: model.size]
     yardstick = Yardstick(model, box, volume_moments(model, box), unseen, unseen)
-    root = criterion.joint_root(model) if joint else yardstick.root
+    root = joint_root(model) if joint else yardstick.root
     return Task(observation, belief, root, yardstick, spread(machine, setups, candidates))

@@ -19,10 +19,10 @@ import numpy as np
 import axiscal as ac
 from axiscal.campaign.ending import reaches
 from axiscal.description.campaign import CampaignDescription
+from axiscal.estimation.case import ends_along
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.timed import ends_along
 from axiscal.exceptions import InputError
 from axiscal.measurement.reading import Place
 from axiscal.measurement.simulation import VirtualMachine, by_number

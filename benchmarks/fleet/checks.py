@@ -12,9 +12,8 @@ import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, ends_along
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.timed import ends_along
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array

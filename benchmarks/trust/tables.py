@@ -97,9 +97,9 @@ def kept_promise(trial: Trial) -> dict[str, float]:
         left = left_by(estimate.machine, truth.deviation, tables.control, poses, sides)
         off = left - left.mean(axis=0) if estimate.alignment is None else estimate.alignment.left(poses, left)
         sizes = np.linalg.norm(off[:, list(estimate.counted)], axis=1)
-        found[f"{control} inside"] = float(np.mean(sizes <= tables.U))
-        found[f"{control} over"] = float(np.quantile(sizes, 0.95)) / tables.U
-        found[f"{control} um"] = 1e6 * tables.U
+        found[f"{control} inside"] = float(np.mean(sizes <= tables.certain))
+        found[f"{control} over"] = float(np.quantile(sizes, 0.95)) / tables.certain
+        found[f"{control} um"] = 1e6 * tables.certain
     return found
 
 

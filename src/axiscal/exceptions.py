@@ -186,10 +186,6 @@ class SummaryError(AxiscalError, ValueError):
     """Figures for the report that are not finite, or whose lengths do not fit together."""
 
 
-class ControlError(InputError):
-    """A control that is not there, did not start, or refused a move."""
-
-
 class PlanError(InputError):
     """A plan that cannot be made: nothing ends it, nothing may be read, or the time is too short for one reading."""
 

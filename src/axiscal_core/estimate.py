@@ -1,20 +1,26 @@
-"""From readings to what is known: linear where the machine is, sizes averaged over, slips taken out."""
+"""From readings to what is known: linear where the machine is, sizes averaged over, slips taken out.
+
+A reading that the others contradict is a slip of a hand, a chip, a wrong line (`left_out`).
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
-from axiscal_core.draws import Weighed, sized
+from axiscal_core.draws import Weighed, as_stated, sized
 from axiscal_core.known import Known
+from axiscal_core.left_out import left_out, with_stated
 from axiscal_core.model import Model
 from axiscal_core.places import Readings
-from axiscal_core.problem import Given, Problem
+from axiscal_core.posing import posed
 from axiscal_core.refusals import Array, InputError
-from axiscal_core.slips import MOST, doubted
+from axiscal_core.spaces import Given
 from axiscal_core.threads import one_thread
+from axiscal_core.unknowns import space_of
 
 _ROUNDS = 20  # of Gauss and Newton: who needs more has described another set-up
 _LINEAR = 0.01  # noises
+_MOST = 0.2  # of the readings: where more are bad, none can say which
 
 
 @one_thread()
@@ -27,32 +33,32 @@ def estimated(case: Model, readings: Readings) -> Known:
     while True:
         kept = np.setdiff1d(np.arange(len(readings)), bad)
         mine = only(case, readings, kept)
-        problem = Problem(case, mine, located(case, mine))
-        draws = sized(problem)
-        odds, z = doubted(problem, draws)
-        worst = int(np.argmax(odds))
-        if odds[worst] <= 0 or len(bad) + 1 > MOST * len(readings):
+        problem = posed(case, mine, located(case, mine))
+        draws = sized(space_of(problem))
+        left = with_stated(problem, draws, left_out(problem, draws))
+        worst = max(left, key=lambda i: left[i].log_odds)
+        if left[worst].log_odds <= 0 or len(bad) + 1 > _MOST * len(readings):
             break
         bad.append(int(kept[worst]))
-    mean, covariance, moved = averaged(problem, draws)
+    mean, covariance, moved = averaged(draws)
     squares = np.sqrt(draws.weights @ np.exp(2 * draws.thetas))
     sizes = {
         f"{size.kind} {owner}": float(s)
         for size, s in zip(problem.sizes.of, squares, strict=True)
         for owner in size.owners
     }
-    apart = dict(zip(kept.tolist(), z.tolist(), strict=True))
+    apart = {int(kept[i]): each.z for i, each in left.items()}
     return Known(case, mean, covariance, moved, np.sqrt(draws.weights), sizes, tuple(bad), apart)
 
 
-def averaged(problem: Problem, draws: Weighed[Given]) -> tuple[Array, Array, Array]:
+def averaged(draws: Weighed[Given]) -> tuple[Array, Array, Array]:
     """Return mean (size,), covariance (size, size) without type B, and (size, c, d) what type B moves in each draw."""
-    each = [given.posterior() for given in draws.given]
+    each = [given.without_causes() for given in draws.given]
     mean = draws.weights @ np.array([one.mean for one in each])
     covariance = np.zeros((len(mean),) * 2)
     for weight, one in zip(draws.weights, each, strict=True):
         covariance += weight * (one.covariance + np.outer(one.mean - mean, one.mean - mean))
-    moved = [np.sqrt(w) * given.gain(problem.n.type_b) for w, given in zip(draws.weights, draws.given, strict=True)]
+    moved = [np.sqrt(w) * given.type_b.gains for w, given in zip(draws.weights, draws.given, strict=True)]
     return mean, covariance, np.stack(moved, axis=2)
 
 
@@ -63,9 +69,8 @@ def located(case: Model, readings: Readings) -> Array | None:
     """
     about: Array | None = None
     for _ in range(_ROUNDS):
-        problem = Problem(case, readings, about)
-        mean = Given(problem, np.zeros(len(problem.sizes))).posterior().mean
-        promised = problem.n.shown + problem.n.rows @ (mean if about is None else mean - about)
+        n, mean = case.numbers(readings, about), as_stated(space_of(posed(case, readings, about))).without_causes().mean
+        promised = n.shown + n.rows @ (mean if about is None else mean - about)
         there = case.numbers(readings, mean)
         if np.abs(there.shown - promised).max(initial=0.0) < _LINEAR * there.noise.min():
             return about

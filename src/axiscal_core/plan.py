@@ -2,6 +2,13 @@
 
 A greedy choice takes what serves most now and is never sorry. An exchange takes each reading out in turn and puts in
 what then serves most, until nothing changes (Fedorov 1972). Several starts find several ends; the best one climbs.
+
+No plan of as many readings at candidates has a J below a bound. J(w) of readings with weights w is convex (Pukelsheim
+2006), and its tangent at any w lies below it. So all plans of n readings have
+
+    J ≥ J(w) + Σ w_i d_i - n max d,    d_i = -∂J/∂w_i
+
+A multiplicative step w_i ← w_i √d_i, normed, raises it. Rests are left out, which a reading could only lose by.
 """
 
 from __future__ import annotations
@@ -12,7 +19,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal_core.bound import lower_bound
 from axiscal_core.criterion import Criterion, Goal, goal
 from axiscal_core.from_scipy import chi_square_quantile
 from axiscal_core.model import Model, Numbers
@@ -296,3 +302,27 @@ class _Search:
         parts = [] if self.taken is None else [self.taken]
         parts += [self.n.at(self.own[i]) for i in chosen]
         return joined(parts) if parts else None
+
+
+_STEPS = 60  # with four times as many the bound of eight drawn cases rises by up to 2 %
+
+
+def lower_bound(covariance: Array, root: Array, numbers: Numbers, count: int) -> float:
+    """Return the bound.
+
+    covariance : (size, size) before; root : V (w, size); numbers : of all candidates; count : n
+    """
+    values, vectors = np.linalg.eigh(covariance)
+    kept = values > 1e-14 * values[-1]
+    half = vectors[:, kept] * np.sqrt(values[kept])
+    rows, goal = numbers.rows @ half / numbers.noise[:, None], root @ half
+    places = int(numbers.place[-1]) + 1
+    weights, best = np.full(places, count / places), 0.0
+    for _ in range(_STEPS):
+        information = np.eye(half.shape[1]) + rows.T @ (rows * weights[numbers.place, None])
+        solved = np.linalg.solve(information, goal.T)
+        falls = np.bincount(numbers.place, np.sum((rows @ solved) ** 2, axis=1), minlength=places)
+        best = max(best, float(np.sum(goal.T * solved) + weights @ falls - count * falls.max()))
+        weights = weights * np.sqrt(falls)
+        weights *= count / weights.sum()
+    return best

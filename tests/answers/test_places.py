@@ -82,7 +82,7 @@ def _figures(case: Case) -> Array:
     """Return every figure that is printed of the volume and of rows, with tables and without, (n,)."""
     known = concluded(case, _readings(case))
     own, tables = known.case.yardstick, export(known.estimate(), "csv", ExportOptions())
-    found = [*known.accuracy, *uniform_parts(own), *tables.effect, tables.unknown, tables.U, tables.expected]
+    found = [*known.accuracy, *uniform_parts(own), *tables.effect, tables.known.rms, tables.certain, tables.expected]
     for each in (expanded(own, known.printed.belief), expanded_floor(own)):
         found += [each.space, *each.axes, each.worst]
     for row in answered(known, {"csv": tables.control}):

@@ -14,7 +14,6 @@ import numpy as np
 from axiscal_core.threads import one_thread
 from tests.certify import (
     belief,
-    coverage,
     endings,
     first_lines,
     gcode,
@@ -22,7 +21,6 @@ from tests.certify import (
     machines,
     models,
     one_joint_cases,
-    printed_plans,
     rows,
     simulator,
 )
@@ -85,20 +83,6 @@ def reference_regressions(cases: int, _first: int) -> Iterator[Finding]:
         yield Finding(text, min(found, deviations) >= asked)
 
 
-def bands(drawn: int, first: int) -> Iterator[Finding]:
-    """Yield how often the printed 95 % holds on that many virtual machines of each built-in kind."""
-    low, high = coverage.CLAIMED - coverage.SLACK, coverage.CLAIMED + coverage.SLACK
-    for name in coverage.MACHINES:
-        trial = coverage.Trial(name)
-        found = trial.judged(drawn, first)
-        lowest, highest = min(found, key=lambda c: c.mean), max(found, key=lambda c: c.mean)
-        errors = float(np.mean([c.mean for c in found[:-1]]))
-        extremes = f"{lowest.mean:.2%} ({lowest.name}) to {highest.mean:.2%} ({highest.name})"
-        means = f"TCP {found[-1].mean:.2%}, {len(found) - 1} errors {errors:.2%}, from {extremes}"
-        good = all(low <= c.mean <= high for c in found)
-        yield Finding(f"{name}, {len(trial.visits)} readings: {means}; limits {low:.1%}, {high:.1%}", good)
-
-
 def measuring_programs(plans: int, first: int) -> Iterator[Finding]:
     """Yield what LinuxCNC's interpreter makes of that many random plans."""
     yield from (Finding(text, good) for text, good in gcode.interpreter_verdicts(plans, first, Kept("gcode")))
@@ -107,11 +91,6 @@ def measuring_programs(plans: int, first: int) -> Iterator[Finding]:
 def other_dialects(plans: int, first: int) -> Iterator[Finding]:
     """Yield what a reader of each dialect makes of that many random plans."""
     yield from (Finding(text, good) for text, good in gcode.reader_verdicts(plans, first, Kept("dialects")))
-
-
-def plans_as_printed(most: int, first: int) -> Iterator[Finding]:
-    """Yield what kinematics of the tests' own make of every plan, next reading and program of the examples."""
-    yield from (Finding(text, good) for text, good in printed_plans.verdicts(most, first, Kept("plans")))
 
 
 def programs_on_the_simulator(programs: int, first: int) -> Iterator[Finding]:
@@ -165,14 +144,12 @@ PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
     "belief": (million_updates, 1_000_000, "updates of five problems"),
     "models": (random_models, 500, "random models of up to 120 unknowns, up to 12 decades"),
     "regressions": (reference_regressions, len(least_squares.DIGITS), "certified regressions of NIST"),
-    "coverage": (bands, 5_000, "virtual machines of each built-in kind"),
     "gcode": (measuring_programs, 2_000, "random plans as programs for LinuxCNC's interpreter"),
     "simulator": (programs_on_the_simulator, 200, "programs of random machines on a running LinuxCNC"),
     "dialects": (other_dialects, 2_000, "random plans in every dialect, through the tests' own readers"),
     "endings": (endings_of_campaigns, 20, "random campaigns whose target can be reached, and as many whose cannot"),
     "rows": (rows_of_machines, 200, "virtual machines of two how-tos: whether U of each row holds the truth"),
     "first-lines": (first_lines_of_screens, 100, "campaigns: the first line of the last screen beside the truth"),
-    "plans": (plans_as_printed, 100, "examples at the most: plans, readings asked for, and programs as printed"),
 }
 
 

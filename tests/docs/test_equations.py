@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 import axiscal_core as ac
 from axiscal.errors import prior
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.accuracy import criterion
+from axiscal.estimation.accuracy.yardstick import joint_root
 from axiscal.estimation.belief import Belief
 from axiscal.machine import Machine, machine_from_text
 from axiscal.machine.entry import ErrorEntry
@@ -239,7 +239,7 @@ def test_interval_variances_add_up_to_the_overall_variance() -> None:
     node, weight = quadrature(function.basis)
     variance = belief.predict(function.basis.rows(node)).std ** 2
     intervals = (weight * variance).reshape(6, 5).sum(axis=1)
-    assert criterion.joint_root(model).criterion(belief.factor) == pytest.approx(intervals.sum(), rel=1e-12)
+    assert joint_root(model).criterion(belief.factor) == pytest.approx(intervals.sum(), rel=1e-12)
 
 
 def tenth_order(numerator: Array, denominator: Array) -> Array:
@@ -322,7 +322,7 @@ def test_overall_variance_of_stacked_vectorial_splines() -> None:
             variance = np.einsum("ij,jk,ik->i", rows, covariance[function.columns, function.columns], rows)
             total += float(weight @ variance)
     belief = Belief(np.zeros(model.size), covariance)
-    assert criterion.joint_root(model).criterion(belief.factor) == pytest.approx(total, rel=1e-12)
+    assert joint_root(model).criterion(belief.factor) == pytest.approx(total, rel=1e-12)
 
 
 def test_the_best_configuration_of_all_joints() -> None:

@@ -10,7 +10,7 @@ import pytest
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.plane import PlaneError
 from axiscal.errors.volume import volume_moments, whole_travel
-from axiscal.estimation.accuracy.criterion import joint_root
+from axiscal.estimation.accuracy.yardstick import joint_root
 from axiscal.machine import Machine, machine_from_text
 from axiscal.numerics import Array
 from tests.generators.planes import bed, centred, dense_rows, matern, natural, poses_of, table

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.accuracy.criterion import Root, joint_root
+from axiscal.estimation.accuracy.yardstick import Root, joint_root
 from axiscal.estimation.belief import Belief
 from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array

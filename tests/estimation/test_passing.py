@@ -13,7 +13,7 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.usual import sizes_of
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, Timed, elapsed, timed
 from axiscal.estimation.promise.passing import (
     drift_functions,
     growing,
@@ -21,7 +21,6 @@ from axiscal.estimation.promise.passing import (
     passing_columns,
     turning,
 )
-from axiscal.estimation.timed import Timed, elapsed, timed
 from axiscal.machine import load_machine
 from axiscal.measurement.cells import wandering
 from axiscal.measurement.reading import Places, Reading

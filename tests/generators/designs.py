@@ -6,8 +6,7 @@ import numpy as np
 
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import volume_moments, whole_travel
-from axiscal.estimation.accuracy import criterion
-from axiscal.estimation.accuracy.yardstick import Yardstick
+from axiscal.estimation.accuracy.yardstick import Yardstick, joint_root
 from axiscal.estimation.belief import Belief
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
@@ -63,7 +62,7 @@ def problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint:
     box = whole_travel(model)
     nothing = np.zeros((model.size, 0))
     yardstick = Yardstick(model, box, volume_moments(model, box), nothing, nothing)
-    root = criterion.joint_root(model) if joint else yardstick.root
+    root = joint_root(model) if joint else yardstick.root
     belief = Belief(np.zeros(observation.size), observation.prior_covariance())
     return Task(observation, belief, root, yardstick, spread(machine, setups, candidates))
 

@@ -60,11 +60,6 @@ def closed(taken: list[Reading]) -> list[Reading]:
     return [*taken, *again]
 
 
-def in_two_rounds(taken: Sequence[Reading]) -> list[Reading]:
-    """Return readings out and back with every other one in a second round: what comes and goes is not in both."""
-    return [replace(each, time=60.0 * index) for index, each in enumerate([*taken[::2], *taken[1::2]])]
-
-
 def plus(readings: Sequence[Reading], added: Sequence[float] | Array) -> list[Reading]:
     """Return readings with something added to each."""
     return [replace(each, value=each.value + float(more)) for each, more in zip(readings, added, strict=True)]

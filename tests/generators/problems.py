@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.usual import sizes_of, usual_machine
 from axiscal.estimation.case import Case
-from axiscal.estimation.promise.problem import Inherited, Problem, problem
+from axiscal.estimation.promise.problem import Inherited, problem
 from axiscal.machine import load_machine
 from axiscal.machine.entry import Sure
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
-from axiscal.numerics import Array
+from axiscal_core.problem import Problem
 from axiscal_core.theta import Sizes
 from tests.generators.campaigns import CAMPAIGN as TWO_SETUPS
 from tests.generators.planes import warped
@@ -122,15 +122,3 @@ def sized(given: Problem, kinds: Sequence[str]) -> Problem:
     curves = tuple(replace(each, length_at=of(each.length_at)) for each in given.curves)
     sizes = Sizes(tuple(given.sizes.of[i] for i in kept))
     return replace(given, sizes=sizes, size_at=of(given.size_at), groups=of(given.groups), curves=curves)
-
-
-def drawn_values(given: Problem, theta: Array, rng: np.random.Generator) -> tuple[Array, Array]:
-    """Return unknowns as answered (answered,) and values over the noise (m,), both drawn from the model at θ."""
-    size = np.exp(np.append(theta, 0.0))
-    whitened: Array = rng.standard_normal(int(given.rows.shape[1]))
-    roots = [curves.roots(theta) for curves in given.curves]
-    own = given.mean + given.raw(whitened[given.first :], theta, roots)
-    for curves, lower in zip(given.curves, roots, strict=True):
-        whitened[curves.columns] = np.einsum("fij,fj->fi", lower, whitened[curves.columns])
-    noise = rng.standard_normal(len(given.values)) * size[given.groups]
-    return own, np.asarray(given.rows @ (size[given.size_at] * whitened) + noise)

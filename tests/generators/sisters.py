@@ -10,8 +10,7 @@ import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimation.case import Case
-from axiscal.estimation.timed import ends_along
+from axiscal.estimation.case import Case, ends_along
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.ports.fleet.rehearsal import Imagined, VirtualType

@@ -23,9 +23,9 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from axiscal.ports.linuxcnc.lab.session import MODULES
 from tests.docs.howtos import DOCS
 from tests.linuxcnc.lab import Joint, Settings, files
+from tests.linuxcnc.running import MODULES
 
 PAGE, ROOT = DOCS / "linuxcnc.md", DOCS.parent
 _BLOCK = re.compile(r"^[ \t]*```sh\n(.*?)^[ \t]*```", re.MULTILINE | re.DOTALL)

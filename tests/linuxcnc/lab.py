@@ -1,33 +1,85 @@
-"""The LinuxCNC of `axiscal.ports.linuxcnc.lab`, which also makes moves, loads tables, and moves axes over others."""
+"""A headless LinuxCNC for one job after another: configuration text in, motor commands and pins out.
+
+It makes moves, loads tables, and moves axes over others.
+"""
 
 from __future__ import annotations
 
 import json
 import re
+import shutil
+import socket
+import tempfile
+import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
-from axiscal.ports.linuxcnc import lab
-from axiscal.ports.linuxcnc.lab import Settings, available, can_load, configuration
-from axiscal.ports.linuxcnc.lab.session import DRIVER
+from axiscal.language.spoken import put
+from tests.linuxcnc.running import (
+    BASE,
+    ControlError,
+    add_modules,
+    available,
+    can_load,
+    fill,
+    log_of,
+    spaces_allowed,
+    started,
+)
 
 __all__ = ["Ending", "Joint", "Session", "Settings", "available", "can_load", "files", "signals"]
 
 MOVING = Path(__file__).with_name("moving_driver.py")
+_START = 30.0
+"""s; LinuxCNC starts in a few, on a busy computer in some more."""
 
 
 @dataclass(frozen=True, slots=True)
-class Joint(lab.Joint):
-    """A joint with the text of its COMP_FILE.  home_offset : coordinate of the place where it is homed"""
+class Joint:
+    """A joint of an axis in machine units, mm or inch, deg and seconds, with the text of its COMP_FILE.
 
+    home_offset : coordinate of the place where it is homed
+    """
+
+    axis: str
     low: float = -500.0
     high: float = 500.0
     velocity: float = 5000.0
     acceleration: float = 5e5
     table: str | None = None
     home_offset: float = 0.0
+
+    @property
+    def rotary(self) -> bool:
+        """Whether the axis turns."""
+        return self.axis[0] in "ABC"
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What a LinuxCNC is given besides its joints.
+
+    hal : text of the component, which stands between motion and the motors; "" where nothing does
+    kinematics : name of the module; unit : mm or in
+    beside : files that lie beside the configuration; sources : of a realtime component, X.comp and what it includes
+    """
+
+    hal: str = ""
+    kinematics: str = "trivkins"
+    unit: str = "mm"
+    beside: Mapping[str, str] = field(default_factory=dict)
+    sources: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def loading(cls, exported: Mapping[str, str]) -> Self:
+        """Return what loads exported files but COMP_FILEs: HAL text in their order, the component and its data."""
+        hal = "".join(text for name, text in exported.items() if name.endswith(".hal"))
+        sources = {name: text for name, text in exported.items() if name.startswith("axiscal_vcomp")}
+        return cls(hal, beside={n: text for n, text in exported.items() if n.endswith(".vcomp")}, sources=sources)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,28 +96,106 @@ class Ending:
     probe: tuple[tuple[float, ...], bool]
 
 
-class Session(lab.Session):
-    """A LinuxCNC that takes G-code lines.  start : where the motors were sent after homing"""
+class Session:
+    """A LinuxCNC that is switched on and homed, and takes G-code lines; a context manager.
+
+    joints : in the order of their numbers; settings : what LinuxCNC is given besides them
+    start : where the motors were sent after homing; errors : messages to the operator so far
+    Raises ControlError when LinuxCNC is missing, does not start, does not finish in time, or refuses what is asked.
+    """
 
     driver = MOVING
 
     def __init__(self, joints: Sequence[Joint], settings: Settings | None = None, timeout: float = 60.0) -> None:
-        super().__init__(joints, settings, timeout)
-        self.start = tuple(self._ask("start")["start"])
+        if not available():
+            raise ControlError("LinuxCNC is not installed here", "Install the Debian package linuxcnc-uspace")
+        self.errors: tuple[str, ...] = ()
+        self._timeout = timeout
+        self._stack = ExitStack()
+        try:
+            self._begin(joints, settings or Settings())
+            self.start = tuple(self._ask("start")["start"])
+        except BaseException:
+            self.close()
+            raise
 
     def move(self, codes: Sequence[str]) -> tuple[Ending, ...]:
         """Execute G-code lines or `setp PIN VALUE`, and return where each ended."""
         return tuple(_ending(each) for each in self._ask(list(codes))["steps"])
 
-    def _texts(self, joints: Sequence[lab.Joint], settings: Settings) -> Mapping[str, str]:
-        own = [joint for joint in joints if isinstance(joint, Joint)]
+    def read(self, pins: Sequence[str]) -> tuple[float, ...]:
+        """Return the values of HAL pins or signals."""
+        return tuple(self._ask({"read": list(pins)})["values"])
+
+    def close(self) -> None:
+        """Stop LinuxCNC; may be called twice."""
+        self._stack.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _begin(self, joints: Sequence[Joint], settings: Settings) -> None:
+        self._work = Path(tempfile.mkdtemp(prefix="axiscal-linuxcnc-", dir=BASE))
+        self._stack.callback(shutil.rmtree, self._work, ignore_errors=True)
+        fill(self._work, self._texts(joints, settings))
+        if settings.sources:
+            add_modules(self._work, settings.sources, spaces_allowed())
+        listener = self._stack.enter_context(socket.socket(socket.AF_UNIX))
+        listener.bind(str(self._work / "socket"))
+        listener.listen(1)
+        listener.settimeout(0.1)
+        self._process = self._stack.enter_context(started(self._work))
+        self._line = self._stack.enter_context(self._accepted(listener))
+        self._stack.callback(self._line.shutdown, socket.SHUT_RDWR)
+        self._answer(time.monotonic() + _START)
+
+    def _texts(self, joints: Sequence[Joint], settings: Settings) -> Mapping[str, str]:
+        """Return the files of its folder by name."""
         return {
             "driver.py": self.driver.read_text(encoding="utf-8"),
             "moving_driver.py": MOVING.read_text(encoding="utf-8"),
-            "plain_driver.py": DRIVER.read_text(encoding="utf-8"),
             "job.json": json.dumps({"motors": _motors(len(joints), settings.hal)}),
-            **files(own, settings),
+            **files(joints, settings),
         }
+
+    def _accepted(self, listener: socket.socket) -> socket.socket:
+        end = time.monotonic() + _START
+        while time.monotonic() < end:
+            with suppress(TimeoutError):
+                return listener.accept()[0]
+            if self._process.poll() is not None:
+                raise ControlError("LinuxCNC ended before it was ready:\n{log}", _LOOK, log=log_of(self._work))
+        what = "LinuxCNC was not ready in {seconds:g} s:\n{log}"
+        raise ControlError(what, _LOOK, seconds=_START, log=log_of(self._work))
+
+    def _ask(self, message: object) -> dict[str, Any]:
+        self._line.sendall((json.dumps(message) + "\n").encode())
+        result = self._answer(time.monotonic() + self._timeout)
+        self.errors += tuple(result["errors"])
+        return result
+
+    def _answer(self, end: float) -> dict[str, Any]:
+        received = b""
+        while not received.endswith(b"\n"):
+            self._line.settimeout(max(0.01, end - time.monotonic()))
+            try:
+                part = self._line.recv(1 << 20)
+            except TimeoutError:
+                remedy = "Move less far, or faster"
+                raise ControlError("LinuxCNC did not finish in {seconds:g} s", remedy, seconds=self._timeout) from None
+            if not part:
+                raise ControlError("LinuxCNC ended without an answer:\n{log}", _LOOK, log=log_of(self._work))
+            received += part
+        result: dict[str, Any] = json.loads(received)
+        if result["failure"]:
+            raise ControlError(put("{message}", message=result["failure"]), "Keep to the limits of the machine")
+        return result
+
+
+_LOOK = "Look at its last words above"
 
 
 def _ending(found: dict[str, Any]) -> Ending:
@@ -75,17 +205,74 @@ def _ending(found: dict[str, Any]) -> Ending:
 
 def files(joints: Sequence[Joint], settings: Settings) -> Mapping[str, str]:
     """Return name and text of every file that LinuxCNC reads."""
-    plain = configuration.files(joints, settings)
-    ini, tables = plain["machine.ini"], dict[str, str]()
+    return {
+        "machine.ini": _ini(joints, settings),
+        "machine.hal": _hal(len(joints), settings.hal),
+        "sim.tbl": "T1 P1 D6 Z0\n",
+        **{f"joint{number}.comp": joint.table for number, joint in enumerate(joints) if joint.table is not None},
+        **settings.beside,
+    }
+
+
+def _ini(joints: Sequence[Joint], settings: Settings) -> str:
+    letters = "".join(joint.axis for joint in joints)
+    gantry = " kinstype=BOTH" if len(set(letters)) < len(letters) else ""
+    fastest, hardest = max(joint.velocity for joint in joints), max(joint.acceleration for joint in joints)
+    traj: dict[str, object] = {"COORDINATES": letters, "LINEAR_UNITS": _UNITS[settings.unit], "ANGULAR_UNITS": "degree"}
+    for limit, kind in product(("MAX", "DEFAULT"), ("LINEAR", "ANGULAR")):
+        traj |= {f"{limit}_{kind}_VELOCITY": fastest, f"{limit}_{kind}_ACCELERATION": hardest}
+    sections: dict[str, dict[str, object]] = {
+        "EMC": {"VERSION": 1.1, "MACHINE": "axiscal"},
+        "DISPLAY": {"DISPLAY": "./driver.py"},
+        "TASK": {"TASK": "milltask", "CYCLE_TIME": 0.001},
+        "RS274NGC": {"PARAMETER_FILE": "sim.var"},
+        "EMCMOT": {"EMCMOT": "motmod", "COMM_TIMEOUT": 4.0, "SERVO_PERIOD": _SERVO_PERIOD},
+        "EMCIO": {"EMCIO": "io", "CYCLE_TIME": 0.1, "TOOL_TABLE": "sim.tbl"},
+        "HAL": {"HALFILE": "machine.hal"},
+        "KINS": {"KINEMATICS": f"{settings.kinematics} coordinates={letters}{gantry}", "JOINTS": len(joints)},
+        "TRAJ": traj,
+    }
     for number, joint in enumerate(joints):
-        head, section = f"[JOINT_{number}]\n", ""
-        if joint.table is not None:
-            tables[f"joint{number}.comp"] = joint.table
-            section = f"COMP_FILE = joint{number}.comp\nCOMP_FILE_TYPE = 0\n"
-        before, _, behind = ini.partition(head)
-        behind = behind.replace("HOME_OFFSET = 0\n", f"HOME_OFFSET = {joint.home_offset}\n", 1)
-        ini = before + head + section + behind if behind else ini
-    return {**plain, **tables, "machine.ini": ini, "machine.hal": _hal(len(joints), settings.hal), **settings.beside}
+        sections |= _axis(number, joint)
+    lines = (
+        f"[{name}]\n" + "".join(f"{key} = {value}\n" for key, value in body.items()) for name, body in sections.items()
+    )
+    return "\n".join(lines)
+
+
+_UNITS = {"mm": "mm", "in": "inch"}
+_SERVO_PERIOD = 1_000_000
+"""ns."""
+
+
+def _axis(number: int, joint: Joint) -> dict[str, dict[str, object]]:
+    limits: dict[str, object] = {
+        "MIN_LIMIT": joint.low,
+        "MAX_LIMIT": joint.high,
+        "MAX_VELOCITY": joint.velocity,
+        "MAX_ACCELERATION": joint.acceleration,
+    }
+    drive = {"TYPE": "ANGULAR" if joint.rotary else "LINEAR", "FERROR": 100, "MIN_FERROR": 100}
+    table = {} if joint.table is None else {"COMP_FILE": f"joint{number}.comp", "COMP_FILE_TYPE": 0}
+    home = {"HOME": 0, "HOME_OFFSET": joint.home_offset, "HOME_SEQUENCE": 0}
+    return {f"AXIS_{joint.axis}": limits, f"JOINT_{number}": table | drive | limits | home}
+
+
+_MOTION = """\
+loadrt [KINS]KINEMATICS
+loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS
+addf motion-command-handler servo-thread
+addf motion-controller servo-thread
+net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in
+net tool-prep iocontrol.0.tool-prepare => iocontrol.0.tool-prepared
+net tool-chg iocontrol.0.tool-change => iocontrol.0.tool-changed
+"""
+"""What every configuration loads and joins."""
+
+
+def _fed_back(joint: int) -> str:
+    """Return the line by which a motor stands where it is sent."""
+    return f"net j{joint}m joint.{joint}.motor-pos-cmd => joint.{joint}.motor-pos-fb\n"
 
 
 def _motors(count: int, hal: str) -> list[str]:
@@ -110,9 +297,9 @@ def _moved(hal: str) -> dict[int, str]:
 def _hal(count: int, hal: str) -> str:
     """Return HAL text; where a motor really turns, its encoder shows where it was sent."""
     moved = _moved(hal)
-    straight = "".join(configuration.fed_back(n) for n in range(count) if n not in moved)
+    straight = "".join(_fed_back(n) for n in range(count) if n not in moved)
     wired = re.sub(r"(axiscal-[a-z0-9-]+)-encoder", r"\1-motor", re.sub(r"net vc-enc-(\d)", r"net vc-drv-\1", hal))
-    return configuration.MOTION + straight + _loaded_once(wired)
+    return _MOTION + straight + _loaded_once(wired)
 
 
 _LOADED = re.compile(r"^loadrt (\S+) names=(\S+)\n", re.MULTILINE)

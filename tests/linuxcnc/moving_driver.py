@@ -1,45 +1,84 @@
 #!/usr/bin/python3
-"""The DISPLAY program of a headless LinuxCNC that also makes moves.
+"""The DISPLAY program of a headless LinuxCNC: homes, then makes moves, and reads the pins that are asked for.
 
-It runs under the system's Python, beside the program of axiscal.
+It runs under the system's Python, which alone has the modules `linuxcnc` and `hal`. One JSON line answers one, through
+a socket.
 """
 
 from __future__ import annotations
 
 import json
+import socket
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import hal  # type: ignore[import-not-found]
 
 import linuxcnc  # type: ignore[import-not-found]
 
-if TYPE_CHECKING:
-    from axiscal.ports.linuxcnc.lab.driver import RunningControl, main, wait
-else:
-    from plain_driver import RunningControl, main, wait
-
 UNFINISHED = -1
 """By LinuxCNC's Python interface."""
 
 
-class MovingControl(RunningControl):
-    """The running LinuxCNC, which also makes the moves of a list.
+def wait(condition: Any, seconds: float) -> bool:
+    """Return whether the condition came true in time."""
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.001)
+    return True
 
-    motors : the pin or signal of each joint that holds the position its motor is sent to
-    """
+
+class MovingControl:
+    """The running LinuxCNC.  motors : the pin or signal of each joint that holds the position its motor is sent to"""
 
     def __init__(self) -> None:
-        super().__init__()
+        self.command, self.stat, self.channel = linuxcnc.command(), linuxcnc.stat(), linuxcnc.error_channel()
+        self.component = hal.component("axiscal")
+        self.component.ready()
         self.motors = json.loads(Path("job.json").read_text())["motors"]
         self.joints = range(len(self.motors))
 
+    def home(self) -> None:
+        """Switch on, home every joint in place, accept MDI."""
+        self.command.state(linuxcnc.STATE_ESTOP_RESET)
+        self.command.state(linuxcnc.STATE_ON)
+        self.command.wait_complete(5)
+        self.command.home(-1)
+        if not wait(self.homed, 10):
+            raise RuntimeError("the joints were not homed in 10 s")
+        self.command.mode(linuxcnc.MODE_MDI)
+        self.command.wait_complete(5)
+
+    def answer(self, asked: Any) -> dict[str, Any]:
+        """Do what is asked; whatever goes wrong is reported: LinuxCNC hides a program's exit status."""
+        try:
+            return {"failure": None, **self.done(asked), "errors": self.errors()}
+        except Exception as error:  # noqa: BLE001
+            return {"failure": f"{type(error).__name__}: {error}"}
+
     def done(self, asked: Any) -> dict[str, Any]:
-        """Make the moves of a list, say where the motors stand at the start, or do what is asked for otherwise."""
+        """Make the moves of a list, say where the motors stand at the start, or read the pins of {"read": names}."""
         if asked == "start":
             return {"start": self.sent()}
-        return {"steps": [self.move(code) for code in asked]} if isinstance(asked, list) else super().done(asked)
+        if isinstance(asked, list):
+            return {"steps": [self.move(code) for code in asked]}
+        return {"values": [float(hal.get_value(name)) for name in asked["read"]]}
+
+    def errors(self) -> list[str]:
+        """Drain the error channel, and pass over what a program shows on the screen."""
+        texts = []
+        while (message := self.channel.poll()) is not None:
+            if message[0] in (linuxcnc.NML_ERROR, linuxcnc.OPERATOR_ERROR):
+                texts.append(str(message[1]).strip())
+        return texts
+
+    def homed(self) -> bool:
+        """Return whether every joint was homed."""
+        self.stat.poll()
+        return all(self.stat.homed[joint] for joint in range(self.stat.joints))
 
     def move(self, code: str) -> dict[str, Any]:
         """Execute a line and wait until the correction, which is ramped, has arrived as well."""
@@ -81,5 +120,26 @@ class MovingControl(RunningControl):
         return self.stat.inpos and self.pins("backlash-filt") == self.pins("backlash-corr")
 
 
+def main(control: type[MovingControl] = MovingControl) -> None:
+    """Serve until the other side closes the socket."""
+    with socket.socket(socket.AF_UNIX) as line:
+        line.connect("socket")
+        stream = line.makefile("rw", encoding="utf-8")
+
+        def tell(result: dict[str, Any]) -> None:
+            stream.write(json.dumps(result) + "\n")
+            stream.flush()
+
+        try:
+            machine = control()
+            machine.home()
+            tell({"failure": None})
+        except Exception as error:  # noqa: BLE001
+            tell({"failure": f"{type(error).__name__}: {error}"})
+            return
+        for request in stream:
+            tell(machine.answer(json.loads(request)))
+
+
 if __name__ == "__main__":
-    main(MovingControl)
+    main()

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.exceptions import ControlError
 from axiscal.measurement.touched import Sphere, centred
 from axiscal.numerics import Array
 from tests.linuxcnc.lab import Session, signals
+from tests.linuxcnc.running import ControlError
 
 _AXES = "xyz"
 _AFAR = 1e6

@@ -11,7 +11,6 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import ControlError
 from axiscal.machine.kinematics import frames, tip_at
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.setup import Setup
@@ -32,6 +31,7 @@ from tests.linuxcnc.demo import EXAMPLES, FOLDER, MACHINES, Loop, close_loop, de
 from tests.linuxcnc.lab import Joint, Session, Settings, can_load
 from tests.linuxcnc.needed import LONG
 from tests.linuxcnc.probing import Probe, Touch, ball, cycle, placed, touched
+from tests.linuxcnc.running import ControlError
 from tests.linuxcnc.virtual import LinuxcncMachine
 
 pytestmark = LONG

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.exceptions import ControlError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.motion import inward
@@ -19,6 +18,7 @@ from axiscal.programs import dialect, programs
 from tests.certify.gcode import HOSTILE, Plan, interpreted, interpreter_verdicts, random_plan, reader_verdicts
 from tests.certify.gcode_traces import canonical_calls, interpreter, read_canonical
 from tests.linuxcnc.lab import Joint, Session, Settings
+from tests.linuxcnc.running import ControlError
 from tests.linuxcnc.watched import run
 
 pytestmark = [
@@ -27,7 +27,7 @@ pytestmark = [
     pytest.mark.skipif(interpreter() is None, reason="Debian package linuxcnc-uspace is not installed"),
 ]
 
-SAMPLE = range(200)
+SAMPLE = range(60)
 
 
 @pytest.mark.parametrize("tens", range(0, len(SAMPLE), 20))

@@ -7,12 +7,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from axiscal.exceptions import ControlError
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables.writer import notes, parse, write
 from axiscal.tables.table import CompensationTable
 from tests.linuxcnc.lab import Ending, Joint
 from tests.linuxcnc.needed import LINUXCNC
+from tests.linuxcnc.running import ControlError
 from tests.linuxcnc.watched import Run, run
 from tests.tables.linuxcnc_model import correction
 

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.exceptions import ControlError
 from axiscal.numerics import Array
 from axiscal.tables import vcomp_applying
 from axiscal.tables.exporter import ExportOptions
@@ -22,6 +21,7 @@ from tests.linuxcnc.built import BuiltMachine
 from tests.linuxcnc.demo import EXAMPLES
 from tests.linuxcnc.lab import Joint, Session, Settings
 from tests.linuxcnc.needed import WITH_COMPONENT
+from tests.linuxcnc.running import ControlError
 from tests.linuxcnc.test_closed_loop import known, rms, spread
 from tests.linuxcnc.watched import WatchedSession
 

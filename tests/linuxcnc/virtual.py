@@ -12,13 +12,14 @@ from typing import Self
 
 import numpy as np
 
-from axiscal.exceptions import ControlError, SourceError
+from axiscal.exceptions import SourceError
 from axiscal.machine import Axis
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.tables.surface import CommandedMachine
 from axiscal.units import to_unit
 from tests.linuxcnc.lab import Joint, Session, Settings
+from tests.linuxcnc.running import ControlError
 
 _ORDER = "XYZABCUVW"
 _OVERRUN = 2.0

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from axiscal.exceptions import ControlError
 from tests.linuxcnc.lab import Ending, Joint, Session
+from tests.linuxcnc.running import ControlError
 
 
 class WatchedSession(Session):

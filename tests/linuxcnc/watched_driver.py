@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The DISPLAY program of a headless LinuxCNC that also runs programs, homes joints anew, and samples pins.
 
-It runs under the system's Python, beside the program of axiscal.
+It runs under the system's Python, beside the program that makes moves.
 """
 
 from __future__ import annotations
@@ -17,11 +17,9 @@ import hal  # type: ignore[import-not-found]
 import linuxcnc  # type: ignore[import-not-found]
 
 if TYPE_CHECKING:
-    from axiscal.ports.linuxcnc.lab.driver import main, wait
-    from tests.linuxcnc.moving_driver import MovingControl
+    from tests.linuxcnc.moving_driver import MovingControl, main, wait
 else:
-    from moving_driver import MovingControl
-    from plain_driver import main, wait
+    from moving_driver import MovingControl, main, wait
 
 
 class WatchedControl(MovingControl):

@@ -14,7 +14,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.description.placed_readings import placed_readings
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
-from axiscal.exceptions import DescriptionError, ReadingError
+from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.charts.kinds import Sight
 from axiscal.measurement.observation import Observation
@@ -115,26 +115,6 @@ def test_readings_of_another_form_are_refused(tmp_path: Path, line: str, said: s
     with pytest.raises(ReadingError, match=said) as failure:
         placed_readings(read_any(path), described(TOGETHER), path)
     assert failure.value.line == 2
-
-
-@pytest.mark.parametrize(
-    ("lines", "said"),
-    [
-        (
-            TOGETHER.replace('"tracer"', '"tracker"'),
-            "by length-only tracers, and this set-up has a tracker",
-        ),
-        (TOGETHER.replace('"tracer"', '"ballbar"'), "by length-only tracers, and this set-up has a ballbar"),
-        (TOGETHER + f"station = {PLACES[0]}\n", "said twice where it stands"),
-        (TOGETHER.replace(", ".join(PLACES), PLACES[0]), "1 station cannot be read at once"),
-        (TOGETHER.replace(PLACES[1], PLACES[0]), "two of the stations are the same place"),
-        (TOGETHER.replace("tool_x", "zero_1"), "is not an unknown of a set-up with a tracer"),
-    ],
-)
-def test_what_cannot_be_read_at_once_is_refused(lines: str, said: str) -> None:
-    with pytest.raises(DescriptionError, match=said) as failure:
-        described(lines)
-    assert failure.value.line is not None
 
 
 @pytest.mark.long

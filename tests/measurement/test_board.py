@@ -13,7 +13,6 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.exceptions import InputError
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Owned
 from axiscal.measurement.reading import Reading
@@ -159,27 +158,6 @@ def test_columns_are_those_of_where_balls_stand(number: int) -> None:
     for one in names:
         slope = (stands(**{one: step}) - stands(**{one: -step})) / (2 * step)
         np.testing.assert_allclose(setup.artefact.moves(one, balls), slope, atol=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        (board().replace('"300 mm", "200 mm"', '"300 mm", "150 mm"', 1), r"no pose reaches ball \w+ of board .*of Y"),
-        (
-            board().replace('"150 mm", "150 mm"', '"150 mm", "135 mm"', 1),
-            "no pose reaches ball two of board.* it lacks .* of Y",
-        ),
-        (board().replace('calibrated = "0.3 mm"', ""), "here none turns.*on a board that is turned"),
-        (board().replace('"0.3 mm"', "0.3"), "calibrated"),
-        (board({"one": (0, 0, 0)}), "not in a line: their turn is open"),
-        (board({name: (x, 0, 0) for name, (x, _, _) in BALLS.items() if name != "four"}), "not in a line"),
-        (board().replace('artefact = "board"\n', "", 1), "at belongs to an artefact"),
-        (board().replace('"90 deg"', '"900 deg"'), '"900 deg" is too large'),
-    ],
-)
-def test_what_is_amiss_with_a_board_is_said(text: str, said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        described(text)
 
 
 def moved(values: Array, first: int, last: int, by: Array) -> Array:

@@ -18,7 +18,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, paths
 from axiscal.estimation.promise.problem import problem as posed_of
-from axiscal.exceptions import DescriptionError, ReadingError, UnitError
+from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.cells import MEMORY, STEP, Course, wandering
 from axiscal.measurement.readers.files import read_any
@@ -125,7 +125,7 @@ def test_a_stated_drift_is_found_and_the_bands_hold_without_it_because_readings_
     """By what is stated alone; with what usually goes wrong a drift that nobody stated is part of it."""
     drifting, shares, silent, disagreed, usual, beyond = _description(head=_AS_STATED), [], [], [], [], []
     still = _description(STILL, head=_AS_STATED)
-    for seed in range(30):
+    for seed in range(12):
         machine = Simulator(drifting.machine, drifting.setups).drawn(seed)
         readings = _readings(machine, drifting, seed)
         known = _estimated(drifting, readings)
@@ -291,13 +291,6 @@ def test_a_day_is_no_time_for_all_its_readings_would_be_taken_at_once(tmp_path: 
     file.write_text(f"setup,X_mm,value_um,time\nlaser,1,1,{day}\nlaser,2,1,{day}\n")
     with pytest.raises(ReadingError, match="without a time of day"):
         read_any(file)
-
-
-@pytest.mark.parametrize("wrong", ['"2 um"', '"2 urad/h"', '"-2 um/h"', '"2 m/min"'])
-def test_a_drift_that_is_no_rate_is_refused(wrong: str) -> None:
-    with pytest.raises((DescriptionError, UnitError)) as refused:
-        _description(f"drift = {wrong}")
-    assert any(unit in refused.value.remedy for unit in ("/h", "/min"))
 
 
 @pytest.mark.parametrize("said", ['"0"', '"0 um/h"'])

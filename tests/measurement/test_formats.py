@@ -17,6 +17,7 @@ from tests.generators.texts import Said, campaign_text, machine_text, setup_text
 from tests.generators.written_maps import EVERYWHERE, FORMS, DrawnMap, drawn
 from tests.measurement.test_instrument_files import RTL
 from tests.measurement.test_level_survey import SURVEY
+from tests.refusals.reading import refusals
 
 BED = machine_text("w-b-X-Y-Z-t", {"X": (-400, 400), "Y": (-400, 400), "Z": (-10, 10)}, {"EZX": "50 um"})
 MAPS = [
@@ -26,19 +27,7 @@ MAPS = [
     drawn((-30, 36, 12), (10, 30, 3), 4, holes=1),
 ]
 ISO = "target_mm,direction,run,deviation_um\n0,+,1,0.5\n10,+,1,1.5\n10,-,1,0\n0,-,1,-1\n"
-CIRCLE = "angle_deg;direction;deviation_um\n" + "".join(
-    f"{at};CCW;{at / 100:g}\n".replace(".", ",") for at in range(0, 360, 30)
-)
-TEXTS = {form: MAPS[0].text(form) for form in FORMS} | {
-    "a positioning test (.rtl)": RTL,
-    "an angular test (.rta)": RTL.replace(": rtl", ": rta"),
-    "a straightness test (.rts)": RTL.replace(": rtl", ": rts\nUnits: um"),
-    "a level survey": SURVEY,
-    "a circular test (ISO 230-4)": CIRCLE,
-    "a test of one axis, a column a run": "Pos;1+;1-\n0;0,5;-1,0\n10;1,5;0,0\n",
-    "a test of one axis (ISO 230-2)": ISO,
-    "a table of readings": "setup,X_mm,value_um\nprobe,1,2\nprobe,5,3\n",
-}
+TEXTS = {title: text for title, text in refusals("files").texts.items() if not title.endswith(".toml")}
 """By title, a good file of each."""
 
 
@@ -107,12 +96,6 @@ def test_a_map_that_is_turned_upside_down_stays_as_it_is(tmp_path: Path, form: s
     assert heights(read(tmp_path, "\n".join(lines), MAPS[1])) == pytest.approx(MAPS[1].probed(), abs=1e-9)
 
 
-def test_heights_between_the_probed_ones_are_no_readings(tmp_path: Path) -> None:
-    """What G81 of Prusa and the end of BED_MESH_OUTPUT print, back row first, is the mesh that corrects."""
-    with pytest.raises(ReadingError, match="these heights lie between the probed ones"):
-        read(tmp_path, "Num X,Y: 2,2\nZ search height: 5.00\nMeasured points:\n  0.1  0.2\n  0.3  0.4\n", MAPS[0])
-
-
 BARE = [
     form
     for form in FORMS
@@ -134,21 +117,6 @@ def test_nodes_without_a_count_are_all_there(tmp_path: Path) -> None:
         read(tmp_path, "\n".join(lines[:22]))
     found = read(tmp_path, "\n".join(lines[:22]), MAPS[0])
     assert found.sentence() == "file.txt: a Marlin map (M421, M503), 21 of 25 cells."
-
-
-@pytest.mark.parametrize("title", ["Mesh Leveling Probed Z positions:", "Measured points:", "Bilinear Leveling Grid:"])
-def test_a_title_without_rows_is_cut_off(tmp_path: Path, title: str) -> None:
-    with pytest.raises(ReadingError, match="line 2: the height map is cut off"):
-        read(tmp_path, f"ok\n{title}\nok\n", MAPS[0])
-
-
-def test_two_grids_of_one_bed_are_asked_about(tmp_path: Path) -> None:
-    """What a Snapmaker Artisan prints: as probed, and as it corrects by."""
-    grid = MAPS[0].text("a Marlin map (M420 V)").partition("Send: M420 V")[2].replace("Recv: ", "")
-    one, _, _ = grid.partition("Subdivided")
-    both = one.replace("Bilinear", "Raw Bilinear") + one.replace("Bilinear", "compensated Bilinear")
-    with pytest.raises(ReadingError, match=r"there are 2 maps in this file\. Keep the one"):
-        read(tmp_path, both, MAPS[0])
 
 
 def test_a_mesh_of_marlin_is_printed_with_more_decimals(tmp_path: Path) -> None:
@@ -203,72 +171,6 @@ def _numbers(text: str) -> list[tuple[int, str]]:
     return [(found.start(), found[0]) for found in re.finditer(r"\d+", text)]
 
 
-NO_USE = {
-    "a positioning test (.rtl)": ("Flags:", "Units: inch\nFlags:", "'Units: inch' is not known"),
-    "an angular test (.rta)": ("Run-count: 4", "Run-count: 6", "6 runs are announced, and there are 4"),
-    "a straightness test (.rts)": ("Filetype  : ISO", "Filetype  : ROTARY", "ROTARY' is not known"),
-    "a level survey": ("# base", "# tilt = 3\n# base", "'tilt' is not known"),
-    "a RepRapFirmware map": ("5,5\n", "5,5\n0.1,0.1,0.1,0.1,0.1\n", "5 rows are announced, and there are 6"),
-    "a Klipper mesh": ("version: 1", "version: 1\noffset: 0.2", "offset is not known of a mesh"),
-    "a Moonraker mesh": ('"mesh_min": [', '"mesh_min": [3, ', "no min_x"),
-    "a mesh of the Klipper console": ("// Mesh X,Y", "// Mesh Leveling Probed Z positions:\n// Mesh X,Y", "2 maps"),
-    "a UBL map": (" 3 |", " 4 |", "row 4 stands here twice"),
-    "probed points of Marlin (G29 V4)": ("Z: ", "Z: 0 E: 0.2 ", "is not X, Y and Z"),
-    "probed points of the Klipper console": (" is z=", " is z=0.1 z=", "is not X, Y and Z"),
-    "a linear map of Marlin (G29 T)": (" (0,0)", "Bed Height Topography:", "there are 2 maps"),
-    "a Marlin map (M420 V)": ("Send: M420 V", "Bilinear Leveling Grid:\nSend: M420 V", "there are 2 maps"),
-    "a Marlin map (M421, M503)": ("I1 J1", "I1 J1 Q2", "says no height of a point"),
-    "an OpenCNCPilot height map": ("SizeX", 'ZOffset="0.3" SizeX', "ZOffset is not known"),
-    "a Candle height map": ("0;20;20\r\n", "0;20;20\r\n0;0;0;0;0\r\n", "5 rows are announced, and there are 6"),
-    "touches of grbl": (":1]", ":1] Q2", "is not X, Y and Z"),
-    "touches of grbl, of four axes": (",0.000:1]", ",5.000:1]", "is not X, Y and Z"),
-    "a bCNC probe file": ("-1 5 100\n\n", "-1 5 100\n\n9 9 9\n", "25 points are announced, and there are 26"),
-    "a list of points X Y Z, of nine axes": ("0.0 0.0 0.0 0.0", "0.0 0.0 0.0 0.5", "the point has U"),
-    "a circular test (ISO 230-4)": ("angle_deg", "note;angle_deg", "5 cells|'note' is not known|3 cells"),
-    "a test of one axis, a column a run": ("1-", "1-;1-", "named twice"),
-    "a test of one axis (ISO 230-2)": ("run", "humidity,run", "4 cells, the header 5 columns"),
-    "a table of readings": ("X_mm", "X_kg", "'X_kg' is not known|has no unit"),
-}
-
-
-def test_every_format_has_something_of_no_use() -> None:
-    titles = {title.partition(", of")[0] for title in NO_USE}
-    assert {kind.title for kind in FORMATS} - {"a file of laser software"} <= titles
-
-
-@pytest.mark.parametrize("title", NO_USE)
-def test_what_a_file_names_is_used_or_refused(tmp_path: Path, title: str) -> None:
-    old, new, says = NO_USE[title]
-    assert old in TEXTS[title]
-    with pytest.raises(ReadingError, match=says) as refused:
-        read(tmp_path, TEXTS[title].replace(old, new, 1), MAPS[0])
-    assert refused.value.file == str(tmp_path / "file.txt")
-
-
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        (
-            MAPS[0].text("a bCNC probe file").replace("20 280 5", "30 280 5", 1),
-            "lies outside of the side of X, 30 to 280",
-        ),
-        (MAPS[0].text("a Candle height map").replace("260.00", "-260.00", 1), "5 nodes from 20 to -240 mm"),
-        (MAPS[0].text("an OpenCNCPilot height map").replace('SizeX="5"', 'SizeX="4"'), "outside of the map of 4 x 5"),
-        (MAPS[0].text("a Klipper mesh").replace("max_x: 280.0", "max_x: -5"), "5 nodes from 20 to -5 mm"),
-        (MAPS[0].text("a UBL map").replace("(280, 20)", "(270, 20)"), "the corners are those of no rectangle"),
-        (MAPS[0].text("a UBL map").replace(" 0 |", " 9 |"), "has 0 rows that follow each other"),
-        (MAPS[0].text("a Moonraker mesh").replace("280.0", '"a"', 1), "'a' is not a finite number"),
-        ('{"bed_mesh": {"profiles": {}}}', "no mesh  is saved here|no mesh is saved here"),
-        ('{"probed_matrix": "x", "profiles": 3}', "no mesh"),
-        ('{"probed_matrix": [3, [4]], "mesh_min": [0, 0], "mesh_max": [9, 9]}', "are no map|heights"),
-        ('{"bed_mesh": ' + 100_000 * "[", "this is no JSON"),
-    ],
-)
-def test_an_extent_that_does_not_fit_is_refused(tmp_path: Path, text: str, says: str) -> None:
-    with pytest.raises(ReadingError, match=says):
-        read(tmp_path, text, MAPS[0])
-
-
 def test_a_unit_is_taken_where_the_file_names_none(tmp_path: Path) -> None:
     inches = {(round(25.4 * x, 6), round(25.4 * y, 6)): 25.4 * z for (x, y), z in MAPS[0].probed().items()}
     for form in ("a bCNC probe file", "a Candle height map", "an OpenCNCPilot height map", "a list of points X Y Z"):
@@ -279,6 +181,10 @@ def test_a_unit_is_taken_where_the_file_names_none(tmp_path: Path) -> None:
     assert (table.position["X"], table.value) == pytest.approx((0.0254, 25.4e-6))
     for head in ("X [in];Y [in];Z [in]", "x_inch y_inch z_inch", "X (IN)\tY (IN)\tZ (IN)"):
         assert heights(read(tmp_path, f"{head}\n1;2;0,1\n")) == {(25.4, 50.8): pytest.approx(2.54)}
+    for head, point in (("Punkt;X;Y;Z", "P 1;1;2;0,1"), ("No. X Y Z", "1 1 2 0,1"), ("no,x,y,z", "1,1,2,0.1")):
+        assert heights(read(tmp_path, f"{head}\n{point}\n")) == {(1.0, 2.0): pytest.approx(0.1)}
+    for point in ("X1 Y2 Z0.1", "x1.0,y2.0,z.1", "X: 1.00 Y: 2.00 Z: 0.10", "X=1; Y=2; Z=0,1"):
+        assert heights(read(tmp_path, f"{point}\n")) == {(1.0, 2.0): pytest.approx(0.1)}
     for text in (
         "X_mm,Y_mm,Z_mm\n1,2,3\n",
         "Pos_mm;1+_um\n1;2\n",

@@ -16,7 +16,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import judged
-from axiscal.exceptions import DescriptionError, InputError, ReadingError
+from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.readers.files import read_any
@@ -83,22 +83,6 @@ def test_several_instruments_see_one_machine() -> None:
     assert np.all(np.abs(left) < 4 * spread + 2e-6)
 
 
-@pytest.mark.parametrize(
-    ("setup", "reason"),
-    [
-        ('instrument = "tracer"', "not said where the tracer's other end is"),
-        ('instrument = "tracker"', "not said where the tracker is"),
-        ('instrument = "rtest"\ndirection = "x"', "a rtest has no direction of its own"),
-        ('instrument = "indicator"', '"direction" is missing'),
-        ('instrument = "rtest"\nunknowns = { slope = "1 urad" }', "is not an unknown of a set-up with a rtest"),
-        ('instrument = "tracer"\nstation = ["1 mm"]', "is not a place"),
-    ],
-)
-def test_set_ups_that_make_no_sense_are_refused(setup: str, reason: str) -> None:
-    with pytest.raises(DescriptionError, match=reason):
-        _description(setup)
-
-
 def test_three_values_come_from_a_file(tmp_path: Path) -> None:
     path = tmp_path / "readings.csv"
     path.write_text("setup,X_mm,Y_mm,Z_mm,value_x_um,value_y_um,value_z_um\n0,100,200,50,1,-2,3\n")
@@ -140,24 +124,6 @@ def test_lengths_are_brought_to_twenty_degrees_with_their_uncertainty() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "reason"),
-    [
-        ('temperature_std = "-1 K"', "-1 K"),
-        ('temperature = "23 K/s"\nexpansion = "11.7 um/m/K"', "23 K/s"),
-        ('temperature = "23 degC"\nexpansion = "11.7 um"', "11.7 um"),
-    ],
-)
-def test_a_temperature_that_makes_no_sense_is_refused(text: str, reason: str) -> None:
-    with pytest.raises(InputError, match=reason):
-        _thermal(text)
-
-
-def test_a_temperature_corrects_only_lengths_along_the_axis_that_moves() -> None:
-    with pytest.raises(DescriptionError, match="a length along the linear axes that move"):
-        _description('instrument = "level"\ndirection = "x"\ntemperature = "23 degC"\nexpansion = "11.7 um/m/K"')
-
-
-@pytest.mark.parametrize(
     "setup",
     [
         f'instrument = "tracker"\n{STATION}',
@@ -184,13 +150,12 @@ def test_a_warm_machine_takes_the_tool_farther_from_the_middle(setup: str) -> No
     assert taken_off == pytest.approx(by_hand[warm.setups[0].instrument], abs=1e-12)
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))])
 @pytest.mark.parametrize("kind", ["tracer", "ballbar", "tracker", "rtest", "level"])
-def test_a_machine_three_times_worse_than_its_prior_gives_no_implausible_reading(kind: str, seed: int) -> None:
+def test_a_machine_three_times_worse_than_its_prior_gives_no_implausible_reading(kind: str) -> None:
     extra = {"level": 'direction = "y"', "rtest": ""}.get(kind, STATION)
     stated = _description(f'instrument = "{kind}"\n{extra}')
     errors = tuple(replace(entry, std=3 * entry.std) for entry in stated.machine.errors)
     worse = replace(stated, machine=replace(stated.machine, errors=errors))
-    readings = _fed(worse, seed, 25)[0].readings
+    readings = _fed(worse, 0, 25)[0].readings
     case = Case(stated)
     assert not judged(case, readings)

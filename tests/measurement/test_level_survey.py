@@ -9,7 +9,6 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
-from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from tests.measurement.test_stepped import LEVEL, MACHINE
@@ -68,59 +67,3 @@ def test_the_set_up_is_the_one_with_that_base_or_the_one_that_is_named(tmp_path:
     assert {r.setup for r in _placed(path, named, LEVEL, other)} == {"0"}
     riding = SURVEY.replace("# base = 100 mm\n", "")
     assert {r.setup for r in _placed(path, riding, RIDING)} == {"0"}
-
-
-BROKEN = [
-    (("# base = 100 mm", "# base = 100"), 3, "no unit"),
-    (("# base = 100 mm", "# base = -1 mm"), 3, "is not above zero"),
-    (("# base = 100 mm", "# bace = 100 mm"), 3, "'bace' is not known"),
-    (("# Bed of the lathe, level pushed by hand", "# base = 1 mm"), 3, "'base' is said twice"),
-    (("0.02 mm/m", "0.02 mm"), 4, "not an angle"),
-    (("# division = 0.02 mm/m\n", ""), 4, "the value of one is not said"),
-    (("X_mm", "station_mm"), 5, "column 'station_mm' is not known"),
-    (("back_div", "Z_mm"), 5, "column 'Z_mm' is not known"),
-    (("back_div", "back_in"), 5, "column 'back_in' has a unit of the wrong kind"),
-    (("back_div", "forward_um/m"), 5, "a way is named twice"),
-    (("150,11.0,11.0", "150,,"), 7, "the station has no reading"),
-    (("150,11.0,11.0", "150,eleven,11.0"), 7, "'eleven' is not a number"),
-    (("150,11.0,11.0", "150,nan,11.0"), 7, "is not finite"),
-    (("150,11.0,11.0", "150,11,0,11,0"), 7, "the line has 5 cells"),
-    (("150,11.0,11.0", ",11.0,11.0"), 7, "X_mm is empty"),
-    (("150,11.0,11.0", "1500,11.0,11.0"), 7, "X = 1500 mm is outside the travel"),
-    (("150,11.0,11.0", "20,11.0,11.0"), 7, "a foot of the level stands outside the travel"),
-    (("# base = 100 mm", "# base = 90 mm"), 6, "stood on a base of 90 mm"),
-    (("# Bed of the lathe, level pushed by hand", "# setup = bed"), 6, "bed"),
-]
-
-
-@pytest.mark.parametrize(("change", "line", "reason"), BROKEN)
-def test_a_broken_survey_is_an_error_with_its_line(
-    tmp_path: Path, change: tuple[str, str], line: int, reason: str
-) -> None:
-    old, new = change
-    assert old in SURVEY
-    with pytest.raises(ReadingError, match=reason) as failure:
-        _placed(tmp_path / "survey.txt", SURVEY.replace(old, new, 1))
-    assert failure.value.line == line
-    assert failure.value.remedy
-
-
-def test_two_readings_cannot_share_one_time(tmp_path: Path) -> None:
-    text = "# level survey\nX_mm,forward_um/m,back_um/m,time\n100,1,,9:00\n200,2,3,9:01\n"
-    with pytest.raises(ReadingError, match="two readings, and one time") as failure:
-        _placed(tmp_path / "survey.txt", text)
-    assert failure.value.line == 4
-
-
-def test_a_survey_has_stations_and_readings(tmp_path: Path) -> None:
-    for header in ("X_mm,time", "forward_um/m,time"):
-        with pytest.raises(ReadingError, match="there is no column of") as failure:
-            _placed(tmp_path / "survey.txt", f"# level survey\n{header}\n100,9:00\n")
-        assert failure.value.line == 2
-
-
-def test_a_campaign_without_a_level_has_no_set_up_for_a_survey(tmp_path: Path) -> None:
-    with pytest.raises(ReadingError, match="no set-up of this campaign read"):
-        _placed(tmp_path / "survey.txt", SURVEY, 'instrument = "probe"\ndirection = "z"\n')
-    with pytest.raises(ReadingError, match="several set-ups of this campaign read"):
-        _placed(tmp_path / "survey.txt", SURVEY, LEVEL, LEVEL)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable
 from math import pi, radians
 from pathlib import Path
 
@@ -110,60 +109,6 @@ def test_truth_curves_may_interleave_and_be_spelt_in_full(tmp_path: Path) -> Non
 def test_a_file_without_a_header_is_shown_that_of_the_machine(tmp_path: Path) -> None:
     with pytest.raises(ReadingError, match=r"line 1.*Let the first line be the header, such as setup,C_deg,B_deg,Y_mm"):
         read_any(written(tmp_path, "s,0,0,1,1,1,X+,2\n"), load_machine("dmu60").axes)
-
-
-Reader = Callable[[str | Path], object]
-BAD: dict[str, tuple[Reader, str, str, int]] = {
-    "no header": (read_any, "s,1,X+,2\n", "no columns. Let the first line be the header, such as setup,X_mm", 1),
-    "no set-up column": (read_any, "X_mm,value_um\n1,2\n", "no column 'setup'", 1),
-    "empty set-up": (read_any, "setup,X_mm,value_um\n,1,2\n", "has no set-up", 2),
-    "no value column": (read_any, "setup,X_mm\ns,1\n", "no column 'value_um'", 1),
-    "empty value": (read_any, "setup,X_mm,value_um\ns,1,\n", "no value", 2),
-    "two values": (read_any, "setup,X_mm,value_um,value_urad\ns,1,2,3\n", "both filled", 2),
-    "two positions": (read_any, "setup,X_mm,X_um,value_um\ns,1,2,3\n", "'X_mm' and 'X_um' are both filled", 2),
-    "angle as length": (read_any, "setup,B_mm,value_um\ns,1,2\n", "'B_mm' has a unit of the wrong kind.*B_deg", 1),
-    "position without unit": (read_any, "setup,X,value_um\ns,1,2\n", "'X' has no unit.*X_mm", 1),
-    "small letter": (read_any, "setup,x_mm,value_um\ns,1,2\n", 'Perhaps "X_mm" is meant', 1),
-    "unknown column": (read_any, "setup,humidity,value_um\ns,1,2", "Known are reading, setup, approach, time", 1),
-    "a number that is none": (read_any, "reading,setup,value_um\n1.5,s,2\n", '"1.5" is not the number of', 2),
-    "number zero": (read_any, "reading,setup,value_um\n1,s,2\n0,s,2\n", '"0" is not the number', 3),
-    "a number left out": (read_any, "reading,setup,value_um\n1,s,2\n,s,2\n", "in every line", 3),
-    "a number twice": (read_any, "reading,setup,value_um\n7,s,2\n8,s,2\n7,s,3\n", "7 stands in line 2 too", 4),
-    "position NaN": (read_any, "setup,X_mm,value_um\ns,nan,2\n", "X_mm 'nan' is not finite", 2),
-    "value absurd": (read_any, "setup,X_mm,value_um\ns,1,-1e15\n", "'-1e15' is too large for a machine", 2),
-    "value infinite": (read_any, "setup,X_mm,value_um\ns,1,-inf\n", "value_um '-inf' is not finite", 2),
-    "std zero": (read_any, "setup,X_mm,value_um,std_um\ns,1,2,0\n", "std_um is 0.*at least 0.1 nm", 2),
-    "std of another kind": (read_any, "setup,X_mm,value_um,std_urad\ns,1,2,1\n", "'std_urad' does not fit", 2),
-    "approach word": (read_any, "setup,approach,value_um\ns,up,2\n", "approach 'up' cannot be read", 2),
-    "approach twice": (read_any, "setup,approach,value_um\ns,X+ X-,2\n", "each axis once", 2),
-    "approach without axis": (read_any, "setup,approach,value_um\ns,+,2\n", "as in 'X\\+'", 2),
-    "iso column missing": (read_any, "target_mm,direction,deviation_um\n1,+,2\n", "there is no column 'run'", 1),
-    "poses without axes": (read_poses, "approach\nX+\n", "no column names an axis", 1),
-    "pose incomplete": (read_poses, "X_mm,Y_mm\n1,2\n3,\n", "empty coordinate", 3),
-    "side's name": (read_any, "setup,X_mm,direction,value_um\nlaser,1,X+,2\n", "'direction' is not known", 1),
-    "pose value": (read_poses, "X_mm,value_um\n1,2\n", "'value_um' is not known", 1),
-    "truth without values": (read_truth, "error,position_mm\nEXX,1\n", "no column 'value_um'", 1),
-    "truth without error": (read_truth, "position_mm,value_um\n1,1\n", "no column 'error'", 1),
-    "unknown error": (read_truth, "error,position_mm,value_um\nEQX,0,1\n", "not the name of an error", 2),
-    "positions equal": (read_truth, "error,position_mm,value_um\nEXX,0,1\nEXX,0,2\n", "does not lie beyond", 3),
-    "positions descend": (read_truth, "error,position_mm,value_um\nEXX,1,1\nEXX,0,2\n", "Sort the positions", 3),
-    "angle in um": (read_truth, "error,position_mm,value_um\nEAX,0,1\n", "'value_um' does not fit EAX.*an angle", 2),
-    "rotary in mm": (read_truth, "error,position_mm,value_urad\nECC,0,1\n", "'position_mm' does not fit ECC", 2),
-    "curve without position": (read_truth, "error,position_mm,value_um\nEXX,,1\n", "EXX has no position here", 2),
-    "constant twice": (read_truth, "error,position_mm,value_urad\nC0Y,,1\nC0Y,,2\n", "given in one line", 3),
-    "truth value empty": (read_truth, "error,position_mm,value_um\nEXX,1,\n", "has no value here", 2),
-    "two truth values": (read_truth, "error,position_mm,value_um,value_urad\nEXX,1,1,1\n", "both filled", 2),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("fault", BAD)
-def test_bad_input_says_file_line_fault_and_remedy(fault: str, tmp_path: Path) -> None:
-    read, text, message, line = BAD[fault]
-    path = written(tmp_path, text)
-    with pytest.raises(ReadingError, match=message) as caught:
-        read(path)
-    assert (caught.value.file, caught.value.line) == (str(path), line)
-    assert "\n" not in str(caught.value)
 
 
 @given(st.text())

@@ -11,7 +11,7 @@ from scipy.stats import binom, chi2
 
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.belief import Belief
-from axiscal.exceptions import InputError, ReadingError
+from axiscal.exceptions import ReadingError
 from axiscal.machine import Machine, load_machine
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.simulation import Simulator, TruthCurve
@@ -126,7 +126,7 @@ def test_a_curve_of_an_axis_that_is_not_there_is_refused() -> None:
 def test_the_plus_minus_holds_on_virtual_machines(name: str, readings: int) -> None:
     """200 machines from the prior, read through their full kinematics: NEES and the share inside 95 % bands.
 
-    Without rests, which the campaign's own test of coverage takes in.
+    Without rests, which `make trust` takes in.
     """
     whole = load_machine(name)
     loose = tuple(replace(e, rest=None) for e in whole.errors), tuple(replace(p, rest=None) for p in whole.planes)
@@ -165,9 +165,3 @@ def test_a_simulated_display_shows_whole_steps() -> None:
     shown = np.array([machine.read_all(observation.setups[0], (x,), (1,), rng)[0] for x in np.linspace(0, 1, 20)])
     assert np.ptp(shown) > 5e-6
     assert np.round(shown / 5e-6) * 5e-6 == pytest.approx(shown, abs=1e-15)
-
-
-@pytest.mark.parametrize("text", ["0 um", "-1 um", "1 s", "fine"])
-def test_a_step_that_is_none_is_refused(text: str) -> None:
-    with pytest.raises(InputError, match="um"):
-        observed(f'resolution = "{text}"')

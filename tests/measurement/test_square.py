@@ -7,7 +7,6 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
@@ -120,13 +119,3 @@ def test_what_two_legs_find_is_the_squareness_of_the_machine(seed: int) -> None:
     taken, true = readings(campaign, seed)
     mean, std = found(campaign, taken)
     assert abs(mean - true) < 4 * std
-
-
-@pytest.mark.parametrize(
-    ("artefacts", "said"),
-    [("", "there is no artefact"), (SQUARE + 'balls = { one = ["0 mm", "0 mm", "0 mm"] }\n', "has balls")],
-)
-def test_what_is_no_square_is_refused(artefacts: str, said: str) -> None:
-    with pytest.raises(DescriptionError, match=said) as refused:
-        described(ALONG_X, artefacts=artefacts)
-    assert "line " in str(refused.value)

@@ -75,14 +75,6 @@ def test_the_reversals_of_linear_axes_count_and_the_radius_is_one_unknown_of_all
     assert np.abs(evened[:, :, reversal]).max() == 0.0
 
 
-@pytest.mark.parametrize(
-    ("change", "to"), [("touches = 3", 'touches = 3\nsides = "mean"'), ('"sphere"', '"rtest"\nball = "low"')]
-)
-def test_three_touches_are_refused_where_they_are_none(change: str, to: str) -> None:
-    with pytest.raises(DescriptionError, match="three touches"):
-        setup_of((SPHERES + TOUCHED + THREE).replace(change, to))
-
-
 def test_a_cycle_that_touches_all_sides_is_refused() -> None:
     with pytest.raises(DescriptionError, match="touches them from all sides"):
         cycle_of(DMU, setup_of())

@@ -175,11 +175,10 @@ def with_zeros(std: float, candidates: int, instrument: str = "indicator") -> Ta
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("std", [1e-6, 3e-5, 1e-3])
+@pytest.mark.parametrize("std", [1e-6, 1e-3])
 @pytest.mark.parametrize("instrument", ["indicator", "rtest"])
-@pytest.mark.parametrize("readings", [1, 2, 3])
-def test_no_plan_of_all_that_there_are_is_below(std: float, instrument: str, readings: int) -> None:
-    asked = with_zeros(std, 10, instrument)
+def test_no_plan_of_all_that_there_are_is_below(std: float, instrument: str) -> None:
+    asked, readings = with_zeros(std, 10, instrument), 3
     pool, state = Pool(asked.observation, asked.lattice), asked.state
     bound = lower_bound(pool, state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), float(readings)).value
     plans = itertools.combinations_with_replacement(range(len(pool)), readings)

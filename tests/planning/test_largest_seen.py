@@ -11,12 +11,11 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError
 from axiscal.machine import load_machine
-from axiscal.measurement.candidates import chart_candidates, spread
+from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
-from axiscal.planning.bound.lower_bound import largest_seen, prove
-from axiscal.planning.next_readings import posed
+from axiscal.planning.bound.lower_bound import largest_seen
 from axiscal.planning.step.ground import regions
 
 BALLS = """
@@ -89,23 +88,6 @@ def test_a_level_that_nothing_reaches_is_what_is_said() -> None:
         largest = largest_seen(observation, 0, region, reach, level, 0.01)
         assert largest.upper == pytest.approx(level, rel=1e-7)
         assert not len(largest.places)
-
-
-@pytest.mark.long
-def test_a_plan_on_a_circle_is_proven_for_every_angle() -> None:
-    bar = CASES["a bar in a plane"].replace("100 mm", "-70 mm").replace('"0 mm", "0 mm"', '"300 mm", "200 mm"')
-    text = f'machine = "three-axis-mill"\nusual = "off"\n{bar}'
-    mill = Case(campaign_from_texts(text, "c.toml", load_machine("three-axis-mill").text, "three-axis-mill"))
-    task = posed(mill, mill.knowledge, candidates=200)
-    places = task.lattice.within(np.arange(0, 200, 40))
-    proof = prove(task.state, task.lattice, places, 0.05)
-    assert proof.bound.everywhere
-    assert 0 < proof.bound.value < task.state.after_readings(places).value
-    lattice = spread(mill.description.machine, mill.description.setups, 3000)
-    rng = np.random.default_rng(0)
-    for _ in range(100):
-        some: Places = lattice.within(rng.integers(0, len(lattice), 5))
-        assert proof.bound.value <= task.state.after_readings(some).value
 
 
 def test_two_coordinates_are_refused_with_what_would_help() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import volume_moments, whole_travel
-from axiscal.estimation.accuracy.criterion import Root
+from axiscal.estimation.accuracy.yardstick import Root
 from axiscal.estimation.belief import Belief
 from axiscal.machine import machine_from_text
 from axiscal.measurement.observation import Observation

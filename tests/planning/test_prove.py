@@ -52,18 +52,6 @@ def test_three_stacked_splines_cannot_be_measured_better() -> None:
     assert 1.0 <= plan.value / proof.bound.value < 1.005
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("seed", range(5))
-def test_no_random_plan_is_below_it(seed: int) -> None:
-    generator = np.random.default_rng(seed)
-    asked = splines(2, 4, 10.0 ** generator.uniform(-2, 0), 100)
-    poses, approaches = random_poses(asked, generator, 6)
-    places = Places.of_setup(0, poses, np.abs(approaches))
-    bound = prove(asked.state, asked.lattice, places).bound.value
-    assert 0 < bound <= asked.state.after_readings(places).value
-    assert bound <= make_plan(asked, Limits(readings=6), bounded=False).value
-
-
 def plates(rest: float = 0.0) -> Task:
     """Return three slides that add up, with reversal, and a set-up along each of two directions."""
     axes = tuple(Axis.named(name, False, (0.0, 0.5)) for name in "XYZ")

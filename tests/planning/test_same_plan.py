@@ -11,7 +11,7 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 import axiscal.planning
-from axiscal.estimation.accuracy.criterion import Root
+from axiscal.estimation.accuracy.yardstick import Root
 from axiscal.numerics import Array
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.plan.plan import Plan, make_plan

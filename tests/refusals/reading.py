@@ -17,17 +17,20 @@ from unittest.mock import patch
 from axiscal.campaign.sources import open_source
 from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
-from axiscal.description.file_readings import file_readings
 from axiscal.description.first_files import of_file
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import machine_of
+from axiscal.description.placed_readings import file_readings
 from axiscal.evaluation.standards import positioning_test
 from axiscal.exceptions import InputError
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.machine.description import parse_chain
 from axiscal.machine.entry import parse_error_name
+from axiscal.measurement.readers.csv_readings import Around
+from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import read_any, recognised
 from axiscal.measurement.readers.text_file import read_text
+from axiscal.measurement.simulation import read_truth
 from axiscal.ports.postgres.database import store_address
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
@@ -152,6 +155,13 @@ def _readings(of: str, text: str) -> object:
     return file_readings(read_any(Path(name)), read_campaign(Path(campaign), target_needed=False, asking=False), name)
 
 
+def _file(_: str, text: str) -> object:
+    """Read a file of any kind beside a campaign that says where the nodes of maps lie."""
+    Path("file.txt").write_text(text, encoding="utf-8")
+    campaign = read_campaign(Path("campaign.toml"), target_needed=False, asking=False)
+    return recognised(Path("file.txt"), Around(campaign.machine.axes, campaign.setups))
+
+
 def _rewritten(_: str, text: str) -> object:
     """Rewrite a program whose zero lies within the travels of the machine."""
     Path("part.ngc").write_text(text, encoding="utf-8")
@@ -197,12 +207,14 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "campaign": _of_file("campaign.toml", read_campaign),
     "command": _command,
     "chain": lambda _, text: parse_chain(text),
+    "files": _file,
     "error_name": lambda _, text: parse_error_name(text),
     "ini": _of_file("machine.ini", lambda path: machine_of(read_ini(path))),
     "machine": lambda _, text: machine_from_text(text, "mill.toml"),
     "old_table": _old_table,
     "options": _options,
     "answers_in_a_table": _of_file("r.csv", lambda path: open_source(f"csv:{path}", SIMULATOR).read(REQUEST)),
+    "poses": _of_file("poses.csv", read_poses),
     "positioning": _of_file("test.csv", lambda path: positioning_test(recognised(path))),
     "printer": _of_file("printer.cfg", lambda path: of_file(path, Path())),
     "quantity": lambda of, text: parse_quantity(text, cast("Dimension", of)),
@@ -211,4 +223,5 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "source": lambda _, text: open_source(text, SIMULATOR),
     "store": lambda _, text: store_address(text, {}),
     "template": _template,
+    "truth": _of_file("truth.csv", read_truth),
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from axiscal.measurement.readers.files import FORMATS
 from axiscal.tables.registry import CONTROLLERS, exporter
 from tests.refusals.reading import Row, kinds, refusals, said
 
@@ -22,6 +23,11 @@ def test_what_is_wrong_is_refused_in_these_words(kind: str, row: Row) -> None:
 def test_what_the_rows_spoil_is_right(kind: str) -> None:
     spoilt = {name: text for name, text in refusals(kind).texts.items() if text and not name.endswith(".toml")}
     assert [f"{name}: {fault}" for name, text in spoilt.items() if (fault := said(kind, name, text))] == []
+
+
+def test_every_kind_of_file_has_rows() -> None:
+    titles = {row.of.partition(", of")[0] for row in refusals("files").rows}
+    assert {kind.title for kind in FORMATS} - {"a file of laser software"} <= titles
 
 
 def test_every_reader_of_old_tables_has_rows() -> None:

@@ -187,8 +187,8 @@ def test_what_is_expected_is_what_machines_of_the_belief_show() -> None:
     moved = frames(estimate.machine, poses + added).tcp - frames(estimate.machine, poses).tcp
     each = [rows @ (estimate.mean + one) + moved for one in apart]
     assert np.sqrt(np.mean([rms(one) ** 2 for one in each])) == pytest.approx(offered.expected, rel=0.05)
-    assert offered.unknown > 0
-    inside = [np.mean(np.linalg.norm(one - one.mean(axis=0), axis=1) <= offered.U) for one in each]
+    assert offered.known.rms > 0
+    inside = [np.mean(np.linalg.norm(one - one.mean(axis=0), axis=1) <= offered.certain) for one in each]
     assert np.mean(inside) == pytest.approx(0.95, abs=0.02)
 
 

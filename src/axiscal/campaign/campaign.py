@@ -32,13 +32,12 @@ from axiscal.campaign.possible import beginning_of, described, jump_told, kept_t
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.description.campaign import CampaignDescription
 from axiscal.document.durable import Closing
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, Timed, elapsed, timed
 from axiscal.estimation.estimate import estimated, in_detail
 from axiscal.estimation.estimation import Estimation, path
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.timed import Timed, elapsed, timed
 from axiscal.exceptions import AmbiguityError, RecordError
 from axiscal.measurement.reading import Place, Reading
 from axiscal.numerics.remembered import Memo

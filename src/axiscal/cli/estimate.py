@@ -16,7 +16,7 @@ from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say, say_document, say_either, tell
 from axiscal.cli.progress import tell_mind, tell_unasked
 from axiscal.cli.record import placed_log
-from axiscal.description.file_readings import file_readings
+from axiscal.description.placed_readings import file_readings
 from axiscal.evaluation.standards import Positioning, evaluate, figures_of, positioning_test
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import decimals, later, said

@@ -93,7 +93,7 @@ def export(
         typer.Option(
             metavar="FILE.ini",
             help="linuxcnc-volumetric: your INI file; units and joints are taken from it, and it and its HAL files are "
-            "written with the component in them, with apply.sh and undo.sh, started without motors first.",
+            "written with the component in them, with apply.sh and undo.sh.",
         ),
     ] = None,
     load: Annotated[
@@ -200,7 +200,7 @@ def export(
         found = (
             wrapped(bump, 4)
             if bump
-            else wrapped(effect_sentence(said("All files together"), offered.effect, offered.unknown, offered.U), 4)
+            else wrapped(effect_sentence(said("All files together"), offered.effect, offered.known), 4)
         )
         if offered.idle:
             found += wrapped(said("The files do not move {axes}.", axes=joined(offered.idle)), 4)

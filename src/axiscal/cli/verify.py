@@ -140,7 +140,7 @@ def verify(
         taken = Taken(own_hand().person, source, check.digests)
     else:
         tightest = check.allowed(tolerance)
-        judged_by = tolerance or (None if tightest else f"{digits(to_unit(check.tables.U, 'um'))} um")
+        judged_by = tolerance or (None if tightest else f"{digits(to_unit(check.tables.certain, 'um'))} um")
         again += "" if judged_by is None else f" --tolerance {shlex.quote(judged_by)}"
         places = check.planned(points, tolerance=tightest)
         (document, planned), sheet = check_plan(check, places), check.sheet(places)
@@ -149,7 +149,7 @@ def verify(
         lines = [_wrapped(planned), *ending({said("Next"): _steps(sheet, plan, again)})]
         say_either(json, "axiscal-verify/1", document, lines)
         return
-    answer = check_answer(check.judged(readings, tolerance), len(readings[0]), check.tables.U, taken)
+    answer = check_answer(check.judged(readings, tolerance), len(readings[0]), check.tables.certain, taken)
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))
     elif details:

@@ -96,11 +96,6 @@ def read_ini(path: Path) -> IniFile:
     return read
 
 
-def expanded(path: Path, text: str) -> str:
-    """Return the text of the INI file at a path with what it includes in its place, as LinuxCNC starts it."""
-    return _INCLUDE.sub(lambda found: "\n".join(["", *read_text(path.parent / found[1]).lines]), text)
-
-
 def _lines(path: Path, including: bool = True) -> Iterator[tuple[Path, int, str]]:
     """Yield file, number and text of every line that says something; lines that end in a backslash go on."""
     begun, first = "", 0

@@ -104,8 +104,10 @@ def _mesh(read: IniFile, travels: Mapping[str, tuple[float, float]]) -> Mapping[
 
 def _place(stated: IniValue, key: str) -> tuple[float, float]:
     """Return X and Y, mm; raises DescriptionError."""
-    x, y = (IniValue(part.strip(), stated.file, stated.line) for part in f"{stated.text},".split(",")[:2])
-    return x.number(key), y.number(key)
+    parts = [IniValue(part.strip(), stated.file, stated.line) for part in stated.text.split(",")]
+    if len(parts) != 2:
+        raise stated.fail("{key} = {text} is no place", "Write X and Y", key=key, text=stated.text)
+    return parts[0].number(key), parts[1].number(key)
 
 
 def _screws(read: IniFile, beside: Beside | None) -> tuple[str, Mapping[str, tuple[float, float]]]:

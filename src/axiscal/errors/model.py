@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 
 from axiscal.errors import prior
 from axiscal.errors.plane import PlaneError, plane_error
+from axiscal.errors.prior import Segments
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry, Kind
 from axiscal.machine.kinematics import SmallMotions, frames
 from axiscal.numerics import Array
-from axiscal.numerics.repeated import Segments
 from axiscal_core.axes import Frames
 from axiscal_core.eigen import unique_root
 from axiscal_core.errors import ASIDE, CELLS

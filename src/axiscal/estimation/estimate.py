@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, timed
 from axiscal.estimation.detail import as_fine_as_shown
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import Doubt, judged
@@ -23,7 +23,6 @@ from axiscal.estimation.located import absorbed, bent, located, refuse_mirrors, 
 from axiscal.estimation.membership import membership
 from axiscal.estimation.promise.posterior import Sorted
 from axiscal.estimation.stations import progressed
-from axiscal.estimation.timed import timed
 from axiscal.language.stages import stage
 from axiscal.measurement.reading import Reading
 from axiscal_core.threads import one_thread

@@ -12,7 +12,7 @@ import numpy as np
 from axiscal.estimation.accuracy.expanded import Expanded, expanded, reach
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.estimation.belief import Belief, Innovations
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, Timed
 from axiscal.estimation.functionals.asked import AskedRow, rows_served
 from axiscal.estimation.judged import Doubt, objection
 from axiscal.estimation.knowledge import Knowledge
@@ -22,7 +22,6 @@ from axiscal.estimation.membership import Membership
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, CheckReading, Checks
 from axiscal.estimation.promise.posterior import Posterior
 from axiscal.estimation.stations import GAUSSIAN, MOST, indices
-from axiscal.estimation.timed import Timed
 from axiscal.measurement.cells import wandering
 from axiscal.measurement.reading import Reading, drawn, reading_text
 from axiscal.measurement.setup import Setup

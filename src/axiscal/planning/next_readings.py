@@ -12,15 +12,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.accuracy.criterion import Root, joint_root
 from axiscal.estimation.accuracy.expanded import BAND
+from axiscal.estimation.accuracy.yardstick import Root, joint_root
 from axiscal.estimation.belief import Belief
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, timed
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_row
-from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
 from axiscal.language.spoken import listed, said
 from axiscal.language.stages import stage

@@ -120,9 +120,10 @@ def _offer(controller: str, made: Export | str) -> TableOffer:
     """Return what the files for one control hold and leave, or why there are none."""
     if isinstance(made, str):
         return TableOffer(controller, {}, made)
-    left = effect_sentence(said("All files together"), made.effect, made.unknown, made.U)
+    left = effect_sentence(said("All files together"), made.effect, made.known)
     effect = {
-        name: to_unit(each, "um") for name, each in zip(EFFECT, (*made.effect, made.expected, made.U), strict=True)
+        name: to_unit(each, "um")
+        for name, each in zip(EFFECT, (*made.effect, made.expected, made.certain), strict=True)
     }
     axes = {f"tables/{controller}/{name}": name.partition(".")[0].replace("_", " ") for name in made.files}
     return TableOffer(controller, axes, left, effect)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from axiscal.answers.prediction import tcp_prediction
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.file_readings import file_readings
+from axiscal.description.placed_readings import file_readings
 from axiscal.document.ports import ours
 from axiscal.errors.model import ErrorFunction
 from axiscal.estimation.accuracy.expanded import BAND

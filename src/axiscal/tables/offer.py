@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.estimation.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.description import Machine
@@ -35,9 +35,8 @@ class Export:
     """Files that may be loaded.
 
     effect : of the estimated deviation over the volume; readme : the text that goes beside them
-    unknown : RMS over the volume of what the estimate may be wrong by, m, one shift of everything taken off, or the
-    motion of an aligned part
-    U : m, 95 % of the deviations with the files are within it
+    known : what the estimate may be wrong by over the volume, one shift of everything taken off, or the motion of an
+    aligned part
     idle : the axes that the files never move; by_row : whether they take a row of the answer away
     """
 
@@ -46,8 +45,7 @@ class Export:
     tables: tuple[CompensationTable, ...]
     control: Control
     effect: Effect
-    unknown: float
-    U: float
+    known: LeftUnknown
     readme: str
     idle: tuple[str, ...]
     by_row: bool
@@ -55,7 +53,12 @@ class Export:
     @property
     def expected(self) -> float:
         """RMS of the TCP deviation that is to be expected with the files, m: what they leave, and what is not known."""
-        return float(np.hypot(self.effect.after, self.unknown))
+        return float(np.hypot(self.effect.after, self.known.rms))
+
+    @property
+    def certain(self) -> float:
+        """95 % of the deviations with the files are within it, m."""
+        return self.known.beside(self.effect.after)
 
     @property
     def worth(self) -> bool:
@@ -92,16 +95,14 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     if estimate.sample is not None:
         tried = estimate.machine, estimate.deviation, draft.control, places(estimate)[0], estimate.box
         effect = effect_of_control(*tried, estimate.alignment, estimate.counted)
-    known = estimate.unknown
-    certain = known.beside(effect.after)
     parts = [part.removesuffix(".") for part in (draft.left_out, together, silent) if part]
     told = replace(draft, left_out="; ".join(parts))
-    left = effect_sentence("They", effect, known.rms, certain)
+    left = effect_sentence("They", effect, estimate.unknown)
     readme = _readme(controller, told, left, (*draft.first, *foreword(estimate, draft.control)))
     moved = np.any(draft.control(poses, approaches), axis=0)
     idle = tuple(axis.name for axis, moves in zip(estimate.machine.axes, moved, strict=True) if not moves)
     by_row = any((table.axis, table.over) in estimate.told for table in draft.tables)
-    done = draft.files, draft.tables, draft.control, effect, known.rms, certain, readme, idle
+    done = draft.files, draft.tables, draft.control, effect, estimate.unknown, readme, idle
     return Export(controller, *done, by_row)
 
 
@@ -127,22 +128,21 @@ def places(estimate: Estimate, count: int = POSES) -> tuple[Array, Array]:
     return tour(estimate.sample[even_subset(estimate.sample, count)], estimate.box)
 
 
-def effect_sentence(files: str, effect: Effect, unknown: float, certain: float) -> str:
-    """Say what files leave of the deviation as the rows of the answer do, with what is not known, and U.
-
-    unknown, certain : RMS of that, and U, m
-    """
+def effect_sentence(files: str, effect: Effect, known: LeftUnknown) -> str:
+    """Say what files leave of the deviation, with what is not known of it, in the digits of the rows of the answer."""
+    certain = known.beside(effect.after)
     if max(*effect, certain) <= _WORTH:
         return said("{files} turn axes about the tool point, which stays where it is over the volume.", files=files)
-    sizes = *(float(np.hypot(each, unknown)) for each in effect), certain
-    before, after, certainly = (said_quantity(value, "um") for value in sizes)
+    sizes = *(float(np.hypot(each, known.rms)) for each in effect), known.expanded, certain
+    before, after, U, within = (said_quantity(value, "um", 2) for value in sizes)
     return said(
         "{files} take the TCP deviation over the volume, with what is not known of it, from {before} RMS to {after}. "
-        "Then U = {U}: 95 % of the deviations lie within it.",
+        "U of the estimate is {U}; with what the files leave, 95 % of the deviations lie within {within}.",
         files=files,
         before=before,
         after=after,
-        U=certainly,
+        U=U,
+        within=within,
     )
 
 

@@ -68,7 +68,7 @@ def check(desk: Desk, control: str) -> CheckShape:
     lines = check_plan(checked, places)[1]
     return CheckShape(
         sentences=[spelt(line) for line in lines],
-        tolerance=f"{digits(to_unit(checked.allowed(None) or checked.tables.U, 'um'))} um",
+        tolerance=f"{digits(to_unit(checked.allowed(None) or checked.tables.certain, 'um'))} um",
         places=check_places(checked, places, desk.virtual),
     )
 
@@ -83,7 +83,7 @@ def judge(desk: Desk, asked: CheckedRequest) -> CheckedShape:
         sheet = filled_sheet(checked.description.machine.axes, each)
         write_whole(desk.campaign.path.with_name(name), sheet.encode())
     judged = checked.judged(readings, asked.tolerance)
-    answer = check_answer(judged, len(places), checked.tables.U, Taken(hand_now().person, "page"))
+    answer = check_answer(judged, len(places), checked.tables.certain, Taken(hand_now().person, "page"))
     return CheckedShape(verdict=answer.verdict, sentences=[spelt(line) for line in check_sentences(answer)])
 
 

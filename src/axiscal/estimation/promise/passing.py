@@ -1,11 +1,7 @@
 """What only readings suffer: drift, growth, and reversals that are not there yet.
 
-A zero drifts by a line, Brownian motion over the time T of its set-up, and Matérn-1/2 in time with 6 min. The Brownian
-motion has Karhunen-Loève functions √2 sin((k − ½)π t/T)/((k − ½)π), k = 1…20, which leave 0.5 % of its variance. A
-linear axis grows by the coordinate over its travel times Matérn-3/2 in time with 0.4 T, linear between ten nodes.
-Functions of fewer readings than there are of them have as many columns as readings: Lᵀ of Z Zᵀ = L Lᵀ. Of a
-reversal exp(−d/l) may be missing, d the way since the axis turned, l of 30, 100 and 350 mm each by itself. Without what
-usually goes wrong a zero wanders as stated (`measurement.cells`).
+Functions of time and way are those of `axiscal_core.causes`. Of more than there are readings come as many columns
+as of these: Lᵀ of Z Zᵀ = L Lᵀ. Without what usually goes wrong a zero wanders as stated (`measurement.cells`).
 """
 
 from __future__ import annotations
@@ -19,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.usual import CYCLE, DRIFT, GROWTH, WAY, needs_a_way
-from axiscal.machine.entry import ROUGH
 from axiscal.measurement.cells import Course, wandering
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.observation import Observation
@@ -28,25 +23,8 @@ from axiscal.measurement.reading_rows import times_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root
-from axiscal_core.splines import matern
+from axiscal_core import causes
 from axiscal_core.theta import Kind, Sizes
-
-_FUNCTIONS = 20
-"""They leave 0.5 % of the variance of Brownian motion: 1 − Σ 2/((k − ½)π)²."""
-_NODES = 10
-"""Five in a length of 0.4: what lies between two of them is straight to a tenth."""
-_CYCLE_SECONDS = 360.0
-"""s, six minutes: assumption."""
-_MEMORY = 0.4
-"""Of the set-up's time: over so much the growth of an axis forgets itself."""
-_WAYS = (0.03, 0.1, 0.35)
-"""m, over which a reversal comes, one as likely as the other: a hand's breadth, from a third of it to three."""
-_LONGEST = 4 * 3600.0
-"""s: over a longer time six minutes are too short to be told from noise."""
-_MOST = 300
-"""Numbers beyond which the columns of a cycle would cost more than everything else."""
-_SINGLE = 1e-9
-"""Added to a correlation of readings at one time."""
 
 
 class Passing(NamedTuple):
@@ -102,7 +80,7 @@ def passing_columns(
             size_at += [sizes.index(kind, setup.name)] * made.shape[1]
             kinds += [kind] * made.shape[1]
         turns = turning(observation, index, mine.poses, mine.approaches) if usual else []
-        ways = [(turn, way) for turn in turns for way in _WAYS]
+        ways = [(turn, way) for turn in turns for way in causes.WAYS]
         parts.append(np.zeros((len(reading), len(ways))))
         for column, (turn, way) in zip(parts[-1].T, ways, strict=True):
             for number, missing in enumerate(turn.missing(mine.poses, np.argsort(mine.clock, kind="stable"), way)):
@@ -113,25 +91,12 @@ def passing_columns(
     return Passing(columns, np.array(size_at, dtype=np.intp), tuple(kinds))
 
 
-def _length(clock: Array) -> float:
-    """Return T, s; 1 where all readings have one time."""
-    return float(np.ptp(clock)) or 1.0
-
-
-def _share(clock: Array) -> Array:
-    """Return times as shares of T, (r,)."""
-    result: Array = (clock - clock.min()) / _length(clock)
-    return result
-
-
 def drift_functions(setup: Setup, clock: Array) -> Array:
     """Return how far a zero of a set-up has drifted at some times, of unknowns of variance one, (r, 21) m or rad.
 
     clock : (r,) s
     """
-    share, turns = _share(clock), (np.arange(_FUNCTIONS) + 0.5) * np.pi
-    drift = np.column_stack([share, np.sqrt(2.0) * np.sin(np.outer(share, turns)) / turns])
-    return _drift_size(setup, _length(clock)) * drift
+    return _drift_size(setup, causes.time_of(clock)) * causes.drift_functions(clock)
 
 
 def growth_functions(setup: Setup, clock: Array) -> Array:
@@ -139,11 +104,7 @@ def growth_functions(setup: Setup, clock: Array) -> Array:
 
     clock : (r,) s; both ends of the travel then stand off by half of it
     """
-    nodes = np.linspace(0.0, 1.0, _NODES)
-    correlation = matern(np.abs(nodes[:, None] - nodes[None]) / _MEMORY, ROUGH)
-    root = lower_root(correlation + _SINGLE * np.eye(_NODES))
-    hats = np.column_stack([np.interp(_share(clock), nodes, each) for each in np.eye(_NODES)])
-    return GROWTH.size * setup.noise * hats @ root
+    return GROWTH.size * setup.noise * causes.growth_functions(clock)
 
 
 def growing(observation: Observation, index: int, poses: Array) -> list[Array]:
@@ -177,17 +138,13 @@ class Turning:
     sides: Array
     effects: Array
 
-    def missing(self, poses: Array, order: NDArray[np.intp], way: float = _WAYS[1]) -> Array:
+    def missing(self, poses: Array, order: NDArray[np.intp], way: float = causes.WAYS[1]) -> Array:
         """Return what is missing of each number of readings, (k, r) m or rad.
 
         poses : (r, q); order : (r,) in which they are taken; way : m, over which it comes
         """
-        at, sides, since = poses[order, self.axis], self.sides[order], np.full(len(poses), self.overrun)
-        step = np.diff(at) * sides[1:]
-        for number in np.flatnonzero((sides[1:] == sides[:-1]) & (step >= 0)).tolist():
-            since[number + 1] = since[number] + step[number]
         left = np.empty(len(poses))
-        left[order] = np.exp(-since / way)
+        left[order] = np.exp(-causes.way_since_turn(poses[order, self.axis], self.sides[order], self.overrun) / way)
         return -WAY.size * left * self.effects
 
 
@@ -215,11 +172,9 @@ def turning(observation: Observation, index: int, poses: Array, approaches: Arra
 def _of_zeros(mine: _Mine, numbers: int) -> Iterator[tuple[Kind, Array]]:
     """Yield the columns of drift and cycle of each zero of a set-up."""
     functions: list[tuple[Kind, Array]] = [("drift", _of_rank(drift_functions(mine.setup, mine.clock)))]
-    if _length(mine.clock) <= _LONGEST and numbers <= _MOST:
-        apart = np.abs(mine.clock[:, None] - mine.clock[None]) / _CYCLE_SECONDS
-        alike = np.exp(-apart)  # Matérn 1/2, that of Ornstein and Uhlenbeck
-        root: Array = CYCLE.size * mine.setup.noise * lower_root(alike + _SINGLE * np.eye(len(apart)))
-        functions.append(("cycle", root))
+    alike = causes.cycle_correlation(mine.clock, numbers)
+    if alike is not None:
+        functions.append(("cycle", CYCLE.size * mine.setup.noise * lower_root(alike)))
     yield from _of_each_zero(mine, numbers, functions)
 
 

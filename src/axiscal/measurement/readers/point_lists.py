@@ -20,7 +20,12 @@ _SLACK = 1e-6
 """m, of rounding."""
 _REMARK = re.compile(r"\s*(?:[#%(;]|//|$)")
 _UNIT = r"[ _]?[\[(]?(?:mm|in|inch)[\])]?|"
-_HEAD = re.compile(rf"\s*X(?P<unit>{_UNIT})[\s,;]+Y(?P=unit)[\s,;]+Z(?P=unit)\s*", re.IGNORECASE)
+_NAMED = r"(?P<named>[^\s,;]+[\s,;]+)?"
+_HEAD = re.compile(rf"\s*{_NAMED}X(?P<unit>{_UNIT})[\s,;]+Y(?P=unit)[\s,;]+Z(?P=unit)\s*", re.IGNORECASE)
+"""Above a list: the columns, the first of which may name the points."""
+_NAME = re.compile(r"^\s*[^\s,]+[\s,]+")
+_LETTERS = re.compile("".join(rf"\s*{axis}\s*[:=]?\s*([-+.,\d]+)[\s,;]*" for axis in "XYZ"), re.IGNORECASE)
+"""A point with its letters: `X20 Y20 Z0.1`."""
 _BRACKETS = re.compile(r"[\W_]")
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?", re.ASCII)
 _COUNT = re.compile(r"\d{1,4}")
@@ -39,7 +44,7 @@ is_grbl = telling(re.compile(r"\[PRB:"))
 def is_list(file: TextFile) -> bool:
     """Return whether the first line is a point: three numbers, or nine of LinuxCNC; X Y Z may stand above."""
     first = next((line for _, line in _lines(file)), "")
-    return len(cells := _numbers(first)) in (3, 9) and all(map(_NUMBER.fullmatch, cells))
+    return len(cells := _numbers(first, _named(file))) in (3, 9) and all(map(_NUMBER.fullmatch, cells))
 
 
 def is_bcnc(file: TextFile) -> bool:
@@ -69,7 +74,7 @@ def listed(file: TextFile, around: Around) -> Found:
         if named and file.unit:
             raise file.fail("the header names its unit, and --unit names another", "leave --unit out", number)
         file = replace(file, unit=_BRACKETS.sub("", named or file.unit).lower())
-    return _noted(file, _points(file, list(_lines(file))))
+    return _noted(file, _points(file, list(_lines(file)), _named(file)))
 
 
 def grbl(file: TextFile, around: Around) -> Found:
@@ -143,18 +148,31 @@ def _lines(file: TextFile) -> Iterator[tuple[int, str]]:
             yield number, line
 
 
-def _numbers(line: str) -> list[str]:
-    """Return the cells of a line; a comma is a decimal one where blanks or semicolons separate all of them."""
+def _named(file: TextFile) -> bool:
+    """Return whether the head of a list has a column before X: names or numbers of the points."""
+    heads = (head for line in file.lines if (head := _HEAD.fullmatch(line)))
+    return any(head["named"] for head in heads)
+
+
+def _numbers(line: str, named: bool = False) -> list[str]:
+    """Return the numbers of a point; a comma is a decimal one where blanks or semicolons separate all of them.
+
+    named : the first cell is the point's name
+    """
+    if named:
+        line = line.partition(";")[2] if ";" in line else _NAME.sub("", line)
+    if lettered := _LETTERS.fullmatch(line):
+        line = " ".join(lettered.groups())
     cells = line.replace(";", " ").split()
     if len(cells) in (3, 9):
         return [cell.removesuffix(",").replace(",", ".") for cell in cells]
     return [cell.strip() for cell in line.split(",")]
 
 
-def _points(file: TextFile, lines: list[tuple[int, str]]) -> Found:
+def _points(file: TextFile, lines: list[tuple[int, str]], named: bool = False) -> Found:
     found = list[RawReading]()
     for number, line in lines:
-        cells = _numbers(line)
+        cells = _numbers(line, named)
         if len(cells) not in (3, 9):
             what = "{text!r} is not X, Y and Z"
             raise file.fail(what, "write one point a line, three numbers", number, text=line.strip()[:60])

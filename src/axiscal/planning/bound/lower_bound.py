@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.accuracy.criterion import Root
+from axiscal.estimation.accuracy.yardstick import Root
 from axiscal.language.stages import stage
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.observation import Observation

@@ -17,8 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.accuracy.criterion import Root
-from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
+from axiscal.estimation.accuracy.yardstick import Accuracy, Root, Yardstick
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import PlaceRows, rows_at, visited

@@ -12,8 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.description.target import Target
-from axiscal.estimation.accuracy.criterion import Root
-from axiscal.estimation.accuracy.yardstick import Yardstick
+from axiscal.estimation.accuracy.yardstick import Root, Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation

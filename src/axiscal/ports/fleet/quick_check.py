@@ -26,10 +26,9 @@ import numpy as np
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription
 from axiscal.errors.model import ErrorModel, Term
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, timed
 from axiscal.estimation.data_equation import data_equation
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.timed import timed
 from axiscal.exceptions import RecordError
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.readers.csv_readings import blank_sheet

@@ -17,8 +17,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.type_text import TypePrior
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.case import Case
-from axiscal.estimation.timed import ends_along
+from axiscal.estimation.case import Case, ends_along
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import counted, joined, listed, put, said
 from axiscal.language.stages import staged

@@ -1,1 +1,1 @@
-"""LinuxCNC: its tables, its component, and a control that is started here or runs at its owner's."""
+"""LinuxCNC: its tables, its component, and a control that runs at its owner's."""

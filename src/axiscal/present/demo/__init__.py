@@ -64,7 +64,7 @@ def checked(campaign: Campaign, truth: VirtualMachine) -> TablesChecked | None:
     check = Check.from_campaign(campaign, CONTROL)
     places = check.planned(tolerance=check.allowed(None))
     judged = check.judged(check.read_on(truth, SEED, places), None)
-    return check_answer(judged, len(places), check.tables.U, Taken()).summary
+    return check_answer(judged, len(places), check.tables.certain, Taken()).summary
 
 
 def measured_truth(model: ErrorModel, seed: int) -> dict[str, TruthCurve]:

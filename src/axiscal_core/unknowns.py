@@ -9,21 +9,22 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.numbers import Numbers
-from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
-from axiscal.estimation.promise.spaces import (
+from axiscal_core.draws import Slope
+from axiscal_core.from_scipy import back_solution, inverse_of_product, root_in_place, solution
+from axiscal_core.numbers import Numbers
+from axiscal_core.problem import MOST_NUMBERS, Problem
+from axiscal_core.refusals import Array
+from axiscal_core.spaces import (
     Answered,
     Caused,
     Given,
     factors_of,
+    raised,
     raw_cells,
     times_roots,
     turned,
     variances_of,
 )
-from axiscal.numerics import Array
-from axiscal_core.draws import Slope
-from axiscal_core.from_scipy import back_solution, inverse_of_product, root_in_place, solution
 
 _DEARER = 2
 """Times as much as of an unknown is the cost of a number: of speed, not of the result."""
@@ -37,14 +38,17 @@ class Unknowns:
     def __init__(self, problem: Problem) -> None:
         self.problem, self.sizes = problem, problem.sizes
         self.groups = np.unique(problem.groups).tolist() or [-1]
-        each = [problem] if len(self.groups) == 1 else [problem.only(problem.groups == i) for i in self.groups]
-        self.counts = [len(mine.values) for mine in each]
-        self.squares = [mine.rows.T @ mine.rows for mine in each]
-        self.products = [mine.rows.T @ mine.values for mine in each]
-        self.totals = [float(mine.values @ mine.values) for mine in each]
-        self.causes = [
-            (mine.rows.T @ mine.type_b, mine.type_b.T @ mine.type_b, mine.type_b.T @ mine.values) for mine in each
-        ]
+        self.counts, self.totals = list[int](), list[float]()
+        self.squares, self.products = list[Array](), list[Array]()
+        self.causes = list[tuple[Array, Array, Array]]()
+        for group in self.groups:
+            mine = problem if len(self.groups) == 1 else problem.only(problem.groups == group)
+            self.counts.append(len(mine.values))
+            self.totals.append(float(mine.values @ mine.values))
+            self.squares.append(mine.rows.T @ mine.rows)
+            self.products.append(mine.rows.T @ mine.values)
+            causes = mine.rows.T @ mine.type_b, mine.type_b.T @ mine.type_b, mine.type_b.T @ mine.values
+            self.causes.append(causes)
 
     def weights(self, theta: Array) -> Array:
         """Return 1/σ² of each group, (g,)."""
@@ -156,9 +160,7 @@ class InUnknowns(Given):
     def _left(self, index: int) -> float:
         """Return the sum of the squares that the estimate leaves of a group's numbers, over their base noise."""
         space, problem = self.space, self.problem
-        raw = self.solved * factors_of(problem, self.theta)
-        for curves, lower in zip(problem.curves, self.roots, strict=True):
-            raw[curves.columns] = (lower @ raw[curves.columns][:, :, None])[:, :, 0]
+        raw = raised(problem, self.solved[:, None], self.theta, self.roots)[:, 0]
         return float(space.totals[index] - 2 * raw @ space.products[index] + raw @ space.squares[index] @ raw)
 
     def without_causes(self) -> Answered:
@@ -203,11 +205,11 @@ class InUnknowns(Given):
         return left.reshape(part.shape) * own, blocks * own[:, :, None] * own[:, None, :]
 
     def precision(self, columns: Array) -> Array:
-        """Return K⁻¹B."""
-        rows, roots = self._rows(np.arange(len(columns)))
-        own = columns * roots[:, None]
-        half = solution(self.root, rows.T @ own)
-        return np.asarray(roots[:, None] * (own - rows @ back_solution(self.root, half)))
+        """Return K⁻¹B.  Priors are applied to unknowns, for the rows of many readings are gigabytes."""
+        problem, sizes = self.problem, (self.theta, self.roots)
+        weights = 1 / variances_of(problem, self.theta)[:, None]
+        half = solution(self.root, turned(problem, (weights * columns).T @ problem.rows, *sizes).T)
+        return np.asarray(weights * (columns - problem.rows @ raised(problem, back_solution(self.root, half), *sizes)))
 
     def _rows(self, which: NDArray[np.intp]) -> tuple[Array, Array]:
         """Return rows of unknowns of variance one over the noise, (n, p), and one over the noise, (n,)."""

@@ -35,9 +35,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.problem import Problem, by_blocks
-from axiscal.numerics import Array
 from axiscal_core.draws import Slope
+from axiscal_core.problem import Problem, by_blocks
+from axiscal_core.refusals import Array
 
 
 class Answered(NamedTuple):
@@ -101,21 +101,21 @@ class Given(ABC):
     def blocks(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
         """Return K⁻¹y (r, k), over the noise, and the blocks of K⁻¹ (r, k, k).  part : (r, k) numbers of readings"""
 
-    @property
-    def shown(self) -> Array:
-        """Columns of answered unknowns of variance one, (m, scales + answered)."""
-        return turned(self.problem, self.problem.rows, self.theta, self.roots, self.problem.first)
-
     def gain(self, columns: Array) -> Array:
         """Return G X, (answered, n) m and rad: by what the mean m = G y moves.  columns : X (m, n), over the noise"""
-        return self.problem.raw(self.shown.T @ self.precision(columns), self.theta, self.roots)
+        return self._moved(self.precision(columns))
+
+    def _moved(self, spread: Array) -> Array:
+        """Return G X, (answered, n) m and rad.  spread : K⁻¹X (m, n)"""
+        problem = self.problem
+        moved = turned(problem, spread.T @ problem.rows, self.theta, self.roots, problem.first)
+        return problem.raw(moved.T, self.theta, self.roots)
 
     @cached_property
     def type_b(self) -> Caused:
         """What causes of type B do."""
         problem, spread = self.problem, self.precision(self.problem.type_b)
-        gains = problem.raw(self.shown.T @ spread, self.theta, self.roots)
-        return Caused(gains, problem.type_b.T @ spread, spread.T @ problem.values)
+        return Caused(self._moved(spread), problem.type_b.T @ spread, spread.T @ problem.values)
 
     def posterior(self) -> Answered:
         """Return the posterior of the answered unknowns: the mean without, the covariance with causes of type B."""
@@ -124,11 +124,10 @@ class Given(ABC):
 
     def sources(self, figures: Array) -> Sources:
         """Return what each source of variance leaves of figures of the answered unknowns.  figures : F (k, answered)"""
-        problem = self.problem
-        own = problem.whitened(figures.T, self.theta, self.roots).T
-        every = turned(problem, problem.rows, self.theta, self.roots)
-        passed = self.precision(every[:, problem.first :] @ own.T).T
-        left = -passed @ every
+        problem, sizes = self.problem, (self.theta, self.roots)
+        own = problem.whitened(figures.T, *sizes).T
+        passed = self.precision(problem.rows[:, problem.first :] @ raised(problem, own.T, *sizes, problem.first)).T
+        left = -turned(problem, passed @ problem.rows, *sizes)
         left[:, problem.first :] += own
         causes = np.sum((figures @ self.type_b.gains) ** 2, axis=0)
         noise = variances_of(problem, self.theta)
@@ -205,6 +204,14 @@ def turned(problem: Problem, rows: Array, theta: Array, roots: Sequence[Array], 
     for curves, lower in zip(problem.curves, roots, strict=True):
         times_roots(result, curves.columns - start, lower)
     result *= factors_of(problem, theta)[start:]
+    return result
+
+
+def raised(problem: Problem, unknowns: Array, theta: Array, roots: Sequence[Array], start: int = 0) -> Array:
+    """Return unknowns of variance one with their priors applied, (p − start, n).  unknowns : from `start` on"""
+    result = unknowns * factors_of(problem, theta)[start:, None]
+    for curves, lower in zip(problem.curves, roots, strict=True):
+        result[curves.columns - start] = lower @ result[curves.columns - start]
     return result
 
 

@@ -9,17 +9,18 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.spaces import (
+from axiscal_core.draws import Slope
+from axiscal_core.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
+from axiscal_core.problem import Problem
+from axiscal_core.refusals import Array
+from axiscal_core.spaces import (
     Answered,
     Given,
     factors_of,
     raw_cells,
+    turned,
     variances_of,
 )
-from axiscal.numerics import Array
-from axiscal_core.draws import Slope
-from axiscal_core.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
 
 
 class Numbers:
@@ -146,7 +147,8 @@ class InNumbers(Given):
 
     def without_causes(self) -> Answered:
         """Return the posterior of the answered unknowns."""
-        problem, shown = self.problem, self.shown
+        problem = self.problem
+        shown = turned(problem, problem.rows, self.theta, self.roots, problem.first)
         mean = problem.mean + problem.raw(shown.T @ self.weighted, self.theta, self.roots)
         known = problem.raw(solution(self.root, shown).T, self.theta, self.roots)
         covariance = self.space.prior_covariance(self.theta, self.roots)

@@ -1,47 +1,40 @@
-"""Runs Debian's LinuxCNC headless, apart from everything else on the machine.
+"""Debian's LinuxCNC as processes of a run, apart from everything else on the machine, and modules that it alone sees.
 
 LinuxCNC is one per machine: fixed shared-memory keys, one port, and a stop script that ends others by name.  So it gets
 its own namespaces where the kernel allows them. Elsewhere one run waits for the other, and none starts beside another
 LinuxCNC.
 
-Realtime components for a LinuxCNC that is kept apart: compiled by `halcompile`, and seen by this run alone.
-
-LinuxCNC looks for modules in its own folder only. A copy of it, with the new module, is laid over it inside the
-namespace of the run; nothing is installed.
+LinuxCNC looks for modules in its own folder only. A copy of it, with a new module compiled by `halcompile`, is laid
+over it inside the namespace of the run; nothing is installed.
 """
 
 from __future__ import annotations
 
 import fcntl
-import json
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import tempfile
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from typing import Any, Self
 
-from axiscal.exceptions import ControlError
-from axiscal.language.spoken import put
-from axiscal.ports.linuxcnc.lab.configuration import Joint, Settings, files
+from axiscal.exceptions import InputError
 
-DRIVER = Path(__file__).with_name("driver.py")
-"""The DISPLAY program; a file of this name beside the configuration stands in for it."""
+
+class ControlError(InputError):
+    """LinuxCNC cannot be started, or refuses what it is asked to do."""
+
+
 _SPACES = ("unshare", "--ipc", "--net", "--pid", "--mount", "--fork", "--kill-child", "--mount-proc")
 _OWN_TMP = "mount -t tmpfs -o mode=1777 none /tmp"
 _START_IT = "exec linuxcnc -r machine.ini"
 _NOBODY = 65534
 """The user `nobody` of Debian."""
-_BASE = Path("/var/tmp")  # not /tmp, which the run gets anew
-_START = 30.0
-"""s; LinuxCNC starts in a few, on a busy computer in some more."""
-_INSTALL = "Install the Debian package linuxcnc-uspace, or take another source"
+BASE = Path("/var/tmp")  # not /tmp, which the run gets anew
 
 
 def available() -> bool:
@@ -51,104 +44,10 @@ def available() -> bool:
 
 def can_load(component: str) -> bool:
     """Return whether a realtime component can be tried here: compiled, and installed or seen in the run's namespace."""
-    return can_compile() and (_spaces_allowed() or (MODULES / f"{component}.so").exists())
+    return can_compile() and (spaces_allowed() or (MODULES / f"{component}.so").exists())
 
 
-class Session:
-    """A LinuxCNC that is switched on and homed; a context manager.
-
-    joints : in the order of their numbers; settings : what LinuxCNC is given besides them
-    errors : messages to the operator so far
-    Raises ControlError when LinuxCNC is missing, does not start, does not finish in time, or refuses what is asked.
-    """
-
-    def __init__(self, joints: Sequence[Joint], settings: Settings | None = None, timeout: float = 60.0) -> None:
-        if not available():
-            raise ControlError("LinuxCNC is not installed here", _INSTALL)
-        self.errors: tuple[str, ...] = ()
-        self._timeout = timeout
-        self._stack = ExitStack()
-        try:
-            self._begin(joints, settings or Settings())
-        except BaseException:
-            self.close()
-            raise
-
-    def set(self, pin: str, value: str) -> None:
-        """Set a HAL pin."""
-        self._ask({"set": {pin: value}})
-
-    def read(self, pins: Sequence[str]) -> tuple[float, ...]:
-        """Return the values of HAL pins or signals."""
-        return tuple(self._ask({"read": list(pins)})["values"])
-
-    def close(self) -> None:
-        """Stop LinuxCNC; may be called twice."""
-        self._stack.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def _begin(self, joints: Sequence[Joint], settings: Settings) -> None:
-        self._work = Path(tempfile.mkdtemp(prefix="axiscal-linuxcnc-", dir=_BASE))
-        self._stack.callback(shutil.rmtree, self._work, ignore_errors=True)
-        _fill(self._work, self._texts(joints, settings))
-        if settings.sources:
-            add_modules(self._work, settings.sources, _spaces_allowed())
-        listener = self._stack.enter_context(socket.socket(socket.AF_UNIX))
-        listener.bind(str(self._work / "socket"))
-        listener.listen(1)
-        listener.settimeout(0.1)
-        self._process = self._stack.enter_context(_started(self._work))
-        self._line = self._stack.enter_context(self._accepted(listener))
-        self._stack.callback(self._line.shutdown, socket.SHUT_RDWR)
-        self._answer(time.monotonic() + _START)
-
-    def _texts(self, joints: Sequence[Joint], settings: Settings) -> Mapping[str, str]:
-        """Return the files of its folder by name."""
-        return {"driver.py": DRIVER.read_text(encoding="utf-8"), **files(joints, settings)}
-
-    def _accepted(self, listener: socket.socket) -> socket.socket:
-        end = time.monotonic() + _START
-        while time.monotonic() < end:
-            with suppress(TimeoutError):
-                return listener.accept()[0]
-            if self._process.poll() is not None:
-                raise ControlError("LinuxCNC ended before it was ready:\n{log}", _LOOK, log=_log(self._work))
-        what = "LinuxCNC was not ready in {seconds:g} s:\n{log}"
-        raise ControlError(what, _LOOK, seconds=_START, log=_log(self._work))
-
-    def _ask(self, message: object) -> dict[str, Any]:
-        self._line.sendall((json.dumps(message) + "\n").encode())
-        result = self._answer(time.monotonic() + self._timeout)
-        self.errors += tuple(result["errors"])
-        return result
-
-    def _answer(self, end: float) -> dict[str, Any]:
-        received = b""
-        while not received.endswith(b"\n"):
-            self._line.settimeout(max(0.01, end - time.monotonic()))
-            try:
-                part = self._line.recv(1 << 20)
-            except TimeoutError:
-                remedy = "Move less far, or faster"
-                raise ControlError("LinuxCNC did not finish in {seconds:g} s", remedy, seconds=self._timeout) from None
-            if not part:
-                raise ControlError("LinuxCNC ended without an answer:\n{log}", _LOOK, log=_log(self._work))
-            received += part
-        result: dict[str, Any] = json.loads(received)
-        if result["failure"]:
-            raise ControlError(put("{message}", message=result["failure"]), "Keep to the limits of the machine")
-        return result
-
-
-_LOOK = "Look at its last words above"
-
-
-def _fill(work: Path, texts: Mapping[str, str]) -> None:
+def fill(work: Path, texts: Mapping[str, str]) -> None:
     work.chmod(0o755)
     for name, text in texts.items():
         (work / name).write_text(text, encoding="utf-8", newline="")
@@ -159,7 +58,7 @@ def _fill(work: Path, texts: Mapping[str, str]) -> None:
 
 
 @contextmanager
-def _started(work: Path) -> Iterator[subprocess.Popen[bytes]]:
+def started(work: Path) -> Iterator[subprocess.Popen[bytes]]:
     """Yield the running LinuxCNC, and end it."""
     with _apart(work) as command, (work / "log.txt").open("wb") as log:
         process = subprocess.Popen(
@@ -201,16 +100,16 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 @contextmanager
 def _apart(work: Path) -> Iterator[Sequence[str]]:
     """Yield the command that starts LinuxCNC without meeting another one."""
-    if _spaces_allowed():
+    if spaces_allowed():
         yield (*_SPACES, "sh", "-c", " && ".join([_OWN_TMP, *mounted(work), _START_IT]))
         return
-    with (_BASE / f"axiscal-linuxcnc-{os.geteuid()}.lock").open("w") as lock:
+    with (BASE / f"axiscal-linuxcnc-{os.geteuid()}.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         _wait_for_others(60)
         yield ("linuxcnc", "-r", "machine.ini")
 
 
-def _spaces_allowed() -> bool:
+def spaces_allowed() -> bool:
     trial = subprocess.run([*_SPACES, "sh", "-c", "mount -t tmpfs none /tmp"], capture_output=True, check=False)
     return trial.returncode == 0
 
@@ -243,7 +142,7 @@ def _environment(work: Path) -> dict[str, str]:
     return kept | own | root
 
 
-def _log(work: Path) -> str:
+def log_of(work: Path) -> str:
     return "\n".join((work / "log.txt").read_text(errors="replace").splitlines()[-30:])
 
 
