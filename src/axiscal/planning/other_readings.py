@@ -282,13 +282,13 @@ def with_checks(
         raise PlanError(what, remedy, checks=described.target.checks or count, readings=most)
     checks, budget = _Checks(case, task, readings, known, distinct(task.lattice), count, limits.readings), limits.budget
     if limits.readings == 0:
-        return checks.among((), checks.drawn((), count))
+        return checks.put_among((), checks.picked((), count))
     begun = own or plan(limits, (), ())  # says how many checks belong to it, and in which set-ups
-    beside = checks.drawn(begun, checks.count(begun)) if budget is None else checks.for_a_fifth(begun)
+    beside = checks.picked(begun, checks.count(begun)) if budget is None else checks.for_a_fifth(begun)
     if not own and not beside:
         return begun
     if budget is not None:
-        more = checks.seconds(checks.among(begun, beside)) - checks.seconds(begun)
+        more = checks.seconds(checks.put_among(begun, beside)) - checks.seconds(begun)
         limits = replace(limits, budget=budget - more)
     places = plan(limits, without_markers(case, readings, begun if limits.timed else own), beside)
     return checks.fitting(places, beside, budget)
@@ -323,7 +323,7 @@ class _Checks:
         due = next(more for more in count_from(0) if checks_among(self.case.description, before + more) <= more)
         return max(min(self.most, due - taken), 0)
 
-    def drawn(self, places: Sequence[Place], count: int) -> tuple[Place, ...]:
+    def picked(self, places: Sequence[Place], count: int) -> tuple[Place, ...]:
         """Return so many checks beside planned readings: those of an earlier plan first."""
         known = self.known[:count]
         among = columns_of(self.case, places or self.known).setups
@@ -334,16 +334,16 @@ class _Checks:
         """Return the checks of planned readings that take a fifth at most of what comes after the first."""
         alone = self.seconds(places)
         most = alone + (alone - self.seconds(places[:1])) / _SHARE
-        every = self.drawn(places, self.count(places))
+        every = self.picked(places, self.count(places))
         fewer = (every[:count] for count in range(len(every), -1, -1))
-        return next(each for each in fewer if self.seconds(self.among(places, each)) <= most)
+        return next(each for each in fewer if self.seconds(self.put_among(places, each)) <= most)
 
     def fitting(self, places: Sequence[Place], checks: Sequence[Place], budget: float | None) -> tuple[Place, ...]:
         """Return planned readings with as many checks as there is time for."""
-        fewer = (self.among(places, checks[:count]) for count in range(len(checks), -1, -1))
+        fewer = (self.put_among(places, checks[:count]) for count in range(len(checks), -1, -1))
         return next((each for each in fewer if budget is None or self.seconds(each) <= budget), tuple(places))
 
-    def among(self, places: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:
+    def put_among(self, places: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:
         """Return planned readings with checks, each where it costs least time."""
         if not checks:
             return tuple(places)
