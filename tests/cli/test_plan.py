@@ -87,10 +87,9 @@ def test_so_many_readings_are_planned_whatever_accuracy_the_campaign_asks_for(ca
     assert len(command("plan", campaign, "--readings", "9", "--json").document["points"]) == 9
 
 
-@pytest.mark.parametrize("more", [[], ["--prove"]])
-@pytest.mark.parametrize(("sure", "needed"), [("exactly", 0), ("roughly", 6)])
+@pytest.mark.parametrize(("sure", "needed", "more"), [("exactly", 0, ["--prove"]), ("roughly", 6, [])])
 def test_a_target_that_is_met_before_anything_is_read_needs_a_few_that_check_the_sizes(
-    campaign: Path, more: list[str], sure: str, needed: int, capsys: pytest.CaptureFixture[str]
+    campaign: Path, sure: str, needed: int, more: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     campaign.write_text(campaign.read_text().replace('sure = "exactly"', f'sure = "{sure}"'))
     assert run(["plan", str(campaign), "--target", "90 mm", "--json", *more]) == 0

@@ -79,8 +79,8 @@ def test_what_follows_is_of_the_knots_that_were_found() -> None:
     np.testing.assert_allclose(again.printed.belief.mean, known.printed.belief.mean, rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
-@pytest.mark.parametrize("count", [12, 40, 120])
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("count", [12, 120])
 def test_a_smooth_axis_keeps_its_knots(count: int, seed: int) -> None:
     readings = read(smooth, count, seed)
     assert knots(in_detail(FREE, readings)) == knots(concluded(FREE, readings))

@@ -14,9 +14,9 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.promise.jumps import jumped, suspects, turn_of, ways_of
 from axiscal.estimation.promise.posterior import sorted_out
-from axiscal.estimation.promise.problem import Problem
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal_core.problem import Problem
 from tests.generators.dense_posterior import Dense, log_density
 from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings
 from tests.generators.problems import asked, sized
@@ -140,14 +140,14 @@ def test_a_step_is_named_beside_a_bad_reading() -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("times", [1.0, 4.0])
-def test_of_a_hundred_right_records_none_has_a_jump(times: float) -> None:
+def test_of_two_dozen_right_records_none_has_a_jump(times: float) -> None:
     """Nor where the curves are four times as large as stated, and rough."""
-    found = 0
-    for seed in range(100):
+    found = list[object]()
+    for seed in range(24):
         setup, count = (DIAL, LASER)[seed % 2], (9, 15, 18, 28)[seed // 2 % 4]
         readings = foreign_readings(setup, count, 1000 + seed, times * (4e-6 if setup is DIAL else 10e-6))
-        found += len(_named(estimated(foreign_case(setup), readings)))
-    assert found <= 1
+        found += _named(estimated(foreign_case(setup), readings))
+    assert found == []
 
 
 def _out_and_back(setup: str, runs: int, step: float) -> list[Reading]:

@@ -12,10 +12,10 @@ import pytest
 from axiscal.campaign.agreement_words import acceptance, agreement_words, change_words
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.promise.stuck import Repeats, repeats, stuck
-from axiscal.estimation.promise.unknowns import space_of
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import put_right
 from axiscal_core.draws import sized as weighed
+from axiscal_core.unknowns import space_of
 from tests.generators.dense_posterior import Dense, log_density
 from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings
 from tests.generators.problems import asked, sized
@@ -91,15 +91,15 @@ def test_patterns_are_counted_as_they_are() -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("step", [1e-7, 1e-6, 5e-6])
-def test_of_a_hundred_right_records_none_is_stuck(step: float) -> None:
+def test_of_two_dozen_right_records_none_is_stuck(step: float) -> None:
     """Of machines a tenth to twice as large as stated; 5 um are steps five times and more than what noise is stated."""
-    found = 0
-    for seed in range(100):
+    found = list[str]()
+    for seed in range(24):
         setup, count = (DIAL, LASER)[seed % 2], (9, 15, 18, 28)[seed // 2 % 4]
         size = (0.1, 0.5, 2.0)[seed % 3] * (4e-6 if setup is DIAL else 10e-6)
         readings = _shown(foreign_readings(setup, count, 3000 + seed, size), step)
-        found += any(name == "stuck" for name, _ in _named(setup, readings))
-    assert found <= 1
+        found += [name for name, _ in _named(setup, readings) if name == "stuck"]
+    assert found == []
 
 
 def test_readings_none_of_which_is_used_are_no_agreement_and_leave_no_uncertainty() -> None:

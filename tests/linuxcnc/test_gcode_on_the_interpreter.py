@@ -27,7 +27,7 @@ pytestmark = [
     pytest.mark.skipif(interpreter() is None, reason="Debian package linuxcnc-uspace is not installed"),
 ]
 
-SAMPLE = range(200)
+SAMPLE = range(60)
 
 
 @pytest.mark.parametrize("tens", range(0, len(SAMPLE), 20))

@@ -125,7 +125,7 @@ def test_a_stated_drift_is_found_and_the_bands_hold_without_it_because_readings_
     """By what is stated alone; with what usually goes wrong a drift that nobody stated is part of it."""
     drifting, shares, silent, disagreed, usual, beyond = _description(head=_AS_STATED), [], [], [], [], []
     still = _description(STILL, head=_AS_STATED)
-    for seed in range(30):
+    for seed in range(12):
         machine = Simulator(drifting.machine, drifting.setups).drawn(seed)
         readings = _readings(machine, drifting, seed)
         known = _estimated(drifting, readings)

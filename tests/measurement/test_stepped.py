@@ -62,7 +62,7 @@ def _seen(model: ErrorModel, setup: Setup, unknowns: Array, pose: tuple[float, .
 
 
 @pytest.mark.parametrize("base", [0.0, 0.03, 0.11])
-@pytest.mark.parametrize("seed", [0, 2, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, *range(3, 8)))])
+@pytest.mark.parametrize("seed", [0, 2, *(pytest.param(seed, marks=pytest.mark.long) for seed in (3, 4))])
 def test_rows_are_the_differences_of_what_a_virtual_machine_reads(seed: int, base: float) -> None:
     """All errors at once, each in a direction drawn for it, on both sides and with rotary axes; most are not seen."""
     model, rng = ErrorModel(random_machine(seed, count=3)), np.random.default_rng(seed)

@@ -101,7 +101,6 @@ DRIVEN = {
     [
         ("three-axis-mill", "+", "as usual"),
         pytest.param("three-axis-mill", "both", "over a clearance and slow near the place", marks=pytest.mark.long),
-        pytest.param("dmu60", "both", "as usual", marks=pytest.mark.long),
         pytest.param("dmu60", "+", "over a clearance and slow near the place", marks=pytest.mark.long),
     ],
 )

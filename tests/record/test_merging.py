@@ -93,18 +93,6 @@ def test_a_beginning_without_room_for_what_is_missing_is_of_another_file(whole: 
     assert _stands(content) == ([4, 5, 6, 7, 8, 9], [3], EVENTS)
 
 
-def test_a_block_that_stands_twice_counts_once(whole: bytes) -> None:
-    lines = lines_of(whole)
-    content = whole[: lines[6].begin] + whole[lines[2].begin :]
-    assert _stands(content) == (list(range(1, EVENTS + 1)), [], EVENTS)
-    assert merged(content).twice == 4
-
-
-def test_lines_in_any_order_are_put_back_by_their_chains(whole: bytes) -> None:
-    lines = whole[START:].splitlines(keepends=True)
-    assert _stands(whole[:START] + b"".join(sorted(lines))) == (list(range(1, EVENTS + 1)), [], EVENTS)
-
-
 def test_a_line_whose_pieces_stand_in_blocks_that_were_moved_is_put_together(whole: bytes) -> None:
     first, *_, last = blocks = [whole[at : at + 512] for at in range(START, len(whole), 512)]
     moved = whole[:START] + b"".join([first, *reversed(blocks[1:-1]), last])
@@ -127,12 +115,3 @@ def test_marks_that_the_lines_contradict_are_of_another_record(whole: bytes, cha
         content = _changed(content, at, forged)
     with pytest.raises(ForeignError):
         merged(content)
-
-
-def test_a_tail_that_is_gone_is_missing_up_to_the_mark(whole: bytes) -> None:
-    assert _stands(whole[: lines_of(whole)[6].begin + 30]) == ([1, 2, 3, 4, 5, 6], [], EVENTS)
-
-
-def test_a_file_without_a_whole_entry_has_none(whole: bytes) -> None:
-    assert _stands(b"") == ([], [], None)
-    assert _stands(whole[:START]) == ([], [], EVENTS)
