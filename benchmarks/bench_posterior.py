@@ -25,9 +25,7 @@ from axiscal.description.usual import sizes_of, usual_machine
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise import problem as estimate_problem
 from axiscal.estimation.promise.posterior import sorted_out
-from axiscal.estimation.promise.problem import Problem, problem
-from axiscal.estimation.promise.spaces import turned, variances_of
-from axiscal.estimation.promise.unknowns import Unknowns, space_of
+from axiscal.estimation.promise.problem import problem
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
@@ -35,7 +33,10 @@ from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.demo import measured_truth
 from axiscal_core.draws import draws, mode, weighed
+from axiscal_core.problem import Problem
+from axiscal_core.spaces import turned, variances_of
 from axiscal_core.threads import one_thread
+from axiscal_core.unknowns import Unknowns, space_of
 
 T = TypeVar("T")
 _SEED = 2005

@@ -1,4 +1,4 @@
-"""What readings suffer beside the machine's curves: a kernel between numbers for each cause, at its usual size.
+"""What readings suffer beside the machine's curves: columns for each cause, at its usual size.
 
 rest      detail finer than a spline: half of its variance in cells of 2 % of the travel, half in cells of 6 %
 drift     of a zero: a line and Brownian motion over the time of its set-up, 2 of its noise each
@@ -29,8 +29,8 @@ _NODES, _MEMORY = 10, 0.4  # of growth: five in its length, what lies between tw
 WAYS = (0.03, 0.1, 0.35)  # m, over which a reversal comes: a hand's breadth, from a third of it to three
 _HOUR = 3600.0  # s, over which the rate of a drift that is stated forgets itself
 _NUGGET = 1e-9  # on correlations of readings at one time
-Kernels = Iterator[tuple[Kind, str, Array]]
-"""Kind and owner of a size, and the kernel (n, n) that exp 2θ multiplies."""
+Columns = Iterator[tuple[Kind, str, Array]]
+"""Kind and owner of a size, and columns Z (n, q) of unknowns of variance one that exp θ multiplies."""
 
 
 def time_of(clock: Array) -> float:
@@ -73,79 +73,75 @@ def way_since_turn(at: Array, sides: Array, overrun: float) -> Array:
     return since
 
 
-def kernels(case: Model, places: Places, n: Numbers, clock: Array) -> Kernels:
-    """Yield the kernels.  clock : (m,) s, of each place"""
+def columns_of(case: Model, places: Places, n: Numbers, clock: Array) -> Columns:
+    """Yield the columns.  clock : (m,) s, of each place"""
     yield from _rests(case, n)
     if case.usual:
         for i in np.unique(n.setup).tolist():
-            yield from _OfSetup(case, places, n, clock, i).kernels()
+            yield from _OfSetup(case, places, n, clock, i).columns()
 
 
-def _rests(case: Model, n: Numbers) -> Kernels:
+def _rests(case: Model, n: Numbers) -> Columns:
     for i, (_, term) in enumerate(case.machine.curves):
         if term.rest:
-            cell, wide = n.cell[:, i], max(1, round(WIDE * CELLS * (len(term.spline.knots) - 1)))
-            alike = cell[:, None] == cell
-            if case.usual:
-                alike = 0.5 * alike + 0.5 * (cell[:, None] // wide == cell // wide)
-            yield "rest", term.name, term.rest**2 * np.outer(n.reach[:, i], n.reach[:, i]) * alike
+            cells, which = np.unique(n.cell[:, i], return_inverse=True)
+            wide = cells // max(1, round(WIDE * CELLS * (len(term.spline.knots) - 1)))
+            alike = 0.5 * np.eye(len(cells)) + 0.5 * (wide[:, None] == wide) if case.usual else np.eye(len(cells))
+            yield "rest", term.name, term.rest * n.reach[:, i, None] * np.linalg.cholesky(alike)[which]
 
 
 class _OfSetup:
     """The readings of one instrument: mine, the numbers (r,) that are its own, with the time of each."""
 
     def __init__(self, case: Model, places: Places, n: Numbers, clock: Array, index: int) -> None:
-        self.case, self.places, self.n, self.index = case, places, n, index
+        self.case, self.places, self.n = case, places, n
         self.instrument, self.name = case.instruments[index], case.setups[index]
         self.mine = np.flatnonzero(n.setup == index)
         self.clock = clock[n.place[self.mine]]
         self.sigma = self.instrument.sigma[n.part[self.mine]]
 
-    def kernels(self) -> Kernels:
+    def columns(self) -> Columns:
         """Yield what passes while it is read."""
-        zero = self.n.part[self.mine][:, None] == self.n.part[self.mine]  # each number has a zero of its own
-        yield "drift", self.name, self._wide(zero * self._drift())
-        alike = cycle_correlation(self.clock, len(self.n.rows))
-        if alike is not None:
-            yield "cycle", self.name, self._wide(CYCLE**2 * zero * np.outer(self.sigma, self.sigma) * alike)
-        yield "growth", self.name, self._wide(self._growth())
+        parts = self.n.part[self.mine]
+        for part in np.unique(parts):  # each number has a zero of its own
+            zero = parts == part
+            yield "drift", self.name, self._wide(zero[:, None] * self._drift())
+            alike = cycle_correlation(self.clock[zero], len(self.n.rows))
+            if alike is not None:
+                root = np.zeros((len(parts), len(alike)))
+                root[zero] = CYCLE * self.sigma[zero, None] * np.linalg.cholesky(alike)
+                yield "cycle", self.name, self._wide(root)
         for i, (_, term) in enumerate(self.case.machine.curves):
-            turns = term.error.kind == "reversal" and term.linear and len(self.instrument.sides) > 1
-            if turns and self.case.machine.names[term.at] in self.instrument.moves:
+            if self.case.machine.names[term.at] not in self.instrument.moves or not term.linear:
+                continue
+            if term.error.positioning:
+                yield "growth", self.name, self._wide(self._growth(i, term))
+            if term.error.kind == "reversal" and len(self.instrument.sides) > 1:
                 yield "way", term.name, self._wide(self._way(i, term))
 
-    def _wide(self, kernel: Array) -> Array:
-        """Return a kernel between all numbers, (n, n).  kernel : (r, r)"""
-        result = np.zeros((len(self.n.rows),) * 2)
-        result[np.ix_(self.mine, self.mine)] = kernel
+    def _wide(self, columns: Array) -> Array:
+        """Return columns of all numbers, (n, q).  columns : (r, q)"""
+        result = np.zeros((len(self.n.rows), columns.shape[1]))
+        result[self.mine] = columns
         return result
 
     def _drift(self) -> Array:
-        functions, x = drift_functions(self.clock), time_of(self.clock) / _HOUR
+        x = time_of(self.clock) / _HOUR
         stated = self.instrument.wander * _HOUR * np.sqrt(x - 1 + np.exp(-x))
-        size = np.hypot(DRIFT * self.sigma, stated)
-        return np.asarray(functions @ functions.T * np.outer(size, size))
+        return np.asarray(np.hypot(DRIFT * self.sigma, stated)[:, None] * drift_functions(self.clock))
 
-    def _growth(self) -> Array:
-        functions, total = growth_functions(self.clock), np.zeros((len(self.mine),) * 2)
-        for i, (_, term) in enumerate(self.case.machine.curves):
-            axis = self.case.machine.axes[term.at]
-            if term.error.positioning and term.linear and axis.name in self.instrument.moves:
-                at = self.places.poses[self.n.place[self.mine], term.at]
-                along = self.sigma * self.n.reach[self.mine, i] * (at - np.mean(axis.travel)) / axis.length
-                total += GROWTH**2 * np.outer(along, along)
-        return np.asarray(total * (functions @ functions.T))
+    def _growth(self, i: int, term: Curved) -> Array:
+        """Return the columns of an axis that grows.  i : its positioning error among the curves"""
+        axis, at = self.case.machine.axes[term.at], self.places.poses[self.n.place[self.mine], term.at]
+        along = self.sigma * self.n.reach[self.mine, i] * (at - np.mean(axis.travel)) / axis.length
+        return np.asarray(GROWTH * along[:, None] * growth_functions(self.clock))
 
     def _way(self, i: int, term: Curved) -> Array:
-        """Return the kernel of a reversal that comes over a way.  i : among the curves"""
-        places = np.unique(self.n.place[self.mine])
-        at_places = {place: self.clock[self.n.place[self.mine] == place][0] for place in places.tolist()}
-        order = places[np.argsort([at_places[place] for place in places.tolist()], kind="stable")]
+        """Return the columns of a reversal that comes over a way.  i : among the curves"""
+        taken, first = np.unique(self.n.place[self.mine], return_index=True)
+        order = taken[np.argsort(self.clock[first], kind="stable")]
         at, sides = self.places.poses[order, term.at], self.places.sides[order, term.at]
-        since = way_since_turn(at, sides, self.case.machine.axes[term.at].overrun)
-        missing, total = np.zeros(len(self.places)), np.zeros((len(self.mine),) * 2)
-        for way in WAYS:
-            missing[order] = np.exp(-since / way)
-            column = WAY * term.std * missing[self.n.place[self.mine]] * self.n.reach[self.mine, i]
-            total += np.outer(column, column)
-        return total
+        missing = np.zeros((len(self.places), len(WAYS)))
+        missing[order] = np.exp(-way_since_turn(at, sides, self.case.machine.axes[term.at].overrun)[:, None] / WAYS)
+        shown = WAY * term.std * self.n.reach[self.mine, i]
+        return np.asarray(shown[:, None] * missing[self.n.place[self.mine]])

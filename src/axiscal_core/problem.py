@@ -1,189 +1,141 @@
-"""All readings as one covariance of the sizes θ: y ~ N(0, K(θ) + U Uᵀ), K(θ) = H P(θ) Hᵀ + Σ_c exp(2 θ_c) B_c.
+"""All readings as one linear problem over their noise: y = Z z + v, z ~ N(0, D R(l) D), v ~ N(0, σ²).
 
-P is the prior of the machine's coefficients, B_c the kernel of a cause. U is what one standard deviation of each
-unknown of an instrument does.
-
-Causes of type B take part neither in the mean nor in the sizes (Schmidt's consider form; GUM 4.3: knowledge from
-elsewhere, which readings cannot improve). G is the gain, B what one standard deviation of each does to the numbers:
-
-    m = G y,    Var[F u] = F C Fᵀ + Σ_j (F G b_j - f_j)²
-
-f_j is what the cause does to the figure itself. Whether readings agree is judged with K + BBᵀ.
+D are the sizes and R the correlations of the unknowns; both depend on θ. What does not is applied to Z once. The
+columns in order: effects on readings only (drift, cycle, growth), rests of visited cells, scales of axes, errors,
+unknowns of set-ups. The last two are the answer.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
-from axiscal_core.causes import kernels
-from axiscal_core.draws import Slope
-from axiscal_core.errors import Curved
-from axiscal_core.from_scipy import back_solution, solution
-from axiscal_core.model import Model
-from axiscal_core.normal import Normal
-from axiscal_core.places import Readings
-from axiscal_core.refusals import Array, InputError
-from axiscal_core.sizes import sizes_of
-from axiscal_core.splines import distances, matern_by_length
+from axiscal_core.columns import Bent, Scale
+from axiscal_core.refusals import Array
+from axiscal_core.theta import Kind, Sizes
 
-NUGGET = 1e-9  # on correlations of a curve: long lengths make knots nearly equal, and Cholesky needs more than rounding
-MOST = 1500  # numbers: the covariance of more, and its derivative by every size, would fill the memory
+MOST_NUMBERS = 300
+"""Numbers of readings up to which their covariance is smaller than that of the unknowns."""
 
 
+@dataclass(frozen=True, eq=False)
 class Problem:
-    """Readings of a case.  about : (size,) the unknowns at which they are linear, None for zero"""
+    """rows : (m, p) over the noise, priors without a length applied; values : (m,) over the noise, prior mean taken off
 
-    def __init__(self, case: Model, readings: Readings, about: Array | None = None) -> None:
-        values = case.values(readings, "Case.estimate")
-        if len(values) > MOST:
-            raise InputError("Case.estimate", "readings", f"hold {len(values)} numbers", f"Give {MOST} at most")
-        self.case, self.readings, self.about, self.sizes = case, readings, about, sizes_of(case)
-        self.n = n = case.numbers(readings, about)
-        self.values = values - n.shown + (0.0 if about is None else n.rows @ about)
-        self.clock = clock_of(case, readings)
-        self.rows, own = np.split(n.rows, [case.machine.size], axis=1)
-        self.stds = case.prior.std[case.machine.size :]
-        self.open = own * self.stds
-        self.fixed = np.zeros((len(values),) * 2)
-        self.kernels = dict[int, Array]()
-        for kind, owner, kernel in kernels(case, readings.places, n, self.clock):
-            self._add(self.sizes.index(kind, owner), kernel)
-        for i, name in enumerate(case.setups):
-            exact = readings.std is not None
-            self._add(
-                -1 if exact else self.sizes.index("noise", name), np.diag(np.where(n.setup == i, n.noise**2, 0.0))
-            )
-
-    def _add(self, size: int, kernel: Array) -> None:
-        if size < 0:
-            self.fixed += kernel
-        else:
-            self.kernels[size] = self.kernels.get(size, 0.0) + kernel
-
-    def given(self, theta: Array) -> Given:
-        """Return everything at sizes θ.  theta : (k,)"""
-        return Given(self, theta)
-
-    def prior(self, theta: Array) -> Array:
-        """Return P, (coefficients, coefficients).  theta : (k,)"""
-        size = self.case.machine.size
-        result, grown = self.case.prior.covariance[:size, :size].copy(), np.exp(2 * np.append(theta, 0.0))
-        for term, columns in self._curves():
-            std, _, scale = self._sizes_of(term)
-            result[columns, columns] = grown[std] * self._own(term, theta)
-            if term.ramp is not None:
-                result[columns, columns] += grown[scale] * np.outer(term.ramp, term.ramp)
-        return result
-
-    def covariance(self, theta: Array) -> Array:
-        """Return K, (n, n), without U Uᵀ.  theta : (k,)"""
-        result = self.fixed + self.rows @ self.prior(theta) @ self.rows.T
-        for size, kernel in self.kernels.items():
-            result += np.exp(2 * theta[size]) * kernel
-        return result
-
-    def slopes(self, theta: Array) -> Array:
-        """Return the derivative of K by each size, (k, n, n)."""
-        result, grown = np.zeros((len(theta), *self.fixed.shape)), np.exp(2 * np.append(theta, 0.0))
-        for size, kernel in self.kernels.items():
-            result[size] += 2 * grown[size] * kernel
-        for term, columns in self._curves():
-            rows, (std, length, scale) = self.rows[:, columns], self._sizes_of(term)
-            if std >= 0:
-                result[std] += 2 * grown[std] * rows @ self._own(term, theta) @ rows.T
-            if length >= 0 and term.length is not None:
-                scaled = distances(term.spline) / (term.length * np.exp(theta[length]))
-                result[length] += grown[std] * term.std**2 * rows @ matern_by_length(scaled) @ rows.T
-            if scale >= 0 and term.ramp is not None:
-                along = rows @ term.ramp
-                result[scale] += 2 * grown[scale] * np.outer(along, along)
-        return result
-
-    def _curves(self) -> list[tuple[Curved, slice]]:
-        return [(term, self.case.machine.columns[i]) for i, term in self.case.machine.curves]
-
-    def _sizes_of(self, term: Curved) -> tuple[int, int, int]:
-        """Return the numbers of the sizes of std, length and scale; -1 where one is exact."""
-        std = self.sizes.index("reversal" if term.error.kind == "reversal" else "std", term.name)
-        return std, self.sizes.index("length", term.name), self.sizes.index("scale", term.name)
-
-    def _own(self, term: Curved, theta: Array) -> Array:
-        """Return the prior of a curve at its length, (n, n), its size as stated, without the scale."""
-        length = self.sizes.index("length", term.name)
-        alike = term.correlation(float(np.exp(theta[length])) if length >= 0 else 1.0)
-        nugget = NUGGET if term.length is not None else 0.0
-        result: Array = term.std**2 * (alike + nugget * np.eye(len(alike)))
-        return result
-
-
-def clock_of(case: Model, readings: Readings) -> Array:
-    """Return when each reading was taken, (m,) s: one after another where nobody looked at a clock."""
-    if readings.time is not None:
-        return readings.time
-    costs = dict(zip(case.setups, (each.costs for each in case.instruments), strict=True))
-    return np.cumsum([costs[name] for name in readings.places.instruments])
-
-
-class Factored:
-    """K + U Uᵀ as a factor.
-
-    An unknown zero of 1 mm stands beside a noise of 0.3 um, and K + U Uᵀ itself would lose seven digits. So U is kept
-    apart (Woodbury; Rasmussen and Williams 2006, eq. 2.42):   (K + U Uᵀ)⁻¹ = K⁻¹ - K⁻¹ U (1 + Uᵀ K⁻¹ U)⁻¹ Uᵀ K⁻¹
-
-    root : (n, n) lower, of K; wide : U (n, u)
+    noise : (m,) base standard deviation of each number, m or rad; reading : (m,) which reading it belongs to
+    setup : (m,) index of its set-up; groups : (m,) number of the θ of its noise, −1 where that is exact
+    size_at : (p,) number of the θ of each column, −1 for none; curves : the columns whose prior has a length
+    roots : of blocks of answered columns whose prior has none: where it begins, and F (q, q)
+    scales : of the columns before the answered ones, which are scales of axes
+    answered : number of the columns that are answered, the last ones; mean : (answered,) before any reading
+    unknowns : number of those of set-ups, the last of these
+    cells : (term, cell) of the columns of rests, from column `first_cell` on
+    passing : kinds of the first columns, of what only readings suffer
+    type_b : (m, c) over the noise, what one standard deviation of each cause of type B does; causes : these, as who
+        made the problem has them; judging : (c,) which of them judge readings: those that do not follow from these
     """
 
-    def __init__(self, root: Array, wide: Array) -> None:
-        self.root, self.half = root, solution(root, wide)
-        self.inner = _root(np.eye(wide.shape[1]) + self.half.T @ self.half)
+    rows: Array
+    values: Array
+    noise: Array
+    reading: NDArray[np.intp]
+    setup: NDArray[np.intp]
+    groups: NDArray[np.intp]
+    sizes: Sizes
+    size_at: NDArray[np.intp]
+    curves: tuple[Bent, ...]
+    roots: tuple[tuple[int, Array], ...]
+    scales: tuple[Scale, ...]
+    answered: int
+    unknowns: int
+    mean: Array
+    cells: tuple[tuple[int, int], ...]
+    first_cell: int
+    cell_roots: tuple[Array, ...]
+    passing: tuple[Kind, ...]
+    type_b: Array
+    causes: tuple[Any, ...]
+    judging: NDArray[np.bool_]
 
     @property
-    def log_root(self) -> float:
-        """Half of the logarithm of the determinant."""
-        return float(sum(np.log(np.diagonal(each)).sum() for each in (self.root, self.inner)))
+    def first(self) -> int:
+        """The first column of which answered unknowns are made."""
+        return int(self.rows.shape[1]) - self.answered - len(self.scales)
 
-    def opened(self, right: Array) -> Array:
-        """Return Uᵀ (K + U Uᵀ)⁻¹ X, (u, ...): what X makes known of unknowns of variance one.  right : X (n, ...)"""
-        return back_solution(self.inner, solution(self.inner, self.half.T @ solution(self.root, right)))
+    def only(self, kept: NDArray[np.bool_]) -> Problem:
+        """Return the problem with some of its numbers.  kept : (m,)"""
+        names = ("rows", "values", "noise", "reading", "setup", "groups", "type_b")
+        return replace(self, **{name: getattr(self, name)[kept] for name in names})
 
-    def solved(self, right: Array) -> Array:
-        """Return (K + U Uᵀ)⁻¹ X, (n, ...).  right : X (n, ...)"""
-        return back_solution(self.root, solution(self.root, right) - self.half @ self.opened(right))
+    @property
+    def own(self) -> int:
+        """The first column that is answered; scales of axes stand before it."""
+        return self.first + len(self.scales)
+
+    def wider(self, columns: Array) -> Problem:
+        """Return the problem with more columns of standard deviation one, before all others: of zeros.
+
+        columns : (k, m) over the noise
+        """
+        more = len(columns)
+        zeros: list[Kind] = ["drift" for _ in columns]
+        return replace(
+            self,
+            rows=np.vstack([columns, self.rows.T]).T,
+            size_at=np.concatenate([np.full(more, -1), self.size_at]).astype(np.intp),
+            curves=tuple(replace(each, columns=each.columns + more) for each in self.curves),
+            roots=tuple((start + more, root) for start, root in self.roots),
+            first_cell=self.first_cell + more,
+            passing=(*zeros, *self.passing),
+        )
+
+    def raw(self, whitened: Array, theta: Array, roots: Sequence[Array]) -> Array:
+        """Return answered unknowns in m and rad from whitened ones, (answered, ...): L D u.
+
+        whitened : (scales + answered, ...); roots : of the curves at θ
+        """
+        sized = self._sized(whitened, theta)
+        result = self._rooted(sized[len(self.scales) :], roots)
+        for scale, each in zip(self.scales, sized[: len(self.scales)], strict=True):
+            result[scale.part] += scale.ramp.reshape(-1, *[1] * (result.ndim - 1)) * each
+        return result
+
+    def whitened(self, figures: Array, theta: Array, roots: Sequence[Array]) -> Array:
+        """Return what figures of answered unknowns are of whitened ones: D Lᵀ f, (scales + answered, ...).
+
+        figures : (answered, ...), m and rad
+        """
+        back = self._rooted(figures, [lower.transpose(0, 2, 1) for lower in roots], turned=True)
+        scales = [(scale.ramp @ figures[scale.part])[None] for scale in self.scales]
+        return self._sized(np.concatenate([*scales, back]), theta)
+
+    def _sized(self, whitened: Array, theta: Array) -> Array:
+        """Return D u, with the size of each column.  whitened : (scales + answered, ...)"""
+        factors = np.exp(np.append(theta, 0.0)[self.size_at[self.first :]])
+        return np.asarray(factors.reshape(-1, *[1] * (whitened.ndim - 1)) * whitened)
+
+    def _rooted(self, own: Array, roots: Sequence[Array], *, turned: bool = False) -> Array:
+        """Return L u of answered columns.  own : (answered, ...); turned : roots that do not vary count as Lᵀ"""
+        result = own.copy()
+        for start, root in self.roots:
+            part = slice(start - self.own, start - self.own + len(root))
+            result[part] = (root.T if turned else root) @ own[part]
+        for curves, lower in zip(self.curves, roots, strict=True):
+            flat = own[curves.columns - self.own]
+            shape = (*flat.shape[:2], -1)
+            result[curves.columns - self.own] = (lower @ flat.reshape(shape)).reshape(flat.shape)
+        return result
 
 
-def _root(square: Array) -> Array:
-    """Return the lower Cholesky factor."""
-    return np.asarray(np.linalg.cholesky(square), dtype=np.float64)
-
-
-class Given:
-    """Everything at one θ (k,).  value : log p(y), up to a constant; weighted : (K + U Uᵀ)⁻¹ y, (n,)"""
-
-    def __init__(self, problem: Problem, theta: Array) -> None:
-        self.problem, self.theta, self.prior = problem, theta, problem.prior(theta)
-        self.factor = Factored(_root(problem.covariance(theta)), problem.open)
-        self.weighted = self.factor.solved(problem.values)
-        self.value = float(-0.5 * problem.values @ self.weighted - self.factor.log_root)
-        self.reach = problem.rows @ self.prior
-
-    def slope(self) -> Slope:
-        """Return the value, its gradient and Fisher's information."""
-        slopes = self.problem.slopes(self.theta)
-        pulls = np.array([self.factor.solved(each) for each in slopes]).reshape(slopes.shape)
-        squares = np.einsum("i,kij,j->k", self.weighted, slopes, self.weighted, optimize=True)
-        flat, turned = pulls.reshape(len(pulls), -1), pulls.swapaxes(1, 2).reshape(len(pulls), -1)
-        return Slope(self.value, 0.5 * (squares - np.trace(pulls, axis1=1, axis2=2)), 0.5 * flat @ turned.T)
-
-    def gain(self, right: Array) -> Array:
-        """Return G X, (size, ...): by what X moves the mean.  right : X (n, ...)"""
-        own = self.factor.opened(right)
-        stds = self.problem.stds.reshape(-1, *[1] * (own.ndim - 1))
-        return np.concatenate([self.reach.T @ self.factor.solved(right), stds * own])
-
-    def posterior(self) -> Normal:
-        """Return what readings make known of the unknowns, without causes of type B (eq. 31-33)."""
-        stds, inner = self.problem.stds, self.factor.inner
-        machine = self.prior - self.reach.T @ self.factor.solved(self.reach)
-        both = -self.factor.opened(self.reach).T * stds
-        half = solution(inner, np.diag(stds))
-        return Normal(self.gain(self.problem.values), np.block([[machine, both], [both.T, half.T @ half]]))
+def by_blocks(rows: Array, roots: Sequence[Array]) -> Array:
+    """Return rows times a block-diagonal matrix, (m, n)."""
+    result, start = np.empty_like(rows), 0
+    for root in roots:
+        part = slice(start, start + len(root))
+        result[:, part] = rows[:, part] @ root
+        start += len(root)
+    return result

@@ -17,7 +17,6 @@ from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case, timed
 from axiscal.estimation.learnt import posed
-from axiscal.estimation.promise.numbers import Numbers
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.readers.files import read_any
@@ -25,6 +24,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal_core.errors import ROUGH
+from axiscal_core.numbers import Numbers
 from axiscal_core.sizes import sizes_of
 from axiscal_core.theta import Sizes
 from tests.core.strangers import Arm, Autocollimator, Bar, Interferometer, Probe, Straightedge

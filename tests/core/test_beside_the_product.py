@@ -1,6 +1,7 @@
 """The judge: the plain core beside the product's fast forms, on cases made from golden campaigns.
 
-The core's instruments are those that a stranger wrote. Both were written from the same equations and share no line.
+The core's instruments are those that a stranger wrote. Both pose their readings by themselves; the likelihood of sizes
+they have in common, and `tests.generators.dense_posterior` judges that.
 """
 
 from __future__ import annotations
@@ -14,8 +15,6 @@ import pytest
 import axiscal_core as ac
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.promise.numbers import Numbers
-from axiscal.estimation.promise.unknowns import Unknowns
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Places, Reading
 from axiscal.numerics import Array
@@ -23,8 +22,12 @@ from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.next_readings import root_of
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
-from axiscal_core.problem import Given, Problem
+from axiscal_core.numbers import Numbers
+from axiscal_core.posing import posed
+from axiscal_core.problem import Problem
+from axiscal_core.unknowns import Unknowns
 from tests.core.beside import READ, Beside, described
+from tests.generators.dense_posterior import Dense
 
 ROWS, POSTERIOR, PLAN = 1e-12, 1e-8, 1.002
 DESCRIBED = ["mill", "one_spline", *READ]
@@ -86,40 +89,38 @@ def test_what_two_axes_do_together_is_the_same(name: str) -> None:
 def test_covariances_of_readings_are_those_of_the_product(name: str) -> None:
     """At sizes as stated and at others. A zero of 1 mm hides all else: the rest is compared alone as well."""
     beside, readings = _beside(name), _readings(name)
-    posed, problem = beside.space(readings).problem, Problem(beside.core, beside.own(readings))
-    without = posed.rows.copy()
-    without[:, without.shape[1] - posed.unknowns :] = 0.0
+    both = beside.space(readings).problem, posed(beside.core, beside.own(readings))
     for theta in _thetas(name):
-        mine = problem.covariance(theta)
-        pairs = (replace(posed, rows=without), mine), (posed, mine + problem.open @ problem.open.T)
-        for theirs, own in pairs:
-            at = beside.theta(theta)
+        for theirs, own in (tuple(map(_without_unknowns, both)), both):
+            at, mine = beside.theta(theta), Dense(own).covariance(theta) * np.outer(own.noise, own.noise)
             found = Numbers(theirs).covariance(at, [curves.roots(at) for curves in theirs.curves])
-            scale = np.sqrt(np.diag(own))
-            assert np.abs((found * np.outer(posed.noise, posed.noise) - own) / np.outer(scale, scale)).max() < ROWS
+            scale = np.sqrt(np.diag(mine))
+            assert np.abs((found * np.outer(theirs.noise, theirs.noise) - mine) / np.outer(scale, scale)).max() < ROWS
+
+
+def _without_unknowns(problem: Problem) -> Problem:
+    rows = problem.rows.copy()
+    rows[:, rows.shape[1] - problem.unknowns :] = 0.0
+    return replace(problem, rows=rows)
 
 
 @pytest.mark.parametrize("name", DESCRIBED)
 def test_posteriors_are_those_of_the_product(name: str) -> None:
     """Mean and covariance at given sizes, in standard deviations, without and with causes of type B."""
     beside, readings = _beside(name), _readings(name)
-    space, own = Unknowns(beside.space(readings).problem), beside.own(readings)
+    theirs, own = beside.space(readings).problem, posed(beside.core, beside.own(readings))
+    own = replace(own, type_b=theirs.type_b, causes=theirs.causes, judging=theirs.judging)  # a stranger's have none
     if name == "nonlinear":  # of a station that is millimetres off, rounding alone is a millionth of a deviation
-        own = ac.Readings(own.places, own.values / 1000, time=own.time)
-        space.products = [each / 1000 for each in space.products]
-    problem = Problem(beside.core, own)
-    causes = space.problem.type_b * space.problem.noise[:, None]
+        theirs, own = (replace(each, values=each.values / 1000) for each in (theirs, own))
     for theta in _thetas(name):
-        found = space.given(beside.theta(theta))
+        found, given = Unknowns(theirs).given(beside.theta(theta)), Unknowns(own).given(theta)
         assert found is not None
-        given, theirs = Given(problem, theta), found.without_causes()
-        mine, scale = given.posterior(), np.sqrt(np.diag(theirs.covariance))
-        assert np.abs((mine.mean - theirs.mean) / scale).max() < POSTERIOR
-        assert np.abs((mine.covariance - theirs.covariance) / np.outer(scale, scale)).max() < POSTERIOR
-        moved = given.gain(causes)
-        both, wide = found.posterior().covariance, mine.covariance + moved @ moved.T
-        scale = np.sqrt(np.diag(both))
-        assert np.abs((wide - both) / np.outer(scale, scale)).max() < POSTERIOR
+        assert given is not None
+        pairs = (found.without_causes(), given.without_causes()), (found.posterior(), given.posterior())
+        for one, other in pairs:
+            scale = np.sqrt(np.diag(one.covariance))
+            assert np.abs((other.mean - one.mean) / scale).max() < POSTERIOR
+            assert np.abs((other.covariance - one.covariance) / np.outer(scale, scale)).max() < POSTERIOR
 
 
 def _root(name: str) -> Array:

@@ -10,10 +10,12 @@ import pytest
 
 import axiscal_core as ac
 from axiscal_core.criterion import Goal
+from axiscal_core.draws import as_stated
 from axiscal_core.instrument import sight
-from axiscal_core.problem import Given, Problem
+from axiscal_core.posing import posed
 from axiscal_core.rigid import turned_about
 from axiscal_core.state import State
+from axiscal_core.unknowns import space_of
 
 TOGETHER = 0.0831806
 """J of the paper's seven readings chosen together; the product's own plan of them has it as well."""
@@ -191,8 +193,7 @@ def test_causes_of_type_b_move_no_mean_and_widen_every_figure() -> None:
     readings, _ = _told(cases[0], places)
     plain, warm = (case.estimate(readings) for case in cases)
     assert np.abs(plain.mean - warm.mean).max() < 1e-15
-    problem = Problem(cases[1], readings)
-    moved = Given(problem, np.zeros(len(problem.sizes))).gain(problem.n.type_b)
+    moved = as_stated(space_of(posed(cases[1], readings))).type_b.gains
     assert np.abs(warm.covariance - (plain.covariance + moved @ moved.T)).max() < 1e-18
     figure = np.zeros(cases[1].size)
     figure[[0, 4]] = -1.0, 1.0

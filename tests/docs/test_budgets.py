@@ -35,8 +35,8 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(64_300, 50_000),
-    "files of src": Budget(345, 325),
+    "lines of src": Budget(63_400, 50_000),
+    "files of src": Budget(335, 325),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(26, 15),
     "public names of more than five functions": Budget(13, 10),

@@ -9,14 +9,14 @@ from scipy.special import gamma, kv
 from axiscal.description.usual import sizes_of
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise.problem import problem
-from axiscal.estimation.promise.spaces import Given
-from axiscal.estimation.promise.unknowns import space_of
 from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal_core.spaces import Given
 from axiscal_core.splines import matern, matern_by_length
+from axiscal_core.unknowns import space_of
 from tests.generators.texts import machine_text
 
 _HEAD = machine_text("w-X'-Y'-b-Z-t", {"X": (0, 500), "Y": (0, 400), "Z": (0, 300)}, {}, name="two axes")

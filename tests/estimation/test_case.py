@@ -11,16 +11,17 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case, Rival
-from axiscal.estimation.promise import problem, unknowns
-from axiscal.estimation.promise.columns import PlaneUnknowns
-from axiscal.estimation.promise.problem import MOST_COLUMNS, MOST_NUMBERS, Inherited, Problem
-from axiscal.estimation.promise.spaces import parts_of
-from axiscal.estimation.promise.unknowns import Unknowns
+from axiscal.estimation.promise import problem
+from axiscal.estimation.promise.problem import MOST_COLUMNS, Inherited, PlaneUnknowns
 from axiscal.machine import load_machine
 from axiscal.measurement.instruments.distance import SHIFTS
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics import Array
+from axiscal_core import unknowns
+from axiscal_core.problem import MOST_NUMBERS, Problem
+from axiscal_core.spaces import parts_of
+from axiscal_core.unknowns import Unknowns
 from benchmarks.nonlinear.stations import at_once, tracers
 from tests.generators import laser_axis
 from tests.generators.campaigns import drawn, mixed
@@ -190,7 +191,7 @@ def test_an_error_of_two_axes_has_a_root_at_any_length(times: float) -> None:
     """A draw of the sizes for the bed of a real printer took it to a thousand times the stated one."""
     (plane,) = ErrorModel(load_machine("printer-gantry")).planes
     columns = np.arange(len(plane.pairs))[None]
-    unknown = PlaneUnknowns(columns, plane, np.array([0]))
+    unknown = PlaneUnknowns(columns, np.array([0]), plane)
     (root,) = unknown.roots(np.array([np.log(times)]))
     expected = plane.prior(plane.entry.std, (times, times))
     np.testing.assert_allclose(root @ root.T, expected, rtol=1e-6, atol=2e-9 * plane.entry.std**2)

@@ -12,9 +12,10 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.agreement import CheckReading, Checks, surprises
+from axiscal.estimation.promise.agreement import CheckReading, Checks
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import places_of, rows_at
+from axiscal_core.left_out import surprises
 from tests.generators.texts import machine_text
 
 MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": 'std = "10 um", length = "200 mm", knots = 21'})

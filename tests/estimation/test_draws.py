@@ -10,12 +10,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.unknowns import Space, Unknowns, space_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal_core.draws import draws, mode, weighed
+from axiscal_core.problem import Problem
 from axiscal_core.theta import Kind
+from axiscal_core.unknowns import Space, Unknowns, space_of
 from tests.generators.problems import asked, case_of, readings_of, sized, stated
 
 

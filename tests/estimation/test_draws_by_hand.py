@@ -13,8 +13,6 @@ from hypothesis import strategies as st
 from scipy.stats import norm
 
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.promise import left_out as left_out_of
-from axiscal.estimation.promise.left_out import LeftOut, left_out, with_stated
 from axiscal.estimation.promise.posterior import (
     _half_and_half,
     _judged,
@@ -24,12 +22,15 @@ from axiscal.estimation.promise.posterior import (
     _surely,
     sorted_out,
 )
-from axiscal.estimation.promise.problem import Problem, _cell_root
-from axiscal.estimation.promise.spaces import Given
-from axiscal.estimation.promise.unknowns import Space, space_of
+from axiscal.estimation.promise.problem import _cell_root
 from axiscal.machine import load_machine
+from axiscal_core import left_out as left_out_of
 from axiscal_core.draws import Mode, Weighed, _halved, _wings, draws, mode, redrawn, weighed
+from axiscal_core.left_out import LeftOut, left_out, with_stated
+from axiscal_core.problem import Problem
+from axiscal_core.spaces import Given
 from axiscal_core.theta import Kind, Sizes
+from axiscal_core.unknowns import Space, space_of
 from tests.generators.dense_posterior import Dense, mixture
 from tests.generators.problems import asked, case_of, readings_of, sized, stated
 

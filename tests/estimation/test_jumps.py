@@ -14,9 +14,9 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.promise.jumps import jumped, suspects, turn_of, ways_of
 from axiscal.estimation.promise.posterior import sorted_out
-from axiscal.estimation.promise.problem import Problem
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal_core.problem import Problem
 from tests.generators.dense_posterior import Dense, log_density
 from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings
 from tests.generators.problems import asked, sized

@@ -24,12 +24,12 @@ from axiscal.estimation.promise.agreement import (
     _units,
     agreement,
 )
-from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.spaces import Given
-from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
 from axiscal_core.draws import Weighed
 from axiscal_core.draws import sized as weighed_of
+from axiscal_core.problem import Problem
+from axiscal_core.spaces import Given
+from axiscal_core.unknowns import space_of
 from tests.generators.dense_posterior import Dense, log_density
 from tests.generators.problems import asked, sized
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from axiscal.estimation.promise.posterior import Posterior, sorted_out
-from axiscal.estimation.promise.unknowns import space_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal_core.draws import draws, mode, weighed
+from axiscal_core.unknowns import space_of
 from tests.generators.dense_posterior import Dense, degrees_of, mixture
 from tests.generators.problems import asked, case_of, readings_of, stated
 

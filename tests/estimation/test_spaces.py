@@ -12,14 +12,14 @@ from hypothesis import strategies as st
 from scipy.special import gamma, kv
 
 from axiscal.estimation.located import absorbed
-from axiscal.estimation.promise import unknowns
-from axiscal.estimation.promise.columns import Curves
-from axiscal.estimation.promise.numbers import Numbers
-from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.spaces import Given, parts_of
-from axiscal.estimation.promise.unknowns import Space, Unknowns, space_of
 from axiscal.numerics import Array
+from axiscal_core import unknowns
+from axiscal_core.columns import Curves
+from axiscal_core.numbers import Numbers
+from axiscal_core.problem import Problem
+from axiscal_core.spaces import Given, parts_of
 from axiscal_core.theta import Sizes
+from axiscal_core.unknowns import Space, Unknowns, space_of
 from tests.generators.dense_posterior import Dense
 from tests.generators.problems import KINDS, asked, case_of, inherited, plain, plain_case, readings_of
 

@@ -16,10 +16,8 @@ from axiscal.description.usual import sizes_of
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.promise.causes import contributions
-from axiscal.estimation.promise.numbers import Numbers
 from axiscal.estimation.promise.posterior import sorted_out
-from axiscal.estimation.promise.problem import Problem, problem
-from axiscal.estimation.promise.unknowns import Space, Unknowns
+from axiscal.estimation.promise.problem import problem
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import INSTRUMENTS
@@ -28,7 +26,10 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of
 from axiscal.numerics import Array
 from axiscal.units import to_unit
+from axiscal_core.numbers import Numbers
+from axiscal_core.problem import Problem
 from axiscal_core.theta import Sizes
+from axiscal_core.unknowns import Space, Unknowns
 from tests.generators.texts import setup_text
 
 AXIS = """name = "one"
@@ -381,7 +382,7 @@ def test_a_gain_moves_no_mean_and_teaches_no_size() -> None:
     assert made.type_b.shape == (40, 1)
     found, without = (
         sorted_out(made).posterior(),
-        sorted_out(replace(made, type_b=np.zeros((40, 0)), causes=())).posterior(),
+        sorted_out(replace(made, type_b=np.zeros((40, 0)), causes=(), judging=np.zeros(0, dtype=bool))).posterior(),
     )
     assert found.sizes == without.sizes
     np.testing.assert_array_equal(found.mean, without.mean)

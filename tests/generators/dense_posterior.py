@@ -21,7 +21,7 @@ The others expect reading i with mean μ and covariance S. A good one is as they
     odds_i = 0.01/0.99 Σ w N(y_i; μ, S + (30 σ_i)²) / N(y_i; μ, S)
 
 Here a reading is left out by leaving it out, and inverses are inverses: n numbers cost n³ for each question.
-`spaces` and `posterior` of `axiscal.estimation.promise` answer the same questions fast and are held to this file.
+`axiscal_core.spaces` and `axiscal.estimation.promise.posterior` answer the same fast and are held to this file.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.usual import BAD
-from axiscal.estimation.promise.problem import Problem
 from axiscal.numerics import Array
+from axiscal_core.problem import Problem
 
 Normal = tuple[Array, Array]
 """Mean (k,) and covariance (k, k)."""

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.usual import sizes_of, usual_machine
 from axiscal.estimation.case import Case
-from axiscal.estimation.promise.problem import Inherited, Problem, problem
+from axiscal.estimation.promise.problem import Inherited, problem
 from axiscal.machine import load_machine
 from axiscal.machine.entry import Sure
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
+from axiscal_core.problem import Problem
 from axiscal_core.theta import Sizes
 from tests.generators.campaigns import CAMPAIGN as TWO_SETUPS
 from tests.generators.planes import warped

@@ -22,8 +22,7 @@ from axiscal.description.usual import sizes_of
 from axiscal.estimation.case import Case, timed
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import bent, judged, unit_guess
-from axiscal.estimation.promise.problem import Problem, problem
-from axiscal.estimation.promise.unknowns import space_of
+from axiscal.estimation.promise.problem import problem
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import put, said
 from axiscal.measurement.instrument import reads_angles
@@ -31,6 +30,8 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, drawn
 from axiscal.numerics import Array
 from axiscal_core.draws import as_stated, sized
+from axiscal_core.problem import Problem
+from axiscal_core.unknowns import space_of
 
 _FEWEST = 3
 """One or two slips are readings to be looked at; a file in another unit has all."""

@@ -26,6 +26,7 @@ from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry, PlaneEntry, Sure, side_name
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
+from axiscal_core.left_out import OFF
 from axiscal_core.theta import SURE, Kind, Size, Sizes
 
 
@@ -112,7 +113,7 @@ ANGLE_OF_PRINTER = Cause(
 NOISE = Cause("noise", "white", 1.0, "noise as stated", 2.0, "seating again scatters 3 to 7 still noises")
 """Factor: a stated noise is rarely off by more, and repeats tell it."""
 BAD = Cause(
-    "bad reading", "one reading", 30.0, "noise", 1.0, "assumption: 1 of 100 readings",
+    "bad reading", "one reading", OFF, "noise", 1.0, "assumption: 1 of 100 readings",
 )  # fmt: skip
 
 

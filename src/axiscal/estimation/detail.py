@@ -17,13 +17,13 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.located import taken_as_normal
-from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.unknowns import space_of
 from axiscal.estimation.type_prior import carried_over
 from axiscal.machine.description import Machine
 from axiscal.measurement.setup import About
 from axiscal.numerics import Array
 from axiscal_core.draws import sized
+from axiscal_core.problem import Problem
+from axiscal_core.unknowns import space_of
 
 _MOST = 96
 """Knots of a curve, as many as the realtime component for LinuxCNC takes."""

@@ -28,12 +28,12 @@ from numpy.typing import NDArray
 
 from axiscal.description.usual import NONE_VARY
 from axiscal.estimation.promise.problem import Inherited, problem
-from axiscal.estimation.promise.spaces import turned
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.numerics import Array
 from axiscal_core.from_scipy import log_normal_share
+from axiscal_core.spaces import turned
 
 COARSE = 3.0
 """Steps of so many standard deviations of the scatter are taken as intervals."""

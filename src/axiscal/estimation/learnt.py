@@ -8,12 +8,13 @@ from itertools import combinations
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.agreement import Framed, Turned
 from axiscal.estimation.promise.posterior import Posterior, Sorted, sorted_out
-from axiscal.estimation.promise.problem import Problem, problem
+from axiscal.estimation.promise.problem import problem
 from axiscal.estimation.promise.stuck import Repeats, repeats
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import Nest
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import in_workpiece
+from axiscal_core.problem import Problem
 
 
 def posterior_of(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Posterior:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.promise.agreement import CheckReading, Checks, surprises
+from axiscal.estimation.promise.agreement import CheckReading, Checks
 from axiscal.evaluation.datums import Datums, datums_of, fewest, is_zero, upright
 from axiscal.evaluation.table_checks import (
     HARDLY,
@@ -41,6 +41,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.tables.surface import Control, left_by
 from axiscal_core.from_scipy import chi_square_tail
+from axiscal_core.left_out import surprises
 from axiscal_core.threads import one_thread
 
 _DISPLACEMENTS = (Displacement, Nest, Tracker)

@@ -18,14 +18,15 @@ from axiscal.estimation.case import Case, timed
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.causes import Contribution
-from axiscal.estimation.promise.problem import Problem, problem
-from axiscal.estimation.promise.spaces import Given
-from axiscal.estimation.promise.unknowns import space_of
+from axiscal.estimation.promise.problem import problem
 from axiscal.exceptions import PlanError
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.reading_rows import blank_readings, places_of, rows_at, times_of
 from axiscal.numerics import Array
 from axiscal.units import to_unit
+from axiscal_core.problem import Problem
+from axiscal_core.spaces import Given
+from axiscal_core.unknowns import space_of
 
 FEW = 6
 """Readings planned at once where likely sizes alone reach a target, or fall short of it: then it is looked at again."""

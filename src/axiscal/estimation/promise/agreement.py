@@ -31,12 +31,13 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.spaces import Given
-from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
 from axiscal_core.draws import Weighed
 from axiscal_core.from_scipy import binomial_tail, chi_square_tail
+from axiscal_core.left_out import BAD_SHARE
+from axiscal_core.problem import Problem
+from axiscal_core.spaces import Given
+from axiscal_core.unknowns import space_of
 
 CONTRADICTS = 0.001
 """Probability below which readings contradict."""
@@ -44,8 +45,6 @@ AGREES = 3.0
 """Standard deviations within which a reading agrees with the others."""
 NAMED = 20.0
 """Odds from which a mistake is named, and beside the likeliest one left unnamed."""
-BAD_SHARE = 0.01
-"""Assumption: one of a hundred readings is bad."""
 MOST_BAD = 0.2
 """Where more than a fifth seem bad it is the model that is."""
 SEVERAL = 3
@@ -172,12 +171,6 @@ class Checks:
         """Root of the mean z² of those that are no slips; None of none."""
         squares = [each.z**2 for each in self.each if not each.slip]
         return float(np.sqrt(np.mean(squares))) if squares else None
-
-
-def surprises(residuals: Array, covariances: Array) -> Array:
-    """Return z of readings of k numbers each, (r,): √(rᵀS⁻¹r/k).  residuals : (r, k); covariances : S (r, k, k)"""
-    solved = np.linalg.solve(covariances, residuals[..., None])[..., 0]
-    return np.asarray(np.sqrt(np.sum(residuals * solved, axis=1) / residuals.shape[1]))
 
 
 def agreement(

@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 
 from axiscal.description.usual import BAD
 from axiscal.estimation.promise.agreement import (
-    BAD_SHARE,
     CONTRADICTS,
     MOST_BAD,
     NAMED,
@@ -37,12 +36,13 @@ from axiscal.estimation.promise.agreement import (
     numbers_of_one,
     tail_of,
 )
-from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.spaces import Given
-from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
 from axiscal_core.draws import Weighed, as_stated, sized
 from axiscal_core.from_scipy import chi_square_tail
+from axiscal_core.left_out import BAD_SHARE
+from axiscal_core.problem import Problem
+from axiscal_core.spaces import Given
+from axiscal_core.unknowns import space_of
 
 _JUMPS = 30.0, 1e3, 3e4
 """Noises: standard deviations of a jump, one as likely as the other: it slips, is nudged, or is set to zero anew."""

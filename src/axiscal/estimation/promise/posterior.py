@@ -23,25 +23,17 @@ from functools import cached_property
 
 import numpy as np
 
-from axiscal.estimation.promise.agreement import (
-    MOST_BAD,
-    SEVERAL,
-    Agreement,
-    Framed,
-    Tried,
-    Turned,
-    agreement,
-)
+from axiscal.estimation.promise.agreement import MOST_BAD, SEVERAL, Agreement, Framed, Tried, Turned, agreement
 from axiscal.estimation.promise.jumps import at_turns, jumped, likelier
-from axiscal.estimation.promise.left_out import LeftOut, left_out, with_stated
-from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.spaces import Given, Sources
 from axiscal.estimation.promise.stuck import Repeats, stuck
-from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
 from axiscal_core.draws import Draws, Weighed, sized
+from axiscal_core.left_out import LeftOut, left_out, with_stated
+from axiscal_core.problem import Problem
+from axiscal_core.spaces import Given, Sources
 from axiscal_core.theta import Kind
 from axiscal_core.threads import one_thread
+from axiscal_core.unknowns import space_of
 
 _UNSURE = 0.01
 """Probability below which a size is not so small: of what is said never to be reached."""

@@ -1,15 +1,9 @@
-"""All readings as one linear problem over their noise: y = Z z + v, z ~ N(0, D R(l) D), v ~ N(0, σ²).
-
-D are the sizes and R the correlations of the unknowns; both depend on θ. What does not is applied to Z once. The
-columns in order: type B causes, effects on readings only (drift, cycle, growth), rests of visited cells, errors,
-unknowns of set-ups. The last two are the answer.
-"""
+"""The readings of a campaign as one linear problem over their noise, as `axiscal_core.problem` has it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -18,8 +12,7 @@ from numpy.typing import NDArray
 from axiscal.errors.model import ErrorFunction, Term
 from axiscal.errors.plane import PlaneError
 from axiscal.errors.prior import covariance
-from axiscal.estimation.promise.causes import Contribution, contributions
-from axiscal.estimation.promise.columns import Bent, Curves, PlaneUnknowns, Scale
+from axiscal.estimation.promise.causes import contributions
 from axiscal.estimation.promise.passing import passing_columns
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
@@ -34,8 +27,11 @@ from axiscal.measurement.reading_rows import (
     with_cells,
 )
 from axiscal.numerics import Array
+from axiscal.numerics.gaussian import lower_root
 from axiscal_core.causes import WIDE
+from axiscal_core.columns import NUGGET, Bent, Curves, Scale
 from axiscal_core.eigen import unique_root
+from axiscal_core.problem import MOST_NUMBERS, Problem, by_blocks
 from axiscal_core.splines import distances, ramp
 from axiscal_core.theta import Kind, Sizes
 
@@ -51,118 +47,6 @@ class Inherited(NamedTuple):
 
     mean: Array
     covariance: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Problem:
-    """rows : (m, p) over the noise, priors without a length applied; values : (m,) over the noise, prior mean taken off
-
-    noise : (m,) base standard deviation of each number, m or rad; reading : (m,) which reading it belongs to
-    setup : (m,) index of its set-up; groups : (m,) number of the θ of its noise, −1 where that is exact
-    size_at : (p,) number of the θ of each column, −1 for none; curves : the columns whose prior has a length
-    roots : of blocks of answered columns whose prior has none: where it begins, and F (q, q)
-    scales : of the columns before the answered ones, which are scales of axes
-    answered : number of the columns that are answered, the last ones; mean : (answered,) before any reading
-    unknowns : number of those of set-ups, the last of these
-    cells : (term, cell) of the columns of rests, from column `first_cell` on
-    passing : kinds of the first columns, of what only readings suffer
-    type_b : (m, c) over the noise, what one standard deviation of each cause of type B does; causes : these
-    """
-
-    rows: Array
-    values: Array
-    noise: Array
-    reading: NDArray[np.intp]
-    setup: NDArray[np.intp]
-    groups: NDArray[np.intp]
-    sizes: Sizes
-    size_at: NDArray[np.intp]
-    curves: tuple[Bent, ...]
-    roots: tuple[tuple[int, Array], ...]
-    scales: tuple[Scale, ...]
-    answered: int
-    unknowns: int
-    mean: Array
-    cells: tuple[tuple[int, int], ...]
-    first_cell: int
-    cell_roots: tuple[Array, ...]
-    passing: tuple[Kind, ...]
-    type_b: Array
-    causes: tuple[Contribution, ...]
-
-    @property
-    def first(self) -> int:
-        """The first column of which answered unknowns are made."""
-        return int(self.rows.shape[1]) - self.answered - len(self.scales)
-
-    @cached_property
-    def judging(self) -> NDArray[np.bool_]:
-        """Which causes of type B judge the readings: those that do not follow from what was read, (c,)."""
-        return np.array([not cause.row.of_values for cause in self.causes], dtype=bool)
-
-    def only(self, kept: NDArray[np.bool_]) -> Problem:
-        """Return the problem with some of its numbers.  kept : (m,)"""
-        names = ("rows", "values", "noise", "reading", "setup", "groups", "type_b")
-        return replace(self, **{name: getattr(self, name)[kept] for name in names})
-
-    @property
-    def own(self) -> int:
-        """The first column that is answered; scales of axes stand before it."""
-        return self.first + len(self.scales)
-
-    def wider(self, columns: Array) -> Problem:
-        """Return the problem with more columns of standard deviation one, before all others: of zeros.
-
-        columns : (k, m) over the noise
-        """
-        more = len(columns)
-        zeros: list[Kind] = ["drift" for _ in columns]
-        return replace(
-            self,
-            rows=np.vstack([columns, self.rows.T]).T,
-            size_at=np.concatenate([np.full(more, -1), self.size_at]).astype(np.intp),
-            curves=tuple(replace(each, columns=each.columns + more) for each in self.curves),
-            roots=tuple((start + more, root) for start, root in self.roots),
-            first_cell=self.first_cell + more,
-            passing=(*zeros, *self.passing),
-        )
-
-    def raw(self, whitened: Array, theta: Array, roots: Sequence[Array]) -> Array:
-        """Return answered unknowns in m and rad from whitened ones, (answered, ...): L D u.
-
-        whitened : (scales + answered, ...); roots : of the curves at θ
-        """
-        sized = self._sized(whitened, theta)
-        result = self._rooted(sized[len(self.scales) :], roots)
-        for scale, each in zip(self.scales, sized[: len(self.scales)], strict=True):
-            result[scale.part] += scale.ramp.reshape(-1, *[1] * (result.ndim - 1)) * each
-        return result
-
-    def whitened(self, figures: Array, theta: Array, roots: Sequence[Array]) -> Array:
-        """Return what figures of answered unknowns are of whitened ones: D Lᵀ f, (scales + answered, ...).
-
-        figures : (answered, ...), m and rad
-        """
-        back = self._rooted(figures, [lower.transpose(0, 2, 1) for lower in roots], turned=True)
-        scales = [(scale.ramp @ figures[scale.part])[None] for scale in self.scales]
-        return self._sized(np.concatenate([*scales, back]), theta)
-
-    def _sized(self, whitened: Array, theta: Array) -> Array:
-        """Return D u, with the size of each column.  whitened : (scales + answered, ...)"""
-        factors = np.exp(np.append(theta, 0.0)[self.size_at[self.first :]])
-        return np.asarray(factors.reshape(-1, *[1] * (whitened.ndim - 1)) * whitened)
-
-    def _rooted(self, own: Array, roots: Sequence[Array], *, turned: bool = False) -> Array:
-        """Return L u of answered columns.  own : (answered, ...); turned : roots that do not vary count as Lᵀ"""
-        result = own.copy()
-        for start, root in self.roots:
-            part = slice(start - self.own, start - self.own + len(root))
-            result[part] = (root.T if turned else root) @ own[part]
-        for curves, lower in zip(self.curves, roots, strict=True):
-            flat = own[curves.columns - self.own]
-            shape = (*flat.shape[:2], -1)
-            result[curves.columns - self.own] = (lower @ flat.reshape(shape)).reshape(flat.shape)
-        return result
 
 
 def problem(
@@ -210,10 +94,11 @@ def problem(
         mean[: len(inherited.mean)] = inherited.mean
     values = (values - found.rows[:, :answered] @ mean) / noise
     at = np.concatenate([passing.size_at, rest_size, scale_size, own_size]).astype(np.intp)
+    judging = np.array([not cause.row.of_values for cause in causes], dtype=bool)
     return Problem(
         rows, values, noise, reading, setups, groups, sizes, at, curves, roots, scales, answered,
         len(observation.unknowns), mean, tuple(cells), start,
-        tuple(first_cell_roots), passing.kinds, type_b / noise[:, None], tuple(causes),
+        tuple(first_cell_roots), passing.kinds, type_b / noise[:, None], tuple(causes), judging,
     )  # fmt: skip
 
 
@@ -247,14 +132,29 @@ def _by_term(cells: Iterable[tuple[int, int]]) -> dict[int, list[tuple[int, int]
     return result
 
 
-def by_blocks(rows: Array, roots: Sequence[Array]) -> Array:
-    """Return rows times a block-diagonal matrix, (m, n)."""
-    result, start = np.empty_like(rows), 0
-    for root in roots:
-        part = slice(start, start + len(root))
-        result[:, part] = rows[:, part] @ root
-        start += len(root)
-    return result
+@dataclass(frozen=True, eq=False)
+class PlaneUnknowns(Bent):
+    """The products of one error of two axes, whose lengths go by one factor, as one member."""
+
+    plane: PlaneError
+
+    def roots(self, theta: Array) -> Array:
+        """Return L with L Lᵀ the prior at the lengths, (1, c, c)."""
+        covariance = self.plane.prior(self.plane.entry.std, self._stretch(theta))
+        # a share of the stated variance: at many times the length the covariance itself is rounding
+        covariance[np.diag_indices_from(covariance)] += NUGGET * self.plane.entry.std**2
+        return lower_root(covariance)[None]
+
+    def bends(self, theta: Array, roots: Array) -> Array:
+        """Return M = L⁻¹ (∂ prior/∂log l) L⁻ᵀ, (1, c, c)."""
+        first, second = (self.plane.prior(self.plane.entry.std, self._stretch(theta), k) for k in (0, 1))
+        half = np.linalg.solve(roots[0], first + second)
+        return np.linalg.solve(roots[0], half.T)[None]
+
+    def _stretch(self, theta: Array) -> tuple[float, float]:
+        factor = float(np.exp(np.append(theta, 0.0)[self.length_at[0]]))
+        first, second = self.plane.entry.stretch
+        return first * factor, second * factor
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,7 +203,7 @@ class _Builder:
                     by_kind.setdefault((term.basis.size, entry.smoothness), []).append((term, entry))
                 elif isinstance(term, PlaneError) and (length := self.sizes.index("length", term.name)) >= 0:
                     columns = np.arange(term.columns.start, term.columns.stop)[None] + start
-                    curves.append(PlaneUnknowns(columns, term, np.array([length])))
+                    curves.append(PlaneUnknowns(columns, np.array([length]), term))
                 else:
                     roots.append((term.columns.start, unique_root(_without_scale(term, entry))))
         stds = [unknown.std for unknown in self.observation.unknowns]
@@ -319,16 +219,12 @@ class _Builder:
         terms = [term for term, _ in members]
         return Curves(
             np.array([np.arange(term.columns.start, term.columns.stop) + start for term in terms]),
+            self.sizes.indices("length", [term.name for term in terms]),
             smoothness,
             np.array([entry.std for _, entry in members]),
             np.array([entry.length for _, entry in members], dtype=float),
             np.array([distances(term.basis) for term in terms]),
-            self.sizes.indices("length", [term.name for term in terms]),
         )
-
-
-MOST_NUMBERS = 300
-"""Numbers of readings up to which their covariance is smaller than that of the unknowns."""
 
 
 def _without_scale(term: Term, entry: ErrorEntry | None) -> Array:

@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.promise.agreement import NAMED, PRIOR, SEVERAL, Explained, Tried, tail_of
-from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.spaces import Given
-from axiscal.estimation.promise.unknowns import space_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal_core.draws import Weighed, sized
+from axiscal_core.problem import Problem
+from axiscal_core.spaces import Given
+from axiscal_core.unknowns import space_of
 
 _OF_NOISE = math.sqrt(12.0)
 """Steps of a display whose rounding alone has the noise's standard deviation."""

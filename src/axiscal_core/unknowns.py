@@ -9,9 +9,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.numbers import Numbers
-from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
-from axiscal.estimation.promise.spaces import (
+from axiscal_core.draws import Slope
+from axiscal_core.from_scipy import back_solution, inverse_of_product, root_in_place, solution
+from axiscal_core.numbers import Numbers
+from axiscal_core.problem import MOST_NUMBERS, Problem
+from axiscal_core.refusals import Array
+from axiscal_core.spaces import (
     Answered,
     Caused,
     Given,
@@ -22,9 +25,6 @@ from axiscal.estimation.promise.spaces import (
     turned,
     variances_of,
 )
-from axiscal.numerics import Array
-from axiscal_core.draws import Slope
-from axiscal_core.from_scipy import back_solution, inverse_of_product, root_in_place, solution
 
 _DEARER = 2
 """Times as much as of an unknown is the cost of a number: of speed, not of the result."""

@@ -16,17 +16,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.usual import BAD
-from axiscal.estimation.promise.agreement import BAD_SHARE, surprises
-from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
-from axiscal.estimation.promise.spaces import Given, parts_of
-from axiscal.numerics import Array
 from axiscal_core.draws import Weighed
+from axiscal_core.problem import MOST_NUMBERS, Problem
+from axiscal_core.refusals import Array
+from axiscal_core.spaces import Given, parts_of
 
+BAD_SHARE, OFF = 0.01, 30.0
+"""Assumption: one of a hundred readings is bad, and then off by so many noises."""
 _ODDS = BAD_SHARE / (1 - BAD_SHARE)
 """Of a bad reading before any is taken, by definition."""
 _DOUBTED = 3.0
 """Standard deviations from which on all draws are asked about one of many readings."""
+
+
+def surprises(residuals: Array, covariances: Array) -> Array:
+    """Return z of readings of k numbers each, (r,): √(rᵀS⁻¹r/k).  residuals : (r, k); covariances : S (r, k, k)"""
+    solved = np.linalg.solve(covariances, residuals[..., None])[..., 0]
+    return np.asarray(np.sqrt(np.sum(residuals * solved, axis=1) / residuals.shape[1]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +109,7 @@ def _of_draw(problem: Problem, given: Given, theta: Array, part: NDArray[np.intp
     covariances: Array = np.asarray(np.linalg.inv(blocks), dtype=float)
     residuals = (covariances @ weighted[..., None])[..., 0]
     sigma = np.exp(np.append(theta, 0.0))[problem.groups[part]]
-    wide = covariances + (BAD.size * sigma[:, :, None]) ** 2 * np.eye(part.shape[1])
+    wide = covariances + (OFF * sigma[:, :, None]) ** 2 * np.eye(part.shape[1])
     inner = np.sum(residuals * np.linalg.solve(wide, residuals[..., None])[..., 0], axis=1)
     log_dets = np.linalg.slogdet(blocks)[1] + np.linalg.slogdet(wide)[1]
     gain = np.sum(residuals * weighted, axis=1) - inner - log_dets

@@ -35,9 +35,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.problem import Problem, by_blocks
-from axiscal.numerics import Array
 from axiscal_core.draws import Slope
+from axiscal_core.problem import Problem, by_blocks
+from axiscal_core.refusals import Array
 
 
 class Answered(NamedTuple):

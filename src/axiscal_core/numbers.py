@@ -9,8 +9,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.problem import Problem
-from axiscal.estimation.promise.spaces import (
+from axiscal_core.draws import Slope
+from axiscal_core.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
+from axiscal_core.problem import Problem
+from axiscal_core.refusals import Array
+from axiscal_core.spaces import (
     Answered,
     Given,
     factors_of,
@@ -18,9 +21,6 @@ from axiscal.estimation.promise.spaces import (
     turned,
     variances_of,
 )
-from axiscal.numerics import Array
-from axiscal_core.draws import Slope
-from axiscal_core.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
 
 
 class Numbers:

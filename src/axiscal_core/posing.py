@@ -1,0 +1,84 @@
+"""Readings of a case as one linear problem, as `problem` has it.
+
+Causes of type B take part neither in the mean nor in the sizes (Schmidt's consider form; GUM 4.3: knowledge from
+elsewhere, which readings cannot improve). Whether readings agree is judged with them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal_core.causes import columns_of
+from axiscal_core.columns import Bent, Curves, Scale
+from axiscal_core.eigen import unique_root
+from axiscal_core.errors import Curved
+from axiscal_core.model import Model
+from axiscal_core.places import Readings
+from axiscal_core.problem import Problem
+from axiscal_core.refusals import Array
+from axiscal_core.sizes import sizes_of
+from axiscal_core.splines import distances
+
+
+def posed(case: Model, readings: Readings, about: Array | None = None) -> Problem:
+    """Return readings as a problem.  about : (size,) the unknowns at which they are linear, None for zero"""
+    values, sizes, n = case.values(readings, "Case.estimate"), sizes_of(case), case.numbers(readings, about)
+    values = values - n.shown + (0.0 if about is None else n.rows @ about)
+    passing = [*columns_of(case, readings.places, n, clock_of(case, readings))]
+    scaled = [(term, case.machine.columns[i]) for i, term in case.machine.curves if term.ramp is not None]
+    scales = tuple(Scale(part, term.ramp) for term, part in scaled if term.ramp is not None)
+    before = [*(each for _, _, each in passing), *((n.rows[:, each.part] @ each.ramp)[:, None] for each in scales)]
+    at = [np.full(each.shape[1], sizes.index(kind, owner)) for kind, owner, each in passing]
+    at.append(sizes.indices("scale", [term.name for term, _ in scaled]))
+    own, own_at, curves, roots = _own(case, sum(each.shape[1] for each in before))
+    rows = np.hstack([*before, n.rows])
+    for start, root in roots:
+        part = slice(start, start + len(root))
+        rows[:, part] = rows[:, part] @ root
+    exact = readings.std is not None
+    groups = np.full(len(n.setup), -1) if exact else sizes.indices("noise", case.setups)[n.setup]
+    kinds = tuple(kind for kind, _, each in passing for _ in range(each.shape[1]))
+    return Problem(
+        rows / n.noise[:, None], values / n.noise, n.noise, n.place, n.setup, groups, sizes,
+        np.concatenate([*at, own_at]).astype(np.intp), curves, roots, scales, own, case.size - case.machine.size,
+        np.zeros(own), (), len(kinds), (), kinds, n.type_b / n.noise[:, None], case.causes,
+        np.ones(len(case.causes), dtype=bool),
+    )  # fmt: skip
+
+
+def _own(case: Model, start: int) -> tuple[int, np.ndarray, tuple[Bent, ...], tuple[tuple[int, Array], ...]]:
+    """Return how many unknowns there are, the number of the θ of each, curves with a length, and roots of the others.
+
+    start : where they begin among all columns
+    """
+    machine, at = case.machine, np.full(case.size, -1, dtype=np.intp)
+    bent, roots = dict[int, list[tuple[Curved, slice]]](), list[tuple[int, Array]]()
+    sizes = sizes_of(case)
+    for term, part in zip(machine.terms, machine.columns, strict=True):
+        if isinstance(term, Curved):
+            at[part] = sizes.index("reversal" if term.error.kind == "reversal" else "std", term.name)
+        if isinstance(term, Curved) and term.length is not None:
+            bent.setdefault(term.spline.size, []).append((term, part))
+        else:
+            alone = term.std**2 * term.correlation() if isinstance(term, Curved) else term.covariance()
+            roots.append((start + part.start, unique_root(alone)))
+    stds = [std for each in case.instruments for std in each.own.values()]
+    roots += [(start + machine.size + i, np.array([[std]])) for i, std in enumerate(stds)]
+    curves = tuple(
+        Curves(
+            start + np.array([np.arange(part.start, part.stop) for _, part in members]),
+            sizes.indices("length", [term.name for term, _ in members]), 2.5,
+            np.array([term.std for term, _ in members]), np.array([term.length for term, _ in members], dtype=float),
+            np.array([distances(term.spline) for term, _ in members]),
+        )
+        for members in bent.values()
+    )  # fmt: skip
+    return case.size, at, curves, tuple(roots)
+
+
+def clock_of(case: Model, readings: Readings) -> Array:
+    """Return when each reading was taken, (m,) s: one after another where nobody looked at a clock."""
+    if readings.time is not None:
+        return readings.time
+    costs = dict(zip(case.setups, (each.costs for each in case.instruments), strict=True))
+    return np.cumsum([costs[name] for name in readings.places.instruments])
