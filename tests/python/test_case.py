@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import ClassVar
 from xml.etree import ElementTree
 
 import numpy as np
@@ -18,6 +17,7 @@ from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.python.measured_case import Case
 from axiscal_core.instrument import At, Instrument, Unknowns
+from axiscal_core.units import Quantity
 
 
 def case() -> Case:
@@ -41,7 +41,7 @@ class Grid(Instrument):
     """Two lengths in the plane of a plate."""
 
     names, units, noise = ("dx", "dy"), ("m", "m"), "0.1 um"
-    unknowns: ClassVar = {"zero_x": "1 mm", "zero_y": "1 mm", "turn": "1 mrad"}
+    unknowns: Mapping[str, Quantity] = {"zero_x": "1 mm", "zero_y": "1 mm", "turn": "1 mrad"}
 
     def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
         x, y, _ = (at.tcp + at.moved).T
