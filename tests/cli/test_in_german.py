@@ -33,6 +33,7 @@ COMMANDS = [
 ]
 
 
+@pytest.mark.long
 def test_no_screen_is_in_english(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

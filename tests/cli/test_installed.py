@@ -109,7 +109,7 @@ def test_the_page_stands_in_the_menu_of_the_desktop(
     assert "no menu as freedesktop.org describes it" in command("--install-desktop").refusal
 
 
-@pytest.mark.parametrize("example", ["story1_plan.py", "story2_estimate.py"])
+@pytest.mark.parametrize("example", [pytest.param("story1_plan.py", marks=pytest.mark.long), "story2_estimate.py"])
 def test_the_library_needs_nothing_of_the_program(example: str) -> None:
     then = f"runpy.run_path({str(CHECKOUT / 'examples' / example)!r}, run_name='__main__')"
     done = subprocess.run(

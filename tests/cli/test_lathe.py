@@ -37,7 +37,9 @@ def estimated(campaign: Path, folder: Path, column: str, places: np.ndarray) -> 
     return Answer(folder / "out", given("data", "estimate", campaign, folder / "r.csv", "--out", folder / "out"))
 
 
-@pytest.mark.parametrize(("column", "times"), [("X_radius_mm", 1), ("X_diameter_mm", 2)])
+@pytest.mark.parametrize(
+    ("column", "times"), [pytest.param("X_radius_mm", 1, marks=pytest.mark.long), ("X_diameter_mm", 2)]
+)
 def test_readings_say_what_they_are(campaign: Path, tmp_path: Path, column: str, times: float) -> None:
     answer = estimated(campaign, tmp_path, column, times * RADIUS)
     where, values = answer.axis_table("X")

@@ -43,6 +43,7 @@ def test_what_the_log_says_is_known_afterwards(log: Path, command: Command) -> N
     assert run(["estimate", "campaign.toml", "--out", "more"]) == 2
 
 
+@pytest.mark.long
 def test_a_record_takes_a_log_once_and_says_what_lacks(
     log: Path, command: Command, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -17,10 +17,14 @@ SAYS = {
     "core_robot": [45.0, 69.0],
 }
 """The numbers that each prints."""
+SLOW = {"core_six_degrees", "core_robot"}
+"""Those that take seconds."""
 MOST = 15
 
 
-@pytest.mark.parametrize("name", SAYS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.long] if name in SLOW else []) for name in SAYS]
+)
 def test_an_example_says_its_number(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     runpy.run_path(str(ROOT / "examples" / f"{name}.py"))
     found = [float(number) for number in re.findall(r"(?<![\w.])-?\d+\.?\d*", capsys.readouterr().out)]

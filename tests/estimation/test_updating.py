@@ -81,6 +81,7 @@ def test_many_readings_at_once_are_one_after_the_other(
     np.testing.assert_allclose(known, seen_by_twin, rtol=1e-9)
 
 
+@pytest.mark.long
 def test_the_history_is_what_was_known_after_each_reading() -> None:
     """Which readings are bad, and the sizes, are known from the first one on; the last figures are the posterior's."""
     case = mixed()

@@ -75,16 +75,14 @@ class Loop:
     """What one closed loop came to: RMS of the TCP deviation over the verification positions, m, without the shift, of
     a part the shift and the turn, that setting it up takes off.
 
-    before : as LinuxCNC goes there without anything; after, expected, missed : with the tables
+    before : as LinuxCNC goes there without anything; tables : with the tables
     std : how far off the prediction they were said to be (RMS)
     whole : with the realtime component, None where it cannot be compiled; messages : of LinuxCNC to the operator
     """
 
     readings: int
     before: float
-    after: float
-    expected: float
-    missed: float
+    tables: Left
     std: float
     whole: Left | None
     messages: tuple[str, ...]
@@ -96,11 +94,14 @@ class Left:
 
     after : as LinuxCNC goes there; expected : what was expected, the uncertainty of the estimate included
     missed : how far `after` is from the left deviation that was predicted position by position
+    within : in which 95 % of the positions are; certain : U, in which they were said to be
     """
 
     after: float
     expected: float
     missed: float
+    within: float
+    certain: float
 
 
 def description(name: str) -> CampaignDescription:
@@ -136,8 +137,12 @@ def _verified(
     poses, approaches = _positions(estimate, yardstick.sample)
     std, messages = estimation.accuracy.rms, list[str]()
 
+    def off(deviation: Array) -> Array:
+        centred: Array = deviation - deviation.mean(axis=0)
+        return centred if yardstick.alignment is None else yardstick.alignment.left(poses, deviation)
+
     def size(deviation: Array) -> float:
-        return rms(deviation if yardstick.alignment is None else yardstick.alignment.left(poses, deviation))
+        return rms(off(deviation))
 
     def seen(offered: Export | None) -> Array:
         with BuiltMachine(truth, None if offered is None else offered.files, replace(build, probe=None)) as machine:
@@ -147,13 +152,14 @@ def _verified(
 
     def judged(offered: Export, found: Array) -> Left:
         foretold = left_by(estimate.machine, estimate.deviation, offered.control, poses, approaches)
-        return Left(size(found), float(np.hypot(size(foretold), std)), size(found - foretold))
+        within = float(np.quantile(np.linalg.norm(off(found), axis=1), 0.95))
+        expected = float(np.hypot(size(foretold), std))
+        return Left(size(found), expected, size(found - foretold), within, offered.certain)
 
     with ThreadPoolExecutor() as side_by_side:  # each LinuxCNC moves in its own time
         bare, *corrected = side_by_side.map(seen, [None, *offers])
     tables, *whole = (judged(offered, found) for offered, found in zip(offers, corrected, strict=True))
-    left = tables.after, tables.expected, tables.missed
-    return Loop(readings, size(bare), *left, std, whole[0] if whole else None, tuple(messages))
+    return Loop(readings, size(bare), tables, std, whole[0] if whole else None, tuple(messages))
 
 
 def _positions(estimate: Estimate, sample: Array | None) -> tuple[Array, Array]:
@@ -180,24 +186,24 @@ def _say(text: str) -> None:
 
 
 def _report(name: str, loop: Loop, seconds: float) -> str:
-    before, after, expected, missed, std = (
-        to_unit(value, "um") for value in (loop.before, loop.after, loop.expected, loop.missed, loop.std)
-    )
+    before, missed, std = (to_unit(value, "um") for value in (loop.before, loop.tables.missed, loop.std))
     return (
         f"{name} ({_WHAT[name]}): {loop.readings} readings through LinuxCNC, files loaded, restarted, {POSITIONS} new "
         f"positions ({seconds:.0f} s)\n"
         f"  RMS deviation of the tool as found  {before:6.2f} um\n"
-        f"  with the tables in LinuxCNC         {after:6.2f} um   (expected {expected:.2f} um)\n"
-        f"{_whole(loop)}\n"
+        f"  with the tables in LinuxCNC         {_left(loop.tables)}\n"
+        f"  with the realtime component         {_left(loop.whole)}\n"
         f"  off the prediction by               {missed:6.2f} um   with the tables (stated {std:.2f} um)"
     )
 
 
-def _whole(loop: Loop) -> str:
-    if loop.whole is None:
-        return "  with the realtime component: not tried, Debian's linuxcnc-uspace-dev and gcc are not installed"
-    after, expected = (to_unit(value, "um") for value in (loop.whole.after, loop.whole.expected))
-    return f"  with the realtime component         {after:6.2f} um   (expected {expected:.2f} um)"
+def _left(left: Left | None) -> str:
+    if left is None:
+        return "not tried, Debian's linuxcnc-uspace-dev and gcc are not installed"
+    after, expected, within, certain = (
+        to_unit(value, "um") for value in (left.after, left.expected, left.within, left.certain)
+    )
+    return f"{after:6.2f} um   (expected {expected:.2f} um; 95 % within {within:.2f}, U {certain:.2f} um)"
 
 
 def _timed(name: str, folder: Path) -> tuple[Loop, float]:

@@ -35,8 +35,8 @@ approach = "both"
 """
 
 
-def described(*legs: str, artefacts: str = SQUARE) -> CampaignDescription:
-    text = "\n".join(['machine = "three-axis-mill"', artefacts, *legs])
+def described(*legs: str) -> CampaignDescription:
+    text = "\n".join(['machine = "three-axis-mill"', SQUARE, *legs])
     return campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "three-axis-mill")
 
 

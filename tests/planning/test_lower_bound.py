@@ -64,6 +64,7 @@ UNLIKE = "".join(
 )
 
 
+@pytest.mark.long
 def test_more_candidates_of_set_ups_of_unlike_noise_never_lower_the_bound_by_more_than_a_hundredth() -> None:
     """Little weight of a laser is as much information as many readings of a dial.
 

@@ -26,7 +26,6 @@ from axiscal.web.desk import Desk
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, plus, read
 from tests.golden.surfaces import differing, numbers, of_page, of_paper, of_screen, of_state, plain
 
-DRIFTED = plus(read(machine(2), 24), 10e-6 * np.linspace(0, 1, 24))
 SCATTERED = plus(read(machine(1), 24), 25e-6 * np.random.default_rng(1).choice([-1.0, 1.0], 24))
 
 
@@ -37,7 +36,7 @@ RECORDS: dict[str, tuple[str, list[Reading]]] = {
     "more than a millimetre": ('U = "1 um"', []),
 }
 """Target, and readings."""
-QUICK = ("reached", "withheld")
+QUICK = ("reached",)
 
 
 def test_every_verdict_has_its_words_and_its_colour_in_the_pdf() -> None:
@@ -92,6 +91,7 @@ def test_the_page_counts_the_open_question_and_the_clock_as_every_screen_does(tm
         assert [found.minutes, found.more_minutes] == pytest.approx([progress.minutes, progress.left_minutes], rel=1e-5)
 
 
+@pytest.mark.long
 def test_what_was_known_before_is_at_the_sizes_as_learnt(tmp_path: Path) -> None:
     """A plan has them as stated; here they turn out three times as large, and no row is known less than before."""
     described = MACHINE.replace('std = "10 um"', 'std = "3 um"')

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -13,7 +14,10 @@ import axiscal as ac
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
+from axiscal.numerics import Array
 from axiscal.python.measured_case import Case
+from axiscal_core.instrument import At, Instrument, Unknowns
+from axiscal_core.units import Quantity
 
 
 def case() -> Case:
@@ -31,6 +35,28 @@ def test_the_keys_are_those_of_a_file(tmp_path: Path) -> None:
     )
     described = ac.read_campaign(written)
     assert (case().description.setups, case().description.target) == (described.setups, described.target)
+
+
+class Grid(Instrument):
+    """Two lengths in the plane of a plate."""
+
+    names, units, noise = ("dx", "dy"), ("m", "m"), "0.1 um"
+    unknowns: Mapping[str, Quantity] = {"zero_x": "1 mm", "zero_y": "1 mm", "turn": "1 mrad"}
+
+    def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
+        x, y, _ = (at.tcp + at.moved).T
+        return [at.moved[:, 0] + u["zero_x"] - u["turn"] * y, at.moved[:, 1] + u["zero_y"] + u["turn"] * x]
+
+
+def test_a_class_of_ones_own_is_an_instrument(tmp_path: Path) -> None:
+    grid = ac.Case(ac.load_machine("three-axis-mill"), [ac.setup(Grid, moves=["X", "Y"])])
+    plan = grid.plan(readings=8, candidates=60)
+    assert {place.setup for place in plan.places} == {"grid"}
+    readings = [Reading(place.setup, place.pose, place.approach, 0.0, others=(0.0,)) for place in plan.places]
+    known = ac.estimate(grid, readings)
+    assert known.report(tmp_path).read_bytes().startswith(b"%PDF")
+    with pytest.raises(DescriptionError, match="is no class that is derived from"):
+        ac.Case(ac.load_machine("three-axis-mill"), [ac.setup(Path)])  # type: ignore[arg-type]
 
 
 def test_a_plan_says_its_figures_and_shows_itself() -> None:

@@ -23,14 +23,8 @@ from tests.refusals.reading import refusals
 THREE = machine_from_text(
     machine_text("w-b-X-Y-Z-t", {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M")
 )
-ALONG = {"X": (0, 300), "Z": (0, 100), "W": (0, 80)}
-LATHE, TAILSTOCK = (
-    machine_from_text(
-        machine_text(
-            f"w-b-{chain}-t", {name: ALONG[name] for name in chain.split("-")}, {"EXX": ("10 um", 7, 150)}, name="M"
-        )
-    )
-    for chain in ("X-Z", "X-Z-W")
+LATHE = machine_from_text(
+    machine_text("w-b-X-Z-t", {"X": (0, 300), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M")
 )
 
 

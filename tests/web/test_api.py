@@ -269,6 +269,7 @@ def asked(page: Served, state: dict[str, Any]) -> dict[str, Any]:
     return state
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("answer", ["jump", "backlash"])
 def test_a_page_asks_once_whether_a_step_where_the_axis_turned_is_backlash(tmp_path: Path, answer: str) -> None:
     record = begun_out_and_back(tmp_path / "mill.axiscal", OUT + 1, 30e-6)

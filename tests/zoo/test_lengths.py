@@ -50,6 +50,7 @@ def test_a_printed_square_becomes_a_skew(tmp_path: Path) -> None:
     assert 0.8 * SKEW < factor < SKEW
 
 
+@pytest.mark.long
 def test_a_ruler_shows_how_much_a_scale_is_longer(tmp_path: Path) -> None:
     marks = range(100, 1001, 100)
     ends = ", ".join(f'm{x} = [["0 mm", "0 mm", "0 mm"], ["{x} mm", "0 mm", "0 mm"]]' for x in marks)

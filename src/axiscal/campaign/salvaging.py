@@ -15,20 +15,8 @@ from axiscal.campaign.possible import Possible, created_description
 from axiscal.description.campaign import CampaignDescription
 from axiscal.document.quoting import shown
 from axiscal.exceptions import NewerError, RecordError
+from axiscal.record import events
 from axiscal.record.accepted import Accepted
-from axiscal.record.events import (
-    Created,
-    Event,
-    EventOrderError,
-    Folding,
-    Newer,
-    Noted,
-    Recorded,
-    Signed,
-    State,
-    Stored,
-    Undone,
-)
 from axiscal.record.line_form import FORM, START, EventText, form_of, taken_for_text
 from axiscal.record.log import rows_of
 from axiscal.record.merging import ForeignError, Merged, Strand, merged
@@ -65,7 +53,7 @@ class Salvaged:
     seams : sentences on what was put back in order
     """
 
-    state: State
+    state: events.State
     entries: int
     missing: tuple[str, ...]
     left: tuple[str, ...]
@@ -108,7 +96,7 @@ def salvaged(path: Path, new: Path, beginning: EventText | None = None) -> Salva
     said = [*missing, *left, *seams]
     more = [f"and {len(said) - _MOST} more"] if len(said) > _MOST else []
     listed = "; ".join([*said[:_MOST], *more]) or "nothing"
-    note = Noted(f"salvaged from {path.name}, {len(rows)} events, numbered anew. Missing: {listed}")
+    note = events.Noted(f"salvaged from {path.name}, {len(rows)} events, numbered anew. Missing: {listed}")
     with Record.made(new, [*rows, *rows_of([note])]) as record:
         return Salvaged(record.state(), len(rows), missing, left, seams)
 
@@ -122,7 +110,7 @@ def _two_records(foreign: ForeignError, path: Path) -> RecordError:
     )
     remedy = "If the lines are wanted, name a copy of their record, however old: --beginning FILE"
     event = decode(created.kind, created.payload)
-    source = event.campaign_source if isinstance(event, Created) else created.kind
+    source = event.campaign_source if isinstance(event, events.Created) else created.kind
     mark, line = foreign.mark.chain[:12], foreign.zero.lines[number].chain[:12]
     at, named = created.at[:19], shown(source)
     return RecordError(what, remedy, path, number=number, mark=mark, other=line, at=at, source=named)
@@ -150,19 +138,19 @@ def _readings(strand: Strand, index: int) -> list[_Entry]:
     standing = dict[int, _Entry]()
     for number, line in strand.lines.items():
         event = decode(line.row.kind, line.row.payload)
-        if isinstance(event, Recorded):
-            free = Recorded(replace(event.reading, number=None))
+        if isinstance(event, events.Recorded):
+            free = events.Recorded(replace(event.reading, number=None))
             row = line.row._replace(payload=encode(free, hand_of(line.row.payload))[1])
             standing[number] = _Entry(index, number, row, line.begin, False)
-        elif isinstance(event, Undone):
+        elif isinstance(event, events.Undone):
             standing.pop(event.event, None)
     return list(standing.values())
 
 
-def _created(entries: Sequence[_Entry], path: Path) -> Created:
+def _created(entries: Sequence[_Entry], path: Path) -> events.Created:
     """Return the beginning of the campaign; raises RecordError."""
     created = decode(entries[0].row.kind, entries[0].row.payload)
-    if isinstance(created, Created):
+    if isinstance(created, events.Created):
         return created
     kept = sum(each.row.kind == "recorded" for each in entries)
     what = "Event 1, with the descriptions, does not stand whole, or may be of another file; {kept} readings stand"
@@ -186,30 +174,30 @@ def _fitting(
 
 def _following(entries: Sequence[tuple[int, _Entry]], description: CampaignDescription, path: Path) -> list[EventText]:
     """Return entries with the numbers that they have now; raises _UnfitError."""
-    folding, possible = Folding(), Possible.at_start(description)
+    folding, possible = events.Folding(), Possible.at_start(description)
     rows, places, numbers = list[EventText](), list[int](), dict[tuple[int, int], int]()
     began = {entry.strand: 0 for _, entry in entries if entry.certain}
     for index, entry in entries:
         row, event = entry.row, _event(index, entry)
-        if isinstance(event, Newer) and event.of_readings:
+        if isinstance(event, events.Newer) and event.of_readings:
             what = "Event {number} is an entry of a newer version: {kind}"
             raise NewerError(what, "Salvage it with that one", path, number=entry.number, kind=event.kind)
-        if isinstance(event, Undone):
+        if isinstance(event, events.Undone):
             last = folding.undo[-1].number if folding.undo else 0
-            event = Undone(_number_now(entry, event.event, last, numbers, began))
+            event = events.Undone(_number_now(entry, event.event, last, numbers, began))
             if not event.event:
                 raise _UnfitError(index, "what it takes back is missing")
             row = row._replace(payload=encode(event, hand_of(row.payload))[1])
         unmoved = entry.certain and entry.number == len(rows) + 1
         if isinstance(event, Accepted) and not unmoved:
             raise _UnfitError(index, "what it puts right may be missing; accept it anew")
-        if isinstance(event, Signed) and not unmoved:
+        if isinstance(event, events.Signed) and not unmoved:
             raise _UnfitError(index, "it answers for what is missing; sign anew")
         if fault := possible.fault(event):
             raise _UnfitError(index, fault)
         try:
-            folding.add(Stored(len(rows) + 1, row.at, event))
-        except EventOrderError as fault:
+            folding.add(events.Stored(len(rows) + 1, row.at, event))
+        except events.EventOrderError as fault:
             raise _taken_back(event, folding.state(), places) or _UnfitError(index, fault) from None
         possible = possible.after(event)
         rows.append(row)
@@ -232,17 +220,17 @@ def _number_now(entry: _Entry, named: int, last: int, now: Mapping[tuple[int, in
     return next((n for s in strands if (n := now.get((s, named - began[s]), 0))), 0)
 
 
-def _event(index: int, entry: _Entry) -> Event:
+def _event(index: int, entry: _Entry) -> events.Event:
     try:
         return decode(entry.row.kind, entry.row.payload)
     except PayloadError as error:
         raise _UnfitError(index, error) from None
 
 
-def _taken_back(event: Event, state: State, places: Sequence[int]) -> _UnfitError | None:
+def _taken_back(event: events.Event, state: events.State, places: Sequence[int]) -> _UnfitError | None:
     """Return the entry that must have been taken back for this one to follow, by an entry that is missing."""
     step = state.undo[-1].number if state.undo else 0
-    if not step or (state.finished is None and not (isinstance(event, Undone) and event.event < step)):
+    if not step or (state.finished is None and not (isinstance(event, events.Undone) and event.event < step)):
         return None
     return _UnfitError(places[step - 1], "what follows shows that it was taken back")
 

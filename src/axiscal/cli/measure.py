@@ -22,20 +22,7 @@ from axiscal.cli.texts import help_text, opened_to_write
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import counted, decimals, listed, put, said, speaking, spoken_now
 from axiscal.numerics import Array
-from axiscal.present.guide.progress import (
-    Answer,
-    Named,
-    Progress,
-    confirmed,
-    contradictions,
-    doubted,
-    named_now,
-    open_temperature,
-    others_doubted,
-    set_anew,
-    take_back,
-    take_note,
-)
+from axiscal.present.guide import progress, slips
 from axiscal.present.guide.question import (
     SURPRISING,
     Question,
@@ -47,14 +34,13 @@ from axiscal.present.guide.question import (
     question_text,
     stands,
 )
-from axiscal.present.guide.slips import CAUSES, Cause, causes, keep_as, surprise_text
 from axiscal.present.result_set import RECORD
 from axiscal.present.summarising import Extras
 from axiscal.present.whose_language import chosen
 from axiscal.record.events import Asked
 from axiscal.units import um_text
 
-_LETTERS: dict[Cause, str] = {"sign": "s", "mm": "m", "anew": "a", "bumped": "b", "really": "v", "keep": "k"}
+_LETTERS: dict[slips.Cause, str] = {"sign": "s", "mm": "m", "anew": "a", "bumped": "b", "really": "v", "keep": "k"}
 """What is typed for a cause of a surprise."""
 _Then = Literal["same", "anew", "stands", "finish", "pause"]
 """What comes after something was typed: the same prompt, the question anew, a reading, the end, or a pause."""
@@ -86,7 +72,7 @@ class Prompt:
             named = said('Set-up "{setup}"', setup=question.setup)
             say("\n".join([f"\n{named}: {question.mount_sentence}.", *steps]))
             then = self._asked(said("Enter when it stands, or ? > "), question, standing=False)
-            if then == "stands" and open_temperature(self.campaign):
+            if then == "stands" and progress.open_temperature(self.campaign):
                 then = self._until_done(self._warmed)
             if then != "stands":
                 return then, mounted
@@ -107,7 +93,7 @@ class Prompt:
         if wanted := action(word):
             return self._heed_anywhere(wanted, text)
         if word:
-            say(f"  {take_note(self.campaign, degrees(typed))}")
+            say(f"  {progress.take_note(self.campaign, degrees(typed))}")
         return "stands"
 
     def _until_done(self, heed: Callable[[], _Then]) -> _Then:
@@ -151,29 +137,29 @@ class Prompt:
         return "same"
 
     def _keep(self, typed: Array, question: Question) -> _Then:
-        cause: Cause | None = None
+        cause: slips.Cause | None = None
         if question.surprise(typed) >= SURPRISING:
-            say(f"  {surprise_text(question, typed)}.")
-            named_by = {_LETTERS[each]: each for each in causes(question, typed)}
+            say(f"  {slips.surprise_text(question, typed)}.")
+            named_by = {_LETTERS[each]: each for each in slips.causes(question, typed)}
             known = listed(
-                ", ", [put("{letter} {cause}", letter=k, cause=said(CAUSES[v])) for k, v in named_by.items()]
+                ", ", [put("{letter} {cause}", letter=k, cause=said(slips.CAUSES[v])) for k, v in named_by.items()]
             )
             word = ask("  " + said("Type {causes}; Enter to read again:", causes=known) + " ").strip().lower()
             if (cause := named_by.get(word)) is None:
                 return "same"
-        before, asked = doubted(self.campaign), named_now(self.campaign)
-        kept, told = keep_as(self.campaign, question, typed, cause)
+        before, asked = progress.doubted(self.campaign), progress.named_now(self.campaign)
+        kept, told = slips.keep_as(self.campaign, question, typed, cause)
         if told:
             say(f"  {told}")
         at = coordinates_text(question.places, moves=True) or said('set-up "{setup}"', setup=question.setup)
         say("  " + said("kept reading {number} at {place}; it is on the disk", number=kept.number, place=at))
-        minds, named = others_doubted(self.campaign, before), named_now(self.campaign)
+        minds, named = progress.others_doubted(self.campaign, before), progress.named_now(self.campaign)
         if named is not None and named != asked:
             say(f"  {named.question}")
             if (chosen := _chosen(named)) is not None:
-                say(f"  {confirmed(self.campaign, named, chosen)}")
+                say(f"  {progress.confirmed(self.campaign, named, chosen)}")
                 minds = []
-        for sentence in [*minds, *contradictions(self.campaign)]:
+        for sentence in [*minds, *progress.contradictions(self.campaign)]:
             say("  " + said("Mind: {sentence}", sentence=sentence))
         return "anew"
 
@@ -195,7 +181,7 @@ class Prompt:
 
     def _stop(self) -> _Then:
         """Say what there would be if the campaign ended here, and end it where the person wants that."""
-        now = Progress.of(self.campaign)
+        now = progress.Progress.of(self.campaign)
         stands = "Now {figure} = {now}; with the {coming} to come, in about {minutes} min, {promised}."
         coming = counted("{count} reading", "{count} readings", now.coming)
         minutes, promised = minutes_text(now.left_minutes, coming=True), um_text(now.promised_um)
@@ -208,7 +194,7 @@ class Prompt:
 
     def _ended(self, ended: Ended) -> _Then:
         """Say that nothing more is to be measured, and ask whether to write the results, go on or back."""
-        known = Progress.of(self.campaign)
+        known = progress.Progress.of(self.campaign)
         taken = counted("{count} reading", "{count} readings", known.taken)
         done = "Done: {because}. {figure} = {now}, {taken} in {minutes} min."
         figures = {"figure": said(known.figure), "now": um_text(known.now_um), "minutes": minutes_text(known.minutes)}
@@ -231,18 +217,18 @@ class Prompt:
             case "pause":
                 return "pause"
             case "undo":
-                say(f"  {take_back(self.campaign)[1]}")
+                say(f"  {progress.take_back(self.campaign)[1]}")
                 return "anew"
             case "anew":
-                say(f"  {set_anew(self.campaign)}")
+                say(f"  {progress.set_anew(self.campaign)}")
                 return "anew"
             case "note":
                 sentence = text or ask("  " + said("what is to be kept in the record?") + " ")
-                say(f"  {take_note(self.campaign, sentence)}")
+                say(f"  {progress.take_note(self.campaign, sentence)}")
         return "same"
 
 
-def _chosen(named: Named) -> Answer | None:
+def _chosen(named: progress.Named) -> progress.Answer | None:
     """Ask what is named, and return the answer; None where the person does not know, or says no."""
     if len(named.answers) == 1:
         return named.answers[0] if _is_yes(said("Type yes if so, Enter if not:")) else None
@@ -256,7 +242,7 @@ def _is_yes(choice: str) -> bool:
 
 def headline(campaign: Campaign, question: Question) -> str:
     """Return two lines: machine, readings and minutes; how well the machine was, is and will be known."""
-    now = Progress.of(campaign)
+    now = progress.Progress.of(campaign)
     done = (
         campaign.description.machine.name,
         said("reading {number} of {last}", number=question.number, last=question.number + now.coming - 1),

@@ -191,7 +191,7 @@ def mirrored(case: Case, readings: Sequence[Reading], point: Array, index: int) 
         return []
     places = tips(case, seen_by)
     middle = places.mean(axis=0)
-    _, sizes, turn = np.linalg.svd(places - middle)
+    _, sizes, turn = np.linalg.svd(places - middle, full_matrices=False)
     normal = settled(sizes**2, turn.T)[:, -1]
     for columns, stated in zip(case.station_columns(index), setup.standing, strict=False):
         station = np.array(stated) + point[list(columns)]

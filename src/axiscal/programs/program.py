@@ -22,24 +22,12 @@ from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.measurement.readers.touch_log import plan_code
 from axiscal.measurement.reading import Place, approach_text, columns_of
 from axiscal.measurement.setup import Setup
+from axiscal.programs import steps
 from axiscal.programs.dialect import Dialect, filled, head
 from axiscal.programs.gliding import GENTLE, SlideDriver, TipDriver, refuse_kept_out
 from axiscal.programs.in_touch import InTouch, SphereCycle
 from axiscal.programs.scale import ReadingTarget, target
 from axiscal.programs.standing import standing
-from axiscal.programs.steps import (
-    Arrival,
-    Dwell,
-    Glide,
-    Halt,
-    Hold,
-    Move,
-    ProgramAxes,
-    Release,
-    Remark,
-    Step,
-    Touched,
-)
 from axiscal.units import to_unit
 
 LONGEST = 60
@@ -157,11 +145,13 @@ class _Writer:
     ) -> None:
         dialect.check_axes(machine.axes)
         self._machine, self._dialect, self._setup, self._places = machine, dialect, setup, places
-        self._axes = ProgramAxes.from_setup(machine, setup, [_decimals(axis, setup, dialect) for axis in machine.axes])
+        self._axes = steps.ProgramAxes.from_setup(
+            machine, setup, [_decimals(axis, setup, dialect) for axis in machine.axes]
+        )
         self.touches = log and setup.contact == "retracted" and instrument_of(setup).all_round
         self._holds_so_far = count(100, 10)  # a label may stand in a program once; those of the log follow the first
 
-    def draft(self) -> tuple[tuple[Step, ...], tuple[Listed, ...]]:
+    def draft(self) -> tuple[tuple[steps.Step, ...], tuple[Listed, ...]]:
         """Return the actions of the program, and its readings."""
         run = tuple(self._steps())
         if self._setup.artefact is not None:
@@ -176,7 +166,7 @@ class _Writer:
         balls = self._setup.artefact.nearest(tips, self._setup.balls).tolist()
         return {number: ball for (number, _), ball in zip(self._places, balls, strict=True)}
 
-    def program(self, number: int, run: Sequence[Step], readings: tuple[Listed, ...], code: str) -> Program:
+    def program(self, number: int, run: Sequence[steps.Step], readings: tuple[Listed, ...], code: str) -> Program:
         setup, dialect = self._setup, self._dialect
         name = program_name(number, setup.name, dialect.longest_name)
         lines = [self._comment(text) for text in self._head()]
@@ -188,7 +178,7 @@ class _Writer:
         beside = {file.format(**told): each.format(**told) for file, each in (log.files if log else {}).items()}
         return Program(name, f"{name}.{dialect.suffix}", text, readings, self._notes(), beside)
 
-    def _steps(self) -> Iterator[Step]:
+    def _steps(self) -> Iterator[steps.Step]:
         setup, places = self._setup, self._places
         reading = setup.reading_time if setup.driving.dwell else None
         if setup.chart is not None and setup.contact == "held":
@@ -200,7 +190,7 @@ class _Writer:
         read = self._cycle(dict(places)) if self.touches else None
         yield from self._axes.run_through(targets, setup, reading, read)
 
-    def _cycle(self, places: Mapping[int, Place]) -> Callable[[ReadingTarget], Iterator[Step]]:
+    def _cycle(self, places: Mapping[int, Place]) -> Callable[[ReadingTarget], Iterator[steps.Step]]:
         cycle = SphereCycle(self._machine, self._setup, self._axes)
         return lambda reached: cycle.steps(reached, places[reached.number])
 
@@ -248,43 +238,43 @@ class _Writer:
         """Whether the control holds the tool point."""
         return self._setup.contact == "held" and _turns(self._setup, self._machine)
 
-    def _lines(self, step: Step, code: str) -> list[str]:
+    def _lines(self, step: steps.Step, code: str) -> list[str]:
         match step:
-            case Touched():
+            case steps.Touched():
                 return self._dialect.touched(code, step)
-            case Move():
+            case steps.Move():
                 words = [(self._machine.axes[k].name, self._axes.scales[k].written(v)) for k, v in step.to.items()]
                 return [self._dialect.straight_move(words, step.feed)]
-            case Glide():
+            case steps.Glide():
                 return [self._dialect.tip_move.format(to=self._dialect.words(step.to), feed=step.feed)]
-            case Hold():
+            case steps.Hold():
                 length = f"{to_unit(self._machine.tool, 'mm'):.{self._dialect.tip_decimals}f}"
                 to = self._dialect.words(step.at)
                 return filled(self._dialect.tip_on, tool=length, to=to, label=next(self._holds_so_far))
-            case Release():
+            case steps.Release():
                 return filled(self._dialect.tip_off, to=self._dialect.words(step.at))
-            case Dwell():
+            case steps.Dwell():
                 return filled(self._dialect.dwell, s=step.seconds, ms=round(step.seconds * 1000))
-            case Halt():
+            case steps.Halt():
                 stop = self._dialect.stopped(self._machine.axes, self.touches)
                 seen = (self._dialect.screen or self._dialect.comment).format(text=plain(step.text))
                 return [*([seen] if step.text else []), *(self._dialect.pause if step.held else stop)]
-            case Remark():
+            case steps.Remark():
                 return [self._comment(step.text)]
-        assert isinstance(step, Arrival)  # for the list of readings alone
+        assert isinstance(step, steps.Arrival)  # for the list of readings alone
         return []
 
     def _comment(self, text: str) -> str:
         """Return a comment; it begins with our own words, so that no name becomes a command such as (PROBEOPEN x)."""
         return self._dialect.comment.format(text=plain(text))
 
-    def _listed(self, run: Sequence[Step]) -> Iterator[Listed]:
+    def _listed(self, run: Sequence[steps.Step]) -> Iterator[Listed]:
         """Yield the readings with the time from the start at the first one, stops not counted."""
         seconds, asked = 0.0, dict(self._places)
         for step in run:
-            if isinstance(step, Move | Glide | Dwell | Touched):
+            if isinstance(step, steps.Move | steps.Glide | steps.Dwell | steps.Touched):
                 seconds += step.seconds
-            elif isinstance(step, Arrival):
+            elif isinstance(step, steps.Arrival):
                 reached, at = step.target, step.target.position
                 if self._setup.contact == "retracted":  # the pose that is read has the tool point at the ball
                     pose = zip(self._axes.scales, asked[reached.number].pose, strict=True)

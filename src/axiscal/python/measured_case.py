@@ -23,6 +23,7 @@ from axiscal.document.quoting import toml_value
 from axiscal.estimation.case import Case as Mathematics
 from axiscal.estimation.inheritance import case_of
 from axiscal.machine.description import Machine
+from axiscal.measurement.instruments.written import name_of
 from axiscal.measurement.reading import Place, approach_text, place_text
 from axiscal.planning.next_readings import CANDIDATES, placed
 from axiscal.planning.plan.task import Limits
@@ -31,6 +32,7 @@ from axiscal.present.drawing.svg_picture import Figure, alone, axis_style, layou
 from axiscal.present.plan_answer import PlanAnswer, plan_answer
 from axiscal.present.plan_words import bound_sentence
 from axiscal.units import Dimension, format_quantity, from_unit, parse_quantity, to_unit
+from axiscal_core.instrument import Instrument
 
 
 def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str) -> str:
@@ -78,7 +80,7 @@ SetupKeys = Mapping[str, Any]
 
 
 def setup(
-    instrument: str,
+    instrument: str | type[Instrument],
     direction: str | Sequence[float] | None = None,
     *,
     moves: Sequence[str] | None = None,
@@ -87,9 +89,12 @@ def setup(
 ) -> SetupKeys:
     """Return a set-up with the instrument's usual noise, unknowns and times.
 
+    instrument : its name, or a class derived from `axiscal_core.Instrument`
     direction : "x", "-y" or a vector, for instruments that read along or about one; moves : axes, default all
     keys : of campaign.toml, quantities as text: noise="0.3 um", approach="both", park={"Y": "250 mm"}
     """
+    if isinstance(instrument, type):
+        name, instrument = name or instrument.__name__.lower(), name_of(instrument)
     usual = " ".join([instrument, *([direction] if isinstance(direction, str) else []), *(moves or ())])
     stated = {"name": name or usual, "instrument": instrument, "direction": direction, "moves": moves, **keys}
     return {key: value for key, value in stated.items() if value is not None}

@@ -11,23 +11,8 @@ from typing import Any, TypeVar, get_args
 from axiscal.document.quoting import shown
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Place, Reading
+from axiscal.record import events
 from axiscal.record.accepted import KNOWN, Accepted
-from axiscal.record.events import (
-    Asked,
-    Continued,
-    Created,
-    Event,
-    Finished,
-    Mounted,
-    Newer,
-    Noted,
-    Planned,
-    Recorded,
-    Signed,
-    Skipped,
-    Undone,
-    Warmed,
-)
 from axiscal.record.signing import Hand
 
 _T = TypeVar("_T")
@@ -41,12 +26,12 @@ class PayloadError(ValueError):
     """Text in a record that is not an event."""
 
 
-def encode(event: Event, hand: Hand | None = None, step: str = "") -> tuple[str, str]:
+def encode(event: events.Event, hand: Hand | None = None, step: str = "") -> tuple[str, str]:
     """Return kind and JSON text; raise ValueError if a number is not finite, RecordError for what is no text.
 
     hand : who writes it, where that is to be kept; step : the id of the step that it belongs to, "" for none
     """
-    if isinstance(event, Newer):
+    if isinstance(event, events.Newer):
         return event.kind, event.text
     said = _fields(event) | ({} if hand is None else hand._asdict()) | ({"step": step} if step else {})
     text = json.dumps(said, allow_nan=False, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
@@ -59,14 +44,14 @@ def encode(event: Event, hand: Hand | None = None, step: str = "") -> tuple[str,
     return type(event).__name__.lower(), text
 
 
-def decode(kind: str, text: str) -> Event:
+def decode(kind: str, text: str) -> events.Event:
     """Return the event, `Newer` for one that this version does not know; raise PayloadError if this is none."""
     try:
         found = _is(dict, json.loads(text))
         beside = {name: _is(str, found.pop(name, "")) for name in _BESIDE}  # older records could not say it
         if kind in _READ and found.keys() <= _KEYS[kind]:
             return _READ[kind](found | beside)
-        return Newer(kind, text, kind != "noted" if kind in _READ else not _OF_READINGS.isdisjoint(found))
+        return events.Newer(kind, text, kind != "noted" if kind in _READ else not _OF_READINGS.isdisjoint(found))
     except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
         raise PayloadError(f"an entry of kind {kind!r} cannot be read: {error}") from error
 
@@ -77,21 +62,21 @@ def hand_of(text: str) -> Hand | None:
     return Hand(*(found[name] for name in Hand._fields)) if found.keys() >= set(Hand._fields) else None
 
 
-def _fields(event: Event) -> dict[str, object]:
+def _fields(event: events.Event) -> dict[str, object]:
     """Return what the record keeps of an event."""
     match event:
-        case Planned():
+        case events.Planned():
             return {"places": [_place_fields(place) for place in event.places], "grounds": event.basis}
-        case Continued(basis):
+        case events.Continued(basis):
             return {"grounds": basis}
-        case Asked():
+        case events.Asked():
             return {"reading": event.reading, **_place_fields(event.place)}
-        case Recorded(reading):
+        case events.Recorded(reading):
             of_value = {"value": reading.value, "std": reading.std, "others": reading.others}
             circumstances = {"accepted": reading.accepted, "time": reading.time}
             numbered = {} if reading.number is None else {"reading": reading.number}
             return {**numbered, **_place_fields(reading.place), **of_value, **circumstances}
-        case Skipped(reason, False):
+        case events.Skipped(reason, False):
             return {"reason": reason}  # as older versions wrote it
     return {name: value for name, value in asdict(event).items() if name in _KEYS[type(event).__name__.lower()]}
 
@@ -129,16 +114,16 @@ def _place(fields: Mapping[str, Any]) -> Place:
     return Place(_is(str, fields["setup"]), position, approach, _is(bool, fields.get("check", False)))
 
 
-def _created(fields: Mapping[str, Any]) -> Created:
+def _created(fields: Mapping[str, Any]) -> events.Created:
     versions = {_is(str, name): _is(str, value) for name, value in _is(dict, fields["versions"]).items()}
     machine, campaign = _is(str, fields["machine_text"]), _is(str, fields["campaign_text"])
     sources = _is(str, fields["machine_source"]), _is(str, fields["campaign_source"])
     doubts, knots = (_is(bool, fields.get(name, False)) for name in ("usual_doubts", "fine_knots"))  # not in older ones
     prior = _is(str, fields.get("prior_text", ""))
-    return Created(machine, campaign, *sources, versions, prior, doubts, knots, fields["person"])
+    return events.Created(machine, campaign, *sources, versions, prior, doubts, knots, fields["person"])
 
 
-def _recorded(fields: Mapping[str, Any]) -> Recorded:
+def _recorded(fields: Mapping[str, Any]) -> events.Recorded:
     std = None if fields["std"] is None else _number(fields["std"], ABSURD)
     if std is not None and std <= 0:
         raise ValueError(f"{std:g} is no standard deviation")
@@ -148,7 +133,7 @@ def _recorded(fields: Mapping[str, Any]) -> Recorded:
     number = None if fields.get("reading") is None else _is(int, fields["reading"])
     at, value = _place(fields), _number(fields["value"], ABSURD)
     of_value = value, std, None, accepted, others, time, number
-    return Recorded(Reading(at.setup, at.pose, at.approach, *of_value, at.check, fields["person"]))
+    return events.Recorded(Reading(at.setup, at.pose, at.approach, *of_value, at.check, fields["person"]))
 
 
 _LARGEST_FACTOR = 1e4
@@ -168,31 +153,31 @@ def _accepted(fields: Mapping[str, Any]) -> Accepted:
     return Accepted(mistake, setups, _is(int, fields["reading"]), factor, name)
 
 
-_READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
+_READ: Mapping[str, Callable[[Mapping[str, Any]], events.Event]] = {
     "created": _created,
-    "planned": lambda fields: Planned(
+    "planned": lambda fields: events.Planned(
         tuple(_place(place) for place in fields["places"]),
         _is(str, fields.get("grounds", "")),  # plans of older records do not say what they rest on
     ),
-    "asked": lambda fields: Asked(_is(int, fields["reading"]), _place(fields)),
+    "asked": lambda fields: events.Asked(_is(int, fields["reading"]), _place(fields)),
     "recorded": _recorded,
-    "skipped": lambda fields: Skipped(_is(str, fields["reason"]), _is(bool, fields.get("rest", False))),
-    "noted": lambda fields: Noted(_is(str, fields["text"])),
-    "warmed": lambda fields: Warmed(
+    "skipped": lambda fields: events.Skipped(_is(str, fields["reason"]), _is(bool, fields.get("rest", False))),
+    "noted": lambda fields: events.Noted(_is(str, fields["text"])),
+    "warmed": lambda fields: events.Warmed(
         _is(str, fields["setup"]), _number(fields["temperature"]), _is(str, fields["text"])
     ),
-    "continued": lambda fields: Continued(_is(str, fields["grounds"])),
-    "mounted": lambda fields: Mounted(*(_is(str, fields[name]) for name in ("setup", "name", "branch"))),
+    "continued": lambda fields: events.Continued(_is(str, fields["grounds"])),
+    "mounted": lambda fields: events.Mounted(*(_is(str, fields[name]) for name in ("setup", "name", "branch"))),
     "accepted": _accepted,
-    "undone": lambda fields: Undone(_is(int, fields["event"])),
-    "signed": lambda fields: Signed(_is(str, fields["key"]), _is(str, fields["signature"])),
-    "finished": lambda fields: Finished(_is(str, fields["because"])),
+    "undone": lambda fields: events.Undone(_is(int, fields["event"])),
+    "signed": lambda fields: events.Signed(_is(str, fields["key"]), _is(str, fields["signature"])),
+    "finished": lambda fields: events.Finished(_is(str, fields["because"])),
 }
 _AT = frozenset(("setup", "position", "approach", "check"))
 _KEYS: Mapping[str, frozenset[str]] = {
-    kind.__name__.lower(): frozenset(field.name for field in fields(kind)) for kind in get_args(Event)
+    kind.__name__.lower(): frozenset(field.name for field in fields(kind)) for kind in get_args(events.Event)
 } | {
-    "created": frozenset(field.name for field in fields(Created)) - {"by"},
+    "created": frozenset(field.name for field in fields(events.Created)) - {"by"},
     "planned": frozenset(("places", "grounds")),
     "continued": frozenset(("grounds",)),
     "asked": _AT | {"reading"},

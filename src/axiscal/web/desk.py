@@ -23,34 +23,8 @@ from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError, Recor
 from axiscal.language.spoken import decimals, said, spoken_now
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.present.guide.progress import (
-    Answer,
-    Named,
-    Progress,
-    confirmed,
-    contradictions,
-    doubted,
-    due,
-    last_step,
-    latest,
-    named_now,
-    others_doubted,
-    set_anew,
-    take_back,
-    take_note,
-)
+from axiscal.present.guide import progress, slips
 from axiscal.present.guide.question import SURPRISING, Question, asked_text, stands
-from axiscal.present.guide.slips import (
-    CAUSES,
-    Cause,
-    causes,
-    display_text,
-    jog,
-    keep_as,
-    surprise_text,
-    try_jog,
-    value_of,
-)
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_text
@@ -89,7 +63,7 @@ class SurprisingError(ReadingError):
 
     def __init__(self, question: Question, values: Array) -> None:
         self.surprise = question.surprise(values)
-        super().__init__(spelt(surprise_text(question, values)), said("Read again, or say what it was"))
+        super().__init__(spelt(slips.surprise_text(question, values)), said("Read again, or say what it was"))
 
 
 class Desk:
@@ -107,8 +81,8 @@ class Desk:
         self._answer: ResultAnswer | PlannedAnswer | None = None
         self._answers: object = None  # the readings and the end that it is about
         self._before: frozenset[int] | None = None
-        self._named: Named | None = None
-        self._asks: Named | None = None
+        self._named: progress.Named | None = None
+        self._asks: progress.Named | None = None
         self._version = 0
         self._alike: set[int] = set()
         self.state = self._renewed()
@@ -136,9 +110,9 @@ class Desk:
         """Do what the next question need not wait for: second thoughts on the last reading, and the answer."""
         minds = [
             *self._minds,
-            *([] if self._before is None else others_doubted(self.campaign, self._before, command=False)),
+            *([] if self._before is None else progress.others_doubted(self.campaign, self._before, command=False)),
         ]
-        if self._before is not None and (named := named_now(self.campaign)) != self._named:
+        if self._before is not None and (named := progress.named_now(self.campaign)) != self._named:
             self._asks = named
         new_question, self._before = self._asks is not None and not self.state.asks, None
         self.campaign.estimate()  # the next reading is compared with it
@@ -167,8 +141,8 @@ class Desk:
         shown = [float(to_unit(float(each), question.unit)) for each in values]
         if surprise < SURPRISING:
             return TypedShape(values=shown, surprise=surprise)
-        named, sentence = causes(question, values), str(SurprisingError(question, values))
-        words = {cause: said(CAUSES[cause]) for cause in named}
+        named, sentence = slips.causes(question, values), str(SurprisingError(question, values))
+        words = {cause: said(slips.CAUSES[cause]) for cause in named}
         return TypedShape(values=shown, surprise=surprise, surprising=True, sentence=sentence, causes=words)
 
     def once(self, step: Callable[[Desk], str], after: int | None = None) -> str:
@@ -185,22 +159,22 @@ class Desk:
             raise OvertakenError(what, said("Look at what is asked now, then do it again if it is still right"))
         return step(self)
 
-    def keep(self, text: str, cause: Cause | None = None) -> str:
+    def keep(self, text: str, cause: slips.Cause | None = None) -> str:
         """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one."""
         asked = self.campaign.open_question()
         question = self._question or Question.from_campaign(self.campaign, asked)
         typed = self._value(text, question)
         if question.surprise(typed) >= SURPRISING and cause is None:
             raise SurprisingError(question, typed)
-        before, jump = doubted(self.campaign), named_now(self.campaign)
-        kept, told = keep_as(self.campaign, question, typed, cause)
+        before, jump = progress.doubted(self.campaign), progress.named_now(self.campaign)
+        kept, told = slips.keep_as(self.campaign, question, typed, cause)
         self._before, self._named = before, jump
         self._show()
         return f"{said('Kept reading {number}; it is on the disk.', number=kept.number)} {told}".rstrip()
 
     def jog(self, text: str, *, anyway: bool) -> str:
         """Keep what the display shows at the test of its sign; raises ReadingError where that is wrong."""
-        return self._noted(lambda: try_jog(self.campaign, text, anyway=anyway))
+        return self._noted(lambda: slips.try_jog(self.campaign, text, anyway=anyway))
 
     def accept(self) -> str:
         """Put right the mistake that readings name; raises RecordError where they name none."""
@@ -223,7 +197,7 @@ class Desk:
 
     def note(self, text: str) -> str:
         """Keep a sentence in the record; who has seen the state before may still answer what is asked."""
-        return self._noted(lambda: take_note(self.campaign, text))
+        return self._noted(lambda: progress.take_note(self.campaign, text))
 
     def _noted(self, told: Callable[[], str]) -> str:
         """Keep a note, and return a sentence of it; who has seen the state before may still answer what is asked."""
@@ -248,16 +222,18 @@ class Desk:
         """Return what skipping the reading costs, or leaving its set-up."""
         return SentenceShape(sentence=spelt(cost_sentence(cost_words(self.campaign, rest=rest))))
 
-    def set_anew(self, answer: Answer | None) -> str:
+    def set_anew(self, answer: progress.Answer | None) -> str:
         """Keep that a zero was set anew before the next reading, or the answer to what the page asks."""
-        named = None if answer is None else self._asks
-        told = set_anew(self.campaign) if named is None or answer is None else confirmed(self.campaign, named, answer)
+        if answer is None or self._asks is None:
+            told = progress.set_anew(self.campaign)
+        else:
+            told = progress.confirmed(self.campaign, self._asks, answer)
         self._show()
         return told
 
     def undo(self) -> str:
         """Take back the last reading, skip or end."""
-        _, sentence = take_back(self.campaign)
+        _, sentence = progress.take_back(self.campaign)
         self._show()
         return sentence
 
@@ -316,18 +292,18 @@ class Desk:
             begun=campaign.begun,
             machine=campaign.description.machine.name,
             record=campaign.path.name,
-            progress=Progress.of(campaign),
+            progress=progress.Progress.of(campaign),
             question=self._question,
             ended=None if self._ended is None else spelt(because_text(self._ended)),
             finished=None if state.finished is None else spelt(because_text(state.finished)),
-            jog=jog(campaign),
+            jog=slips.jog(campaign),
             shows=self._shows(),
             trouble=self._trouble,
-            readings=list(latest(campaign)),
+            readings=list(progress.latest(campaign)),
             notes=state.notes,
-            due=due(campaign),
-            undo=last_step(campaign)[0],
-            minds=[spelt(each) for each in [*self._minds, *contradictions(campaign, command=False)]],
+            due=progress.due(campaign),
+            undo=progress.last_step(campaign)[0],
+            minds=[spelt(each) for each in [*self._minds, *progress.contradictions(campaign, command=False)]],
             named=state.finished is None and self._explained() is not None,
             asks="" if self._asks is None else spelt(self._asks.question),
             choices={} if self._asks is None else self._asks.choices,
@@ -354,12 +330,12 @@ class Desk:
         asked = self.campaign.state.pending
         if not self.virtual or self._question is None or asked is None:
             return ""
-        if (test := jog(self.campaign)) is not None:
+        if (test := slips.jog(self.campaign)) is not None:
             return decimals(f"{test.shows:.2f}")
         description = self.campaign.description
         simulator = Simulator(description.machine, description.setups)
         answer = SimulatedSource(*virtual_machine(self.virtual, simulator)).read(self.campaign.request(asked))
-        return display_text([answer.value, *answer.others], description.setup(asked.place.setup))
+        return slips.display_text([answer.value, *answer.others], description.setup(asked.place.setup))
 
     def _next(self) -> Asked | Ended:
         """Return what is asked; another program may be asking at the same moment."""
@@ -371,4 +347,4 @@ class Desk:
             return self.campaign.next()
 
     def _value(self, text: str, question: Question) -> Array:
-        return value_of(text, self.campaign.description.setup(question.setup), stands(self.campaign))
+        return slips.value_of(text, self.campaign.description.setup(question.setup), stands(self.campaign))

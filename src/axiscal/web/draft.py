@@ -18,22 +18,9 @@ from axiscal.answers.row_words import said_row
 from axiscal.campaign.beginning import begun_campaign
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import virtual_note
+from axiscal.description import first_files
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.description.first_campaign import OFFERED, UNSAID, Purpose
-from axiscal.description.first_files import (
-    SIZES,
-    Beginning,
-    first_described,
-    first_files,
-    linear_travels,
-    of_builtin,
-    of_text,
-    offered_words,
-    with_carriers,
-    with_errors_times,
-    with_travels,
-    write_files,
-)
 from axiscal.description.target import rows_of
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import AxiscalError, DescriptionError, InputError, PlanError, RecordError
@@ -47,17 +34,7 @@ from axiscal.present.sentences import spelt
 from axiscal.record.copies import opened_log
 from axiscal.record.store import record_errors
 from axiscal.units import to_unit, within
-from axiscal.web.shapes import (
-    AnswerShape,
-    BegunShape,
-    CurveShape,
-    DraftShape,
-    MachineQuery,
-    MachineShape,
-    PlanShape,
-    RowsShape,
-    StartShape,
-)
+from axiscal.web import shapes
 
 FOLDER, _CHOSEN, _OF_PLAN = "axiscal-draft", "draft.json", "planned.json"
 """Of a draft, of its choices, and of those that its plan was made for."""
@@ -83,11 +60,11 @@ _FINEST = 1e-9
 """m of an uncertainty that can be wanted; nobody measures a machine better."""
 
 
-def start(here: Path) -> StartShape:
+def start(here: Path) -> shapes.StartShape:
     """Return all that the start shows of a folder; raises RecordError."""
     draft, (begun, left_out) = kept(here), _records(here)
-    instruments = dict(zip(OFFERED, offered_words(), strict=True))
-    return StartShape(
+    instruments = dict(zip(OFFERED, first_files.offered_words(), strict=True))
+    return shapes.StartShape(
         folder=str(here),
         begun=begun,
         left_out=left_out,
@@ -98,19 +75,19 @@ def start(here: Path) -> StartShape:
     )
 
 
-def kept(here: Path) -> DraftShape:
+def kept(here: Path) -> shapes.DraftShape:
     """Return what was chosen so far; raises RecordError where the draft is damaged."""
     file = here / FOLDER / _CHOSEN
     if not file.exists():
-        return DraftShape()
+        return shapes.DraftShape()
     try:
-        return DraftShape.model_validate_json(file.read_bytes())
+        return shapes.DraftShape.model_validate_json(file.read_bytes())
     except ValidationError as fault:
         remedy = "Remove the folder {folder} to begin anew"
         raise RecordError("The draft cannot be read", remedy, file, folder=FOLDER) from fault
 
 
-def keep(here: Path, draft: DraftShape) -> MachineShape:
+def keep(here: Path, draft: shapes.DraftShape) -> shapes.MachineShape:
     """Keep what was chosen on the disk, and return what it makes of a machine; raises RecordError."""
     with record_errors(here / FOLDER):
         (here / FOLDER).mkdir(exist_ok=True)
@@ -118,7 +95,7 @@ def keep(here: Path, draft: DraftShape) -> MachineShape:
     return _shown(draft)
 
 
-def plan(here: Path) -> PlanShape:
+def plan(here: Path) -> shapes.PlanShape:
     """Return the plan of the draft, made where there is none yet; raises InputError for what cannot be planned."""
     with _planned(here) as campaign:
         answer = coming_answer(campaign)
@@ -126,7 +103,7 @@ def plan(here: Path) -> PlanShape:
     if answer is None:
         raise PlanError("No reading of these set-ups is worth its time", "Choose other instruments")
     text = plan_text(answer, campaign.path.name)
-    return PlanShape(answer=AnswerShape.of(text, answer), minds=[spelt(mind) for mind in minds])
+    return shapes.PlanShape(answer=shapes.AnswerShape.of(text, answer), minds=[spelt(mind) for mind in minds])
 
 
 def _begun(here: Path) -> Path:
@@ -154,34 +131,34 @@ def record_of(here: Path, name: str) -> Path:
     return here / name
 
 
-def picture(here: Path, query: MachineQuery) -> str:
+def picture(here: Path, query: shapes.MachineQuery) -> str:
     """Return the machine, with an instrument on it if one is named, as SVG; raises InputError where there is none."""
-    begun = of_builtin(query.machine) if query.machine else _beginning(kept(here), {})
+    begun = first_files.of_builtin(query.machine) if query.machine else _beginning(kept(here), {})
     if not query.instrument:
         return setup_picture(machine_scene(machine_from_text(begun.text), lengths=not query.small), query.width)
     campaign = _with(begun, query.instrument)
     return setup_picture(setup_scene(campaign, campaign.setups[0], ()), query.width)
 
 
-def shown_rows(here: Path, instrument: str) -> RowsShape:
+def shown_rows(here: Path, instrument: str) -> shapes.RowsShape:
     """Return the rows that an instrument can show on the machine of the draft, or why it cannot be set up there."""
     try:
         shown = rows_shown(_with(_beginning(kept(here), {}), instrument))
     except InputError as failure:
-        return RowsShape(fault=str(failure))
-    return RowsShape(rows={row.name: said_row(row.name) for row in shown})
+        return shapes.RowsShape(fault=str(failure))
+    return shapes.RowsShape(rows={row.name: said_row(row.name) for row in shown})
 
 
-def curve(here: Path) -> CurveShape:
+def curve(here: Path) -> shapes.CurveShape:
     """Return what minutes buy beside those of the plan of the draft; raises InputError as `plan`."""
     with _planned(here) as campaign:
-        return CurveShape(marks=minutes_curve(campaign))
+        return shapes.CurveShape(marks=minutes_curve(campaign))
 
 
-def _with(begun: Beginning, instrument: str) -> CampaignDescription:
+def _with(begun: first_files.Beginning, instrument: str) -> CampaignDescription:
     if instrument not in OFFERED:
         raise DescriptionError("There is no such instrument", "Known are {known}", known=", ".join(OFFERED))
-    return first_described(begun, [instrument], Purpose())
+    return first_files.first_described(begun, [instrument], Purpose())
 
 
 def _planned(here: Path) -> Campaign:
@@ -196,7 +173,7 @@ def _planned(here: Path) -> Campaign:
     wants = [name for name in wants if name not in draft.without]
     if shown and not wants:
         raise DescriptionError("Nothing is to be known", "Tick a row at least")
-    files = first_files(begun, draft.instruments, Purpose(target, wants, draft.budget))
+    files = first_files.first_files(begun, draft.instruments, Purpose(target, wants, draft.budget))
     chosen = draft.model_copy(update={"screen": "start"}).model_dump_json().encode()
     record, made = next(folder.glob("*.axiscal"), None), folder / _OF_PLAN
     if record is not None and made.exists() and made.read_bytes() == chosen:
@@ -205,7 +182,7 @@ def _planned(here: Path) -> Campaign:
         file.unlink()
     if draft.file:
         write_whole(folder / draft.file, draft.text.encode())
-    write_files(folder, files.texts)
+    first_files.write_files(folder, files.texts)
     described = read_campaign(folder / "campaign.toml")
     described = replace(described, source="campaign.toml", machine_source="machine.toml")  # as they will stand
     called = f"{'virtual ' * draft.virtual}{described.machine.name}"
@@ -215,16 +192,16 @@ def _planned(here: Path) -> Campaign:
     return campaign
 
 
-def _beginning(draft: DraftShape, faults: dict[str, InputError]) -> Beginning:
+def _beginning(draft: shapes.DraftShape, faults: dict[str, InputError]) -> first_files.Beginning:
     """Return the machine of a draft with the travels that can be; raises InputError.  faults : takes the others"""
     if draft.file:
-        begun = of_text(draft.text, draft.file)
+        begun = first_files.of_text(draft.text, draft.file)
     elif draft.machine:
-        begun = of_builtin(draft.machine)
+        begun = first_files.of_builtin(draft.machine)
     else:
         raise DescriptionError("No machine is chosen", "Choose one, or drop the file of its control")
     lengths = dict[str, float]()
-    for axis in linear_travels(begun):
+    for axis in first_files.linear_travels(begun):
         if typed := draft.travels.get(axis, "").strip():
             try:
                 lengths[axis] = to_unit(within(_length(typed, "mm"), "length", _SHORTEST, _LONGEST), "mm")
@@ -232,7 +209,10 @@ def _beginning(draft: DraftShape, faults: dict[str, InputError]) -> Beginning:
                 faults[f"travels.{axis}"] = failure
     if draft.compensated and begun.active == UNSAID:
         begun = replace(begun, active=_ACTIVE[draft.compensated])
-    return with_travels(with_carriers(with_errors_times(begun, SIZES[draft.size]), draft.switched), lengths)
+    return first_files.with_travels(
+        first_files.with_carriers(first_files.with_errors_times(begun, first_files.SIZES[draft.size]), draft.switched),
+        lengths,
+    )
 
 
 def _length(text: str, unit: str, least: float = _SHORTEST) -> str:
@@ -244,7 +224,7 @@ def _length(text: str, unit: str, least: float = _SHORTEST) -> str:
     return text
 
 
-def _shown(draft: DraftShape) -> MachineShape:
+def _shown(draft: shapes.DraftShape) -> shapes.MachineShape:
     """Return what a draft makes of a machine, and what is wrong with it, by the field."""
     faults = dict[str, InputError]()
     if draft.target.strip():
@@ -258,12 +238,12 @@ def _shown(draft: DraftShape) -> MachineShape:
         if draft.file or draft.machine:
             faults["file"] = failure
         in_words = {field: str(fault) for field, fault in faults.items()}
-        return MachineShape(faults=in_words)
+        return shapes.MachineShape(faults=in_words)
     machine = machine_from_text(begun.text)
-    return MachineShape(
+    return shapes.MachineShape(
         title=machine.name,
         faults={field: str(fault) for field, fault in faults.items()},
-        lengths=linear_travels(begun),
+        lengths=first_files.linear_travels(begun),
         carried=[axis.name for axis in machine.axes if axis.workpiece_side],
         radii=[axis.name for axis in machine.axes if axis.diameters],
         look=begun.look,
@@ -280,9 +260,9 @@ def record_files(here: Path) -> list[Path]:
     return sorted(own, key=lambda file: -own[file])[:_LISTED]
 
 
-def _records(here: Path) -> tuple[list[BegunShape], list[str]]:
+def _records(here: Path) -> tuple[list[shapes.BegunShape], list[str]]:
     """Return the campaigns that can be gone on with, and what cannot be read."""
-    begun, left_out = list[BegunShape](), list[str]()
+    begun, left_out = list[shapes.BegunShape](), list[str]()
     for file in record_files(here):
         try:
             with opened_log(file, write=False) as log:
@@ -291,7 +271,7 @@ def _records(here: Path) -> tuple[list[BegunShape], list[str]]:
             left_out.append(str(failure))
             continue
         assert state.created is not None
-        shape = BegunShape(
+        shape = shapes.BegunShape(
             record=str(file.relative_to(here)),
             machine=machine_from_text(state.created.machine_text).name,
             taken=len(state.readings),

@@ -82,21 +82,26 @@ def problem(
     groups = np.where(np.isnan(stated), sizes.indices("noise", names)[setups], -1)
     answered = observation.errors.size + len(observation.unknowns)
     scales, scale_size = builder.scales()
-    own, own_size, curves, roots = builder.errors(found.rows, start + len(cells) + len(scales))
     columns = [opened.cells[cell] for cell in cells]
-    rests = by_blocks(found.rows[:, columns], first_cell_roots)
     rest_size = sizes.indices("rest", [observation.errors.terms[term].name for term, _ in cells])
-    longer = [found.rows[:, scale.part] @ scale.ramp for scale in scales]
-    rows = np.column_stack([passing.columns, rests, *longer, own])
+    first = start + len(cells)
+    rows = np.empty((len(reading), first + len(scales) + answered))  # many readings make gigabytes: in no second copy
+    rows[:, :start] = passing.columns
+    rows[:, start:first] = by_blocks(found.rows[:, columns], first_cell_roots)
+    for at, scale in enumerate(scales, start=first):
+        rows[:, at] = found.rows[:, scale.part] @ scale.ramp
+    own = rows[:, first + len(scales) :]
+    own[:] = found.rows[:, :answered]
+    own_size, curves, roots = builder.errors(own, first + len(scales))
     rows /= noise[:, None]
     mean = np.zeros(answered)
     if inherited is not None:
         mean[: len(inherited.mean)] = inherited.mean
     values = (values - found.rows[:, :answered] @ mean) / noise
-    at = np.concatenate([passing.size_at, rest_size, scale_size, own_size]).astype(np.intp)
+    size_at = np.concatenate([passing.size_at, rest_size, scale_size, own_size]).astype(np.intp)
     judging = np.array([not cause.row.of_values for cause in causes], dtype=bool)
     return Problem(
-        rows, values, noise, reading, setups, groups, sizes, at, curves, roots, scales, answered,
+        rows, values, noise, reading, setups, groups, sizes, size_at, curves, roots, scales, answered,
         len(observation.unknowns), mean, tuple(cells), start,
         tuple(first_cell_roots), passing.kinds, type_b / noise[:, None], tuple(causes), judging,
     )  # fmt: skip
@@ -183,14 +188,13 @@ class _Builder:
         return scales, self.sizes.indices("scale", [term.name for term in terms])
 
     def errors(
-        self, rows: Array, start: int
-    ) -> tuple[Array, NDArray[np.intp], tuple[Bent, ...], tuple[tuple[int, Array], ...]]:
-        """Return the answered columns with fixed priors applied, the number of their θ, curves, and fixed roots.
+        self, own: Array, start: int
+    ) -> tuple[NDArray[np.intp], tuple[Bent, ...], tuple[tuple[int, Array], ...]]:
+        """Apply fixed priors to the answered columns in place; return the number of their θ, curves, and fixed roots.
 
-        start : where they begin among all columns
+        own : (m, answered); start : where they begin among all columns
         """
-        count = self.observation.errors.size + len(self.observation.unknowns)
-        own, size_at, roots = rows[:, :count].copy(), np.full(count, -1, dtype=np.intp), list[tuple[int, Array]]()
+        size_at, roots = np.full(own.shape[1], -1, dtype=np.intp), list[tuple[int, Array]]()
         by_kind, curves = dict[tuple[int, float], list[tuple[ErrorFunction, ErrorEntry]]](), list[Bent]()
         if self.inherited is not None:
             roots.append((0, unique_root(self.inherited.covariance)))
@@ -213,7 +217,7 @@ class _Builder:
             own[:, part] = own[:, part] @ root
         for (_, smoothness), members in by_kind.items():
             curves.append(self._curves(members, smoothness, start))
-        return own, size_at, tuple(curves), tuple((start + at, root) for at, root in roots)
+        return size_at, tuple(curves), tuple((start + at, root) for at, root in roots)
 
     def _curves(self, members: Sequence[tuple[ErrorFunction, ErrorEntry]], smoothness: float, start: int) -> Curves:
         terms = [term for term, _ in members]

@@ -1,6 +1,7 @@
 """Instruments that somebody wrote: a class derived from `axiscal_core.Instrument` is a kind like ours.
 
 A campaign names it as `file.py:Class`, the file beside campaign.toml, or by the name that an installed package gave it.
+Python names the class itself, and the campaign that is made of it the module in which it stands.
 Numbers that are not equally noisy are multiplied by σ₁/σᵢ within estimates and plans, so that one noise is that of all.
 """
 
@@ -96,13 +97,25 @@ class Foreign(Kind):
         return name
 
 
+_AT_HAND = dict[str, type[Seeing]]()
+"""Classes that Python gave, by the name that their campaigns have for them."""
+
+
+def name_of(made: type[Seeing]) -> str:
+    """Return how a campaign of this process names a class; of two of one name the later one counts."""
+    name = f"{made.__module__}.{made.__qualname__}"
+    _AT_HAND[name] = made
+    return name
+
+
 def named(text: str, file: Path, line: int | None) -> Instrument | None:
     """Return the instrument that a campaign calls so, None where nobody brings one; raises DescriptionError, PortError.
 
     file, line : where it is named
     """
     module, _, name = text.rpartition(":")
-    found = one_of(PORTS, text) if not module else getattr(_module(file.parent / module), name, None)
+    at_hand = _AT_HAND.get(text)
+    found = getattr(_module(file.parent / module), name, None) if module else at_hand or one_of(PORTS, text)
     if found is None and not module:
         return None
     if not (isinstance(found, type) and issubclass(found, Seeing)):
