@@ -46,6 +46,8 @@ MOST_POINTS = 129
 """So that no one has to leaf through a table; four an interval are rarely more than a hundred."""
 _NOTHING = 1e-12
 """m or rad: rounding."""
+_NEARER = 1e-8
+"""m or rad: by so much points elsewhere have to bring the line nearer, for no control shows less."""
 _TOLD = 2.0
 """Standard deviations from which readings tell a table from nought."""
 _EDGE = 1e-6
@@ -230,7 +232,7 @@ def _nearest(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array
     other = hats_along(estimate, over, closest(shown @ hats.carried(at).T, at, knots, hats.points))
     pairs = (hats, curves), (other, hats.carried(other.nodes) @ curves)
     even, found = (_fitted(estimate, axis, over, *pair) for pair in pairs)
-    return found if found.departure < even.departure - _NOTHING else even  # along a straight line any are as near
+    return found if found.departure < even.departure - _NEARER else even  # along a straight line any are as near
 
 
 def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
@@ -359,7 +361,7 @@ def _followed(estimate: Estimate, axis: int, over: int) -> list[int]:
 
 
 def closest(curves: Array, at: Array, knots: Array, even: Array) -> Array:
-    """Return no more positions than `even` has, whose line is nearest to curves; `even` where no others are nearer.
+    """Return no more positions than `even` has, whose line is nearest to curves: the fewest of those that are as near.
 
     curves : (s, n) forward and reverse, m or rad; at : (n,) increasing, from the first to the last position of a table
     knots : of the errors
@@ -367,8 +369,10 @@ def closest(curves: Array, at: Array, knots: Array, even: Array) -> Array:
     distinct = np.unique(np.round(knots, _DECIMALS))
     inner = distinct[(distinct > at[0] + _APART) & (distinct < at[-1] - _APART)]
     starts = [at[[0, -1]], np.concatenate([at[:1], inner, at[-1:]])]
-    found = [_grown(curves, at, start, len(even)) for start in starts if len(start) <= len(even)]
-    return min([even, *found], key=lambda points: _farthest(curves, at, points)[0])
+    found = [even, *(_grown(curves, at, start, len(even)) for start in starts if len(start) <= len(even))]
+    apart = [_farthest(curves, at, points)[0] for points in found]
+    near = [points for points, each in zip(found, apart, strict=True) if each <= min(apart[0], min(apart) + _NEARER)]
+    return min(near, key=len)
 
 
 def _grown(curves: Array, at: Array, points: Array, most: int) -> Array:
