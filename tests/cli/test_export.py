@@ -50,8 +50,8 @@ def test_files_are_written_with_a_note(record: Path, controller: str, tmp_path: 
     assert {Path(name).name for name in said["files"]} | beside == {path.name for path in out.iterdir()}
     assert (out / "README.txt").read_text() == said["readme"]
     expected = next(line for line in said["readme"].splitlines() if line.startswith("They take the TCP deviation "))
-    assert " U = " in expected
-    assert f"RMS to {said['rms_um_expected']:.3g} um" in expected
+    assert "U of the estimate is " in expected
+    assert f"RMS to {said['rms_um_expected']:.2g} um" in expected
 
 
 def test_each_axis_may_have_a_spacing_of_its_own(record: Path, tmp_path: Path) -> None:

@@ -35,8 +35,11 @@ def test_most_campaigns_write_results_on_a_screen_in_both_languages() -> None:
     assert sum(len(list(written(campaign))) for campaign in names()) >= 2 * 20
 
 
-_PROMISED = re.compile(r"Compensation for (\S+), made by axiscal\..*?Then\s+U\s+=\s+(\S+)\s+um:", re.DOTALL)
-_SCREEN = re.compile(r"^\$ axiscal export [^\n]*--to (\S+)[^$]*?Then\s+U\s+=\s+(\S+)\s+um:", re.MULTILINE)
+_WITHIN = r"deviations\s+lie\s+within\s+(\S+)\s+um\."
+_PROMISED = re.compile(rf"Compensation for (\S+), made by axiscal\..*?{_WITHIN}", re.DOTALL)
+_SCREEN = re.compile(rf"^\$ axiscal export [^\n]*--to (\S+)[^$]*?{_WITHIN}", re.MULTILINE)
+_OF_ANSWER = re.compile(r"U\s+of\s+the\s+estimate\s+is\s+(\S+)\s+um;")
+_VOLUME = re.compile(r"^  volume .*± (\S+) um", re.MULTILINE)
 
 
 def promised(campaign: str) -> Iterator[tuple[str, str, float]]:
@@ -72,4 +75,11 @@ def test_the_same_uncertainty_stands_wherever_files_are_spoken_of(
 ) -> None:
     found = [(place, size) for place, of, size in promised(campaign) if of == control and place in places]
     assert {place for place, _ in found} == places
-    assert len({f"{size:.3g}" for _, size in found}) == 1
+    assert len({f"{size:.2g}" for _, size in found}) == 1
+
+
+@pytest.mark.parametrize("campaign", ["controllers", "plane_map", "printer", "vcomp", "xyzac"])
+def test_what_is_said_of_files_repeats_the_uncertainty_of_the_answer(campaign: str) -> None:
+    screens = (EXPECTED / campaign / "screens.txt").read_text(encoding="utf-8")
+    notes = [path.read_text(encoding="utf-8") for path in (EXPECTED / campaign).rglob("README.txt")]
+    assert {size for text in (screens, *notes) for size in _OF_ANSWER.findall(text)} == {*_VOLUME.findall(screens)}

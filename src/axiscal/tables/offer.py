@@ -134,7 +134,7 @@ def effect_sentence(files: str, effect: Effect, known: LeftUnknown) -> str:
     if max(*effect, certain) <= _WORTH:
         return said("{files} turn axes about the tool point, which stays where it is over the volume.", files=files)
     sizes = *(float(np.hypot(each, known.rms)) for each in effect), known.expanded, certain
-    before, after, U, within = (said_quantity(value, "um", 2) for value in sizes)
+    before, after, U, within = (said_quantity(float(f"{value:.2g}"), "um") for value in sizes)
     return said(
         "{files} take the TCP deviation over the volume, with what is not known of it, from {before} RMS to {after}. "
         "U of the estimate is {U}; with what the files leave, 95 % of the deviations lie within {within}.",
