@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.placed_readings import placed_approach, placed_readings
 from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import InputError, ReadingError
 from axiscal.measurement.readers.csv_readings import Around
-from axiscal.measurement.readers.files import FORMATS, Recognised, recognised
+from axiscal.measurement.readers.files import FORMATS, Recognised, read_any, recognised
 from tests.generators.texts import Said, campaign_text, machine_text, setup_text
 from tests.generators.written_maps import EVERYWHERE, FORMS, DrawnMap, drawn
 from tests.measurement.test_instrument_files import RTL
@@ -196,6 +197,17 @@ def test_a_unit_is_taken_where_the_file_names_none(tmp_path: Path) -> None:
     ):
         with pytest.raises(ReadingError, match="Leave --unit out"):
             read(tmp_path, text, unit="inch")
+
+
+def test_a_side_alone_is_that_of_the_only_axis_that_moves(tmp_path: Path) -> None:
+    text = "setup;X_mm;approach;value_um\ndial;100;+;1\ndial;200;-;2\n"
+    (tmp_path / "r.csv").write_text(text, encoding="utf-8")
+    dial = setup_text("dial", "straightedge", direction="z", moves=["X"])
+    campaign = campaign_from_texts(campaign_text("bed", dial), "c.toml", BED, "bed")
+    found = placed_readings(read_any(tmp_path / "r.csv"), campaign, "r.csv")
+    assert [each.approach for each in found] == [(1, 0, 0), (-1, 0, 0)]
+    with pytest.raises(ReadingError, match='names no axis, and "probe" moves X and Y'):
+        placed_approach(described(nodes=None).setups[0], campaign.machine, {"": 1})
 
 
 HEADERS = [

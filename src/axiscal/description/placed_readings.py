@@ -236,7 +236,16 @@ def _on_chart(setup: Setup, chart: Chart, machine: Machine, position: Mapping[st
 
 
 def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int]) -> tuple[int, ...]:
-    """Return the directions by axis as a tuple, 0 where not said; raises ReadingError for an axis that is parked."""
+    """Return the directions by axis as a tuple, 0 where not said; raises ReadingError for an axis that is parked.
+
+    approach : {"": ±1} of the only axis that moves
+    """
+    if "" in approach:
+        names = [machine.axes[k].name for k in setup.moves]
+        if len(approach) > 1 or len(names) > 1:
+            what = 'the approach names no axis, and "{setup}" moves {axes}'
+            raise ReadingError(what, "Write each with its direction, as in X+", setup=setup.name, axes=joined(names))
+        approach = {names[0]: approach[""]}
     _refuse_unknown_axis(approach, machine)
     for name in approach:
         if machine.index(name) not in setup.moves:
@@ -253,12 +262,11 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     if row.test == "circle":
         pose, directions = _on_circle(row, setup, campaign.machine)
     else:
-        position, approach = row.position, row.approach
+        position = row.position
         if row.test is not None:
-            moving = campaign.machine.axes[setup.moves[0]].name
-            position, approach = {moving: position[""]}, {moving: approach[""]}
+            position = {campaign.machine.axes[setup.moves[0]].name: position[""]}
         pose = placed_pose(setup, campaign.machine, in_radii(position, campaign.machine.axes))
-        directions = placed_approach(setup, campaign.machine, approach)
+        directions = placed_approach(setup, campaign.machine, row.approach)
     value, *others = sign * row.value, *row.others
     if row.met:
         value, *others = off_ball(campaign.machine, setup, np.array(pose), (value, *others))

@@ -77,7 +77,7 @@ class RawReading:
     setup : name of the set-up; "" of a test
     position : coordinate (m or rad) by axis; an axis left out is parked; {"": target} of a test, whose only moving axis
         is not named
-    approach : +1 or -1 by axis, absent where the direction of approach is not known; {"": ±1} of a test
+    approach : +1 or -1 by axis, absent where the direction of approach is not known; {"": ±1} of the one that moves
     value : deviation, actual minus commanded, m or rad as `dimension` says
     std : standard deviation of the value, None if not said
     line : line of the file
@@ -222,7 +222,7 @@ def _reading(table: CsvTable, row: Row, setup: str, bare: bool, own: Mapping[str
     columns = _filled(table, row, stems, own)
     value, *others = map(row.quantity, columns)
     std = _std(table, row, columns[0])
-    at = setup, read_position(table, row), read_approach(table, row)
+    at = setup, read_position(table, row), read_approach(table, row, alone=True)
     raw = RawReading(*at, value, std, columns[0].dimension, row.line, tuple(others))
     return replace(raw, by_station=stems is _STATIONS, met=stems is _MET, whole=stems is _LENGTH)
 

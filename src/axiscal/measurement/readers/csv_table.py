@@ -324,6 +324,7 @@ def unshielded(cell: str) -> str:
 
 
 _APPROACH = re.compile(f"({AXIS_NAME})([+-])")
+_APPROACH_ALONE = re.compile(f"({AXIS_NAME}|)([+-])")
 
 
 _AXIS = re.compile(f"{AXIS_NAME}(?:_radius|_diameter)?")
@@ -349,12 +350,15 @@ def read_position(table: CsvTable, row: Row) -> dict[str, float]:
     return position
 
 
-def read_approach(table: CsvTable, row: Row) -> dict[str, int]:
-    """Return the direction of the last motion (+1, -1) by axis from `X+ Y-` or `X+;Y-`; raises ReadingError."""
+def read_approach(table: CsvTable, row: Row, *, alone: bool = False) -> dict[str, int]:
+    """Return the direction of the last motion (+1, -1) by axis from `X+ Y-` or `X+;Y-`; raises ReadingError.
+
+    alone : `+` is taken as well, of the axis ""
+    """
     columns = table.all_of("approach")
     approach: dict[str, int] = {}
     for word in re.split(r"[\s;]+", row.text(columns[0]).strip(" ;")) if columns else []:
-        found = _APPROACH.fullmatch(word)
+        found = (_APPROACH_ALONE if alone else _APPROACH).fullmatch(word)
         if word and (found is None or found[1] in approach):
             remedy = "write each axis once with its direction, as in 'X+' or 'X+ Y-', or leave it empty"
             raise row.fail("approach {text!r} cannot be read", remedy, text=row.text(columns[0]))
