@@ -59,6 +59,20 @@ def test_a_class_of_ones_own_is_an_instrument(tmp_path: Path) -> None:
         ac.Case(ac.load_machine("three-axis-mill"), [ac.setup(Path)])  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        (Reading("laser", (0.1, 0.1), (1, 0), 1e-6), "readings, line 2: pose and approach"),
+        (Reading("lazer", (0.1, 0.1, 0.2), (1, 0, 0), 1e-6), 'line 2: there is no set-up "lazer"'),
+        (Reading("laser", (0.1, 0.1, 0.2), (1, 0, 0), 1e-6, others=(0.0,)), "line 2: .* gives 1 values a reading"),
+        (Reading("laser", (9.0, 0.1, 0.2), (1, 0, 0), 1e-6), "line 2: X = 9000 mm"),
+    ],
+)
+def test_a_reading_that_no_setup_takes_is_refused_by_its_number(wrong: Reading, says: str) -> None:
+    with pytest.raises(ReadingError, match=says):
+        ac.estimate(case(), [Reading("laser", (0.1, 0.1, 0.2), (1, 0, 0), 1e-6), wrong])
+
+
 def test_a_plan_says_its_figures_and_shows_itself() -> None:
     plan = case().plan(readings=4, candidates=30)
     document = plan.document

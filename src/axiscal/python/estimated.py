@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from axiscal.answers.prediction import tcp_prediction
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.placed_readings import file_readings
+from axiscal.description.placed_readings import file_readings, placed_pose
 from axiscal.document.ports import ours
 from axiscal.errors.model import ErrorFunction
 from axiscal.estimation.accuracy.expanded import BAND
@@ -23,10 +23,11 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.machine_estimate import Band
 from axiscal.estimation.promise.agreement import Agreement
-from axiscal.exceptions import ReadingError, ShapeError
+from axiscal.exceptions import InputError, ReadingError, ShapeError
+from axiscal.language.spoken import joined
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.files import read_any
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, refuse_other_values
 from axiscal.present.delivery import deliver, evaluated, write_files
 from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, line_trace
 from axiscal.present.summarising import Extras
@@ -144,7 +145,24 @@ def estimate(campaign: Case | str | Path, readings: Sequence[Reading] | str | Pa
         file = readings
         description, readings = file_readings(raw, description, readings)
         refuse_implausible(readings, description, file)
+    else:
+        _refuse_foreign(readings, description)
     return Estimated(description, tuple(readings))
+
+
+def _refuse_foreign(readings: Sequence[Reading], description: CampaignDescription) -> None:
+    """Raise ReadingError, with its number from 1, for a reading that no set-up of the campaign can have taken."""
+    names = [axis.name for axis in description.machine.axes]
+    for number, reading in enumerate(readings, start=1):
+        try:
+            setup = description.setup(reading.setup)
+            refuse_other_values(setup, len(reading.values))
+            if len(reading.pose) != len(names) or len(reading.approach) != len(names):
+                remedy = "Give each of {axes} a coordinate and a side"
+                raise ReadingError("pose and approach do not have one number an axis", remedy, axes=joined(names))
+            placed_pose(setup, description.machine, dict(zip(names, reading.pose, strict=True)))
+        except InputError as failure:
+            raise ReadingError(failure.what, failure.remedy, "readings", number) from None
 
 
 class Estimated(Mapping[str, Curve]):
