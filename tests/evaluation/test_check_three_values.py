@@ -60,7 +60,7 @@ def test_the_right_tables_pass_and_another_machine_is_noticed(
     assert said["estimate_believed"]
     assert len(said["readings"]) >= 3 * 12
     assert len(said["readings"]) % 3 == 0
-    assert run(["verify", str(record), "--source", "sim:98", "--tolerance", "12 um"]) == 0
+    assert run(["verify", str(record), "--source", "sim:99", "--tolerance", "12 um"]) == 0
     assert noticed in capsys.readouterr().out
 
 
