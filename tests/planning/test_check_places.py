@@ -17,7 +17,7 @@ from axiscal.measurement.reading import Place, Places
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.enough import reached_by
 from axiscal.planning.next_readings import next_places, placed, posed
-from axiscal.planning.other_readings import checks_among, columns_of, with_checks
+from axiscal.planning.other_readings import checks_among, columns_of, with_checks, with_rooms
 from axiscal.planning.plan.order import seconds_along
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
@@ -124,6 +124,22 @@ def test_a_budget_is_planned_again_from_the_first_plan_with_room_for_its_checks(
     assert second < room
     assert seconds_along(task, columns_of(case, found)) <= room
     assert len(checks(found)) >= 3
+
+
+@pytest.mark.parametrize("slack", [30.0, 45.0, 60.0])
+def test_where_time_is_short_each_set_up_keeps_checks(slack: float) -> None:
+    text = CAMPAIGN.replace("TARGET", 'budget = "9 h"')
+    beside = text.partition("[[setups]]")[2].replace('"laser"', '"another"')
+    case = Case(campaign_from_texts(f"{text}[[setups]]{beside}", "c.toml", MACHINE, "m"))
+    task = posed(case, case.knowledge)
+    chosen = [np.flatnonzero(task.lattice.setups == setup)[:12] for setup in (0, 1)]
+    own = with_rooms(case, task.lattice.within(np.concatenate(chosen)))
+    alone = seconds_along(task, columns_of(case, own))
+    found = with_checks(case, task, Limits(budget=alone + slack), (), (), lambda *_: own)
+    drawn = [place.setup for place in checks(found)]
+    assert len(drawn) < checks_among(case.description, len(own) + 6)
+    assert len(drawn) < 2 or {*drawn} == {"laser", "another"}
+    assert seconds_along(task, columns_of(case, found)) <= alone + slack
 
 
 def test_while_measuring_checks_that_are_open_stay_and_none_is_added() -> None:

@@ -334,13 +334,14 @@ class _Checks:
         """Return the checks of planned readings that take a fifth at most of what comes after the first."""
         alone = self.seconds(places)
         most = alone + (alone - self.seconds(places[:1])) / _SHARE
-        every = self.picked(places, self.count(places))
-        fewer = (every[:count] for count in range(len(every), -1, -1))
+        fewer = (self.picked(places, count) for count in range(self.count(places), -1, -1))
         return next(each for each in fewer if self.seconds(self.put_among(places, each)) <= most)
 
     def fitting(self, places: Sequence[Place], checks: Sequence[Place], budget: float | None) -> tuple[Place, ...]:
-        """Return planned readings with as many checks as there is time for."""
-        fewer = (self.put_among(places, checks[:count]) for count in range(len(checks), -1, -1))
+        """Return planned readings with as many checks as there is time for, of all set-ups alike."""
+        whole = len(checks)
+        evenly = ([(i * whole + whole // 2) // count for i in range(count)] for count in range(whole, -1, -1))
+        fewer = (self.put_among(places, [checks[i] for i in chosen]) for chosen in evenly)
         return next((each for each in fewer if budget is None or self.seconds(each) <= budget), tuple(places))
 
     def put_among(self, places: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:
