@@ -199,7 +199,7 @@ def times_roots(rows: Array, columns: NDArray[np.intp], lower: Array) -> None:
 
 
 def turned(problem: Problem, rows: Array, theta: Array, roots: Sequence[Array], start: int = 0) -> Array:
-    """Return columns from `start` on with their priors applied, (m, p − start): of unknowns of variance one."""
+    """Return Z L D, the columns from `start` on of unknowns of variance one, (m, p − start).  rows : Z (m, p)"""
     result = rows[:, start:].copy()
     for curves, lower in zip(problem.curves, roots, strict=True):
         times_roots(result, curves.columns - start, lower)
@@ -208,7 +208,7 @@ def turned(problem: Problem, rows: Array, theta: Array, roots: Sequence[Array], 
 
 
 def raised(problem: Problem, unknowns: Array, theta: Array, roots: Sequence[Array], start: int = 0) -> Array:
-    """Return unknowns of variance one with their priors applied, (p − start, n).  unknowns : from `start` on"""
+    """Return L D u, the unknowns from `start` on, (p − start, n).  unknowns : u of variance one, from `start` on"""
     result = unknowns * factors_of(problem, theta)[start:, None]
     for curves, lower in zip(problem.curves, roots, strict=True):
         result[curves.columns - start] = lower @ result[curves.columns - start]

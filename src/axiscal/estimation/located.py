@@ -141,11 +141,8 @@ def moved_by(known: Absorbed, readings: Sequence[Reading], better: Case) -> floa
     if not readings:
         return 0.0
     observation, belief = known.knowledge.observation, known.knowledge.belief
-    places, there = places_of(observation.setups, readings), replace(observation, about=better.about)
-    change = linear_values(observation, places, readings) - linear_values(there, places, readings)
-    if not change.any():
-        return 0.0
-    numbers = seen(observation, readings)
+    numbers, there = seen(observation, readings), replace(observation, about=better.about)
+    change = numbers.values - linear_values(there, places_of(observation.setups, readings), readings)
     trust = known.precisions(numbers)
     if float(np.sqrt(np.sum(trust * change**2) / belief.size)) < SETTLED:
         return 0.0

@@ -149,9 +149,9 @@ def _lines(file: TextFile) -> Iterator[tuple[int, str]]:
 
 
 def _named(file: TextFile) -> bool:
-    """Return whether the head of a list has a column before X: names or numbers of the points."""
-    heads = (head for line in file.lines if (head := _HEAD.fullmatch(line)))
-    return any(head["named"] for head in heads)
+    """Return whether a head stands above the first point and has a column before X: names or numbers of the points."""
+    head = _HEAD.fullmatch(next((line for line in file.lines if not _REMARK.match(line)), ""))
+    return head is not None and bool(head["named"])
 
 
 def _numbers(line: str, named: bool = False) -> list[str]:
