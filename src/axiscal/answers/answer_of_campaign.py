@@ -202,6 +202,7 @@ def answer_of(
     seconds = known.timed.seconds if campaign.state.clocked is None else campaign.state.clocked
     offset = offset_each(known.stated.description)
     withheld = known.agreement.withheld and not anyway
+    parts = () if withheld or verdict in ("more", "nothing") else known.estimate().half_read
     return ResultAnswer(
         verdict=verdict,
         rows=[] if withheld else [_row(row, known) for row in rows],
@@ -219,6 +220,7 @@ def answer_of(
         withheld=withheld,
         steps=list(_steps(campaign, known, verdict, best_control(rows, list(controls)), written)),
         offset=None if offset is None else _digits(to_unit(offset, "um")),
+        half_read={axis.name: (to_unit(ends[0], axis.unit), to_unit(ends[1], axis.unit)) for axis, ends in parts},
         screws=[] if withheld else screw_turns(known),
         asks=bool(known.agreement.explained) and not known.agreement.contradicts,
     )
