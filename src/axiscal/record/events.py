@@ -12,6 +12,7 @@ from typing import Any
 
 from axiscal.measurement.reading import Place, Reading
 from axiscal.record.accepted import Accepted, put_right
+from axiscal.record.result import NOT_SAID, Result
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,9 +117,10 @@ class Undone:
 
 @dataclass(frozen=True, slots=True)
 class Finished:
-    """The campaign ends, and why."""
+    """The campaign ends, and why; result : what it came to, which records of before could not say."""
 
     because: str
+    result: Result = NOT_SAID
 
 
 @dataclass(frozen=True, slots=True)
@@ -349,8 +351,7 @@ class Folding:
             self.highest = max(self.highest, number)
             self.written.append(event.reading.under(number, self.created.by if self.created else ""))
             self.readings.append(self.written[-1])
-            planned = self.pending is not None and event.reading.place == self.pending.place
-            self.renew = self.renew or not planned
+            self.renew |= self.pending is None or event.reading.place != self.pending.place
         elif isinstance(event, Finished):
             self.finished = event.because
         elif self.pending is None:
@@ -390,8 +391,7 @@ class Folding:
             self.readings = list(step.readings)
             self.mounted = [each for each in self.mounted if each.branch or each.name != step.event.name]
         elif isinstance(step.event, Skipped):
-            gap = self.skipped.pop()
-            self.plan = [] if gap.whole else self.plan  # a plan without the set-up is none to go on from
+            self.plan = [] if self.skipped.pop().whole else self.plan  # a plan without the set-up is none to go on from
         elif isinstance(step.event, Warmed):
             self.notes.remove(next(note for note in reversed(self.notes) if note.warmed is not None))
         else:
