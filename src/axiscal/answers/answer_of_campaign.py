@@ -52,7 +52,7 @@ from axiscal.numerics import Array
 from axiscal.planning.promise import asked
 from axiscal.record.copies import file_name
 from axiscal.tables.offer import places
-from axiscal.tables.registry import exporter, offered_control
+from axiscal.tables.registry import controllers, exporter, offered_control
 from axiscal.tables.surface import Control, left_by, turned_by
 from axiscal.units import to_unit
 from axiscal_core.threads import one_thread
@@ -282,7 +282,8 @@ def _steps(campaign: Campaign, known: Estimation, verdict: Verdict, control: str
             yield NextStep(code="load", control=control)
         else:
             wanted = "--on-top-of" if described.compensation_active is True else "--template"
-            control = next((name for name in described.controls if wanted in exporter(name).takes), "")
+            known_here = (name for name in described.controls if name in controllers())
+            control = next((name for name in known_here if wanted in exporter(name).takes), "")
             if control:
                 yield NextStep(code="export", control=control)
         yield NextStep(code="verify", control=control)
