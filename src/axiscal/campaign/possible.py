@@ -55,7 +55,7 @@ def described(record: EventLog) -> CampaignDescription:
             raise RecordError(what, restoring(record.path), record.path, number=stored.number, reason=fault)
         possible = possible.after(stored.event)
     state = record.state()
-    return with_mounted(description, state.mounted, state.warmed)
+    return replace(with_mounted(description, state.mounted, state.warmed), bumps=state.bumps)
 
 
 def beginning_of(description: CampaignDescription) -> Created:
