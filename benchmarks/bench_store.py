@@ -1,4 +1,4 @@
-"""What the store of a shop costs: a list of 100,000 events, and a PostgreSQL server with eight writers.
+"""What the store of a shop costs: lists of records, and a PostgreSQL server with eight writers.
 
 `python -m benchmarks.bench_store`; figures for docs/evidence/fleet.md. The server is its own and waits for its disk.
 """
@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import statistics
 import tempfile
 import time
@@ -14,17 +15,19 @@ from pathlib import Path
 
 from axiscal.exceptions import OvertakenError
 from axiscal.measurement.reading import Reading
+from axiscal.ports.fleet.shop_list import shop_list
 from axiscal.ports.postgres.database import Database, store_address
 from axiscal.ports.postgres.server_log import ServerLog
 from axiscal.ports.postgres.syncing import synced
 from axiscal.ports.postgres.tables import prepare
 from axiscal.record.copies import opened_log, records_of
 from axiscal.record.events import Created, Event, Recorded
-from axiscal.record.log import chained_texts
+from axiscal.record.log import STORED, chained_texts
 from axiscal.record.store import Record
+from tests.generators.sisters import read_on, slide, write_record
 from tests.record.postgres_server import running_server
 
-RECORDS, EVENTS, WRITERS, EACH = 200, 500, 8, 200
+RECORDS, EVENTS, MACHINES, WRITERS, EACH = 200, 500, 1_000, 8, 200
 CREATED = Created("", "", "", "", {})
 
 
@@ -40,6 +43,7 @@ def main() -> None:
             address = server.address()
             database = Database(store_address(address))
             prepare(database)
+            _listed(database, address, folder)
             _sent(database, folder)
             _raw(address)
             _own(address)
@@ -61,6 +65,19 @@ def _read(folder: Path) -> None:
     for file in records_of(folder):
         with opened_log(file, write=False) as record:
             record.texts()
+
+
+def _listed(database: Database, address: str, folder: Path) -> None:
+    """A shop of a thousand machines of 16 readings, listed by its server."""
+    readings, copied = read_on(0), folder / "copied.axiscal"
+    for number in range(MACHINES):
+        write_record(copied, slide(serial=str(number)), readings)
+        with Record.open(copied) as record:
+            synced(database, record, f"machine {number}")
+        copied.unlink()
+    os.environ["AXISCAL_STORE"] = address
+    spent = _seconds(lambda: shop_list(Path(STORED)))
+    print(f"list of a store of {MACHINES} machines, first look: {spent:.1f} s")
 
 
 def _seconds(work: Callable[[], object]) -> float:
@@ -118,7 +135,9 @@ def _own(address: str) -> None:
 
 def _write(address: str, number: int) -> tuple[float, float, list[float]]:
     waits = list[float]()
-    with ServerLog.create(Database(store_address(address)), f"own {number}", CREATED) as log:
+    with ServerLog.create(
+        Database(store_address(address)), f"own {number}", Created("", "", "", str(number), {})
+    ) as log:
         begin = time.monotonic()
         for n in range(EACH):
             waits.append(_seconds(lambda n=n: log.append(reading(1e-9 * n))))  # type: ignore[misc]

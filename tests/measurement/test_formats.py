@@ -182,6 +182,8 @@ def test_a_unit_is_taken_where_the_file_names_none(tmp_path: Path) -> None:
     assert (table.position["X"], table.value) == pytest.approx((0.0254, 25.4e-6))
     for head in ("X [in];Y [in];Z [in]", "x_inch y_inch z_inch", "X (IN)\tY (IN)\tZ (IN)"):
         assert heights(read(tmp_path, f"{head}\n1;2;0,1\n")) == {(25.4, 50.8): pytest.approx(2.54)}
+    for head in ("X [mm]\tY [mm]\tZ [µm]", "x_mm;y_mm;dz_um", "X (mm) Y (mm) Z (µm)"):
+        assert heights(read(tmp_path, f"{head}\n1 2 100\n")) == {(1.0, 2.0): pytest.approx(0.1)}
     for head, point in (("Punkt;X;Y;Z", "P 1;1;2;0,1"), ("No. X Y Z", "1 1 2 0,1"), ("no,x,y,z", "1,1,2,0.1")):
         assert heights(read(tmp_path, f"{head}\n{point}\n")) == {(1.0, 2.0): pytest.approx(0.1)}
     for point in ("X1 Y2 Z0.1", "x1.0,y2.0,z.1", "X: 1.00 Y: 2.00 Z: 0.10", "X=1; Y=2; Z=0,1"):

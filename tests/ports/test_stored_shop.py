@@ -5,17 +5,18 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 from unittest.mock import patch
 
 import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
-from axiscal.estimation.estimate import concluded
 from axiscal.exceptions import RecordError, UnreachableError
 from axiscal.ports.fleet.shop_list import shop_list
 from axiscal.ports.fleet.sister_records import read_records
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
+from axiscal.ports.postgres import database
 from axiscal.ports.postgres.database import Database, store_address
 from axiscal.ports.postgres.server_log import ServerLog, insert
 from axiscal.ports.postgres.syncing import Synced, synced
@@ -67,10 +68,9 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[RunningServ
 
 
 @pytest.fixture(autouse=True)
-def store(folder: Path, server: RunningServer, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Name the store, and an empty folder for caches."""
+def store(folder: Path, server: RunningServer, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Name the store."""
     monkeypatch.setenv("AXISCAL_STORE", server.address())
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "caches"))
 
 
 def sent(database: Database, file: Path) -> Synced:
@@ -113,16 +113,12 @@ def test_due_check_and_pages_are_the_same_from_the_store(folder: Path, tmp_path:
     assert run(["check", "store:slide-0", "--plan", str(tmp_path / "check.csv"), "--readings", "4"]) == 0
 
 
-@pytest.mark.long
-def test_the_list_of_a_store_estimates_each_once(folder: Path) -> None:
-    with patch("axiscal.ports.fleet.shop_list.concluded", wraps=concluded) as estimates:
+def test_a_store_is_listed_over_one_connection(folder: Path) -> None:
+    with patch.object(database, "_connected", wraps=database._connected) as connected:
         found = shop_list(STORE)
-        assert estimates.called
-        estimates.reset_mock()
-        assert shop_list(STORE) == found
-        assert not estimates.called
-    assert next(each.file.name for each in found.listed) == "store:again"
-    assert {each.chain for each in found.listed} == {each.chain for each in shop_list(folder).listed}
+    assert connected.call_count == 1
+    assert next(each.copy.file.name for each in found.listed) == "store:again"
+    assert {each.copy.chain for each in found.listed} == {each.copy.chain for each in shop_list(folder).listed}
 
 
 @pytest.mark.long
@@ -141,8 +137,8 @@ def test_of_two_that_went_on_differently_one_counts(own: RunningServer, tmp_path
     found, left = read_records(gathered([Path("store:mine"), Path(f"store:{branch}")]))
     assert [record.file.name for record in found] == [f"store:{branch}"]
     assert "went on differently from event 8" in left[0].left_out
-    remarks = {each.file.name: each.remark for each in shop_list(STORE).listed}
-    assert remarks["store:mine"] == f"it and store:{branch} went on differently from event 8"
+    remarks = {each.copy.file.name: each.remarks for each in shop_list(STORE).listed}
+    assert remarks["store:mine"] == (f"it and store:{branch} went on differently from event 8",)
     assert run(["adopt", "store:mine", f"store:{branch}", "--same-mounting"]) == 0
     found, left = read_records(gathered([Path("store:mine"), Path(f"store:{branch}")]))
     assert [record.file.name for record in found] == ["store:mine"]
@@ -182,16 +178,16 @@ def test_campaigns_of_before_with_one_name_or_one_of_no_file_are_named_by_their_
 def test_a_store_that_goes_away_leaves_nothing_out(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    opened, count = ServerLog.open.__func__, [0]  # type: ignore[attr-defined]
+    made, count = ServerLog.__init__, [0]
 
-    def gone_after_two(cls: type[ServerLog], database: Database, name: str, *, write: bool = True) -> ServerLog:
+    def gone_after_two(log: ServerLog, database: Database, *entry: Any, **how: Any) -> None:
         count[0] += 1
         if count[0] > 2:
             database.address = store_address("postgresql://nobody@/none?host=/nowhere")
             database.close()
-        return opened(cls, database, name, write=write)  # type: ignore[no-any-return]
+        made(log, database, *entry, **how)
 
-    monkeypatch.setattr(ServerLog, "open", classmethod(gone_after_two))
+    monkeypatch.setattr(ServerLog, "__init__", gone_after_two)
     for command in (["due", "store:"], ["type", "learn", "store:"], ["fleet", "store:"]):
         count[0] = 0
         assert run(command) == 1

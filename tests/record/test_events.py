@@ -30,6 +30,7 @@ from axiscal.record.events import (
     fold,
 )
 from axiscal.record.payload import PayloadError, decode, encode
+from axiscal.record.result import Result
 
 CREATED = Created("m", "c", "m.toml", "c.toml", {"axiscal": "0.1.0"})
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -52,17 +53,9 @@ accepted = (
     | st.builds(Accepted, st.just("swapped"), st.lists(st.text(), min_size=2, max_size=2, unique=True).map(tuple))
 )
 continued = st.builds(Continued, st.text())
-others = (
-    recorded
-    | asked
-    | skipped
-    | noted
-    | bumped
-    | mounted
-    | accepted
-    | st.builds(Finished, st.text())
-    | st.just(Undone(0))
-)
+sizes = st.none() | st.floats(0.0, 1.0)
+finished = st.builds(Finished, st.text(), st.builds(Result, sizes, sizes, st.text()))
+others = recorded | asked | skipped | noted | bumped | mounted | accepted | finished | st.just(Undone(0))
 event = others | continued
 
 

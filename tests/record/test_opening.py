@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
 import pytest
@@ -20,9 +21,9 @@ def shop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name in ("b.axiscal", "a.axiscal", "notes.txt"):
         (tmp_path / name).write_text("")
 
-    def ours(name: str) -> Callable[[], list[Path]]:
-        assert name.endswith("server_log:all_there")
-        return lambda: THERE
+    def ours(name: str) -> Callable[[], AbstractContextManager[list[tuple[Path, None]]]]:
+        assert name.endswith("server_log:each_opened")
+        return lambda: nullcontext([(path, None) for path in THERE])
 
     monkeypatch.setattr(copies, "ours", ours)
     return tmp_path

@@ -25,6 +25,7 @@ from axiscal.campaign.ending import (
     refuse_endless,
     refuse_finished,
     refuse_implausible,
+    result_of,
     standing,
 )
 from axiscal.campaign.interrupt import noted_interrupts
@@ -251,7 +252,8 @@ class Campaign(Closing):
         """End the campaign and return why: the target that is reached, by what a report says, unless said otherwise."""
         refuse_changed(self.signed(), self.path)
         if self.state.finished is None:
-            self._append(Finished(because or self.reached(ended=True) or "ended by the operator"))
+            why = because or self.reached(ended=True) or "ended by the operator"
+            self._append(Finished(why, result_of(self._said(ended=True))))
         self.sign()
         return self.state.finished or ""
 
@@ -328,9 +330,8 @@ class Campaign(Closing):
         watch : called with the beginning and with every reading that is kept
         Raises SourceError, or KeyboardInterrupt between two readings; what was kept is kept.
         """
-        path = [self._milestone()]
+        path, in_a_row = [self._milestone()], 0
         watch(path[0])
-        in_a_row = 0
         with noted_interrupts() as heeding:
             while not isinstance(asked := self._next_of_run(path), Ended):
                 with heeding():
@@ -357,10 +358,9 @@ class Campaign(Closing):
 
     def request(self, asked: Asked) -> Request:
         """Return the question as a source is asked it."""
-        setup = self.description.setup(asked.place.setup)
-        axes, place = self.description.machine.axes, asked.place
+        place, setup = asked.place, self.description.setup(asked.place.setup)
         seconds = self.seconds([place]) if setup.drift > 0 else 0.0
-        return Request(asked.reading, setup, axes, place.pose, place.approach, seconds)
+        return Request(asked.reading, setup, self.description.machine.axes, place.pose, place.approach, seconds)
 
     def copy(self, path: Path) -> None:
         """Write a copy of the record, in the place of an earlier one; raises RecordError if there is anything else."""

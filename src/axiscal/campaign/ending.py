@@ -14,7 +14,7 @@ from axiscal.campaign.sources import Skip
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import expanded, known_to
 from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
-from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.known_rows import known_rows
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
 from axiscal.exceptions import RecordError, SourceError
@@ -23,6 +23,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.planning.promise import FEW, WantedAccuracy, asked
 from axiscal.record.events import State
 from axiscal.record.log import SignedUntil
+from axiscal.record.result import NOT_SAID, Result
 from axiscal.units import format_quantity
 
 
@@ -201,6 +202,16 @@ def refuse_finished(finished: str | None, record: Path) -> None:
         remedy = "Take the end back with `axiscal step undo`, or start a new campaign"
         what = "The campaign is finished: {finished}"
         raise RecordError(what, remedy, record, finished=because_text(finished))
+
+
+def result_of(known: Estimation) -> Result:
+    """Return what the readings of a campaign that has ended come to, in the four digits that a record keeps."""
+    if not known.readings:
+        return NOT_SAID
+    if known.agreement.withheld:
+        return Result(None, None, "contradict")
+    rms, expanded = (float(f"{size:.4g}") for size in (known.accuracy.rms, expanded_uncertainty(known).space))
+    return Result(rms, expanded, "agree")
 
 
 def refuse_changed(signed: SignedUntil | None, record: Path) -> None:

@@ -44,17 +44,16 @@ def versions() -> dict[str, str]:
 
 def described(record: EventLog) -> CampaignDescription:
     """Return the description that a record carries; raises RecordError where what happened cannot be on its machine."""
-    created = record.state().created
-    if created is None:
+    state = record.state()
+    if state.created is None:
         raise RecordError("The record is empty", "Start a campaign with `axiscal step start`", record.path)
-    description = created_description(created)
+    description = created_description(state.created)
     possible = Possible.at_start(description)
     for stored in record.events():
         if fault := possible.fault(stored.event):
             what = "The record is damaged: event {number} cannot be: {reason}"
             raise RecordError(what, restoring(record.path), record.path, number=stored.number, reason=fault)
         possible = possible.after(stored.event)
-    state = record.state()
     return replace(with_mounted(description, state.mounted, state.warmed), bumps=state.bumps)
 
 

@@ -128,38 +128,40 @@ _HEADS = (
 )
 
 
-def fleet(folder: Records, json: Json = False) -> None:
+def fleet(
+    folder: Records,
+    estimate: Annotated[bool, typer.Option("--estimate", help="Estimate the others; hundreds take minutes.")] = False,
+    json: Json = False,
+) -> None:
     """List the records of a shop.
 
-    Each line has machine, day, accuracy, target, and the digest of the record. What a record comes to is kept in your
-    folder for caches, in `axiscal/fleet.json`, so that it is estimated only once; it can be thrown away. Records that
-    are damaged, no records, or the same as another are named with the reason.
+    Each line has machine, day, accuracy, target, and the digest of the record. RMS, U and agreement are what a campaign
+    came to when it ended; "-" stands for one that goes on, or that an earlier version ended. Records that are damaged,
+    no records, or the same as another are named with the reason.
 
     \b
     Examples:
       axiscal fleet records
       axiscal fleet store:
     """
-    found = shop_list(folder)
-    if found.why_apart:
-        tell(said("Nothing is kept for the next time: {why}.", why=found.why_apart))
+    found = shop_list(folder, estimate)
     document = {
         "records": [
             {
-                "record": each.file.name,
-                "machine": each.known.machine,
-                "serial": each.known.serial,
-                "begun": each.known.begun,
-                "last_reading": each.known.last or None,
-                "readings": each.known.readings,
-                "events": each.events,
-                "target": each.known.target,
-                "ended": each.known.ended or None,
-                "rms_um": None if each.known.rms is None else to_unit(each.known.rms, "um"),
-                "U_um": None if each.known.expanded is None else to_unit(each.known.expanded, "um"),
-                "agreement": each.known.agreement or None,
-                "digest": each.chain,
-                "remarks": [said for said in (each.known.trouble, each.remark) if said],
+                "record": each.copy.file.name,
+                "machine": each.machine,
+                "serial": each.serial,
+                "begun": each.begun,
+                "last_reading": each.last or None,
+                "readings": each.readings,
+                "events": len(each.copy.chains),
+                "target": each.target,
+                "ended": each.ended or None,
+                "rms_um": None if each.result.rms is None else to_unit(each.result.rms, "um"),
+                "U_um": None if each.result.expanded is None else to_unit(each.result.expanded, "um"),
+                "agreement": each.result.agreement or None,
+                "digest": each.copy.chain,
+                "remarks": list(each.remarks),
             }
             for each in found.listed
         ],
@@ -173,24 +175,23 @@ def _lines(found: ShopList) -> list[str]:
     rows = [tuple(map(said, _HEADS)), *(_row(each) for each in found.listed)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = ["  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    for each in found.listed:
-        minded = [each.known.trouble, each.remark]
-        lines += [said("To be minded: {file}: {what}.", file=each.file.name, what=what) for what in minded if what]
+    minded = [(each.copy.file.name, what) for each in found.listed for what in each.remarks]
+    lines += [said("To be minded: {file}: {what}.", file=file, what=what) for file, what in minded]
     lines += [said("Left out: {file}: {why}.", file=file.name, why=why) for file, why in found.left_out]
     records = counted("{count} record", "{count} records", len(found.listed))
     machines = counted("{count} machine", "{count} machines", found.machines)
     events = counted("{count} event", "{count} events", sum(found.kinds.values()))
-    words = "{records} of {machines}; {events} in the folder."
+    words = "{records} of {machines}; {events} in all."
     return [*lines, said(words, records=records, machines=machines, events=events)]
 
 
 def _row(each: ShopRecord) -> tuple[str, ...]:
-    known = each.known
-    lengths = ["-" if value is None else said_quantity(value, "um") for value in (known.rms, known.expanded)]
-    name = known.machine + (f" {known.serial}" if known.serial else "")
-    day, target = (known.last or known.begun)[:10], known.target or "-"
-    found = name, day, str(known.readings), target, *lengths, known.agreement or "-"
-    return *found, each.chain[:_SHOWN], each.file.name
+    result = each.result
+    lengths = ["-" if value is None else said_quantity(value, "um") for value in (result.rms, result.expanded)]
+    name = each.machine + (f" {each.serial}" if each.serial else "")
+    day, target = (each.last or each.begun)[:10], each.target or "-"
+    found = name, day, str(each.readings), target, *lengths, result.agreement or "-"
+    return *found, each.copy.chain[:_SHOWN], each.copy.file.name
 
 
 def bring(

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from functools import partial
 from pathlib import Path
 
 from axiscal.document.durable import write_whole
@@ -20,6 +22,10 @@ from axiscal.record.payload import encode
 from axiscal.record.store import Record, content_of, record_errors, refuse_existing
 
 _DATABASE, _SERVER_LOG = "ports.postgres.database:opened_database", "ports.postgres.server_log:ServerLog"
+
+
+Opened = Callable[[], AbstractContextManager[EventLog]]
+"""How a record is opened to be read."""
 
 
 def is_stored(path: str | Path) -> bool:
@@ -86,7 +92,8 @@ def gathered(named: Iterable[Path]) -> list[Path]:
     found = list[Path]()
     for each in named:
         if is_store(each):
-            found += ours("ports.postgres.server_log:all_there")()
+            with each_opened(each) as there:
+                found += [path for path, _ in there]
         elif not is_stored(each) and each.is_dir():
             found += sorted(each.glob("*.axiscal"))
         else:
@@ -100,6 +107,16 @@ def records_of(shop: Path) -> list[Path]:
         remedy = "Name the folder that holds the records, or {store} for the campaigns on the server"
         raise RecordError("This is no folder", remedy, shop, store=STORED)
     return gathered([shop])
+
+
+@contextmanager
+def each_opened(shop: Path) -> Iterator[list[tuple[Path, Opened]]]:
+    """Yield the records of a folder or of the store, each with how it is opened to be read; raises as `records_of`."""
+    if is_store(shop):
+        with ours("ports.postgres.server_log:each_opened")() as there:
+            yield there
+    else:
+        yield [(file, partial(opened_log, file, write=False)) for file in records_of(shop)]
 
 
 _TYPE = '"axiscal-type/'

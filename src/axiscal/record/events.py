@@ -12,6 +12,7 @@ from typing import Any
 
 from axiscal.measurement.reading import Place, Reading
 from axiscal.record.accepted import Accepted, Bumped, put_right
+from axiscal.record.result import NOT_SAID, Result
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,9 +117,10 @@ class Undone:
 
 @dataclass(frozen=True, slots=True)
 class Finished:
-    """The campaign ends, and why."""
+    """The campaign ends, and why; result : what it came to, which records of before could not say."""
 
     because: str
+    result: Result = NOT_SAID
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,8 +213,7 @@ class State:
     continued : what a plan made now rests on, where no limit is reached by these readings; None where nobody has looked
     undo : what can be taken back, the latest last
     mounted : set-ups that were mounted anew for a branch, or whose zero jumped later
-    notes : what was noted on the way; bumps : what each bump moved, the latest last
-    newer : entries of a newer version, which say nothing of readings
+    notes : what was noted; bumps : the latest last; newer : entries of a newer version, which say nothing of readings
     name : the hash chained over the contents of all events, 64 hex digits; "" where they are in no record
     """
 
@@ -390,8 +391,7 @@ class Folding:
             self.readings = list(step.readings)
             self.mounted = [each for each in self.mounted if each.branch or each.name != step.event.name]
         elif isinstance(step.event, Skipped):
-            gap = self.skipped.pop()
-            self.plan = [] if gap.whole else self.plan  # a plan without the set-up is none to go on from
+            self.plan = [] if self.skipped.pop().whole else self.plan  # a plan without the set-up is none to go on from
         elif isinstance(step.event, Warmed):
             self.notes.remove(next(note for note in reversed(self.notes) if note.warmed is not None))
         else:

@@ -13,6 +13,7 @@ from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Place, Reading
 from axiscal.record import events
 from axiscal.record.accepted import KNOWN, Accepted, Bumped
+from axiscal.record.result import NOT_SAID, Result
 from axiscal.record.signing import Hand
 
 _T = TypeVar("_T")
@@ -153,6 +154,12 @@ def _accepted(fields: Mapping[str, Any]) -> Accepted:
     return Accepted(mistake, setups, _is(int, fields["reading"]), factor, name)
 
 
+def _finished(fields: Mapping[str, Any]) -> events.Finished:
+    said = _is(dict, fields.get("result", asdict(NOT_SAID)))  # older records could not say it
+    rms, expanded = (None if said[name] is None else _number(said[name]) for name in ("rms", "expanded"))
+    return events.Finished(_is(str, fields["because"]), Result(rms, expanded, _is(str, said["agreement"])))
+
+
 _READ: Mapping[str, Callable[[Mapping[str, Any]], events.Event]] = {
     "created": _created,
     "planned": lambda fields: events.Planned(
@@ -174,7 +181,7 @@ _READ: Mapping[str, Callable[[Mapping[str, Any]], events.Event]] = {
     "accepted": _accepted,
     "undone": lambda fields: events.Undone(_is(int, fields["event"])),
     "signed": lambda fields: events.Signed(_is(str, fields["key"]), _is(str, fields["signature"])),
-    "finished": lambda fields: events.Finished(_is(str, fields["because"])),
+    "finished": _finished,
 }
 _AT = frozenset(("setup", "position", "approach", "check"))
 _KEYS: Mapping[str, frozenset[str]] = {

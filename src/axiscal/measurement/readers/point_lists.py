@@ -19,10 +19,12 @@ from axiscal.measurement.readers.text_file import TextFile
 _SLACK = 1e-6
 """m, of rounding."""
 _REMARK = re.compile(r"\s*(?:[#%(;]|//|$)")
-_UNIT = r"[ _]?[\[(]?(?:mm|in|inch)[\])]?|"
+_UNIT, _FINER = r"[ _]?[\[(]?(?:mm|in|inch)[\])]?|", r"[ _]?[\[(]?[uµμ]m[\])]?"
 _NAMED = r"(?P<named>[^\s,;]+[\s,;]+)?"
-_HEAD = re.compile(rf"\s*{_NAMED}X(?P<unit>{_UNIT})[\s,;]+Y(?P=unit)[\s,;]+Z(?P=unit)\s*", re.IGNORECASE)
-"""Above a list: the columns, the first of which may name the points."""
+_HEAD = re.compile(
+    rf"\s*{_NAMED}X(?P<unit>{_UNIT})[\s,;]+Y(?P=unit)[\s,;]+d?Z(?:(?P<height>{_FINER})|(?P=unit))\s*", re.IGNORECASE
+)
+"""Above a list: the columns, the first of which may name the points; heights may have a unit of their own."""
 _NAME = re.compile(r"^\s*[^\s,]+[\s,]+")
 _LETTERS = re.compile("".join(rf"\s*{axis}\s*[:=]?\s*([-+.,\d]+)[\s,;]*" for axis in "XYZ"), re.IGNORECASE)
 """A point with its letters: `X20 Y20 Z0.1`."""
@@ -69,12 +71,16 @@ def is_xml(file: TextFile) -> bool:
 
 def listed(file: TextFile, around: Around) -> Found:
     """Return the readings of a list; raises ReadingError.  Axes beside X, Y and Z that are not at 0 are named."""
-    heads = [(number, head["unit"]) for number, line in enumerate(file.lines, 1) if (head := _HEAD.fullmatch(line))]
-    for number, named in heads[:1]:
-        if named and file.unit:
+    heads = [(number, head) for number, line in enumerate(file.lines, 1) if (head := _HEAD.fullmatch(line))]
+    heights = file
+    for number, head in heads[:1]:
+        if file.unit and (head["unit"] or head["height"]):
             raise file.fail("the header names its unit, and --unit names another", "leave --unit out", number)
-        file = replace(file, unit=_BRACKETS.sub("", named or file.unit).lower())
-    return _noted(file, _points(file, list(_lines(file)), _named(file)))
+        file, heights = (
+            replace(file, unit=_BRACKETS.sub("", each or file.unit).lower())
+            for each in (head["unit"], head["height"] or head["unit"])
+        )
+    return _noted(file, _points(file, list(_lines(file)), _named(file), heights))
 
 
 def grbl(file: TextFile, around: Around) -> Found:
@@ -169,7 +175,10 @@ def _numbers(line: str, named: bool = False) -> list[str]:
     return [cell.strip() for cell in line.split(",")]
 
 
-def _points(file: TextFile, lines: list[tuple[int, str]], named: bool = False) -> Found:
+def _points(
+    file: TextFile, lines: list[tuple[int, str]], named: bool = False, heights: TextFile | None = None
+) -> Found:
+    """Return the readings of points.  named : the first cell names the point; heights : the file with their unit"""
     found = list[RawReading]()
     for number, line in lines:
         cells = _numbers(line, named)
@@ -180,5 +189,5 @@ def _points(file: TextFile, lines: list[tuple[int, str]], named: bool = False) -
         if aside := [letter for letter, value in zip("ABCUVW", others, strict=False) if value]:
             what, remedy = "the point has {axes} beside X, Y and Z", "give a list that was probed without moving them"
             raise file.fail(what, remedy, number, axes=", ".join(aside))
-        found += height(file, x, y, cells[2], number)
+        found += height(heights or file, x, y, cells[2], number)
     return probed_of(file, found, len(lines), lines[0][0] if lines else 1)

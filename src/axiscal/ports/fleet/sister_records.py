@@ -77,7 +77,7 @@ def beside_others(record: Copy, records: Iterable[Copy]) -> tuple[str, str]:
     """Return why a record does not count beside the others of its campaign, and what is to be minded where it does."""
     remark = ""
     for other in records:
-        if other.file == record.file or other.campaign != record.campaign:
+        if other.campaign != record.campaign or other.file == record.file:
             continue
         if other.chain == record.chain:
             if other.file.name < record.file.name:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple, Self
 
@@ -16,7 +17,7 @@ from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
 from axiscal.language.spoken import capital
 from axiscal.ports.postgres.database import Database, not_known, opened_database
 from axiscal.ports.postgres.tables import refuse_other
-from axiscal.record.copies import refuse_unfit, unfit
+from axiscal.record.copies import Opened, refuse_unfit, unfit
 from axiscal.record.events import Created
 from axiscal.record.line_form import DamageError, EventText, chained
 from axiscal.record.log import (
@@ -310,16 +311,22 @@ def only_entry(name: str, found: Sequence[Entry]) -> Entry:
     return found[0]
 
 
-def all_there() -> list[Path]:
-    """Return the campaigns of the store that AXISCAL_STORE names, by which each is opened; raises RecordError."""
+@contextmanager
+def each_opened() -> Iterator[list[tuple[Path, Opened]]]:
+    """Yield the campaigns of the named store, each with how it is opened to be read, all over one connection."""
     database = opened_database()
     try:
         refuse_other(database)
         there = entries(database)
+        called = Counter(entry.called for entry in there)
+        yield [(_path(entry, called[entry.called] == 1), partial(_read_over, database, entry)) for entry in there]
     finally:
         database.close()
-    called = Counter(entry.called for entry in there)
-    return [_path(entry, called[entry.called] == 1) for entry in there]
+
+
+def _read_over(database: Database, entry: Entry) -> AbstractContextManager[ServerLog]:
+    """Return a log whose end leaves the connection open."""
+    return nullcontext(ServerLog(database, entry, write=False))
 
 
 def _path(entry: Entry, alone: bool) -> Path:
