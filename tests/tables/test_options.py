@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from functools import cache
 
 import pytest
@@ -84,10 +85,16 @@ def test_an_option_that_a_format_takes_changes_its_files(controller: str, option
 
 
 @pytest.mark.parametrize("controller", controllers())
-def test_the_readme_of_each_format_that_can_flip_says_when(controller: str) -> None:
-    readme = export(known("small")[0], controller, OPTIONS.get(controller, ExportOptions())).readme
-    assert ("if it is the other way round, export with --flip." in readme) is ("--flip" in exporter(controller).takes)
-    assert bool(exporter(controller).unstated) is ("--flip" in exporter(controller).takes)
+def test_the_readme_of_each_format_that_can_flip_asks_first_for_its_sign(controller: str) -> None:
+    options = OPTIONS.get(controller, ExportOptions())
+    asked, measured = (
+        export(known("small")[0], controller, each).readme.splitlines()[1]
+        for each in (options, replace(options, sign_day="2026-11-28"))
+    )
+    can = "--flip" in exporter(controller).takes
+    assert bool(re.search(r"^WHICH WAY .* (B-63980EN|K3|page 716|P-VOLC-00009)\b.* --probe-sign", asked)) is can
+    assert measured.startswith("SIGN MEASURED ON 2026-11-28: the control takes its values as supposed") is can
+    assert bool(exporter(controller).unstated) is can
 
 
 @pytest.mark.parametrize("against", ["X", "C"])

@@ -58,6 +58,14 @@ def refuse_untaken(controller: str, given: Sequence[str]) -> None:
             raise TableError(what, remedy, controller=controller, option=option, takers=takers)
 
 
+def unstated(controller: str) -> str:
+    """Return the tables of a control whose sign no source states, as of `Exporter`; raises TableError for none."""
+    if found := exporter(controller).unstated:
+        return found
+    what = "{controller} states which way it takes its tables"
+    raise TableError(what, "Leave --probe-sign and --bump out", controller=controller)
+
+
 def named(controller: str) -> str:
     """Return the name of a control that is written in capitals too; any other one as it is."""
     return next((known for known in controllers() if known == controller.casefold()), controller)

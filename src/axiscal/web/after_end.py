@@ -28,8 +28,9 @@ from axiscal.web.shapes import CheckedRequest, CheckedShape, CheckShape, TextsSh
 
 
 def table_texts(desk: Desk, control: str) -> TextsShape:
-    """Return the files for a control as they were written, or made now; raises InputError, TableError."""
-    if control in desk.state.tables:
+    """Return the files for a control as they were written, or made now with its sign; raises InputError, TableError."""
+    desk.look()
+    if control in desk.state.tables and desk.campaign.description.bump_of(control) is None:
         folder = desk.results / "tables" / control
         return TextsShape(control=control, files={file.name: file.read_text() for file in sorted(folder.iterdir())})
     offered = registry.offered(_standing(desk), control)
