@@ -13,7 +13,7 @@ from axiscal.cli.app import run
 from axiscal.document.durable import write_whole
 from axiscal.tables import registry
 from axiscal.tables.offer import Export
-from axiscal.tables.registry import CONTROLLERS
+from axiscal.tables.registry import controllers
 from axiscal.tables.surface import Effect
 from tests.commands import Command
 from tests.generators.reaches import reach_of
@@ -153,7 +153,7 @@ def test_tables_made_from_a_file_of_the_control_are_verified_by_it(
 
 
 def test_controllers_are_listed(record: Path, command: Command) -> None:
-    assert command("export", record, "--to", "list").printed.split() == [*CONTROLLERS, "program"]
+    assert command("export", record, "--to", "list").printed.split() == [*controllers(), "program"]
 
 
 def test_a_control_is_known_in_capitals_too(record: Path, tmp_path: Path, command: Command) -> None:

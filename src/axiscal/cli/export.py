@@ -17,7 +17,7 @@ from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Anyway, Json, RecordFile, Template
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.rewriting import PROGRAM, Rewriting
-from axiscal.document.ports import ours
+from axiscal.document.ports import part
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import ending, joined, said, speaking
 from axiscal.machine.axis import ROTARY_LETTERS
@@ -161,7 +161,7 @@ def export(
         return
     given += [name for name, value in wanted.items() if value is not None]
     registry.refuse_untaken(to, given)
-    loader = None if load is None else ours("ports.printers.printer_source:loader_at")(load, to)
+    loader = None if load is None else part("printer-loader")(load, to)
     if loader is not None and zero is None:
         options = replace(options, zero=loader.zero())
     with speaking("en"), Campaign.open(record, write=False) as campaign:  # README.txt is in English
@@ -173,7 +173,7 @@ def export(
             what, remedy = "--coordinates names no joint of {axes}", "write the letters of all axes, as in the INI file"
             raise TableError(what, remedy, axes=joined(missing))
         options = replace(options, origin=record_state(campaign).hash)
-        into = None if ini is None else ours("ports.linuxcnc.configuring:export_into")
+        into = None if ini is None else part("linuxcnc-configuration")
         estimate = estimation.estimate()
         estimate, bump = bumped(estimate, to, registry.unstated(to)) if probe_sign else (estimate, "")
         offered = registry.export(estimate, to, options) if into is None else into(ini, estimate, options)
@@ -233,7 +233,7 @@ def _spacing(texts: list[str]) -> float | dict[str, float] | None:
 def _zero(text: str) -> tuple[float, float]:
     """Return the place where a printer homes Z, m, stated or from its file; raises TableError, UnitError."""
     if Path(text).is_file():
-        found: tuple[float, float] | None = ours("ports.printers.homing:zero_in")(read_old([text])[0].text)
+        found: tuple[float, float] | None = part("printer-zero")(read_old([text])[0].text)
         if found is None:
             raise TableError("this file states no place where Z is homed", 'write --zero "150 mm, 150 mm"', text)
         return found
