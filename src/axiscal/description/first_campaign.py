@@ -32,8 +32,11 @@ _WRITTEN = 1e-3
 _DEPTH = 50e-3
 """m of the travel of Z that heights of balls leave free: below the lowest, and over the highest for its touches and the
 first run above it."""
-_STEPS = (("10 mm", 0.1), ("1 mm", 0.01), ("0.1 mm", 0.0))
-"""Steps, and travels from which on they are offered, m: half a travel then has several multiples."""
+_STEPS = (("1 mm", 0.01), ("0.1 mm", 0.0))
+"""Steps, and travels from which on they are offered, m: half a travel then has several multiples.
+
+Screws have leads of 5 or 10 mm, and places that are multiples of one show nothing of its error (ISO 230-2, 5.3.2).
+"""
 _ARM = 0.9
 """Of what would just turn: then it can also go aside."""
 _CROSS = (

@@ -273,6 +273,8 @@ def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Findin
 
 _PLACES, _MICROMETRE = 5, 1e-6
 """Of a standard test at least (ISO 230-2): any three are multiples of something apart; m or rad: as written."""
+_LEAD = 2000
+"""Micrometres: screws and belts have no shorter period."""
 _ODD = (0.2, 0.31), (0.5, 0.5), (0.8, 0.73)
 """Shares of the range and of the step: any that no small fraction of the step joins."""
 
@@ -287,7 +289,7 @@ def regular_places(readings: Sequence[Reading], setups: Sequence[Setup], axes: S
         poses = np.array([reading.pose for reading in readings if reading.setup == setup.name]).reshape(-1, len(axes))
         for k in setup.moves if setup.chart is None else ():
             places = np.unique(np.round(poses[:, k] / _MICROMETRE).astype(np.int64))
-            if step := step_between(places):
+            if (step := step_between(places)) >= (1 if axes[k].rotary else _LEAD):
                 count, pose = (places[-1] - places[0]) // step, np.zeros((len(_ODD), len(axes)))
                 pose[:, k] = [(places[0] + (int(at * count) + part) * step) * _MICROMETRE for at, part in _ODD]
                 odd = listed(", ", [place_text(axes, each, [k]) for each in pose.tolist()])
