@@ -120,8 +120,6 @@ COMMANDS: Mapping[str, Command] = {
     "plan, as programs": Command(_words("plan campaign.toml --gcode linuxcnc --out out"), out="out"),
     "adopt": Command(_words(f"adopt {RECORD} branch.axiscal --same-mounting"), BRANCHED),
     "bring": Command(_words(f"bring shop {RECORD}"), MEASURED),
-    "fleet": Command(_words("fleet . --page out.html --target 4_um"), MEASURED, out="out.html"),
-    "due": Command(_words("due . --calendar out.ics --target 4_um"), MEASURED, out="out.ics"),
     "check": Command(_words(f"check {RECORD} --plan out.csv"), MEASURED, out="out.csv"),
     "verify": Command(_words(f"verify {RECORD} --points 5 --plan out.csv"), MEASURED, out="out.csv"),
     "type learn": Command(_words("type learn . --out out.type.json"), TWO, out="out.type.json"),
