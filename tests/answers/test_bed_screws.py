@@ -82,6 +82,21 @@ def test_screws_of_which_the_thread_is_not_said_are_m3_below_the_nozzle(tmp_path
 
 
 @pytest.mark.long
+def test_a_bed_of_which_half_was_probed_says_so(tmp_path: Path) -> None:
+    """The answer names the axis, and a map over most of the bed none."""
+    campaign = begun(tmp_path, "")
+    assert "half_read" not in answer_of_map(tmp_path, campaign, 0.002, -0.001).result["answer"]
+    near = [(x, y) for x in (20.0, 60.0, 100.0, 140.0) for y in PLACES]
+    (tmp_path / "half.csv").write_text(
+        "\n".join(["setup,X_mm,Y_mm,value_um", *(f"probe,{x},{y},{x}" for x, y in near)])
+    )
+    said = given(
+        "data", "estimate", tmp_path / "bed" / "campaign.toml", tmp_path / "half.csv", "--out", tmp_path / "half"
+    )
+    assert Answer(tmp_path / "half", said).result["answer"]["half_read"] == {"X": [20.0, 140.0]}
+    assert "no reading tests U beyond X 20 to 140." in said.out
+
+
 def test_a_printer_without_screws_has_none_and_its_answer_no_word_of_them(tmp_path: Path) -> None:
     campaign = begun(tmp_path, "")
     assert "screws" not in campaign

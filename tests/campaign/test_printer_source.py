@@ -26,7 +26,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.ports.printers.printer_source import printer_behind
+from axiscal.ports.printers.printer_source import moonraker
 
 
 def bed(x: float, y: float) -> float:
@@ -381,7 +381,7 @@ def test_a_ball_is_probed_from_above(monkeypatch: pytest.MonkeyPatch, answer: st
     monkeypatch.setattr("sys.stdin", StringIO(answer))
     with serving(Framed()) as printer:
         printer.balls = 1e3 * setup.artefact.points + [0.0, 0.0, 40.0] + OFF
-        source = printer_behind("moonraker", f"127.0.0.1:{printer.server_address[1]}", campaign.machine)
+        source = moonraker(f"127.0.0.1:{printer.server_address[1]}", campaign.machine, active=False)
         for pose in spread(campaign.machine, (setup,), 3).poses:
             asked = Request(1, setup, campaign.machine.axes, tuple(pose.tolist()), (0, 0, 0))
             if answer.strip():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from axiscal.cli.app import run
 from axiscal.document.durable import write_whole
 from axiscal.tables import registry
 from axiscal.tables.offer import Export
-from axiscal.tables.registry import CONTROLLERS
+from axiscal.tables.registry import controllers
 from axiscal.tables.surface import Effect
 from tests.commands import Command
 from tests.generators.reaches import reach_of
@@ -63,7 +64,7 @@ def test_each_axis_may_have_a_spacing_of_its_own(record: Path, tmp_path: Path) -
 
 
 @pytest.mark.parametrize(
-    ("content", "message"), [(b"\xff\xfe1", "not plain text"), (b"%\n" * 2_100_000, "more than 4 MB"), (b"", "%")]
+    ("content", "message"), [(b"\xff\xfe1", "byte 0 is no UTF-8"), (b"%\n" * 10_100_000, "more than 20 mb"), (b"", "%")]
 )
 def test_a_template_that_is_no_text_is_refused(
     record: Path, content: bytes, message: str, tmp_path: Path, command: Command
@@ -152,7 +153,7 @@ def test_tables_made_from_a_file_of_the_control_are_verified_by_it(
 
 
 def test_controllers_are_listed(record: Path, command: Command) -> None:
-    assert command("export", record, "--to", "list").printed.split() == [*CONTROLLERS, "program"]
+    assert command("export", record, "--to", "list").printed.split() == [*controllers(), "program"]
 
 
 def test_a_control_is_known_in_capitals_too(record: Path, tmp_path: Path, command: Command) -> None:
@@ -171,18 +172,28 @@ def test_a_file_that_cannot_be_written_is_named_by_its_own_name(tmp_path: Path) 
     assert caught.value.filename == str(tmp_path / "tables" / "X.csv")
 
 
-def test_a_bump_is_exported_and_its_readings_say_how_to_export(record: Path, tmp_path: Path, command: Command) -> None:
-    done = command("export", record, "--to", "isg", "--probe-sign", "--out", tmp_path / "bump")
-    readme = (tmp_path / "bump" / "README.txt").read_text()
-    assert readme.startswith("TWO READINGS TELL THE SIGN. Let X come from below")
-    assert "TWO READINGS TELL THE SIGN" in done.out
-    as_assumed = command("verify", record, "--to", "isg", "--bump", "-9.6 um").out
-    assert "As assumed." in as_assumed
-    assert "--flip" not in as_assumed
-    other = command("verify", record, "--to", "isg", "--bump", "10.3 um").out
-    assert "other way round" in other
-    assert "--to isg --flip" in other
+def test_a_bump_is_exported_and_the_sign_that_it_shows_is_kept(record: Path, tmp_path: Path, command: Command) -> None:
+    def exported(*options: str) -> dict[str, str]:
+        """Return the files by name, and as "" what was printed."""
+        printed = command("export", record, "--to", "ISG", "--out", tmp_path / "isg", *options).printed
+        return {file.name: file.read_text() for file in (tmp_path / "isg").iterdir()} | {"": printed}
+
+    assumed, flipped, bump = exported(), exported("--flip"), exported("--probe-sign")
+    assert "WHICH WAY DOES THE CONTROL TAKE THESE VALUES?" in assumed["README.txt"].splitlines()[1]
+    assert bump["README.txt"].startswith("TWO READINGS TELL THE SIGN. Let X come from below")
+    assert "TWO READINGS TELL THE SIGN" in bump[""]
+    told = command("verify", record, "--to", "isg", "--bump", "10.3 um").printed
+    assert "The control takes its tables the other way round. The record keeps it" in told
+    assert "--flip" not in told
+    other = exported()
+    assert other["volcomp.lis"] == flipped["volcomp.lis"] != assumed["volcomp.lis"]
+    assert re.match(r"SIGN MEASURED ON \d{4}-\d\d-\d\d: .* the other way", other["README.txt"].splitlines()[1])
+    assert exported("--probe-sign")["volcomp.lis"] == bump["volcomp.lis"]
+    assert command("verify", record, "--to", "isg", "--bump", "-9.6 um", "--json").document["sign"] == "as assumed"
+    assert exported()["volcomp.lis"] == assumed["volcomp.lis"]
+    assert "takes it as supposed" in command("export", record, "--to", "isg", "--flip").refusal
     assert "by 1 um" in command("verify", record, "--to", "isg", "--bump", "1 um").refusal
+    assert "linuxcnc states which way" in command("verify", record, "--to", "linuxcnc", "--bump", "10 um").refusal
 
 
 def test_the_joints_of_a_gantry_can_be_named_as_in_its_ini_file(record: Path, tmp_path: Path) -> None:

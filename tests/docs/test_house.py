@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import axiscal
-from axiscal.document.ports import ours
+from axiscal.document.ports import all_of, names, part
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "axiscal"
@@ -116,13 +116,14 @@ def test_a_file_has_a_name_of_its_own() -> None:
     assert [name for name in FILES_THAT_MAY if len(homes[name]) < 2] == []
 
 
-def test_what_is_asked_for_by_its_place_is_there() -> None:
+def test_what_other_rooms_ask_for_is_brought_by_a_port() -> None:
     """No import says so: the rooms do not know the ports."""
-    texts = (path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py"))
-    places = {place for text in texts for place in re.findall(r'"(\w+(?:\.\w+)+:\w+)"', text)}
-    assert len(places) > 10
-    for place in places:
-        assert ours(place) is not None
+    texts = [path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")]
+    asked = {name for text in texts for name in re.findall(r'\bpart\("([\w-]+)"\)', text)}
+    assert asked == set(names("axiscal.parts"))
+    assert all(part(name) is not None for name in asked)
+    assert len(all_of("axiscal.exporters")) + len(all_of("axiscal.running")) > 10
+    assert [text for text in texts if re.search(r'"[\w.]*ports\.\w+[.:]', text)] == []
 
 
 def test_a_cache_is_asked_with_numbers_and_texts_only() -> None:

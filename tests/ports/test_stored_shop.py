@@ -10,12 +10,12 @@ from unittest.mock import patch
 
 import pytest
 
+from axiscal.campaign.beginning import campaign_with_sisters
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.exceptions import RecordError, UnreachableError
 from axiscal.ports.fleet.shop_list import shop_list
 from axiscal.ports.fleet.sister_records import read_records
-from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.ports.postgres import database
 from axiscal.ports.postgres.database import Database, store_address
 from axiscal.ports.postgres.server_log import ServerLog, insert

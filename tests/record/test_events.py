@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Place, Reading
-from axiscal.record.accepted import Accepted
+from axiscal.record.accepted import Accepted, Bumped
 from axiscal.record.events import (
     Asked,
     Continued,
@@ -41,6 +41,7 @@ readings = st.builds(
 recorded = st.builds(Recorded, readings)
 asked = st.builds(Asked, st.integers(1, 99), st.builds(Place, st.text(), st.just((0.0, 1.0)), st.just((1, -1))))
 skipped, noted = st.builds(Skipped, st.text(), st.booleans()), st.builds(Noted, st.text())
+bumped = st.builds(Bumped, st.text(), numbers, st.text())
 mounted = st.builds(Mounted, st.text(), st.text(), st.text())
 factors = st.sampled_from([-1.0, 1000.0, 1e-3, 25.4, 1 / 25.4]) | st.floats(1e-3, 1e3)
 accepted = (
@@ -54,7 +55,7 @@ accepted = (
 continued = st.builds(Continued, st.text())
 sizes = st.none() | st.floats(0.0, 1.0)
 finished = st.builds(Finished, st.text(), st.builds(Result, sizes, sizes, st.text()))
-others = recorded | asked | skipped | noted | mounted | accepted | finished | st.just(Undone(0))
+others = recorded | asked | skipped | noted | bumped | mounted | accepted | finished | st.just(Undone(0))
 event = others | continued
 
 
@@ -143,7 +144,7 @@ def test_taking_back_restores_what_was_before(drawn: list[Event]) -> None:
 @given(st.lists(event, max_size=25))
 def test_that_it_goes_on_is_said_of_these_readings_alone(drawn: list[Event]) -> None:
     events = possible(drawn)
-    since = [each for each in events if not isinstance(each, Planned | Asked | Noted)]
+    since = [each for each in events if not isinstance(each, Planned | Asked | Noted | Bumped)]
     last = since[-1]
     assert fold(stored(events)).continued == (last.basis if isinstance(last, Continued) else None)
 
@@ -277,11 +278,13 @@ def test_a_skip_is_written_as_before_there_was_leaving() -> None:
     assert encode(Skipped("blocked")) == ("skipped", '{"reason":"blocked"}')
 
 
-def test_a_note_changes_nothing_else_and_may_come_after_the_end() -> None:
+def test_a_note_or_a_bump_changes_nothing_else_and_may_come_after_the_end() -> None:
     events: list[Event] = [CREATED, QUESTION, Noted("21 degC"), VALUE, Finished("done"), Noted("new ball screw X")]
-    state = fold(stored(events))
+    bumps = Bumped("isg", 1e-5, "2026-11-28"), Bumped("isg", -1e-5, "2026-11-29")
+    state = fold(stored([*events, *bumps]))
     assert state.notes == (Note("21 degC", "", 0), Note("new ball screw X", "", 1))
     assert (len(state.readings), state.finished, decode(*encode(events[2]))) == (1, "done", events[2])
+    assert state.bumps == bumps
 
 
 PLACE = Place("laser", (0.0,), (1,))

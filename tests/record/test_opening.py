@@ -21,11 +21,11 @@ def shop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name in ("b.axiscal", "a.axiscal", "notes.txt"):
         (tmp_path / name).write_text("")
 
-    def ours(name: str) -> Callable[[], AbstractContextManager[list[tuple[Path, None]]]]:
-        assert name.endswith("server_log:each_opened")
+    def part(name: str) -> Callable[[], AbstractContextManager[list[tuple[Path, None]]]]:
+        assert name == "server-logs"
         return lambda: nullcontext([(path, None) for path in THERE])
 
-    monkeypatch.setattr(copies, "ours", ours)
+    monkeypatch.setattr(copies, "part", part)
     return tmp_path
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from axiscal.measurement.readers.files import FORMATS
-from axiscal.tables.registry import CONTROLLERS, exporter
+from axiscal.tables.registry import controllers, exporter
 from tests.refusals.reading import Row, kinds, refusals, said
 
 ROWS = [(kind, row) for kind in kinds() for row in refusals(kind).rows]
@@ -31,5 +31,5 @@ def test_every_kind_of_file_has_rows() -> None:
 
 
 def test_every_reader_of_old_tables_has_rows() -> None:
-    takers = {name for name in CONTROLLERS if "--on-top-of" in exporter(name).takes}
+    takers = {name for name in controllers() if "--on-top-of" in exporter(name).takes}
     assert takers <= {row.of.split()[0] for row in refusals("old_table").rows}

@@ -11,7 +11,7 @@ from axiscal.exceptions import TableError
 from axiscal.tables.bump import bumped, other_way
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
-from axiscal.tables.registry import export, exporter
+from axiscal.tables.registry import export, exporter, unstated
 from tests.tables.test_controllers import OPTIONS, known
 
 
@@ -39,6 +39,6 @@ def test_two_readings_tell_which_way_a_control_takes_its_tables(controller: str,
 
 def test_a_control_whose_sign_is_stated_needs_no_bump_and_one_that_did_not_come_is_said() -> None:
     with pytest.raises(TableError, match="linuxcnc states which way it takes its tables"):
-        bumped(known("small")[0], "linuxcnc", exporter("linuxcnc").unstated)
+        unstated("linuxcnc")
     with pytest.raises(TableError, match=r"the bump moved the tool by 0\.2 um"):
         other_way(0.2e-6)

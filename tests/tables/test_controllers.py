@@ -30,7 +30,7 @@ from axiscal.tables.controllers import sinumerik
 from axiscal.tables.controllers.fanuc import PitchParameters, increments
 from axiscal.tables.exporter import Draft, ExportOptions, MapFormat
 from axiscal.tables.offer import Export, spread_poses, tried_out
-from axiscal.tables.registry import CONTROLLERS, export, exporter
+from axiscal.tables.registry import controllers, export, exporter
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.sampling import axis_tables
 from axiscal.tables.surface import Effect, effect_of_control, rms, tour
@@ -116,10 +116,10 @@ def on_the_truth(estimate: Estimate, truth: VirtualMachine, made: Draft) -> Effe
 
 
 def test_campaign_toml_knows_every_control_by_its_name() -> None:
-    assert get_args(ControlName) == tuple(CONTROLLERS)
+    assert get_args(ControlName) == tuple(controllers())
 
 
-@pytest.mark.parametrize("controller", CONTROLLERS)
+@pytest.mark.parametrize("controller", controllers())
 def test_what_is_read_back_corrects_the_true_machine_as_stated(controller: str) -> None:
     estimate, truth = known("small")
     stated = offered(controller).effect
@@ -138,7 +138,7 @@ def test_five_axes_are_corrected_as_stated(controller: str) -> None:
     assert found.after == pytest.approx(stated.after, rel=0.1, abs=1e-9)  # a nanometre is what linearity neglects
 
 
-@pytest.mark.parametrize("controller", CONTROLLERS)
+@pytest.mark.parametrize("controller", controllers())
 def test_the_wrong_sign_is_never_offered(controller: str) -> None:
     estimate, made = draft(controller)
     wrong = replace(made, control=lambda poses, approaches: -made.control(poses, approaches))
@@ -148,7 +148,7 @@ def test_the_wrong_sign_is_never_offered(controller: str) -> None:
         tried_out(controller, estimate, replace(wrong, wanted=wrong.control))
 
 
-@pytest.mark.parametrize("controller", CONTROLLERS)
+@pytest.mark.parametrize("controller", controllers())
 def test_nothing_is_written_when_nothing_is_known(controller: str) -> None:
     model = known("small")[0].model
     blank = Estimate(model, Belief(np.zeros(model.size), model.prior_covariance()), whole_travel(model))
@@ -160,7 +160,7 @@ def test_nothing_is_written_when_nothing_is_known(controller: str) -> None:
         export(blank, controller, options)
 
 
-@pytest.mark.parametrize("controller", CONTROLLERS)
+@pytest.mark.parametrize("controller", controllers())
 def test_the_note_says_what_is_left_and_who_has_tried(controller: str) -> None:
     made, readme = draft(controller)[1], offered(controller).readme
     assert ("NOT VERIFIED ON A CONTROL" in readme) is not made.tried
@@ -192,7 +192,7 @@ def test_what_is_expected_is_what_machines_of_the_belief_show() -> None:
     assert np.mean(inside) == pytest.approx(0.95, abs=0.02)
 
 
-@pytest.mark.parametrize("controller", CONTROLLERS)
+@pytest.mark.parametrize("controller", controllers())
 def test_machine_zero_stays_where_it_is(controller: str) -> None:
     """Every axis at 0, or at the end of its travel nearest to it: the mean of both directions moves nothing.
 

@@ -20,7 +20,7 @@ from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile, read_old
 from axiscal.tables.offer import Export
-from axiscal.tables.registry import CONTROLLERS, export, exporter
+from axiscal.tables.registry import controllers, export, exporter
 from axiscal.tables.round_trip import drawn_and_known, round_trip
 from tests.generators.known import known_to_be
 from tests.generators.texts import machine_text
@@ -293,7 +293,7 @@ def test_the_files_that_were_active_can_stand_in_the_campaign(
     assert "left by the compensation that was active" in (deviations / "README.txt").read_text()
 
 
-@pytest.mark.parametrize("controller", sorted(CONTROLLERS))
+@pytest.mark.parametrize("controller", sorted(controllers()))
 def test_what_is_written_is_read_back_as_an_old_compensation(controller: str) -> None:
     """A round trip of every format that is read and written."""
     names = {"fanuc": FANUC, "heidenhain": COM}

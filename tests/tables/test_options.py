@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from functools import cache
 
 import pytest
@@ -11,7 +12,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
-from axiscal.tables.registry import CONTROLLERS, export, exporter, refuse_untaken
+from axiscal.tables.registry import controllers, export, exporter, refuse_untaken
 from axiscal.tables.round_trip import drawn_and_known
 from tests.generators.texts import machine_text
 from tests.tables.test_controllers import COM, FANUC, OPTIONS, known
@@ -48,7 +49,7 @@ def plain(controller: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("option", [*GIVEN, *ELSEWHERE])
-@pytest.mark.parametrize("controller", CONTROLLERS)
+@pytest.mark.parametrize("controller", controllers())
 def test_an_option_that_a_format_does_not_take_is_refused_with_those_that_do(controller: str, option: str) -> None:
     made = exporter(controller)
     if option in made.takes:
@@ -56,7 +57,7 @@ def test_an_option_that_a_format_does_not_take_is_refused_with_those_that_do(con
         return
     with pytest.raises(TableError, match=f"^{controller} does not take {option}. ") as refusal:
         written(controller, **GIVEN[option]) if option in GIVEN else refuse_untaken(controller, [option])
-    takers = [name for name in CONTROLLERS if option in exporter(name).takes]
+    takers = [name for name in controllers() if option in exporter(name).takes]
     remedy = made.instead.get(option)
     assert remedy is not None or all(re.search(rf"\b{name}\b", str(refusal.value)) for name in takers)
     assert takers
@@ -66,7 +67,7 @@ def test_an_option_that_a_format_does_not_take_is_refused_with_those_that_do(con
     ("controller", "option"),
     [
         (controller, option)
-        for controller in CONTROLLERS
+        for controller in controllers()
         for option in sorted(exporter(controller).takes)
         if option in GIVEN.keys() - {"--template", "--pivots", "--on-top-of"}
         and (controller, option) != ("klipper-volumetric", "--mesh")  # of a bed, which this machine has not
@@ -83,11 +84,17 @@ def test_an_option_that_a_format_takes_changes_its_files(controller: str, option
         assert written(controller, **given) != plain(controller)
 
 
-@pytest.mark.parametrize("controller", CONTROLLERS)
-def test_the_readme_of_each_format_that_can_flip_says_when(controller: str) -> None:
-    readme = export(known("small")[0], controller, OPTIONS.get(controller, ExportOptions())).readme
-    assert ("if it is the other way round, export with --flip." in readme) is ("--flip" in exporter(controller).takes)
-    assert bool(exporter(controller).unstated) is ("--flip" in exporter(controller).takes)
+@pytest.mark.parametrize("controller", controllers())
+def test_the_readme_of_each_format_that_can_flip_asks_first_for_its_sign(controller: str) -> None:
+    options = OPTIONS.get(controller, ExportOptions())
+    asked, measured = (
+        export(known("small")[0], controller, each).readme.splitlines()[1]
+        for each in (options, replace(options, sign_day="2026-11-28"))
+    )
+    can = "--flip" in exporter(controller).takes
+    assert bool(re.search(r"^WHICH WAY .* (B-63980EN|K3|page 716|P-VOLC-00009)\b.* --probe-sign", asked)) is can
+    assert measured.startswith("SIGN MEASURED ON 2026-11-28: the control takes its values as supposed") is can
+    assert bool(exporter(controller).unstated) is can
 
 
 @pytest.mark.parametrize("against", ["X", "C"])

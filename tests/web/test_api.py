@@ -77,7 +77,7 @@ def test_a_whole_campaign_over_the_api(page: Served) -> None:
     assert page.call("undo", after=page.state()["last"]).document["sentence"].startswith("Took back the end")
 
 
-def test_the_tables_of_a_control_are_one_file(page: Served) -> None:
+def test_the_tables_of_a_control_are_one_file_and_made_anew_once_its_sign_is_measured(page: Served) -> None:
     def tables(control: str) -> Answer:
         return page.ask("GET", f"/tables.zip?control={control}", Authorization=f"Bearer {page.token}")
 
@@ -94,6 +94,9 @@ def test_the_tables_of_a_control_are_one_file(page: Served) -> None:
     assert "'linuxcnc.local' is no printer" in refused
     for other in ("..", "linuxcnc/..", "%2e%2e", ""):
         assert tables(other).status == 422
+    with Campaign.open(page.record) as campaign:
+        campaign.bump("linuxcnc", 1e-5)
+    assert tables("linuxcnc").status == 422  # no readings, no tables anew
 
 
 def test_an_answer_to_a_question_that_has_been_answered_is_refused_and_nothing_is_lost(page: Served) -> None:

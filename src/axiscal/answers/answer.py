@@ -250,6 +250,7 @@ class ResultAnswer(AnswerDocument):
     checked : None where nobody has checked the tables
     offset : um, 95 %, by which U grows for each 100 mm beside the line that was read; None where the volume is known
     checks : readings drawn at random; as_promised : of these
+    half_read : from where to where axes were read, mm or deg, half of the volume or less; left out where none was
     screws : under the bed, all but the first, which stays; left out where nobody states them
     asks : a step may be a zero set anew, and nobody has said so; left out where nothing is asked
     """
@@ -271,5 +272,6 @@ class ResultAnswer(AnswerDocument):
     steps: Sequence[NextStep]
     checked: TablesChecked | None = None
     offset: float | None = None
+    half_read: Mapping[str, tuple[float, float]] = Field(default_factory=dict, exclude_if=lambda axes: not axes)
     screws: Sequence[ScrewTurn] = Field(default=(), exclude_if=lambda screws: not screws)
     asks: bool = Field(default=False, exclude_if=lambda asks: not asks)

@@ -52,7 +52,7 @@ from axiscal.numerics import Array
 from axiscal.planning.promise import asked
 from axiscal.record.copies import file_name
 from axiscal.tables.offer import places
-from axiscal.tables.registry import exporter, offered_control
+from axiscal.tables.registry import controllers, exporter, offered_control
 from axiscal.tables.surface import Control, left_by, turned_by
 from axiscal.units import to_unit
 from axiscal_core.threads import one_thread
@@ -202,6 +202,7 @@ def answer_of(
     seconds = known.timed.seconds if campaign.state.clocked is None else campaign.state.clocked
     offset = offset_each(known.stated.description)
     withheld = known.agreement.withheld and not anyway
+    parts = () if withheld or verdict in ("more", "nothing") else known.estimate().half_read
     return ResultAnswer(
         verdict=verdict,
         rows=[] if withheld else [_row(row, known) for row in rows],
@@ -219,6 +220,7 @@ def answer_of(
         withheld=withheld,
         steps=list(_steps(campaign, known, verdict, best_control(rows, list(controls)), written)),
         offset=None if offset is None else _digits(to_unit(offset, "um")),
+        half_read={axis.name: (to_unit(ends[0], axis.unit), to_unit(ends[1], axis.unit)) for axis, ends in parts},
         screws=[] if withheld else screw_turns(known),
         asks=bool(known.agreement.explained) and not known.agreement.contradicts,
     )
@@ -280,7 +282,8 @@ def _steps(campaign: Campaign, known: Estimation, verdict: Verdict, control: str
             yield NextStep(code="load", control=control)
         else:
             wanted = "--on-top-of" if described.compensation_active is True else "--template"
-            control = next((name for name in described.controls if wanted in exporter(name).takes), "")
+            known_here = (name for name in described.controls if name in controllers())
+            control = next((name for name in known_here if wanted in exporter(name).takes), "")
             if control:
                 yield NextStep(code="export", control=control)
         yield NextStep(code="verify", control=control)

@@ -22,6 +22,7 @@ from axiscal.answers.answer import (
     Verdict,
 )
 from axiscal.answers.row_words import (
+    half_read_sentence,
     row_names,
     said_row,
     screws_sentence,
@@ -101,6 +102,7 @@ def answer_text(
         _agreement(answer, agreement),
         _unmeasured(answer, cut),
         _beside(answer),
+        half_read_sentence(answer.half_read),
         screws_sentence(answer.screws),
         _checked(answer.checked),
         evidence,

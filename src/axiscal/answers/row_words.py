@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from axiscal.answers.answer import AnswerLine, AnswerRow, PlannedRow, ScrewTurn, SignedNumber
 from axiscal.description.target import Kind
-from axiscal.language.spoken import later, listed, put, said
+from axiscal.language.spoken import joined, later, listed, put, said
 
 _KINDS: dict[Kind, str] = {
     "positioning": later("positioning {axes}"),
@@ -125,3 +125,12 @@ def screws_sentence(screws: Sequence[ScrewTurn]) -> str:
 def _clock(turns: float) -> str:
     hours, minutes = divmod(round(60 * turns), 60)
     return f"{hours:02d}:{minutes:02d}"
+
+
+def half_read_sentence(parts: Mapping[str, tuple[float, float]]) -> str:
+    """Return which axes were read over half of the volume or less; "" for none.  parts : mm or deg"""
+    each = [
+        said("{axis} {low:.4g} to {high:.4g}", axis=axis, low=low, high=high) for axis, (low, high) in parts.items()
+    ]
+    text = "Half of the volume or more was not read: no reading tests U beyond {read}."
+    return said(text, read=joined(each)) if each else ""

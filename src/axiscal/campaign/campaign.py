@@ -43,7 +43,7 @@ from axiscal.exceptions import AmbiguityError, RecordError
 from axiscal.measurement.reading import Place, Reading
 from axiscal.numerics.remembered import Memo
 from axiscal.planning.promise import plan_basis
-from axiscal.record.accepted import Accepted
+from axiscal.record.accepted import Accepted, Bumped
 from axiscal.record.copies import created_log, opened_log, refuse_other, write_copy
 from axiscal.record.events import (
     Asked,
@@ -204,7 +204,9 @@ class Campaign(Closing):
         refuse_finished(self.state.finished, self.path)
         place = at or self.open_question().place
         refuse_unreadable(self.description.setup(place.setup), (value, *others), std, self.state.mounted)
-        time = self._clock() if live else None
+        now = (datetime.now(UTC) - datetime.fromisoformat(self.begun)).total_seconds()
+        last = (each.time or 0.0 for each in self.state.readings[-1:])  # a clock that goes back stands
+        time = max([0.0, round(now, 3), *last]) if live else None
         where = place.setup, place.pose, place.approach
         self._append(Recorded(Reading(*where, value, std, None, accepted, others, time, check=place.check)))
         return self.state.readings[-1]
@@ -221,6 +223,10 @@ class Campaign(Closing):
     def note(self, text: str) -> None:
         """Keep a sentence in the record, also after the end; or the temperature of a scale, which counts."""
         self._append(note_told(self.description, self.state, text, self.path))
+
+    def bump(self, controller: str, moved: float) -> None:
+        """Keep by how much the bump in the tables of a control moved the tool today, m, also after the end."""
+        self._append(Bumped(controller, moved, datetime.now(UTC).date().isoformat()))
 
     def undo(self) -> Undoable:
         """Take back the last reading, skip, accepted mistake, temperature or finish; its question is open again."""
@@ -324,9 +330,8 @@ class Campaign(Closing):
         watch : called with the beginning and with every reading that is kept
         Raises SourceError, or KeyboardInterrupt between two readings; what was kept is kept.
         """
-        path = [self._milestone()]
+        path, in_a_row = [self._milestone()], 0
         watch(path[0])
-        in_a_row = 0
         with noted_interrupts() as heeding:
             while not isinstance(asked := self._next_of_run(path), Ended):
                 with heeding():
@@ -375,16 +380,11 @@ class Campaign(Closing):
         self._take_in(self._record.state())
 
     def _take_in(self, state: State) -> None:
-        """Go on from a state; with set-ups that were mounted anew or are warm, from another description, too."""
+        """Go on from a state; with set-ups mounted anew or warm, and bumps, from another description, too."""
         before, self.state = self.state, state
-        if (state.mounted, state.warmed) != (before.mounted, before.warmed):
+        if (state.mounted, state.warmed, state.bumps) != (before.mounted, before.warmed, before.bumps):
             self.description = described(self._record)
             self._memo = Memo(_ANSWERS)
-
-    def _clock(self) -> float:
-        """Return the seconds since the record was begun; never less than at the reading before."""
-        now = (datetime.now(UTC) - datetime.fromisoformat(self.begun)).total_seconds()
-        return max([0.0, round(now, 3), *(r.time for r in self.state.readings[-1:] if r.time is not None)])
 
     def _times(self) -> Timed:
         readings = self.state.readings

@@ -54,7 +54,7 @@ def described(record: EventLog) -> CampaignDescription:
             what = "The record is damaged: event {number} cannot be: {reason}"
             raise RecordError(what, restoring(record.path), record.path, number=stored.number, reason=fault)
         possible = possible.after(stored.event)
-    return with_mounted(description, state.mounted, state.warmed)
+    return replace(with_mounted(description, state.mounted, state.warmed), bumps=state.bumps)
 
 
 def beginning_of(description: CampaignDescription) -> Created:

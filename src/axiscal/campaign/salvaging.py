@@ -40,7 +40,7 @@ class _Entry(NamedTuple):
 
 _MOST = 20
 """So many stretches and entries are listed in the note; all are printed."""
-_BEHIND_THE_END = {"finished", "noted", "signed"}
+_BEHIND_THE_END = {"finished", "noted", "bumped", "signed"}
 """Kinds of events that a campaign ends with."""
 
 

@@ -22,7 +22,7 @@ from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
 from axiscal.cli.printing import complain, say
-from axiscal.exceptions import AxiscalError, InputError
+from axiscal.exceptions import AxiscalError, InputError, PortError
 from axiscal.language.spoken import later, said, speaking
 from axiscal.present.whose_language import chosen
 
@@ -129,7 +129,14 @@ class AllCommands(TyperGroup):
 
 def _command(name: str, place: str) -> Any:
     file, _, function = place.partition(".")
-    module = import_module(f"axiscal.cli.{file}")
+    try:
+        module = import_module(f"axiscal.cli.{file}")
+    except ModuleNotFoundError as missing:
+        port = (missing.name or "").removeprefix("axiscal.ports.")
+        if port == missing.name:
+            raise
+        remedy = "Install the package that brings it"
+        raise PortError("{command} needs {name}, which is not installed", remedy, command=name, name=port) from None
     if not gc.isenabled():  # as `main` leaves it: what is loaded stays, and need not be looked through
         gc.freeze()
         gc.enable()

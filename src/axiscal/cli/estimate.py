@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from axiscal.answers.prediction import predict_poses
+from axiscal.campaign.beginning import campaign_with_sisters
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs, RecordFile, Unit, length_unit
@@ -24,7 +25,6 @@ from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
-from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.present.beside import beside_the_tool
 from axiscal.present.delivery import evaluated
 from axiscal.present.findings import copies, regular_places, untimed

@@ -17,11 +17,11 @@ from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Anyway, Json, RecordFile, Template
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.rewriting import PROGRAM, Rewriting
-from axiscal.document.file import bounded_content
-from axiscal.document.ports import ours
+from axiscal.document.ports import part
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import ending, joined, said, speaking
 from axiscal.machine.axis import ROTARY_LETTERS
+from axiscal.measurement.readers.text_file import exact_text
 from axiscal.present.delivery import introduced, write_files
 from axiscal.present.findings import findings
 from axiscal.present.result_set import result_set, write_manifest
@@ -32,9 +32,6 @@ from axiscal.tables.exporter import ExportOptions, informed
 from axiscal.tables.loaded import read_old
 from axiscal.tables.offer import Export, effect_sentence
 from axiscal.units import parse_quantity, to_unit
-
-MOST_BYTES = 4_000_000
-"""A template has some thousand bytes; whatever is far larger is another file."""
 
 
 def export(
@@ -139,12 +136,14 @@ def export(
     if to == "list":
         say("\n".join([*registry.controllers(), PROGRAM]))
         return
+    if flip and probe_sign:
+        raise typer.BadParameter(said("--probe-sign finds the sign that --flip states: give one of them"))
     to = registry.named(to)
     options = ExportOptions(
         spacing=_spacing(spacing or []),
         unit=unit,
         numbers=_numbers(number or [], coordinates),
-        template=None if template is None else template_text(template),
+        template=None if template is None else exact_text(template),
         template_name=str(template or "the template"),
         name=name,
         mesh=mesh,
@@ -162,20 +161,21 @@ def export(
         return
     given += [name for name, value in wanted.items() if value is not None]
     registry.refuse_untaken(to, given)
-    loader = None if load is None else ours("ports.printers.printer_source:loader_at")(load, to)
+    loader = None if load is None else part("printer-loader")(load, to)
     if loader is not None and zero is None:
         options = replace(options, zero=loader.zero())
     with speaking("en"), Campaign.open(record, write=False) as campaign:  # README.txt is in English
         estimation = campaign.estimate(ended=True)
-        options = informed(options, estimation.case.description, to)
-        missing = [axis.name for axis in estimation.case.description.machine.axes if axis.name not in options.numbers]
+        described = estimation.case.description
+        options = informed(options, replace(described, bumps=()) if probe_sign else described, to)
+        missing = [axis.name for axis in described.machine.axes if axis.name not in options.numbers]
         if coordinates is not None and missing:
             what, remedy = "--coordinates names no joint of {axes}", "write the letters of all axes, as in the INI file"
             raise TableError(what, remedy, axes=joined(missing))
         options = replace(options, origin=record_state(campaign).hash)
-        into = None if ini is None else ours("ports.linuxcnc.configuring:export_into")
+        into = None if ini is None else part("linuxcnc-configuration")
         estimate = estimation.estimate()
-        estimate, bump = bumped(estimate, to, registry.exporter(to).unstated) if probe_sign else (estimate, "")
+        estimate, bump = bumped(estimate, to, registry.unstated(to)) if probe_sign else (estimate, "")
         offered = registry.export(estimate, to, options) if into is None else into(ini, estimate, options)
         offered = replace(offered, readme=f"{bump}\n{offered.readme}") if bump else offered
         if estimation.agreement.withheld and not anyway:
@@ -233,7 +233,7 @@ def _spacing(texts: list[str]) -> float | dict[str, float] | None:
 def _zero(text: str) -> tuple[float, float]:
     """Return the place where a printer homes Z, m, stated or from its file; raises TableError, UnitError."""
     if Path(text).is_file():
-        found: tuple[float, float] | None = ours("ports.printers.homing:zero_in")(read_old([text])[0].text)
+        found: tuple[float, float] | None = part("printer-zero")(read_old([text])[0].text)
         if found is None:
             raise TableError("this file states no place where Z is homed", 'write --zero "150 mm, 150 mm"', text)
         return found
@@ -255,20 +255,6 @@ def _numbers(texts: list[str], coordinates: str | None) -> dict[str, tuple[int, 
     for axis, number in pairs:
         found[axis] = (*found.get(axis, ()), int(number))
     return found
-
-
-def template_text(path: Path) -> str:
-    """Return what a control has saved; raises TableError."""
-    try:
-        data = bounded_content(path, MOST_BYTES)
-    except OSError as fault:
-        remedy = "give the file of the compensation alone"
-        raise TableError("the template cannot be read: {reason}", remedy, path, reason=fault.strerror) from None
-    try:
-        return data.decode("ascii")
-    except UnicodeDecodeError as fault:
-        line = data.count(b"\n", 0, fault.start) + 1
-        raise TableError("the template is not plain text", "save it from the control as text", path, line) from None
 
 
 def _document(offered: Export, out: Path) -> dict[str, object]:

@@ -55,7 +55,6 @@ def due(
     """
     wanted = None if target is None else above_zero(target, "length")
     found = due_dates(records_of(folder), (today or datetime.now(UTC)).date(), wanted, tables)
-    (once, once_std), (year, year_std) = found.aging.at_once, found.aging.yearly
     document = {
         "machines": [
             {
@@ -71,8 +70,8 @@ def due(
             }
             for each in found.machines
         ],
-        "kept_at_once": {"mean": once, "std": once_std},
-        "kept_in_a_year": {"mean": year, "std": year_std},
+        "kept_at_once": dict(zip(("mean", "std"), found.aging.at_once, strict=True)),
+        "kept_in_a_year": dict(zip(("mean", "std"), found.aging.yearly, strict=True)),
         "pairs": found.aging.pairs,
         "left_out": [{"file": each.file, "why": each.left_out} for each in found.left_out],
     }

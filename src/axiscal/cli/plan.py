@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.beginning import begun_campaign
+from axiscal.campaign.beginning import begun_campaign, campaign_with_sisters
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json, above_zero
 from axiscal.cli.printing import say, say_document, say_either
@@ -37,12 +37,11 @@ from axiscal.planning.proposal import (
     refuse_unless_provable,
 )
 from axiscal.planning.unseen import seen_as_one
-from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.present.machine_drawing.setup_picture import plan_picture
 from axiscal.present.plan_answer import plan_answer
 from axiscal.present.plan_words import plan_list, plan_screen
 from axiscal.programs import write_programs
-from axiscal.programs.dialect import dialect
+from axiscal.programs.dialects import dialect
 from axiscal.units import to_unit
 
 _GAP = 0.5

@@ -22,6 +22,7 @@ from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import counted, joined, later, listed, quoted, said
 from axiscal.machine import Machine
 from axiscal.measurement.instrument import model_of
+from axiscal.measurement.readers.csv_table import approach_of
 from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose
 from axiscal.measurement.setup import Setup
 from axiscal.present.guide.progress import contradictions, doubted, last_doubt, open_question, others_doubted
@@ -38,8 +39,6 @@ def record(
         typer.Argument(metavar="VALUE", help='The reading with its unit, such as "-1.7 um".'),
     ] = None,
     std: Annotated[str | None, typer.Option(metavar="STD", help="Standard deviation; default: the set-up's.")] = None,
-    skip: Annotated[str | None, typer.Option(hidden=True)] = None,
-    leave: Annotated[str | None, typer.Option(hidden=True)] = None,
     at: Annotated[str | None, typer.Option(metavar="PLACE", help="Where it was taken, if not where asked.")] = None,
     setup: Annotated[str | None, typer.Option(metavar="NAME", help="The set-up it was taken in, with --at.")] = None,
     approach: Annotated[str | None, typer.Option(metavar="SIDES", help='Last motion, such as "X+ Y-".')] = None,
@@ -73,11 +72,6 @@ def record(
             raise typer.BadParameter(said("--log brings readings of its own; it takes only --programs and --json"))
         _record_log(record, log, programs, json)
         return
-    if skip is not None or leave is not None:  # the old names of `skip`
-        if text or at or setup or approach or std or accept or (skip is not None and leave is not None):
-            raise typer.BadParameter(said("a reading is skipped alone: axiscal step skip RECORD REASON"))
-        skipped(record, skip or leave or "", leave=leave is not None, then_next=then_next, as_json=json)
-        return
     if not value:
         raise typer.BadParameter(said("give either VALUE or --log FILE"))
     if at is None and (setup or approach):
@@ -106,18 +100,6 @@ def record(
         document |= {"surprise": None if doubt is None else round(doubt.surprise, 2), "mind": minded}
         lines = [line, *(said("Mind: {sentence}", sentence=sentence) for sentence in minded)]
         _answered(campaign, document, lines, then_next=then_next, as_json=json)
-
-
-def skipped(record: Path, reason: str, *, leave: bool, then_next: bool, as_json: bool) -> None:
-    """Skip the reading that is asked for.  leave : with all that its set-up could still read"""
-    with opened_to_write(record) as campaign:
-        costs = cost_words(campaign, rest=leave)
-        asked = campaign.skip(reason, rest=leave)
-        done = "Left the set-up at {reading}: {reason}" if leave else "Skipped {reading}: {reason}"
-        lines = [said(done, reading=asked_text(campaign, asked), reason=reason.strip()), cost_sentence(costs)]
-        lines += [said("Take it back: axiscal step undo {record}", record=record)] if costs else []
-        document: dict[str, object] = {"skipped": asked.reading, "set_up_left": leave, "costs": costs}
-        _answered(campaign, document, lines, then_next=then_next, as_json=as_json)
 
 
 def _answered(
@@ -201,7 +183,6 @@ def _kept(campaign: Campaign, reading: Reading) -> tuple[dict[str, object], str]
 
 
 _ENTRY = re.compile(r"\s*([A-Z][0-9]?)\s*=\s*([^=,;]*?)\s*(?:[,;]|(?=\s[A-Z][0-9]?\s*=)|$)")
-_DIRECTION = re.compile(r"([A-Z][0-9]?)([+−-])")
 
 
 def _setup(campaign: Campaign, name: str | None) -> Setup:
@@ -229,15 +210,9 @@ def _position(text: str, machine: Machine) -> dict[str, float]:
 
 
 def _directions(text: str) -> dict[str, int]:
-    directions: dict[str, int] = {}
-    for word in re.split(r"[\s,;]+", text.strip()):
-        found = _DIRECTION.fullmatch(word)
-        if word and (found is None or found[1] in directions):
-            raise ReadingError(
-                '"{text}" is not an approach', 'Write each axis once, as in --approach "X+ Y-"', text=text
-            )
-        if found:
-            directions[found[1]] = 1 if found[2] == "+" else -1
+    if (directions := approach_of(text)) is None:
+        remedy = 'Write each axis once, as in --approach "X+ Y-"'
+        raise ReadingError('"{text}" is not an approach', remedy, text=text)
     return directions
 
 
@@ -257,7 +232,15 @@ def skip(
       axiscal step skip mill.axiscal "the beam is blocked here"
       axiscal step skip mill.axiscal "the laser has to go back" --leave
     """
-    skipped(record, " ".join(reason), leave=leave, then_next=then_next, as_json=json)
+    why = " ".join(reason)
+    with opened_to_write(record) as campaign:
+        costs = cost_words(campaign, rest=leave)
+        asked = campaign.skip(why, rest=leave)
+        done = "Left the set-up at {reading}: {reason}" if leave else "Skipped {reading}: {reason}"
+        lines = [said(done, reading=asked_text(campaign, asked), reason=why.strip()), cost_sentence(costs)]
+        lines += [said("Take it back: axiscal step undo {record}", record=record)] if costs else []
+        document: dict[str, object] = {"skipped": asked.reading, "set_up_left": leave, "costs": costs}
+        _answered(campaign, document, lines, then_next=then_next, as_json=json)
 
 
 def placed_log(log: Path, programs: Path, description: CampaignDescription) -> tuple[Reading, ...]:

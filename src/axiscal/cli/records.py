@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from axiscal.campaign.beginning import campaign_with_sisters
 from axiscal.campaign.evidence import signed_text
 from axiscal.campaign.possible import beginning_of, described
 from axiscal.campaign.salvaging import salvaged
@@ -15,7 +16,6 @@ from axiscal.cli.printing import say_either
 from axiscal.cli.texts import opened_to_write
 from axiscal.exceptions import NewerError
 from axiscal.language.spoken import counted, said
-from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.record.copies import file_name, is_stored, opened_log, write_copy
 from axiscal.record.log import rows_of
 from axiscal.record.signing import key_file, make_key

@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from axiscal.campaign.beginning import with_sisters
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, because_text
 from axiscal.campaign.sources import open_source
@@ -22,7 +23,6 @@ from axiscal.estimation.case import Case
 from axiscal.exceptions import RecordError, TargetError
 from axiscal.language.spoken import capital, counted, said
 from axiscal.measurement.simulation import Simulator
-from axiscal.ports.fleet.type_learning import with_sisters
 from axiscal.present.demo import description, run_demo
 from axiscal.present.result_set import RECORD, mend
 from axiscal.record.events import Asked, Created, Planned

@@ -11,15 +11,16 @@ from typing import Annotated
 import typer
 
 from axiscal.answers.answer_of_campaign import advised_control
-from axiscal.answers.answer_words import WIDTH, digits
+from axiscal.answers.answer_words import WIDTH, digits, wrapped
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Source
 from axiscal.cli.arguments import Details, Json, PlacesFile, RecordFile, Template
-from axiscal.cli.export import template_text
 from axiscal.cli.printing import say, say_document, say_either
+from axiscal.cli.texts import opened_to_write
 from axiscal.document.durable import write_whole
 from axiscal.evaluation.check import USUAL, Check, Taken
 from axiscal.language.spoken import ending, joined, listed, said
+from axiscal.measurement.readers.text_file import exact_text
 from axiscal.measurement.reading import Places
 from axiscal.present.check_answer import check_answer, check_details, check_plan, check_screen
 from axiscal.record.signing import own_hand
@@ -51,7 +52,8 @@ def verify(
     bump: Annotated[
         str | None,
         typer.Option(
-            metavar="LENGTH", help="What the bump of `export --probe-sign` moved: which sign has the control?"
+            metavar="LENGTH",
+            help="What the bump of `export --probe-sign` moved; the record keeps the sign of the control.",
         ),
     ] = None,
     points: Annotated[
@@ -95,7 +97,7 @@ def verify(
     """
 
     if bump is not None:
-        _say_sign(record, to, bump)
+        _keep_sign(record, to, bump, json)
         return
     if (found is None) != (left is None):
         raise typer.BadParameter(said("give --found and --left together, or neither to get a plan"))
@@ -118,7 +120,7 @@ def verify(
         )
     options = ExportOptions()
     if template is not None:
-        options = ExportOptions(template=template_text(template), template_name=str(template))
+        options = ExportOptions(template=exact_text(template), template_name=str(template))
     with Campaign.open(record, write=False) as campaign:
         control = registry.named(to or advised_control(campaign))
         registry.refuse_untaken(control, options.given)
@@ -165,14 +167,22 @@ def verify(
         say("\n".join([*check_screen(answer), *ending({said("Next"): coming})]))
 
 
-def _say_sign(record: Path, to: str | None, bump: str) -> None:
-    """Say which way a control takes its tables, and how they are exported then.  bump : what it moved the tool by"""
+def _keep_sign(record: Path, to: str | None, bump: str, as_json: bool) -> None:
+    """Keep and say which way a control takes its tables.  bump : what it moved the tool by"""
     if to is None:
         raise typer.BadParameter(said("--bump is of one control: name it, --to CONTROLLER"))
-    other = other_way(parse_quantity(bump, "length"))
+    control, moved = registry.named(to), parse_quantity(bump, "length")
+    registry.unstated(control)
+    other = other_way(moved)
+    with opened_to_write(record) as campaign:
+        campaign.bump(control, moved)
     found = said("The control takes its tables the other way round.") if other else said("As assumed.")
-    again = f"axiscal export {shlex.quote(str(record))} --to {shlex.quote(to)}{' --flip' if other else ''}"
-    say("\n".join([found, *ending({said("Next"): [again]})]))
+    kept = said(
+        "The record keeps it, and its tables for {controller} follow; another --bump changes it.", controller=control
+    )
+    again = f"axiscal export {shlex.quote(str(record))} --to {shlex.quote(control)}"
+    document = {"verdict": None, "sign": "other way round" if other else "as assumed", "next": again}
+    say_either(as_json, "axiscal-verify/1", document, [*wrapped(f"{found} {kept}"), *ending({said("Next"): [again]})])
 
 
 _PROBES = {"linuxcnc-live": "sphere", "moonraker": "probe"}

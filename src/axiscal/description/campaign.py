@@ -30,6 +30,7 @@ from axiscal.machine.entry import Sure
 from axiscal.machine.motion import Driving
 from axiscal.measurement.instruments.kind import CARRIED, TRUED
 from axiscal.measurement.setup import Setup, Vector
+from axiscal.record.accepted import Bumped
 from axiscal.record.events import Mounted, Warmed
 from axiscal.units import format_quantity
 
@@ -92,6 +93,7 @@ class CampaignDescription:
     controls : those whose files a finished campaign gets, the first one first
     unsourced : what is stated of the tool without a source, and does not count
     screws : under the bed of a printer; None where nobody states them
+    bumps : what the record says of the signs of controls
     """
 
     machine: Machine
@@ -112,12 +114,17 @@ class CampaignDescription:
     controls: tuple[str, ...] = ("linuxcnc",)
     unsourced: tuple[Unsourced, ...] = ()
     screws: BedScrews | None = None
+    bumps: tuple[Bumped, ...] = ()
 
     @property
     def unsaid_offsets(self) -> list[str]:
         """The set-ups of a printer's probe of which nobody says how far it stands beside the nozzle."""
         probes = (each for each in self.setups if each.instrument == "probe" and each.chart is None)
         return [each.name for each in probes if each.offset is None and set(self.controls) <= _PRINTERS]
+
+    def bump_of(self, controller: str) -> Bumped | None:
+        """Return the latest bump in the tables of a control, None where nobody has read one."""
+        return next((each for each in reversed(self.bumps) if each.controller == controller), None)
 
     def setup(self, name: str) -> Setup:
         """Return the set-up of that name; raises DescriptionError when there is none."""

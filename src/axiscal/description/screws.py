@@ -73,10 +73,7 @@ class ScrewsTable(Table):
 
 def screws_text(thread: str, places: Mapping[str, tuple[float, float]]) -> str:
     """Return the lines of campaign.toml.  places : m"""
-    at = (f'"{name}" = [{", ".join(_quoted(each) for each in place)}]' for name, place in places.items())
+    shown = ((name, [f'"{format_quantity(each, "mm", 6)}"' for each in place]) for name, place in places.items())
+    at = (f'"{name}" = [{", ".join(each)}]' for name, each in shown)
     said = "\n[screws]                        # CHECK: under the bed; the first one stays\n"
     return f'{said}thread = "{thread}"\nplaces = {{ {", ".join(at)} }}\n'
-
-
-def _quoted(length: float) -> str:
-    return f'"{format_quantity(length, "mm", 6)}"'

@@ -181,7 +181,7 @@ class SiteReader:
     def _circle(self, centre: Vector, length: float, artefact: Artefact | None, plane: tuple[Vector, Vector]) -> Circle:
         first, second = map(np.array, plane)
         free, cone = self._cone(artefact)
-        turning = self._turning()
+        turning = np.array([self._table.turning.get(axis.name, 0.0) for axis in self._machine.axes])
         circle = Circle(
             self._room(artefact),
             np.array(centre),
@@ -220,9 +220,6 @@ class SiteReader:
     def _overrun(self) -> float:
         return max(axis.overrun for axis in self._machine.axes if not axis.rotary)
 
-    def _turning(self) -> Array:
-        return np.array([self._table.turning.get(axis.name, 0.0) for axis in self._machine.axes])
-
     def _cone(self, artefact: Artefact | None) -> tuple[Array, float]:
         if artefact is None:
             return np.array([0.0, 0.0, 1.0]), _FREE_CONE
@@ -239,7 +236,9 @@ class SiteReader:
         park, free, at = self._park(turning), np.array(artefact.free), artefact.points
         contact = self._table.instrument.contact
         back = 0.0 if contact == "held" else self._table.retract or RETRACT
-        touching = back, self._coming(), self._touching(artefact)
+        even = evened(self._table)  # both sides of approach: none is come from
+        coming = np.array([0.0 if axis.rotary or even else axis.overrun for axis in self._machine.axes])
+        touching = back, coming, self._touching(artefact)
         each = tuple(
             Held(self._room(artefact, i), at[i], free, artefact.cone, turning, park, coordinates, *touching)
             for i in balls
@@ -249,10 +248,6 @@ class SiteReader:
         unknowns = (*unknowns_at(artefact, balls), *size, *self._tool)
         moves = tuple(sorted({*turning, *linear_axes(self._machine)}))
         return Site(chart, moves, tuple(park), contact, unknowns, artefact, balls)
-
-    def _coming(self) -> Array:
-        """Return how far the linear axes go to come from a side, (q,) m; nothing where both sides are evened."""
-        return np.array([0.0 if axis.rotary or evened(self._table) else axis.overrun for axis in self._machine.axes])
 
     def _touching(self, artefact: Artefact) -> Callable[[Array], Array] | None:
         """Return where the axes go to touch a ball from all sides; None where they do not, or a size is not known."""

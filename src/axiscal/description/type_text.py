@@ -143,7 +143,8 @@ def _check(found: TypePrior) -> None:
     if not 0 < found.doubt < 1:
         raise ValueError(f"{found.doubt} is no doubt between 0 and 1")
     for name, matrix in (("covariance", found.covariance), ("own part", found.own)):
-        if not np.all(np.isfinite(matrix)) or np.linalg.eigvalsh(_correlated(matrix)).min() < -1e-8:
+        scale = np.sqrt(np.maximum(np.diagonal(matrix), np.finfo(float).tiny))
+        if not np.all(np.isfinite(matrix)) or np.linalg.eigvalsh(matrix / scale[:, None] / scale).min() < -1e-8:
             raise ValueError(f"its {name} is none")
 
 
@@ -151,11 +152,6 @@ def _digest(document: Mapping[str, Any]) -> str:
     """Return the SHA-256 of all that it says besides this."""
     said = {key: value for key, value in document.items() if key != "digest"}
     return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()
-
-
-def _correlated(matrix: Array) -> Array:
-    scale = np.sqrt(np.maximum(np.diagonal(matrix), np.finfo(float).tiny))
-    return matrix / scale[:, None] / scale
 
 
 def _packed(matrix: Array) -> str:

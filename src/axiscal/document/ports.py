@@ -1,18 +1,19 @@
-"""Ports, each loaded at its first use: ours by their place, those of installed packages by their entry points."""
+"""What packages bring, ours and others, found by their entry points and loaded at its first use."""
 
 from __future__ import annotations
 
-from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from axiscal.exceptions import PortError
 
 
-def ours(place: str) -> Any:
-    """Return what a port of ours has, loaded now.  place : its module below axiscal, and a name there: `module:name`"""
-    module, _, name = place.partition(":")
-    return getattr(import_module(f"axiscal.{module}"), name)
+def part(name: str) -> Any:
+    """Return a part that other rooms use and can do without; raises PortError where its package is not installed."""
+    found = one_of("axiscal.parts", name)
+    if found is None:
+        raise PortError("{name}: this part is not installed", "Install the package that brings it", name=name)
+    return found
 
 
 def names(group: str) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from axiscal.errors.volume import EVERY_WAY, Box, Counted, deviation_of
 from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
-from axiscal.machine.description import Machine
+from axiscal.machine import Axis, Machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -101,6 +101,13 @@ class Estimate:
     def factor(self) -> Array:
         """F (size, n) with F Fᵀ the posterior covariance of the machine's coefficients."""
         return self.belief.factor[: self.model.size]
+
+    @property
+    def half_read(self) -> list[tuple[Axis, tuple[float, float]]]:
+        """The axes of which half of a wanted volume or more was not read, and from where to where it was, m or rad."""
+        found = zip(self.machine.axes, self.box, self.read, strict=True) if self.whole else ()
+        stretches = ((axis, box, (max(box[0], read[0]), min(box[1], read[1]))) for axis, box, read in found)
+        return [(axis, part) for axis, box, part in stretches if 2 * (part[1] - part[0]) <= box[1] - box[0]]
 
     def curve(self, name: str, positions: Array) -> Band:
         """Return an error at positions of its axis, m or rad."""

@@ -15,7 +15,7 @@ from axiscal.description.campaign import CampaignDescription, Particulars
 from axiscal.document.durable import write_whole, written
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import ReadingError, TableError
-from axiscal.language.spoken import said, speaking
+from axiscal.language.spoken import put, said, speaking
 from axiscal.language.stages import stage
 from axiscal.measurement.reading import Reading
 from axiscal.present.result_document import EFFECT, READINGS, readings_csv, result_json
@@ -60,7 +60,7 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
         files = [each for each in made.values() if isinstance(each, Export)]
         controls = {each.controller: each.control for each in files if each.controller in described.controls}
         answer = answer_of(campaign, estimation, controls, written=True, anyway=extras.anyway)
-        offers = [_offer(name, each) for name, each in made.items()]
+        offers = [_offer(name, each, described) for name, each in made.items()]
         advised = {step.control for step in answer.steps}
         best = min(files, key=lambda each: (each.controller not in advised, each.expected), default=None)
         summary = summarise(campaign, estimation, replace(extras, tables=offers, best=best, answer=answer))
@@ -116,11 +116,13 @@ def _made(estimation: Estimation, controller: str, anyway: bool) -> Export | str
         return str(refusal)
 
 
-def _offer(controller: str, made: Export | str) -> TableOffer:
+def _offer(controller: str, made: Export | str, described: CampaignDescription) -> TableOffer:
     """Return what the files for one control hold and leave, or why there are none."""
     if isinstance(made, str):
         return TableOffer(controller, {}, made)
     left = effect_sentence(said("All files together"), made.effect, made.known)
+    if (bump := described.bump_of(controller)) is not None:
+        left = put("{left} {sign}", left=left, sign=said("Sign measured on {day}.", day=bump.day))
     effect = {
         name: to_unit(each, "um")
         for name, each in zip(EFFECT, (*made.effect, made.expected, made.certain), strict=True)

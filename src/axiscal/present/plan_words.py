@@ -204,8 +204,8 @@ def bound_sentence(answer: PlanAnswer) -> str:
     best = f"make J smaller than {answer.bound_J:.4g}" if bound is None else f"be better than {bound:.3g} um"
     own = f"{answer.J:.4g}" if bound is None else f"{answer.rms_um:.3g} um"
     text = f"No plan of {readings} {where} can {best}; this one gives {own}"
-    if answer.proof_gap_percent is not None:
-        text += f"; the proof stopped at a gap of {_percent(answer.proof_gap_percent)}"
+    if (gap := answer.proof_gap_percent) is not None:
+        text += f"; the proof stopped at a gap of {f'{gap:.2g}' if gap < 100 else f'{gap:.0f}'} %"
     if bound is None:
         return f'{text}. J is the figure that criterion = "{answer.criterion}" makes small.'
     if answer.reachable_rms_um < _MUCH * bound:
@@ -223,7 +223,3 @@ def _searches(found: OtherSearches) -> str:
     less = put("{percent:.2g}", percent=100 * (1 - found.share))
     what = "{searches} from other starts: {better} better, the best by {percent} % of J."
     return said(what, searches=searches, better=found.better, percent=less)
-
-
-def _percent(value: float | None) -> str:
-    return "unknown" if value is None else f"{value:.2g} %" if value < 100 else f"{value:.0f} %"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from axiscal.programs.dialect import controllers, dialect
+from axiscal.programs.dialects import controllers, dialect
 from axiscal.programs.plan_files import write_programs
 from axiscal.programs.program import Program, programs
 

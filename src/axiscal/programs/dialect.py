@@ -11,17 +11,11 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from axiscal.document import meant, shown
-from axiscal.document.ports import names, one_of, ours
 from axiscal.exceptions import ProgramError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.programs.steps import Touched
-
-PORTS = "axiscal.dialects"
-"""Group of the entry points by which packages bring words of a control."""
-_DIALECTS = ("linuxcnc", "sinumerik", "heidenhain", "fanuc", "isg")
 
 LETTERS = "XYZABCUVW"
 Lines = tuple[str, ...]
@@ -185,23 +179,3 @@ class Dialect:
 def filled(lines: Iterable[str], **values: object) -> list[str]:
     """Return lines with their blanks filled in."""
     return [line.format(**values) for line in lines]
-
-
-def controllers() -> tuple[str, ...]:
-    """Return the names of the controls that axiscal knows itself."""
-    return _DIALECTS
-
-
-def dialect(controller: str) -> Dialect:
-    """Return the words of a control; raises ProgramError for one that is not known."""
-    name = controller.casefold()
-    if name not in _DIALECTS:
-        if (brought := one_of(PORTS, controller)) is not None:
-            words: Dialect = brought
-            return words
-        known = (*_DIALECTS, *names(PORTS))
-        remedy = meant(controller, known, quoted="{}")
-        what = "{name} is not a controller that programs can be written for"
-        raise ProgramError(what, remedy, name=shown(controller))
-    found: Dialect = ours(f"programs.dialects:{name.upper()}")
-    return found

@@ -8,6 +8,9 @@ from dataclasses import fields
 from importlib import resources
 from typing import Any
 
+from axiscal.document import meant, shown
+from axiscal.document.ports import names, one_of
+from axiscal.exceptions import ProgramError
 from axiscal.language.spoken import later
 from axiscal.programs.dialect import Dialect, Log
 
@@ -33,3 +36,21 @@ FANUC, HEIDENHAIN, ISG, SINUMERIK = map(_dialect, ("fanuc", "heidenhain", "isg",
 LINUXCNC = _dialect(
     "linuxcnc", later("xyzac- and xyzbc-trt-kins are for w-C'-A'- and w-C'-B'-; choose another control")
 )
+_DIALECTS = {"linuxcnc": LINUXCNC, "sinumerik": SINUMERIK, "heidenhain": HEIDENHAIN, "fanuc": FANUC, "isg": ISG}
+PORTS = "axiscal.dialects"
+"""Group of the entry points by which packages bring words of a control."""
+
+
+def controllers() -> tuple[str, ...]:
+    """Return the names of the controls that axiscal knows itself."""
+    return tuple(_DIALECTS)
+
+
+def dialect(controller: str) -> Dialect:
+    """Return the words of a control; raises ProgramError for one that is not known."""
+    found: Dialect | None = _DIALECTS.get(controller.casefold()) or one_of(PORTS, controller)
+    if found is None:
+        remedy = meant(controller, (*_DIALECTS, *names(PORTS)), quoted="{}")
+        what = "{name} is not a controller that programs can be written for"
+        raise ProgramError(what, remedy, name=shown(controller))
+    return found

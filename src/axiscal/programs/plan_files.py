@@ -12,7 +12,7 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.readers.touch_log import LISTS, plan_code
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
-from axiscal.programs.dialect import dialect
+from axiscal.programs.dialects import dialect
 from axiscal.programs.program import Program, form, programs
 
 

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from axiscal.answers.prediction import tcp_prediction
+from axiscal.campaign.beginning import campaign_with_sisters
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import file_readings, placed_pose
-from axiscal.document.ports import ours
 from axiscal.errors.model import ErrorFunction
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
@@ -128,7 +128,6 @@ class Curve:
         return f"<Curve {self.name}: from {low:g} to {high:g} {self.position_unit}, {size}>"
 
 
-_CAMPAIGN = "ports.fleet.type_learning:campaign_with_sisters"
 Pose = Mapping[str, Quantity]
 """Coordinates by axis, m or rad or text; an axis that is left out stands in the middle of its travel."""
 
@@ -139,7 +138,9 @@ def estimate(campaign: Case | str | Path, readings: Sequence[Reading] | str | Pa
     campaign : a case, or the file campaign.toml; readings : of `Reading`, or a file that `axiscal data estimate` reads
     Raises InputError with file, line, value and remedy.
     """
-    description = campaign.description if isinstance(campaign, Case) else ours(_CAMPAIGN)(campaign, target_needed=False)
+    description = (
+        campaign.description if isinstance(campaign, Case) else campaign_with_sisters(campaign, target_needed=False)
+    )
     if isinstance(readings, str | Path):
         raw = read_any(Path(readings), description.machine.axes, description.setups)
         file = readings

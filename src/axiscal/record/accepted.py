@@ -1,4 +1,7 @@
-"""A mistake that a person accepted: what it makes of the readings so far. `undo` takes it back."""
+"""What a person found out: a mistake, with what it makes of the readings so far, or the sign of a control.
+
+`undo` takes a mistake back; another bump changes the sign.
+"""
 
 from __future__ import annotations
 
@@ -29,6 +32,15 @@ class Accepted:
     reading: int = 0
     factor: float = 1.0
     name: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Bumped:
+    """By how much the bump in the tables of a control moved the tool, m, on a day; its latest one counts."""
+
+    controller: str
+    moved: float
+    day: str
 
 
 def put_right(readings: Sequence[Reading], accepted: Accepted, machine: str = "") -> list[Reading]:

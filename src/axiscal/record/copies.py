@@ -13,16 +13,13 @@ from functools import partial
 from pathlib import Path
 
 from axiscal.document.durable import write_whole
-from axiscal.document.ports import ours
+from axiscal.document.ports import part
 from axiscal.exceptions import RecordError
 from axiscal.record.events import Created, Recorded
 from axiscal.record.line_form import EventText
 from axiscal.record.log import STORED, EventLog, in_one
 from axiscal.record.payload import encode
 from axiscal.record.store import Record, content_of, record_errors, refuse_existing
-
-_DATABASE, _SERVER_LOG = "ports.postgres.database:opened_database", "ports.postgres.server_log:ServerLog"
-
 
 Opened = Callable[[], AbstractContextManager[EventLog]]
 """How a record is opened to be read."""
@@ -43,7 +40,7 @@ def created_log(path: str | Path, created: Created) -> EventLog:
     if not is_stored(path):
         return Record.create(path, created)
     name = _name(path)
-    log: EventLog = ours(_SERVER_LOG).create(ours(_DATABASE)(), name, created)
+    log: EventLog = part("server-log").create(part("database")(), name, created)
     return log
 
 
@@ -52,7 +49,7 @@ def opened_log(path: str | Path, *, write: bool = True) -> EventLog:
     if not is_stored(path):
         return Record.open(path, write=write)
     name = _name(path)
-    log: EventLog = ours(_SERVER_LOG).open(ours(_DATABASE)(), name, write=write)
+    log: EventLog = part("server-log").open(part("database")(), name, write=write)
     return log
 
 
@@ -113,7 +110,7 @@ def records_of(shop: Path) -> list[Path]:
 def each_opened(shop: Path) -> Iterator[list[tuple[Path, Opened]]]:
     """Yield the records of a folder or of the store, each with how it is opened to be read; raises as `records_of`."""
     if is_store(shop):
-        with ours("ports.postgres.server_log:each_opened")() as there:
+        with part("server-logs")() as there:
             yield there
     else:
         yield [(file, partial(opened_log, file, write=False)) for file in records_of(shop)]

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 from axiscal.measurement.reading import Place, Reading
-from axiscal.record.accepted import Accepted, put_right
+from axiscal.record.accepted import Accepted, Bumped, put_right
 from axiscal.record.result import NOT_SAID, Result
 
 
@@ -146,7 +146,7 @@ class Newer:
 
 Done = Recorded | Skipped | Accepted | Warmed | Finished
 """What can be taken back."""
-Event = Created | Planned | Asked | Continued | Done | Noted | Mounted | Undone | Signed | Newer
+Event = Created | Planned | Asked | Continued | Done | Noted | Bumped | Mounted | Undone | Signed | Newer
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,7 +213,7 @@ class State:
     continued : what a plan made now rests on, where no limit is reached by these readings; None where nobody has looked
     undo : what can be taken back, the latest last
     mounted : set-ups that were mounted anew for a branch, or whose zero jumped later
-    notes : what was noted on the way; newer : entries of a newer version, which say nothing of readings
+    notes : what was noted; bumps : the latest last; newer : entries of a newer version, which say nothing of readings
     name : the hash chained over the contents of all events, 64 hex digits; "" where they are in no record
     """
 
@@ -232,6 +232,7 @@ class State:
     name: str = ""
     written: tuple[Reading, ...] = ()
     newer: tuple[Newer, ...] = ()
+    bumps: tuple[Bumped, ...] = ()
     continued: str | None = None
 
     @property
@@ -295,6 +296,7 @@ class Folding:
     notes: list[Note] = field(default_factory=list)
     mounted: list[Mounted] = field(default_factory=list)
     newer: list[Newer] = field(default_factory=list)
+    bumps: list[Bumped] = field(default_factory=list)
     highest: int = 0
     last: int = 0
 
@@ -313,9 +315,9 @@ class Folding:
         event = stored.event
         if isinstance(event, Created) is (self.created is not None):
             raise EventOrderError("the creation of the campaign is its first event, and no other one")
-        if self.finished is not None and not isinstance(stored.event, Undone | Noted | Signed | Newer):
+        if self.finished is not None and not isinstance(event, Undone | Noted | Bumped | Signed | Newer):
             raise EventOrderError("it comes after the end of the campaign")
-        if not isinstance(event, Planned | Asked | Noted | Signed | Newer):
+        if not isinstance(event, Planned | Asked | Noted | Bumped | Signed | Newer):
             self.continued = event.basis if isinstance(event, Continued) else None
         if isinstance(event, Created):
             self.created = event
@@ -332,10 +334,9 @@ class Folding:
             warm = event if isinstance(event, Warmed) else None
             self.notes.append(Note(event.text, stored.at, after, warm))
             self.undo += [Undoable(stored.number, warm, self.pending, self.highest)] if warm else []
-        elif isinstance(event, Mounted):
-            self.mounted.append(event)
-        elif isinstance(event, Newer):
-            self.newer.append(event)
+        elif isinstance(event, Mounted | Newer | Bumped):
+            kept: Mapping[type, list[Any]] = {Mounted: self.mounted, Newer: self.newer, Bumped: self.bumps}
+            kept[type(event)].append(event)
         elif isinstance(event, Accepted):
             self.undo.append(Undoable(stored.number, event, self.pending, self.highest, tuple(self.readings)))
             self._accept(event)
@@ -368,8 +369,7 @@ class Folding:
         if event.mistake == "jump" and event.reading > self.highest + 1:
             raise EventOrderError(f"reading {event.reading} is not the next one")
         try:
-            text = "" if self.created is None else self.created.machine_text
-            self.readings = put_right(self.readings, event, text)
+            self.readings = put_right(self.readings, event, self.created.machine_text if self.created else "")
         except ValueError as fault:
             raise EventOrderError(str(fault)) from None
         if event.name:

@@ -12,7 +12,7 @@ from axiscal.document.quoting import shown
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Place, Reading
 from axiscal.record import events
-from axiscal.record.accepted import KNOWN, Accepted
+from axiscal.record.accepted import KNOWN, Accepted, Bumped
 from axiscal.record.result import NOT_SAID, Result
 from axiscal.record.signing import Hand
 
@@ -172,6 +172,9 @@ _READ: Mapping[str, Callable[[Mapping[str, Any]], events.Event]] = {
     "noted": lambda fields: events.Noted(_is(str, fields["text"])),
     "warmed": lambda fields: events.Warmed(
         _is(str, fields["setup"]), _number(fields["temperature"]), _is(str, fields["text"])
+    ),
+    "bumped": lambda fields: Bumped(
+        _is(str, fields["controller"]), _number(fields["moved"], ABSURD), _is(str, fields["day"])
     ),
     "continued": lambda fields: events.Continued(_is(str, fields["grounds"])),
     "mounted": lambda fields: events.Mounted(*(_is(str, fields[name]) for name in ("setup", "name", "branch"))),

@@ -23,12 +23,8 @@ _SURE = 1e-10
 def bumped(estimate: Estimate, controller: str, unstated: str) -> tuple[Estimate, str]:
     """Return an estimate of one bump and nothing else, and which two readings tell the sign.
 
-    unstated : "own" where it is that of tables of an axis itself, "across" where it is that of one axis over another
-    Raises TableError where the sign is stated, and where the machine has no such error.
+    unstated : as of `Exporter`.  Raises TableError where the machine has no such error.
     """
-    if not unstated:
-        what = "{controller} states which way it takes its tables"
-        raise TableError(what, "Leave --probe-sign out", controller=controller)
     model, machine = estimate.model, estimate.machine
     ways = {letter_direction(axis.letter) for axis in machine.axes if not axis.rotary}
 

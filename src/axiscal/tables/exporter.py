@@ -35,11 +35,6 @@ _BEGINNING = later(
     "campaign.toml. New tables go on top of what was active; until it is said they are written as if nothing was, and "
     "ask."
 )
-FLIP = (
-    "WHICH WAY DOES THE CONTROL TAKE THESE VALUES? No text of its maker that we know says so. Before these files load "
-    "those of axiscal export --probe-sign, take their two readings, and give them to axiscal verify --bump: if it is "
-    "the other way round, export with --flip."
-)
 REPORTS = ("csv",)
 """What is read by people or other programs, not loaded in place of something."""
 _QUESTION = (
@@ -50,16 +45,42 @@ _QUESTION = (
 
 
 def informed(options: ExportOptions, description: CampaignDescription, controller: str) -> ExportOptions:
-    """Return options that know what the campaign says of a compensation that was active; raises ReadingError.
+    """Return options that know what the campaign says of the control's sign, and of a compensation that was active.
 
     Files that campaign.toml names lie beside it; others go before them. What is only read is not put on top of them.
+    Raises ReadingError, and TableError for `flip` where the control takes its values as supposed.
     """
-    said = description.compensation_active
+    options, said = _with_sign(options, description, controller), description.compensation_active
     if said is None or isinstance(said, bool):
         return replace(options, active=said)
     if options.old_files or controller in REPORTS:
         return replace(options, active=True)
     return replace(options, active=True, old_files=read_old(said, Path(description.source).parent))
+
+
+def _with_sign(options: ExportOptions, description: CampaignDescription, controller: str) -> ExportOptions:
+    """Return options with the sign that the latest bump of a control has shown; raises TableError for another one."""
+    if (bump := description.bump_of(controller)) is None:
+        return options
+    if options.flip and bump.moved < 0:
+        what = "--flip turns the sign, and the bump of {day} showed that {controller} takes it as supposed"
+        raise TableError(what, "Leave it out, or read the bump again", day=bump.day, controller=controller)
+    return replace(options, flip=bump.moved > 0, sign_day=bump.day)
+
+
+def sign_said(options: ExportOptions, text: str) -> tuple[str]:
+    """Return the sentence of README.txt on the sign: when a bump showed it, or that no text of the maker states it.
+
+    text : what the nearest one states
+    """
+    if options.sign_day:
+        way = "the other way round" if options.flip else "as supposed"
+        return (f"SIGN MEASURED ON {options.sign_day}: the control takes its values {way}, and so they are written.",)
+    return (
+        f"WHICH WAY DOES THE CONTROL TAKE THESE VALUES? No text of its maker that we know says so: {text}. Before "
+        "these files load those of axiscal export --probe-sign, take their two readings, and give them to axiscal "
+        "verify --bump. Then export again: the files follow the sign that you have measured.",
+    )
 
 
 def unasked(description: CampaignDescription) -> str:
@@ -105,16 +126,9 @@ _LARGEST_MESH = 50
 _USUAL = "XYZABCUVWPQR"
 
 
-_OPTIONS = {
-    "spacing": "--spacing",
-    "unit": "--unit",
+_ALIKE = ("spacing", "unit", "template", "name", "mesh", "zero", "flip", "pivots")
+_OPTIONS = {name: f"--{name}" for name in _ALIKE} | {
     "numbers": "--number",
-    "template": "--template",
-    "name": "--name",
-    "mesh": "--mesh",
-    "zero": "--zero",
-    "flip": "--flip",
-    "pivots": "--pivots",
     "encoder": "--measuring-system",
     "old_files": "--on-top-of",
 }
@@ -134,7 +148,7 @@ class ExportOptions:
     middle
     pivots : put location errors of rotary axes into the kinematics (linuxcnc) instead of the tables
     encoder : measuring system, 1 or 2
-    flip : the control takes the values with the other sign, as a check at one point has shown
+    flip : the control takes the values with the other sign; sign_day : when a bump has shown which one, "" if none has
     old_files : of the compensation that was active while measuring; old : what they say, once they are read
     active : whether one was, None where nobody said; origin : hash of the record, "" where there is none
     Raises TableError for a name that is more than letters, digits, _ and -.
@@ -149,6 +163,7 @@ class ExportOptions:
     mesh: int | None = None
     zero: tuple[float, float] | None = None
     flip: bool = False
+    sign_day: str = ""
     pivots: bool = False
     encoder: int = 1
     old_files: tuple[OldFile, ...] = ()
@@ -241,6 +256,7 @@ class Written:
 
     files : text by name; steps : what rounding may leave of each axis, m or rad; notes : how to load the files
     holds, left_out : instead of those of the control, where the files decide
+    first : what whoever loads them reads before anything else
     """
 
     files: Mapping[str, str]
@@ -248,6 +264,7 @@ class Written:
     notes: tuple[str, ...]
     holds: str = ""
     left_out: str = ""
+    first: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -257,7 +274,6 @@ class Draft(Written):
     control : what the control does with them, as they are read back; wanted : what they are meant to do
     tables : what the files hold, for the figures; tried : whether a real control of this kind has been seen to take
     them; about : the estimate they were made of, where it is not the one that was given
-    first : what whoever loads them reads before anything else
     """
 
     control: Control
@@ -265,7 +281,6 @@ class Draft(Written):
     tables: tuple[CompensationTable, ...] = ()
     tried: bool = False
     about: Estimate | None = None
-    first: tuple[str, ...] = ()
 
 
 def summed(steps: Iterable[tuple[str, float]]) -> dict[str, float]:
@@ -282,7 +297,7 @@ class Exporter(ABC):
     holds, left_out : what its files hold, and what not, each a sentence for README.txt
     tried : whether a real control of this kind has been seen to take them
     takes : options of the command line that it has a use for; instead : what to do in place of another one
-    unstated : tables whose sign no source states, "own" or "across", as in `bump`
+    unstated : tables whose sign no source states, "own" of an axis itself, "across" of one axis over another
     """
 
     holds: ClassVar[str]
@@ -309,7 +324,7 @@ class Exporter(ABC):
         tables: tuple[CompensationTable, ...] = (),
     ) -> Draft:
         """Return files that were just written, read back, beside what they are meant to do."""
-        said = written.notes, written.holds or self.holds, written.left_out or self.left_out
+        said = written.notes, written.holds or self.holds, written.left_out or self.left_out, written.first
         held = self.load([OldFile(*file) for file in written.files.items()], machine, options).control(machine)
         tried = self.tried
         return Draft(written.files, written.steps, *said, control=held, wanted=wanted, tables=tables, tried=tried)

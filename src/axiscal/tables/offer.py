@@ -218,12 +218,12 @@ def foreword(estimate: Estimate, control: Control) -> tuple[str, ...]:
     """
     machine = estimate.machine
     places = np.stack([np.array(machine.zero), np.mean(np.array(estimate.box), axis=1)])
-    moved = to_unit(shifts(machine, control, places), "um")
+    moved, shown = to_unit(shifts(machine, control, places), "um"), [a.name for a in machine.axes if a.diameters]
     at_zero, in_the_middle = (f"{_place(machine, p)} by {_shown(m)}" for p, m in zip(places, moved, strict=True))
     return (
         "ZERO WORK OFFSETS, TOOL SETTER AND PROBE ANEW after loading. The files move the tool relative to the "
         f"workpiece: at machine zero, {at_zero}; in the middle of the volume, {in_the_middle} (both directions' mean).",
-        *_radii(machine),
+        *(f"Coordinates and corrections of {name} are radii; its display may show diameters." for name in shown),
         *_unsaid(machine),
     )
 
@@ -243,12 +243,6 @@ def _place(machine: Machine, pose: Array) -> str:
 def _shown(moved: Array) -> str:
     parts = (f"{name} {round(float(value), 1) + 0.0:+.1f}" for name, value in zip("xyz", moved, strict=True))
     return f"{', '.join(parts)} um"
-
-
-def _radii(machine: Machine) -> list[str]:
-    """Return what coordinates of a slide are whose display shows diameters."""
-    names = [axis.name for axis in machine.axes if axis.diameters]
-    return [f"Coordinates and corrections of {name} are radii; its display may show diameters." for name in names]
 
 
 def _unsaid(machine: Machine) -> tuple[str, ...]:

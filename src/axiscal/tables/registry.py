@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from axiscal.document import meant, shown
-from axiscal.document.ports import names, one_of, ours
+from axiscal.document.ports import names, one_of
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import AxiscalError, Faults, TableError
@@ -23,21 +23,6 @@ from axiscal_core.threads import one_thread
 
 _ABSURD = 1.0
 """m or rad: no compensation is as large; any value above what a machine can be off by would do."""
-CONTROLLERS = {
-    "csv": "tables.controllers.plain_csv:PlainCsv",
-    "fanuc": "tables.controllers.fanuc:Fanuc",
-    "grblhal": "ports.grblhal:GrblHal",
-    "heidenhain": "tables.controllers.heidenhain:Heidenhain",
-    "isg": "tables.controllers.isg:Isg",
-    "klipper": "ports.printers.klipper:Klipper",
-    "klipper-volumetric": "ports.printers.klipper:KlipperVolumetric",
-    "linuxcnc": "ports.linuxcnc.tables.exporting:Linuxcnc",
-    "linuxcnc-volumetric": "ports.linuxcnc.volumetric_tables:LinuxcncVolumetric",
-    "marlin": "ports.printers.marlin:Marlin",
-    "reprapfirmware": "ports.printers.reprapfirmware:RepRapFirmware",
-    "sinumerik": "tables.controllers.sinumerik:Sinumerik",
-}
-"""Name -> place of its class."""
 _OTHERS = later("leave it out: it is for {takers}")
 PORTS = "axiscal.exporters"
 """Group of the entry points by which packages bring controls."""
@@ -68,14 +53,22 @@ def refuse_untaken(controller: str, given: Sequence[str]) -> None:
     made = exporter(controller)
     for option in given:
         if option not in made.takes:
-            takers = joined([name for name in CONTROLLERS if option in exporter(name).takes]) or "program"
+            takers = joined([name for name in controllers() if option in exporter(name).takes]) or "program"
             what, remedy = "{controller} does not take {option}", made.instead.get(option, _OTHERS)
             raise TableError(what, remedy, controller=controller, option=option, takers=takers)
 
 
+def unstated(controller: str) -> str:
+    """Return the tables of a control whose sign no source states, as of `Exporter`; raises TableError for none."""
+    if found := exporter(controller).unstated:
+        return found
+    what = "{controller} states which way it takes its tables"
+    raise TableError(what, "Leave --probe-sign and --bump out", controller=controller)
+
+
 def named(controller: str) -> str:
     """Return the name of a control that is written in capitals too; any other one as it is."""
-    return next((known for known in CONTROLLERS if known == controller.casefold()), controller)
+    return next((known for known in controllers() if known == controller.casefold()), controller)
 
 
 def offered(known: Estimation, controller: str) -> Export:
@@ -122,18 +115,15 @@ def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
 
 
 def controllers() -> tuple[str, ...]:
-    """Return the names of all controls, those last that installed packages bring."""
-    return (*CONTROLLERS, *names(PORTS))
+    """Return the names of all controls."""
+    return names(PORTS)
 
 
 def exporter(controller: str) -> Exporter:
     """Return what writes for a control and reads its files; raises TableError for one that is not known."""
-    if controller not in CONTROLLERS:
-        if (brought := one_of(PORTS, controller)) is not None:
-            made: Exporter = brought()
-            return made
+    brought: Callable[[], Exporter] | None = one_of(PORTS, controller)
+    if brought is None:
         remedy = meant(controller, controllers(), quoted="{}")
         what = "{controller} is not a controller that tables can be made for"
         raise TableError(what, remedy, controller=shown(controller))
-    found: type[Exporter] = ours(CONTROLLERS[controller])
-    return found()
+    return brought()

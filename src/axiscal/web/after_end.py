@@ -9,7 +9,7 @@ from pathlib import Path
 from axiscal.answers.answer_words import digits
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.document.durable import write_whole
-from axiscal.document.ports import ours
+from axiscal.document.ports import part
 from axiscal.estimation.estimation import Estimation
 from axiscal.evaluation.check import Check, Taken
 from axiscal.exceptions import TableError, TargetError
@@ -28,8 +28,9 @@ from axiscal.web.shapes import CheckedRequest, CheckedShape, CheckShape, TextsSh
 
 
 def table_texts(desk: Desk, control: str) -> TextsShape:
-    """Return the files for a control as they were written, or made now; raises InputError, TableError."""
-    if control in desk.state.tables:
+    """Return the files for a control as they were written, or made now with its sign; raises InputError, TableError."""
+    desk.look()
+    if control in desk.state.tables and desk.campaign.description.bump_of(control) is None:
         folder = desk.results / "tables" / control
         return TextsShape(control=control, files={file.name: file.read_text() for file in sorted(folder.iterdir())})
     offered = registry.offered(_standing(desk), control)
@@ -46,7 +47,7 @@ def _standing(desk: Desk) -> Estimation:
 
 def put_into(desk: Desk, control: str, printer: str) -> str:
     """Put the files of a control into a printer, and return what it did; raises InputError."""
-    loader, known = ours("ports.printers.printer_source:loader_at")(printer, control), _standing(desk)
+    loader, known = part("printer-loader")(printer, control), _standing(desk)
     options = informed(ExportOptions(zero=loader.zero()), known.case.description, control)
     files = registry.export(known.estimate(), control, options).files
     return str(loader.load(loader.accepted_text(files), options.name))
@@ -55,7 +56,7 @@ def put_into(desk: Desk, control: str, printer: str) -> str:
 def measure_again(record: Path, files: Iterable[Path]) -> str:
     """Return when the machine of a record is due; raises RecordError.  files : may tell how machines change"""
     try:
-        shop = ours("ports.fleet.due_dates:due_dates")([record, *files], datetime.now(UTC).date())
+        shop = part("due-dates")([record, *files], datetime.now(UTC).date())
     except TargetError:
         return said("Measure again: the campaign has no target of U or RMS that would say when.")
     days = (each.day_text for each in shop.machines if each.record.resolve() == record.resolve())

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from axiscal.campaign.sources.source import Answer, CsvSource, Request, SimulatedSource, Skip, Source
-from axiscal.document.ports import one_of, ours
+from axiscal.document.ports import one_of
 from axiscal.exceptions import SourceError
 from axiscal.record.events import Note
 
@@ -40,10 +40,6 @@ def open_source(
     kind, _, rest = text.partition(":")
     if kind in VIRTUAL:
         return SimulatedSource(*virtual_machine(text, simulator))
-    if kind == "linuxcnc-live":
-        in_force = ours("ports.linuxcnc.live:InForce")(active)
-        live: Source = ours("ports.linuxcnc.live:attached_to")(rest, simulator.machine, in_force)
-        return live
     if kind in ("csv", "exec", "moonraker", "duet") and not rest.strip():
         raise _nothing_named(text, kind)
     if kind == "csv":
@@ -52,9 +48,9 @@ def open_source(
         from axiscal.campaign.sources.exec import TIMEOUT, ExecSource
 
         return ExecSource(rest, TIMEOUT if timeout is None else timeout)
-    if kind in ("moonraker", "duet"):
-        printer: Source = ours("ports.printers.printer_source:printer_behind")(kind, rest.strip(), simulator.machine)
-        return printer
+    if (runs := one_of("axiscal.running", kind)) is not None:
+        running: Source = runs(rest.strip(), simulator.machine, active)
+        return running
     if (brought := one_of("axiscal.sources", kind)) is not None:
         made: Source = brought(rest)
         return made

@@ -9,7 +9,7 @@ with the rotary axes fixed or free, or on a circle.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -165,14 +165,11 @@ class Held(SmoothChart):
             found[found] = within_cone(frames(machine, poses[found]).stem, self.free, self.cone)
         if self.back > 0 and found.any():
             drawn = drawn_back(machine, poses[found], self.back)
-            found[found] = self.room.holds(drawn) & self._all_in_travel([drawn - self.overrun, drawn + self.overrun])
+            before, behind = (self.room.in_travel(drawn + way) for way in (-self.overrun, self.overrun))
+            found[found] = self.room.holds(drawn) & before & behind
         if self.touching is not None and found.any():
             found[found] = np.all([self.room.holds(each) for each in self.touching(poses[found])], axis=0)
         return found
-
-    def _all_in_travel(self, poses: Iterable[Array]) -> NDArray[np.bool_]:
-        within: NDArray[np.bool_] = np.all([self.room.in_travel(each) for each in poses], axis=0)
-        return within
 
     def swing(self, start: Array, stop: Array) -> Swing:
         """Return what bounds a straight way: the tool point stands."""

@@ -323,8 +323,8 @@ def unshielded(cell: str) -> str:
     return cell[1:] if cell[:1] == "'" and _FORMULA.match(cell) else cell
 
 
-_APPROACH = re.compile(f"({AXIS_NAME})([+-])")
-_APPROACH_ALONE = re.compile(f"({AXIS_NAME}|)([+-])")
+_APPROACH = re.compile(f"({AXIS_NAME})([+−-])")
+_APPROACH_ALONE = re.compile(f"({AXIS_NAME}|)([+−-])")
 
 
 _AXIS = re.compile(f"{AXIS_NAME}(?:_radius|_diameter)?")
@@ -350,20 +350,20 @@ def read_position(table: CsvTable, row: Row) -> dict[str, float]:
     return position
 
 
-def read_approach(table: CsvTable, row: Row, *, alone: bool = False) -> dict[str, int]:
-    """Return the direction of the last motion (+1, -1) by axis from `X+ Y-` or `X+;Y-`; raises ReadingError.
+def approach_of(text: str, word: re.Pattern[str] = _APPROACH) -> dict[str, int] | None:
+    """Return the direction of the last motion (+1, -1) by axis from `X+ Y-` or `X+;Y-`, None where it is none."""
+    found = [word.fullmatch(each) for each in re.split(r"[\s,;]+", text) if each]
+    approach = {each[1]: 1 if each[2] == "+" else -1 for each in found if each}
+    return approach if len(approach) == len(found) else None
 
-    alone : `+` is taken as well, of the axis ""
-    """
+
+def read_approach(table: CsvTable, row: Row, *, alone: bool = False) -> dict[str, int]:
+    """Return the approach that a line gives; raises ReadingError.  alone : `+` is taken as well, of the axis ''"""
     columns = table.all_of("approach")
-    approach: dict[str, int] = {}
-    for word in re.split(r"[\s;]+", row.text(columns[0]).strip(" ;")) if columns else []:
-        found = (_APPROACH_ALONE if alone else _APPROACH).fullmatch(word)
-        if word and (found is None or found[1] in approach):
-            remedy = "write each axis once with its direction, as in 'X+' or 'X+ Y-', or leave it empty"
-            raise row.fail("approach {text!r} cannot be read", remedy, text=row.text(columns[0]))
-        if found:
-            approach[found[1]] = 1 if found[2] == "+" else -1
+    text = row.text(columns[0]) if columns else ""
+    if (approach := approach_of(text, _APPROACH_ALONE if alone else _APPROACH)) is None:
+        remedy = "write each axis once with its direction, as in 'X+' or 'X+ Y-', or leave it empty"
+        raise row.fail("approach {text!r} cannot be read", remedy, text=text)
     return approach
 
 

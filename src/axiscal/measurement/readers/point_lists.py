@@ -76,10 +76,8 @@ def listed(file: TextFile, around: Around) -> Found:
     for number, head in heads[:1]:
         if file.unit and (head["unit"] or head["height"]):
             raise file.fail("the header names its unit, and --unit names another", "leave --unit out", number)
-        file, heights = (
-            replace(file, unit=_BRACKETS.sub("", each or file.unit).lower())
-            for each in (head["unit"], head["height"] or head["unit"])
-        )
+        units = (each or file.unit for each in (head["unit"], head["height"] or head["unit"]))
+        file, heights = (replace(file, unit=_BRACKETS.sub("", each).lower()) for each in units)
     return _noted(file, _points(file, list(_lines(file)), _named(file), heights))
 
 

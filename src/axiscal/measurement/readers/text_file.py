@@ -61,6 +61,14 @@ def content(path: str | Path) -> bytes:
         raise ReadingError("{path!r} is not a file name", "give the name of a file", path=str(path)) from None
 
 
+def exact_text(path: str | Path) -> str:
+    """Return a file to the last byte; raises ReadingError for what is no text in UTF-8."""
+    try:
+        return content(path).decode()
+    except UnicodeDecodeError as fault:
+        raise ReadingError("byte {place} is no UTF-8", "save it as UTF-8", str(path), place=fault.start) from None
+
+
 def read_text(path: str | Path, unit: str = "") -> TextFile:
     """Read a file in UTF-8, UTF-16 with its mark, or else Latin-1; raises ReadingError."""
     text = _decoded(content(path))

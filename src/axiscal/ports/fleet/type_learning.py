@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.description.campaign import CampaignDescription
+from axiscal.description.campaign_schema import SistersTable
 from axiscal.description.type_text import Learned, SisterRecord, TypePrior
 from axiscal.document import shown
 from axiscal.errors.model import ErrorModel
@@ -109,24 +110,8 @@ def _nothing(records: Iterable[SisterRecord]) -> RecordError:
     return RecordError(what, "Name records of measured machines of this type", whys=whys)
 
 
-def campaign_with_sisters(
-    path: str | Path,
-    *,
-    target_needed: bool = True,
-    asking: bool = True,
-) -> CampaignDescription:
-    """Return the campaign in a file, with the prior that the records named under [sisters] teach.
-
-    As `read_campaign` for a campaign that names none. Raises InputError.
-    """
-    return with_sisters(read_campaign(path, target_needed=target_needed, asking=asking))
-
-
-def with_sisters(described: CampaignDescription) -> CampaignDescription:
-    """Return a campaign with what its sisters teach as its prior; itself where it names none."""
-    named = described.sisters
-    if named is None or not named.names_some or described.prior_text:
-        return described
+def taught_by_sisters(described: CampaignDescription, named: SistersTable) -> CampaignDescription:
+    """Return a campaign with what its sisters teach as its prior; raises RecordError where none of them is there."""
     found = named.files(Path(described.source).parent)
     if not found:
         remedy = 'Give a pattern beside the campaign, such as records = "records/*.axiscal", or "store:"'

@@ -14,7 +14,7 @@ from axiscal.description.ini_machine import IniAxis, IniMachine, machine_of
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
-from axiscal.measurement.readers.text_file import read_text
+from axiscal.measurement.readers.text_file import exact_text
 from axiscal.ports.linuxcnc import patching
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
@@ -84,7 +84,7 @@ class Configured:
 def configured(path: Path) -> Configured:
     """Return what stands in an INI file and in the HAL files beside it; raises InputError."""
     ini = read_ini(path)
-    files, library = {path.name: _text(path)}, set[str]()
+    files, library = {path.name: exact_text(path)}, set[str]()
     for named in ini.all("HAL", "HALFILE"):
         word = named.text.split()[0] if named.text else ""
         name = word.removeprefix(patching.LIB)
@@ -97,17 +97,8 @@ def configured(path: Path) -> Configured:
             if not (LIBRARY / name).exists():
                 what, remedy = "{name} lies neither here nor in LinuxCNC's library", "put it beside the INI file"
                 raise named.fail(what, remedy, name=name)
-        files[name] = _text((LIBRARY if name in library else path.parent) / name)
+        files[name] = exact_text((LIBRARY if name in library else path.parent) / name)
     return Configured(ini, machine_of(ini), files, frozenset(library))
-
-
-def _text(path: Path) -> str:
-    """Return a file to the last byte, since it is compared with what stands there when it is changed."""
-    read_text(path)  # raises for what is no text
-    try:
-        return path.read_bytes().decode()
-    except UnicodeDecodeError as fault:
-        raise TableError("byte {place} is no UTF-8", "save the file as UTF-8", path, place=fault.start) from None
 
 
 def options_of(found: Configured, options: ExportOptions) -> ExportOptions:

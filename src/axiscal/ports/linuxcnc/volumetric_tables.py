@@ -8,7 +8,6 @@ estimate asks for.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from importlib import resources
 from typing import ClassVar
 
@@ -71,7 +70,7 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
         files = {FILE: vcomp_file.text_of(file, STATEMENT), HAL_FILE: hal_text(joints)}
         files |= {name: place.joinpath(name).read_text(encoding="ascii") for name, place in sources.items()}
         notes, steps = _notes(estimate, file), {axis.name: _AWAY for axis in machine.axes}
-        return replace(self.draft(Written(files, steps, notes), wanted, machine, options), first=_first(file))
+        return self.draft(Written(files, steps, notes, first=_first(file)), wanted, machine, options)
 
 
 def reversal_times(estimate: Estimate) -> list[float]:

@@ -333,6 +333,11 @@ class PrinterSource:
                 raise SourceError(what, remedy, found=found, stated=given)
 
 
-def printer_behind(kind: str, host: str, machine: Machine) -> PrinterSource:
-    """Return the printer behind a web server; raises SourceError.  kind : of `open_source`"""
-    return PrinterSource({"moonraker": Moonraker, "duet": Duet}[kind](host), machine)
+def moonraker(host: str, machine: Machine, active: bool) -> PrinterSource:
+    """Return the Klipper behind a web server, with whatever corrects it; raises SourceError."""
+    return PrinterSource(Moonraker(host), machine)
+
+
+def duet(host: str, machine: Machine, active: bool) -> PrinterSource:
+    """Return the RepRapFirmware behind a web server, with whatever corrects it; raises SourceError."""
+    return PrinterSource(Duet(host), machine)

@@ -16,7 +16,7 @@ from axiscal.language.spoken import later, said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.tables.exporter import FLIP, Draft, ExportOptions, TableFormat, Written
+from axiscal.tables.exporter import Draft, ExportOptions, TableFormat, Written, sign_said
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.sampling import backlash, own_table
 from axiscal.tables.table import CompensationTable
@@ -237,6 +237,7 @@ FIRST_DATA = 10000
 """By FANUC's manual: the number of the first point's entry."""
 
 _FILE = "pitch.txt"
+_SIGN = "the parameter manual B-63980EN, 3620 to 3624, states the points of entries and not their sign"
 _HOLDS = "the positioning error of axes as increments: {}."
 _LEFT = "straightness, squareness and the angular errors of linear axes, and the reversal."
 _WITHOUT = "{} (3624 is 0, no parameters 3620 to 3624 in the file, or a whole turn that does not begin at 0), "
@@ -276,7 +277,7 @@ class Fanuc(TableFormat):
         without = ", ".join(axis.name for axis in machine.axes if axis.name not in plans)
         holds = _HOLDS.format(f"the mean of both directions of {', '.join(plans)}")
         left_out = f"{_WITHOUT.format(without) if without else ''}{_LEFT}"
-        return Written({_FILE: filled}, steps, _notes(plans), holds, left_out)
+        return Written({_FILE: filled}, steps, _notes(plans), holds, left_out, sign_said(options, _SIGN))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the control makes of punched files; raises TableError."""
@@ -349,7 +350,6 @@ def _notes(plans: Mapping[str, PitchParameters]) -> tuple[str, ...]:
         "3621: FANUC's formula, 3621 = 3620 - stroke / interval + 1.",
         *_turn_notes(plans),
         "Power off and on, then return to the reference point.",
-        FLIP,
         "The control adds a step at each point where this program supposes a line between: up to half an entry more.",
     )
 

@@ -16,7 +16,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.tables.exporter import FLIP, ExportOptions, TableFormat, Written
+from axiscal.tables.exporter import ExportOptions, TableFormat, Written, sign_said
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
@@ -66,6 +66,9 @@ class Layout:
         return line
 
 
+_SIGN = "page 716 of the Technical Manual MANUALplus 620 states the columns of .COM tables and not their sign"
+
+
 class Heidenhain(TableFormat):
     """`.COM` tables in the form of the template."""
 
@@ -90,7 +93,7 @@ class Heidenhain(TableFormat):
         }
         step = 10.0**-layout.decimals
         steps = {axis.name: 3 * float(from_unit(step, axis.unit)) for axis in machine.axes}
-        return Written(files, steps, _notes(layout, machine))
+        return Written(files, steps, _notes(layout, machine), first=sign_said(options, _SIGN))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what tables do; raises TableError."""
@@ -172,5 +175,4 @@ def _notes(layout: Layout, machine: Machine) -> tuple[str, ...]:
         *(modulo if turning else ()),
         "Assign the files to their axes in the active line of the .CMA table; positions count from the machine datum.",
         "Values are deviations, actual minus nominal, and BACKLASH is what comes on top when moving downwards.",
-        FLIP,
     )

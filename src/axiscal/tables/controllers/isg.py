@@ -27,7 +27,7 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import parse_error_name
 from axiscal.numerics import Array
-from axiscal.tables.exporter import FLIP, Draft, Exporter, ExportOptions, Written, summed
+from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written, sign_said, summed
 from axiscal.tables.loaded import Loaded, OldFile, table_control
 from axiscal.tables.sampling import axis_tables, points
 from axiscal.tables.surface import sum_of
@@ -185,6 +185,7 @@ _RECORDS = 1000
 """Points of an axis that a table of the kernel may have; four an interval are rarely more than a hundred."""
 _REMEDY = "give the files that the kernel loads: ISG_CSV, and leadscrew lists (kw.ssfk)"
 _FILE = "volcomp.csv"
+_SIGN = "FCT-C26 and P-VOLC-00009 (negate) state how values are turned and not which sign they have"
 _MULTIPLE = (1e-6, float(np.radians(1e-4)))
 """The grid of positions, m and rad: the decimals that are written."""
 
@@ -209,7 +210,8 @@ class Isg(Exporter):
         notes = _notes(machine, found, options.flip) + _leadscrew_notes(lists)
         holds = _HOLDS.format(_BOTH * any(curve.over for curve in found.values()) + (_APART if lists else ""))
         wanted = sum_of(tip_control(estimate.as_described, found), table_control(machine, halves))
-        return self.draft(Written(files, steps, notes, holds), wanted, machine, options, halves)
+        written = Written(files, steps, notes, holds, first=sign_said(options, _SIGN))
+        return self.draft(written, wanted, machine, options, halves)
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the kernel makes of files of either kind; raises TableError.
@@ -266,7 +268,7 @@ def nominal(machine: Machine) -> dict[str, SampledError]:
 
 def _notes(machine: Machine, found: Mapping[str, SampledError], flip: bool) -> tuple[str, ...]:
     records = sum(curve.values.size for curve in found.values())
-    negated = " The list file negates them, as --flip asks." if flip else ""
+    negated = " The list file negates them." if flip else ""
     return (
         f"Put volcomp.lis and {_FILE} where the start-up list names them: vol_comp[0].file_name volcomp.lis and "
         f"vol_comp[0].max_records {records} or more.",
@@ -274,7 +276,6 @@ def _notes(machine: Machine, found: Mapping[str, SampledError], flip: bool) -> t
         "Errors say what the moving component does in machine directions, also where it carries the workpiece; "
         "rotations turn about the axis frames of axiscal's conventions: that of a linear axis is at the origin of the "
         f"machine when all axes are at zero.{negated}",
-        FLIP,
         *_against(machine),
         f"The chain {machine.chain} has to be the control's own. P0X to P0Z give the tool at zero, PXA and so on where "
         "rotary axes lie, both from the machine's origin.",

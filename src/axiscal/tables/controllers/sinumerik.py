@@ -19,7 +19,7 @@ from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import later
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.tables.exporter import FLIP, ExportOptions, TableFormat, Written
+from axiscal.tables.exporter import ExportOptions, TableFormat, Written, sign_said
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
@@ -202,6 +202,7 @@ _ROUNDING = 1e-6
 _SMALL = (8, 200)
 """Tables, and points of each, that an 828D has."""
 
+_SIGN = "K3 of the Function Manual Extended Functions (6FC5397-1BP40) states the sign of ENC_COMP and not that of CEC"
 _STEP = 1e-6
 """The grid of positions, m: the decimals that are written."""
 
@@ -226,12 +227,13 @@ class Sinumerik(TableFormat):
         names, encoder = _names(machine, options), options.encoder - 1
         own, over = ([t for t in tables if (t.axis == t.over) is itself] for itself in (True, False))
         blocks = blocks_of(own, over)
-        if options.flip and not blocks:
+        if options.flip and not (blocks or options.sign_day):
             what = "--flip turns CEC tables, and these files hold none"
             raise TableError(what, "leave it out: ENC_COMP has the sign that Siemens states")
         files = write(own, blocks, names, options.sign, encoder)
         steps = {axis.name: float(from_unit(4e-6, axis.unit)) for axis in machine.axes}
-        return Written(files, steps, notes(own, blocks, names, encoder))
+        first = sign_said(options, _SIGN) if blocks else ()
+        return Written(files, steps, notes(own, blocks, names, encoder), first=first)
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what tables did of the chosen measuring system; raises TableError."""
@@ -294,7 +296,6 @@ def _cec(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> tuple[str, .
         "MD32730 CEC_MAX_VELO limits how fast that changes, in per cent of MD32000 of the axis: it must be above "
         f"{_slopes(blocks, names)}. A reversal is spread over the time that this allows.",
         "CEC is taken to have the sign of ENC_COMP; --flip turns CEC alone.",
-        FLIP,
     )
 
 

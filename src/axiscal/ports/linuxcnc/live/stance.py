@@ -48,7 +48,7 @@ class Stance:
             },
             "position": {a: float(stat.position[LETTERS.index(a)]) for a in letters},
             "joints": [[a, float(stat.joint_position[joint])] for joint, a in named],
-            "compensated": [joint for joint in joints if self._compensated(joint)],
+            "compensated": [n for n in joints if self._named(n) or self._stat.joint[n]["backlash"] != 0.0],
             "tables": [self._table(joint) for joint in joints],
             "whole": _bit(f"{_WHOLE}.active"),
             "checksum": _pin(f"{_WHOLE}.checksum"),
@@ -103,9 +103,6 @@ class Stance:
         if not words or words[0] not in _SWITCHED:
             return None
         return _bit(f"kinstype.is-{1 if 'sparm=identityfirst' in words else 0}")
-
-    def _compensated(self, joint: int) -> bool:
-        return bool(self._named(joint)) or self._stat.joint[joint]["backlash"] != 0.0
 
     def _table(self, joint: int) -> str | None:
         """Return the SHA-256 of a joint's COMP_FILE as it is on the disk, None where it has none that can be read."""

@@ -103,7 +103,9 @@ class Linuxcnc(TableFormat):
             if file.name.lower().endswith(".hal"):
                 tables += _curves(file, machine, options.unit, untaken)
             elif file.backlash:
-                tables += _backlash(file, _axis(file, machine, joints), machine, options.unit)
+                axis = _axis(file, machine, joints)
+                lost = float(from_unit(file.backlash, "deg" if machine.axis(axis).rotary else options.unit))
+                tables += lost_motion(machine, {axis: lost})  # half to each side, as motion adds it (control.c)
             else:
                 tables += _table(file, _axis(file, machine, joints), machine, options.unit, untaken)
         return Loaded(tuple(tables), untaken=tuple(untaken))
@@ -237,12 +239,6 @@ def _type(file: OldFile) -> int:
         return 0
     slope = np.ptp(rows.forward) / np.ptp(rows.nominal)
     return 0 if slope > 0.5 else 1
-
-
-def _backlash(file: OldFile, axis: str, machine: Machine, unit: str) -> list[CompensationTable]:
-    """Return half the backlash to each side, as motion adds it (control.c)."""
-    lost = float(from_unit(file.backlash or 0.0, "deg" if machine.axis(axis).rotary else unit))
-    return [*lost_motion(machine, {axis: lost})]
 
 
 def _curves(file: OldFile, machine: Machine, unit: str, untaken: list[InputError]) -> list[CompensationTable]:
