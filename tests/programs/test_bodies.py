@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.programs import dialect, programs
+from axiscal.programs.standing import standing
 from tests.generators.kinematics import stem, tip, turned
 from tests.generators.printed_machine import PrintedMachine, number, printed_machine
 from tests.generators.program_ways import Reader, words
@@ -165,8 +167,12 @@ def test_a_program_says_at_its_head_and_at_its_stops_what_stands_where() -> None
     campaign = campaign_from_texts(offered_board(source), "campaign.toml", source, "machine.toml")
     lines = program(campaign, rng).splitlines()
     assert sum(line.startswith("; BALL ") and line.endswith("AND ITS POST") for line in lines) == 8
-    assert "; NOTHING ELSE STANDS IN THE WAY" in lines
+    assert "; IT IS ASSUMED THAT NOTHING ELSE STANDS IN THE WAY" in lines
     assert sum(line.startswith(("; STYLUS", "; HOLDER", "; NOSE")) for line in lines) == 3
     assert 'MSG("PUT DOWN BOARD THEN PRESS START")' in lines
     under = lines[: lines.index('MSG("PUT DOWN BOARD THEN PRESS START")')]
     assert under[-1].startswith("G1 SUPA X")  # above, where there is room to put it down
+    (setup, *_), artefact = campaign.setups, campaign.setups[0].artefact
+    assert artefact is not None
+    unsaid = list(standing(campaign.machine, replace(setup, artefact=replace(artefact, diameter=None))))
+    assert unsaid[0] == "NOTHING KEEPS CLEAR OF THE BALLS AS NOBODY SAID HOW LARGE THEY ARE"

@@ -63,7 +63,7 @@ def test_each_set_up_has_its_program_and_readings_keep_their_numbers() -> None:
     assert (first.file_name, second.file_name) == ("AXISCAL_01_LASER_1.NC", "AXISCAL_02_LASER_2.NC")
     assert [program.text.splitlines()[1] for program in (first, second)] == ["O1001", "O1002"]
     assert [line for line in first.text.splitlines() if "STAND" in line or "BALLS" in line] == [
-        "(NOTHING STANDS IN THE WAY)"
+        "(IT IS ASSUMED THAT NOTHING STANDS IN THE WAY)"
     ]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
 from shlex import quote
 from typing import Annotated
@@ -33,7 +33,7 @@ def due(
         str | None, typer.Option(metavar="RMS", help='What is to be kept, such as "4 um"; default: of each campaign.')
     ] = None,
     today: Annotated[
-        datetime | None, typer.Option(metavar="YYYY-MM-DD", formats=["%Y-%m-%d"], help="Another day than today.")
+        date | None, typer.Option(metavar="YYYY-MM-DD", parser=date.fromisoformat, help="Another day than today.")
     ] = None,
     tables: Annotated[
         str | None,
@@ -54,7 +54,7 @@ def due(
       axiscal shop due store: --tables sinumerik
     """
     wanted = None if target is None else above_zero(target, "length")
-    found = due_dates(records_of(folder), (today or datetime.now(UTC)).date(), wanted, tables)
+    found = due_dates(records_of(folder), today or datetime.now(UTC).date(), wanted, tables)
     document = {
         "machines": [
             {

@@ -340,6 +340,10 @@ class _Reader(SiteReader):
             with self._at("artefact"):
                 remedy = 'Let the square be an artefact without balls: [[artefacts]] name = "square", turned = "1 mrad"'
                 raise DescriptionError("{square} has balls: a straightedge lies at none", remedy, square=square.name)
+        if square.keep_out and self._around.asking:
+            with self._at("artefact"):
+                what = "an indicator goes along {square}, and keeps clear of no keep_out"
+                raise DescriptionError(what, "Take it out, and see to the ways yourself", square=square.name)
         own = tuple(unknown for unknown in setup.unknowns if unknown.name != "slope")
         turns = tuple(Unknown(name, square.turned, square.standing) for name in SQUARE)
         return replace(setup, unknowns=(*own, *turns))

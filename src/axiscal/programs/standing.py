@@ -44,7 +44,9 @@ def standing(machine: Machine, setup: Setup) -> Iterator[str]:
             if high < _FAR
         )
         yield f"KEPT OUT {' '.join(ends)}"
-    yield "NOTHING ELSE STANDS IN THE WAY" if balls or boxes else "NOTHING STANDS IN THE WAY"
+    if artefact is not None and artefact.balls and not balls:
+        yield "NOTHING KEEPS CLEAR OF THE BALLS AS NOBODY SAID HOW LARGE THEY ARE"
+    yield f"IT IS ASSUMED THAT NOTHING {'ELSE ' if balls or boxes else ''}STANDS IN THE WAY"
     if balls or boxes:
         each = zip(
             ("STYLUS", "HOLDER", "NOSE") if machine.stylus > 0 else ("TOOL", "NOSE"), parts(machine), strict=False
