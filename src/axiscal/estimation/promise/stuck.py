@@ -7,7 +7,7 @@ density p(yₛ | others), each over a step q of the display; if the instrument i
 
 One run of equal values has n²/2 places, equal values anywhere (n + 1) binomial(n, s). Values that are no multiples of
 their smallest difference show the step by their last digits; so does the one of a display that never showed two, at
-most √12 σ of its noise. Sizes as stated tell first whether anything is to be weighed.
+most √(2π) σ of its noise. Sizes as stated tell first whether anything is to be weighed.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from axiscal_core.unknowns import space_of
 
 _ALIKE = 1e-5
 """Steps by which a multiple may be off: beyond the rounding of a float, and seldom met by another value."""
-_OF_NOISE = math.sqrt(12.0)
-"""Steps of a display whose rounding alone has the noise's standard deviation."""
+_OF_NOISE = math.sqrt(2 * math.pi)
+"""Noises: the step at which equal values of a machine without errors would be certain."""
 _FINEST = 0.01
 """Noises: what differs by less differs by the arithmetic of a program."""
 
