@@ -233,7 +233,8 @@ def _wrong(
             return f"cannot be gone on with: {folder.with_name('said.txt').read_text()[-300:]}"
         if not resumed and not _answered_already(text):
             return f"cannot be given again: {text[-300:]}"
-    mine = {"out/campaign.axiscal", f".{RECORD}.writer"}  # a lease of a process that has died goes with the next writer
+    leases = {f".{RECORD}.writer", "out/.campaign.axiscal.writer"}  # of a process that died: goes with the next writer
+    mine = {"out/campaign.axiscal", *leases}
     left = {name for name in _names(folder) if name not in good} - mine
     return f"leaves {sorted(left)}" if left else _unset(folder, command, done=True)
 
