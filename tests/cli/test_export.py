@@ -192,6 +192,7 @@ def test_a_bump_is_exported_and_the_sign_that_it_shows_is_kept(record: Path, tmp
     assert command("verify", record, "--to", "isg", "--bump", "-9.6 um", "--json").document["sign"] == "as assumed"
     assert exported()["volcomp.lis"] == assumed["volcomp.lis"]
     assert "takes it as supposed" in command("export", record, "--to", "isg", "--flip").refusal
+    assert "--to fanuc --template FILE" in command("verify", record, "--to", "FANUC", "--bump", "10 um").printed
     assert "by 1 um" in command("verify", record, "--to", "isg", "--bump", "1 um").refusal
     assert "linuxcnc states which way" in command("verify", record, "--to", "linuxcnc", "--bump", "10 um").refusal
 

@@ -37,6 +37,20 @@ net y-both joint.1.motor-pos-cmd => joint.1.motor-pos-fb
 net everything-homed <= motion.is-all-homed
 net x-shown joint.0.pos-cmd
 """
+BELTS = """\
+delsig x-to-drive
+delsig x-is-at
+delsig y-both
+loadrt corexy_by_hal names=belts
+addf belts servo-thread
+net x-to-belts joint.0.motor-pos-cmd => belts.j0-motor-pos-cmd
+net y-to-belts joint.1.motor-pos-cmd => belts.j1-motor-pos-cmd
+net x-of-belts belts.j0-motor-pos-fb => joint.0.motor-pos-fb
+net y-of-belts belts.j1-motor-pos-fb => joint.1.motor-pos-fb
+net belt-a belts.alpha-cmd => belts.alpha-fb
+net belt-b belts.beta-cmd => belts.beta-fb
+"""
+"""A corexy as LinuxCNC's sample corexy_by_hal has it."""
 
 
 def owned(folder: Path, hal: str = HAL, more: str = "") -> Path:
@@ -104,6 +118,10 @@ class TestStarted:
 
     def test_the_patched_files_correct_every_joint(self, exported: tuple[Path, Path, Export]) -> None:
         run_as_foretold(exported[0] / "mill.ini", exported[2])
+
+    def test_belts_that_hal_moves_behind_the_joints_are_corrected(self, tmp_path: Path) -> None:
+        ini = owned(tmp_path, HAL + BELTS)
+        run_as_foretold(ini, export_into(ini, known("three-axis")[0], ExportOptions(active=False)))
 
     def test_what_it_includes_is_started_with_it(self, tmp_path: Path) -> None:
         ini = owned(tmp_path)

@@ -302,7 +302,7 @@ def commands_of(steps: Sequence[NextStep], file: str, results: str = "", reading
         elif step.code == "next":
             yield f"axiscal step next {record} --beyond"
         elif step.code == "export":
-            yield f"axiscal export {record} --to {step.control}{_template(step.control) or ' --on-top-of OLD'}"
+            yield f"axiscal export {record} --to {step.control}{template_of(step.control) or ' --on-top-of OLD'}"
         elif step.code == "undo":
             yield f"axiscal step undo {record}    # {said('takes the end back')}"
         elif step.code == "accept":
@@ -310,12 +310,12 @@ def commands_of(steps: Sequence[NextStep], file: str, results: str = "", reading
         elif step.code == "finish":
             yield f"axiscal finish {record} --out {shlex.quote(results or 'results')}"
         elif step.control:
-            yield f"axiscal {step.code} {record} --to {step.control}{_template(step.control)}"
+            yield f"axiscal {step.code} {record} --to {step.control}{template_of(step.control)}"
         else:
             yield f"axiscal {step.code} {record}"
 
 
-def _template(control: str) -> str:
+def template_of(control: str) -> str:
     """Return the option by which a control's own file is given, "" where its files are made from none."""
     return " --template FILE" if "--template" in exporter(control).takes else ""
 

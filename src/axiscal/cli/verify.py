@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from axiscal.answers.answer_of_campaign import advised_control
-from axiscal.answers.answer_words import WIDTH, digits, wrapped
+from axiscal.answers.answer_words import WIDTH, digits, template_of, wrapped
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Source
 from axiscal.cli.arguments import Details, Json, PlacesFile, RecordFile, Template
@@ -180,7 +180,7 @@ def _keep_sign(record: Path, to: str | None, bump: str, as_json: bool) -> None:
     kept = said(
         "The record keeps it, and its tables for {controller} follow; another --bump changes it.", controller=control
     )
-    again = f"axiscal export {shlex.quote(str(record))} --to {shlex.quote(control)}"
+    again = f"axiscal export {shlex.quote(str(record))} --to {shlex.quote(control)}{template_of(control)}"
     document = {"verdict": None, "sign": "other way round" if other else "as assumed", "next": again}
     say_either(as_json, "axiscal-verify/1", document, [*wrapped(f"{found} {kept}"), *ending({said("Next"): [again]})])
 

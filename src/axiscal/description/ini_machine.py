@@ -191,11 +191,9 @@ def _positive(found: IniValue | None, key: str) -> float | None:
 
 
 def _compensated(ini: IniFile, joint: int) -> bool:
-    for section in (f"JOINT_{joint}", f"AXIS_{joint}"):
-        table, backlash = ini.get(section, "COMP_FILE"), ini.get(section, "BACKLASH")
-        if (table and table.text) or (backlash and backlash.number("BACKLASH") != 0):
-            return True
-    return False
+    sections = (f"JOINT_{joint}", f"AXIS_{joint}")
+    pairs = ((ini.get(each, "COMP_FILE"), ini.get(each, "BACKLASH")) for each in sections)
+    return any((table and table.text) or (step and step.number("BACKLASH") != 0) for table, step in pairs)
 
 
 TURN = {"deg": 360.0, "rad": math.tau}
@@ -289,6 +287,8 @@ def build_of(ini: IniFile, letters: Sequence[str], doubled: Sequence[str], unit:
         remedy = "docs/scope.md says what to use instead"
     elif name in _ROBOTS:
         remedy = "docs/robots.md says how a robot is described"
+    elif name == "corexykins":
+        remedy = "Take trivkins with the belts in HAL, as LinuxCNC's sample corexy_by_hal: joints are X and Y then"
     raise DescriptionError(what, remedy, *place, name=name)
 
 

@@ -139,16 +139,12 @@ def _read_nets(found: Configuration, name: str) -> None:
 
 
 def _exchange(found: Configuration, pin: str, other: str) -> None:
-    """Put another pin in the place of one of a joint, in the net line where it stands."""
-    word = re.compile(rf"(?<=\s){re.escape(pin)}(?=\s|$)")
-    for name in found.texts():
-        lines = found.files[name].split("\n")
-        at = [i for i, line in enumerate(lines) if line.split()[:1] == ["net"] and word.search(line.partition("#")[0])]
-        if at:
-            lines[at[0]] = word.sub(other, lines[at[0]])
-            found.files[name] = "\n".join(lines)
-            return
-    raise TableError("no net line of the HAL files joins {pin}", _BY_HAND, found.ini, pin=pin)
+    """Put another pin in the place of one of a joint, in each net line where it stands: delsig may part it from one."""
+    line = re.compile(rf"^(\s*net\s[^#\n]*?\s){re.escape(pin)}(?=\s|$)", re.MULTILINE)
+    changed = {name: line.sub(rf"\g<1>{other}", found.files[name]) for name in found.texts()}
+    if all(found.files[name] == text for name, text in changed.items()):
+        raise TableError("no net line of the HAL files joins {pin}", _BY_HAND, found.ini, pin=pin)
+    found.files |= changed
 
 
 def _ini(found: Configuration, ini: IniFile, changed: Collection[str]) -> None:
