@@ -82,7 +82,7 @@ def write_manifest(
     only : a file that is all there is of it;  raises OSError, RecordError for a key that cannot be used
     """
     every = (path for path in (folder.rglob("*") if only is None else [only]) if path.is_file())
-    files = sorted(path for path in every if path.suffix != ".axiscal")
+    files = sorted(path for path in every if path.suffix not in (".axiscal", ".writer"))
     document = {
         "schema": _SCHEMA,
         "record": {"file": record.file, "event": record.event, "hash": record.hash},
