@@ -217,12 +217,12 @@ def test_ctrl_c_says_whether_the_reading_was_kept(
     assert run(["next", record]) == 0
     capsys.readouterr()
     moments = [
-        ("axiscal.campaign.campaign.Campaign._clock", "Nothing was added", 2),
+        ("axiscal.campaign.campaign.refuse_unreadable", "Nothing was added", 2),
         ("axiscal.cli.record.last_doubt", "Reading 3 was kept", 3),
     ]
     for name, says, kept in moments:
         with monkeypatch.context() as patched:
-            patched.setattr(name, lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+            patched.setattr(name, lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
             assert run(["record", record, "3 um"]) == 1
         assert says in complaint(capsys)
         with Campaign.open(record, write=False) as campaign:

@@ -24,6 +24,7 @@ from tests.reliability import (
     same_bytes,
     set_faults,
     store_clients,
+    stuck_instruments,
     writers,
 )
 from tests.reliability.trial import DISK, Trial
@@ -53,6 +54,7 @@ def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:
         lambda: forged.tried(10_000),
         lambda: store_clients.clients(5, 1200 if long else 60),
         lambda: store_clients.statements(10_000 if long else 1000),
+        lambda: stuck_instruments.named(125),
     )
 
 

@@ -120,8 +120,6 @@ COMMANDS: Mapping[str, Command] = {
     "plan, as programs": Command(_words("plan campaign.toml --gcode linuxcnc --out out"), out="out"),
     "adopt": Command(_words(f"adopt {RECORD} branch.axiscal --same-mounting"), BRANCHED),
     "bring": Command(_words(f"bring shop {RECORD}"), MEASURED),
-    "fleet": Command(_words("fleet . --page out.html --target 4_um"), MEASURED, out="out.html"),
-    "due": Command(_words("due . --calendar out.ics --target 4_um"), MEASURED, out="out.ics"),
     "check": Command(_words(f"check {RECORD} --plan out.csv"), MEASURED, out="out.csv"),
     "verify": Command(_words(f"verify {RECORD} --points 5 --plan out.csv"), MEASURED, out="out.csv"),
     "type learn": Command(_words("type learn . --out out.type.json"), TWO, out="out.type.json"),
@@ -235,7 +233,8 @@ def _wrong(
             return f"cannot be gone on with: {folder.with_name('said.txt').read_text()[-300:]}"
         if not resumed and not _answered_already(text):
             return f"cannot be given again: {text[-300:]}"
-    mine = {"out/campaign.axiscal", f".{RECORD}.writer"}  # a lease of a process that has died goes with the next writer
+    leases = {f".{RECORD}.writer", "out/.campaign.axiscal.writer"}  # of a process that died: goes with the next writer
+    mine = {"out/campaign.axiscal", *leases}
     left = {name for name in _names(folder) if name not in good} - mine
     return f"leaves {sorted(left)}" if left else _unset(folder, command, done=True)
 

@@ -32,7 +32,9 @@ def due(
     target: Annotated[
         str | None, typer.Option(metavar="RMS", help='What is to be kept, such as "4 um"; default: of each campaign.')
     ] = None,
-    today: Annotated[str | None, typer.Option(metavar="YYYY-MM-DD", help="Another day than today.")] = None,
+    today: Annotated[
+        date | None, typer.Option(metavar="YYYY-MM-DD", parser=date.fromisoformat, help="Another day than today.")
+    ] = None,
     tables: Annotated[
         str | None,
         typer.Option(metavar="CONTROLLER", help="Whose tables are loaded; default: all that was found is taken away."),
@@ -52,8 +54,7 @@ def due(
       axiscal shop due store: --tables sinumerik
     """
     wanted = None if target is None else above_zero(target, "length")
-    found = due_dates(records_of(folder), _day(today), wanted, tables)
-    (once, once_std), (year, year_std) = found.aging.at_once, found.aging.yearly
+    found = due_dates(records_of(folder), today or datetime.now(UTC).date(), wanted, tables)
     document = {
         "machines": [
             {
@@ -69,23 +70,12 @@ def due(
             }
             for each in found.machines
         ],
-        "kept_at_once": {"mean": once, "std": once_std},
-        "kept_in_a_year": {"mean": year, "std": year_std},
+        "kept_at_once": dict(zip(("mean", "std"), found.aging.at_once, strict=True)),
+        "kept_in_a_year": dict(zip(("mean", "std"), found.aging.yearly, strict=True)),
         "pairs": found.aging.pairs,
         "left_out": [{"file": each.file, "why": each.left_out} for each in found.left_out],
     }
     say_either(json, "axiscal-due/1", document, _lines_of_due(found, tables))
-
-
-def _day(text: str | None) -> date:
-    if text is None:
-        return datetime.now(UTC).date()
-    try:
-        return date.fromisoformat(text)
-    except ValueError:
-        raise typer.BadParameter(
-            said('"{text}" is no day such as 2026-03-01', text=text), param_hint="--today"
-        ) from None
 
 
 def _lines_of_due(found: Shop, tables: str | None) -> list[str]:

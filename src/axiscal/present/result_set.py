@@ -21,6 +21,7 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from axiscal.document.durable import drafts_left, exchanged, sync_folder, write_whole
 from axiscal.present.summary import RecordState
+from axiscal.record.lease import lease_of
 from axiscal.record.signing import signature
 
 RECORD = "campaign.axiscal"
@@ -81,7 +82,7 @@ def write_manifest(
     only : a file that is all there is of it;  raises OSError, RecordError for a key that cannot be used
     """
     every = (path for path in (folder.rglob("*") if only is None else [only]) if path.is_file())
-    files = sorted(path for path in every if path.suffix != ".axiscal")
+    files = sorted(path for path in every if path.suffix not in (".axiscal", ".writer"))
     document = {
         "schema": _SCHEMA,
         "record": {"file": record.file, "event": record.event, "hash": record.hash},
@@ -100,7 +101,11 @@ def _holds_nothing_else(folder: Path, manifest: str) -> bool:
     real, here = folder.resolve(), Path.cwd()
     if folder.is_symlink() or os.path.ismount(real) or real == here or real in here.parents:
         return False
-    own = _listed(folder / manifest) | {manifest} | ({RECORD} if manifest == MANIFEST else set())
+    own = (
+        _listed(folder / manifest)
+        | {manifest}
+        | ({RECORD, lease_of(Path(RECORD)).name} if manifest == MANIFEST else set())
+    )
     first = {PurePosixPath(name).parts[0] for name in own}
     alone = all(path.name in first for path in folder.iterdir()) and set(_files(folder)) <= own
     return alone and os.access(real.parent, os.W_OK)
@@ -132,15 +137,15 @@ def _inside(name: str) -> bool:
 
 
 def _beside(folder: Path, live: Path | None) -> Path | None:
-    """Return a new folder beside, with the record that is written to in both; None where a file cannot be in two."""
+    """Return a new folder beside, with the record that is written to and its lease in both; None where none can be."""
     staging = folder.parent / f".{folder.name}.{os.getpid()}.new"
     staging.mkdir()
-    if live is not None:
-        try:
-            os.link(live, staging / live.name)
-        except OSError:
-            shutil.rmtree(staging)
-            return None
+    try:
+        for each in filter(Path.exists, () if live is None else (live, lease_of(live))):
+            os.link(each, staging / each.name)
+    except OSError:
+        shutil.rmtree(staging)
+        return None
     return staging
 
 

@@ -5,8 +5,9 @@ density p(yₛ | others), each over a step q of the display; if the instrument i
 
     log PRIOR − log places − log p(y) + log p(y without these) − Σ log q,    p with the sizes integrated out
 
-One run of equal values has n²/2 places, equal values anywhere (n + 1) binomial(n, s). The step of a display that never
-showed two values is that of its noise, √12 σ. Sizes as stated tell first whether anything is to be weighed.
+One run of equal values has n²/2 places, equal values anywhere (n + 1) binomial(n, s). Values that are no multiples of
+their smallest difference show the step by their last digits; so does the one of a display that never showed two, at
+most √(2π) σ of its noise. Sizes as stated tell first whether anything is to be weighed.
 """
 
 from __future__ import annotations
@@ -28,8 +29,10 @@ from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
 from axiscal_core.unknowns import space_of
 
-_OF_NOISE = math.sqrt(12.0)
-"""Steps of a display whose rounding alone has the noise's standard deviation."""
+_ALIKE = 1e-5
+"""Steps by which a multiple may be off: beyond the rounding of a float, and seldom met by another value."""
+_OF_NOISE = math.sqrt(2 * math.pi)
+"""Noises: the step at which equal values of a machine without errors would be certain."""
 _FINEST = 0.01
 """Noises: what differs by less differs by the arithmetic of a program."""
 
@@ -38,7 +41,7 @@ class Repeats(NamedTuple):
     """Readings that show what the one before in their set-up shows.
 
     setups : whose; readings : (s,) their indices; log_places : logarithm of the number of patterns as likely as theirs
-    steps : smallest difference of two values that the instrument of a set-up showed, m or rad; none where it showed one
+    steps : of what the instrument of a set-up shows, m or rad
     """
 
     setups: tuple[int, ...]
@@ -52,21 +55,23 @@ def repeats(setups: Sequence[Setup], readings: Sequence[Reading]) -> Iterator[Re
     numbers, mine = {setup.name: number for number, setup in enumerate(setups)}, defaultdict[int, list[int]](list)
     for index, reading in enumerate(readings):
         mine[numbers[reading.setup]].append(index)
-    again = {number: np.array([*_repeating(readings, each)], dtype=np.intp) for number, each in mine.items()}
-    again = {number: each for number, each in again.items() if len(each)}
-    if not again:
-        return
+    again = {number: np.array(found) for number, each in mine.items() if (found := [*_repeating(readings, each)])}
     steps = _steps(setups, readings, again)
     for number, each in again.items():
-        longest = max(_runs(np.searchsorted(mine[number], each)), key=len)
-        if SEVERAL - 1 <= len(longest) < len(each):
-            log_places = 2 * math.log(len(mine[number])) - math.log(2)
-            yield Repeats((number,), np.array(mine[number])[longest], log_places, steps)
-    for chosen in [*([number] for number in again), *([[*again]] if len(again) > 1 else [])]:
-        found = np.concatenate([again[number] for number in chosen])
-        if len(found) >= SEVERAL - 1:
-            possible = sum(len(mine[number]) - 1 for number in chosen)
-            yield Repeats(tuple(chosen), found, _log_patterns(possible, len(found)), steps)
+        count, at = len(mine[number]), np.searchsorted(mine[number], each)
+        run = max(np.split(each, np.flatnonzero(np.diff(at) > 1) + 1), key=len)
+        of_run, of_all = math.log(count**2 / 2), _log_patterns(count - 1, len(each))
+        if len(run) < len(each):
+            yield Repeats((number,), run, of_run, steps)
+        yield Repeats((number,), each, of_all if len(run) < len(each) else min(of_run, of_all), steps)
+    if len(again) > 1:
+        every, possible = np.concatenate([*again.values()]), sum(len(mine[number]) - 1 for number in again)
+        yield Repeats((*again,), every, _log_patterns(possible, len(every)), steps)
+
+
+def _log_patterns(count: int, some: int) -> float:
+    """Return log of (n + 1) binomial(n, s): any share of readings may repeat."""
+    return math.log((count + 1) * math.comb(count, some))
 
 
 def _repeating(readings: Sequence[Reading], mine: Sequence[int]) -> Iterator[int]:
@@ -83,17 +88,35 @@ def _steps(setups: Sequence[Setup], readings: Sequence[Reading], some: Iterable[
     for reading in readings:
         shown[instruments[reading.setup]].update(reading.values)
     values = {number: np.sort([*shown[setups[number].instrument]]) for number in some}
-    return {number: float(np.diff(each).min()) for number, each in values.items() if len(each) > 1}
+    return {number: _step(each, _OF_NOISE * setups[number].noise) for number, each in values.items()}
+
+
+def _step(values: NDArray[np.float64], most: float) -> float:
+    """Return the step of a display, by the values (v,) that it showed, ascending.  most : where it showed one value
+
+    The smallest difference, if the others are multiples of it but for their last digits; else that of these digits.
+    """
+    decimals = (digit * 10.0**-place for place in range(3, 12) for digit in (5, 2, 1))
+    digits = next((each for each in decimals if _multiples(values, each, _ALIKE)), 0.0)
+    if len(values) == 1:
+        return min(digits, most)
+    apart = np.diff(values)
+    smallest = float(apart.min())
+    return smallest if _multiples(apart, smallest, 2 * digits / smallest + _ALIKE) else digits
+
+
+def _multiples(values: NDArray[np.float64], step: float, off: float) -> bool:
+    return bool(np.all(np.abs(values / step - np.round(values / step)) < off))
 
 
 def stuck(problem: Problem, found: Weighed[Given], repeated: Iterable[Repeats]) -> Iterator[Tried]:
     """Yield the readings that an instrument was stuck at, where sizes as stated and as learnt both say so."""
     for each in repeated:
         again = np.isin(problem.reading, each.readings)
-        if not again.any() or again.all():
+        if len(each.readings) < SEVERAL - 1 or not again.any() or again.all():
             continue
         pairs = zip(problem.setup[again].tolist(), problem.noise[again].tolist(), strict=True)
-        steps = (each.steps[setup] / noise if setup in each.steps else _OF_NOISE for setup, noise in pairs)
+        steps = (each.steps[setup] / noise for setup, noise in pairs)
         prior = math.log(PRIOR) - each.log_places - sum(math.log(max(step, _FINEST)) for step in steps)
         if prior - _log_density_as_stated(problem, found, again) <= math.log(NAMED):
             continue
@@ -111,13 +134,3 @@ def _log_density_as_stated(problem: Problem, found: Weighed[Given], some: NDArra
     precision, pulled = weighted[:, :-1], weighted[:, -1]
     square = float(pulled @ np.linalg.solve(precision, pulled))
     return 0.5 * float(np.linalg.slogdet(precision / (2 * np.pi))[1] - square)
-
-
-def _runs(places: NDArray[np.intp]) -> list[NDArray[np.intp]]:
-    """Return the runs of places that follow each other.  places : (s,) ascending"""
-    return np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
-
-
-def _log_patterns(count: int, some: int) -> float:
-    """Return log of (n + 1) binomial(n, s): any share of readings may repeat."""
-    return math.log1p(count) + math.lgamma(count + 1) - math.lgamma(some + 1) - math.lgamma(count - some + 1)

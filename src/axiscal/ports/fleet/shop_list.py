@@ -80,8 +80,7 @@ def shop_list(shop: Path, estimate: bool = False) -> ShopList:
         else:
             listed.append(replace(each, remarks=(*each.remarks, remark) if remark else each.remarks))
     listed.sort(key=lambda each: (each.last or each.begun, each.copy.file.name), reverse=True)
-    kinds = Counter(kind for copy in copies for kind in copy.kinds)
-    return ShopList(tuple(listed), tuple(left), dict(sorted(kinds.items())))
+    return ShopList(tuple(listed), tuple(left), Counter(sorted(kind for copy in copies for kind in copy.kinds)))
 
 
 def _looked_at(shop: Path, read: Callable[[Copy, EventLog], _T]) -> tuple[list[_T], list[tuple[Path, str]]]:

@@ -31,6 +31,10 @@ _LOCK = 4.0
 """Seconds for which a transaction is tried again while others write."""
 _NAP = 0.02
 """Longest wait before the next try, s: about the time of one transaction."""
+_UNPREPARED = (
+    later("The database is no store yet"),
+    later("Prepare it once, as its owner: axiscal shop sync --prepare"),
+)
 _SENTENCES = {
     "28P01": (later("The store does not take this password"), later("Put the right one into PGPASSWORD")),
     "28000": (later("The store does not let this user in"), later("Ask whoever keeps it for an account")),
@@ -42,14 +46,8 @@ _SENTENCES = {
         later("This user may not do that in the store"),
         later("Ask for the role axiscal_measurer; to read, axiscal_reader"),
     ),
-    "42P01": (
-        later("The database is no store yet"),
-        later("Prepare it once, as its owner: axiscal shop sync --prepare"),
-    ),
-    "3F000": (
-        later("The database is no store yet"),
-        later("Prepare it once, as its owner: axiscal shop sync --prepare"),
-    ),
+    "42P01": _UNPREPARED,
+    "3F000": _UNPREPARED,
     "55P03": (later("Another program holds this campaign and is writing"), later("Wait, then give the command again")),
 }
 """What is said for the states of SQL that a person can do something about."""

@@ -152,7 +152,7 @@ class ServerLog(EventLog):
         except RecordError:  # it may follow what has been written since
             return None
         try:
-            if not self._database.at_once(_INSERT, **_inserted(self.entry.id, known, texts)):
+            if not self._database.at_once(_INSERT, id=self.entry.id, last=known, **_columns(texts)):
                 return None
         except OvertakenError:
             return None
@@ -273,11 +273,7 @@ def enter(database: Database, entry: Entry, texts: Sequence[ChainedText]) -> Non
 def insert(database: Database, campaign: str, last: int, texts: Sequence[ChainedText]) -> None:
     """Add events behind the last one of a campaign, within a transaction."""
     if texts:
-        database.select(_INSERT, **_inserted(campaign, last, texts))
-
-
-def _inserted(campaign: str, last: int, texts: Sequence[ChainedText]) -> dict[str, object]:
-    return {"id": campaign, "last": last, **_columns(texts)}
+        database.select(_INSERT, id=campaign, last=last, **_columns(texts))
 
 
 def _columns(texts: Sequence[ChainedText]) -> dict[str, object]:
@@ -301,9 +297,8 @@ def _ancestors(database: Database, entry: Entry) -> list[Entry]:
 def only_entry(name: str, found: Sequence[Entry]) -> Entry:
     path, found = Path(f"{STORED}{name}"), [each for each in found if each.called == name or each.id.startswith(name)]
     if not found:
-        raise RecordError(
-            "The store has no such campaign", "Look at its name, or send it there: axiscal shop sync", path
-        )
+        remedy = "Look at its name, or send it there: axiscal shop sync"
+        raise RecordError("The store has no such campaign", remedy, path)
     if len(found) > 1:
         ids = ", ".join(entry.id[:_SHOWN] for entry in found)
         remedy = "Name one by its id: {known}"
