@@ -45,8 +45,8 @@ _SIZES = (3e-6, 10e-6, 50e-6, 1e-3)
 _HEAD = """# Can you trust it?
 
 Every figure that the program prints has a ±. This page says how often the truth lies within it. On virtual machines
-the model is right, or wrong on purpose; on measured curves of real machines no model is right. `make trust` writes the
-page, and each section ends with the sources that it was measured with.
+the model is right, or wrong on purpose; on measured curves no model is right. `make trust` writes the
+page; each section ends with its sources.
 
 A band is 1.96 standard deviations either way, so 95 % of the truth should lie in it. *Curves* counts every error curve
 of the machine at 101 positions, *tool point* the TCP deviation along x, y, z at 80 poses.

@@ -40,7 +40,7 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.exceptions import AmbiguityError, RecordError
-from axiscal.measurement.reading import Place, Reading
+from axiscal.measurement.reading import Place, Reading, seconds_since
 from axiscal.numerics.remembered import Memo
 from axiscal.planning.promise import plan_basis
 from axiscal.record.accepted import Accepted, Bumped
@@ -204,9 +204,7 @@ class Campaign(Closing):
         refuse_finished(self.state.finished, self.path)
         place = at or self.open_question().place
         refuse_unreadable(self.description.setup(place.setup), (value, *others), std, self.state.mounted)
-        now = (datetime.now(UTC) - datetime.fromisoformat(self.begun)).total_seconds()
-        last = (each.time or 0.0 for each in self.state.readings[-1:])  # a clock that goes back stands
-        time = max([0.0, round(now, 3), *last]) if live else None
+        time = seconds_since(self.begun, self.state.readings) if live else None
         where = place.setup, place.pose, place.approach
         self._append(Recorded(Reading(*where, value, std, None, accepted, others, time, check=place.check)))
         return self.state.readings[-1]

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from typing import NamedTuple
 
 import numpy as np
@@ -331,3 +332,9 @@ def asked_values(setup: Setup) -> str:
 def units_of(setup: Setup) -> tuple[str, ...]:
     """Return the unit in which each number of its readings is shown."""
     return tuple(_UNIT[reads] for reads in model_of(setup).reads_each(setup))
+
+
+def seconds_since(begun: str, readings: Sequence[Reading]) -> float:
+    """Return the seconds since a campaign was begun, ISO 8601; never less than at its last reading."""
+    now = (datetime.now(UTC) - datetime.fromisoformat(begun)).total_seconds()
+    return max([0.0, round(now, 3), *(each.time for each in readings[-1:] if each.time is not None)])
