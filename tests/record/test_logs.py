@@ -60,7 +60,7 @@ class OnAServer:
 
     def create(self) -> EventLog:
         """Return a new log."""
-        return ServerLog.create(Database(self.address), f"mill {next(_numbers)}", CREATED)
+        return ServerLog.create(Database(self.address), f"log {next(_numbers)}", CREATED)
 
     def open(self, path: Path, *, write: bool = True) -> EventLog:
         """Return one that is there."""
