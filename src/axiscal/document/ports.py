@@ -18,12 +18,13 @@ def part(name: str) -> Any:
 
 def names(group: str) -> tuple[str, ...]:
     """Return the names of a group, in the order of the alphabet."""
-    return tuple(sorted(point.name for point in entry_points(group=group)))
+    return tuple(sorted({point.name for point in entry_points(group=group)}))
 
 
 def one_of(group: str, name: str) -> Any:
-    """Return what a package brings under a name, None where none does; raises PortError where it cannot be loaded."""
-    found = next(iter(entry_points(group=group, name=name)), None)
+    """Return what a package brings under a name, ours first; None where none does, PortError where it cannot load."""
+    every = sorted(entry_points(group=group, name=name), key=lambda point: not point.value.startswith("axiscal."))
+    found = next(iter(every), None)
     return None if found is None else _loaded(found)
 
 

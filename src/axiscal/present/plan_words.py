@@ -205,7 +205,8 @@ def bound_sentence(answer: PlanAnswer) -> str:
     own = f"{answer.J:.4g}" if bound is None else f"{answer.rms_um:.3g} um"
     text = f"No plan of {readings} {where} can {best}; this one gives {own}"
     if (gap := answer.proof_gap_percent) is not None:
-        text += f"; the proof stopped at a gap of {f'{gap:.2g}' if gap < 100 else f'{gap:.0f}'} %"
+        shown = f"{gap:.2g}" if gap < 100 else f"{gap:.0f}"
+        text += f"; the proof stopped at a gap of {shown} %"
     if bound is None:
         return f'{text}. J is the figure that criterion = "{answer.criterion}" makes small.'
     if answer.reachable_rms_um < _MUCH * bound:
