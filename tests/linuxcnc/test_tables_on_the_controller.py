@@ -12,7 +12,7 @@ from axiscal.ports.linuxcnc.tables.writer import notes, parse, write
 from axiscal.tables.table import CompensationTable
 from tests.linuxcnc.lab import Ending, Joint, Run, run
 from tests.linuxcnc.needed import LINUXCNC
-from tests.tables.linuxcnc_model import correction
+from tests.tables.test_linuxcnc import correction
 
 pytestmark = LINUXCNC
 

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.cli.app import run
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
@@ -196,17 +195,6 @@ def test_a_folder_of_an_export_is_an_old_compensation(tmp_path: Path) -> None:
     for name in ("X.comp", "README.txt", "manifest-linuxcnc.json"):
         (tmp_path / name).write_text("0 0 0\n")
     assert [Path(file.name).name for file in read_old([str(tmp_path)])] == ["X.comp"]
-
-
-@pytest.mark.parametrize(("active", "asked"), [("", True), ("compensation_active = false\n", False)])
-def test_the_beginning_asks_what_was_active_and_so_does_the_note(
-    active: str, asked: bool, tmp_path: Path, command: Command
-) -> None:
-    begun(tmp_path, described(active))
-    done = command("estimate", tmp_path / "campaign.toml", tmp_path / "readings.csv", "--out", tmp_path / "out")
-    assert ("Is a compensation active" in done.err) is asked
-    assert run(["export", str(record(tmp_path)), "--to", "linuxcnc", "--out", str(tmp_path / "t")]) == 0
-    assert ("WAS A COMPENSATION ACTIVE" in (tmp_path / "t" / "README.txt").read_text()) is asked
 
 
 @pytest.mark.parametrize("active", ['"X.comp"', "true"])
