@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.errors.model import ErrorModel
-from axiscal.ports.printers import contents, klipper, marlin, reprapfirmware
+from axiscal.ports.printers import contents, klipper, marlin
 from axiscal.tables.exporter import Exporter, ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.sampling import axis_tables, backlash
