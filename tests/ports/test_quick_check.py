@@ -180,6 +180,22 @@ ECC = { std = "20 urad", knots = 12, length = "60 deg" }
 """
 
 
+@pytest.mark.parametrize(
+    ("machine", "looked_for"),
+    [
+        (MACHINE.format(serial="", travel=500).replace("-X-", "-X-U-").replace("[errors]", SECOND), ["EXU", "EXX"]),
+        (TURNING.replace("TRAVEL", '["-180 deg", "180 deg"]'), ["C0Y"]),
+        (TURNING.replace("TRAVEL", '["-100 deg", "100 deg"]'), ["C0Y", "ECC"]),
+    ],
+    ids=["two slides along one direction", "round an axis there is no scale", "a part of a turn"],
+)
+def test_a_scale_of_each_axis_is_looked_for(machine: str, looked_for: list[str]) -> None:
+    errors = ErrorModel(machine_from_text(machine))
+    columns = {term.name: term.columns for term in errors.terms}
+    shown = [name for each in crashes(errors) for name, own in columns.items() if np.any(each[own])]
+    assert sorted(shown) == looked_for
+
+
 def _loss(case: Case, places: Places) -> float:
     """Return the sum over the crashes, by a Cholesky root of the scatter of all numbers."""
     rows, variances = list[Array](), list[Array]()
@@ -221,31 +237,3 @@ def test_readings_that_would_not_show_a_scale_are_moved_until_they_do() -> None:
     assert np.ptp(after.poses[:, 0]) > 0.4
     assert _loss(case, after) < 0.5 * _loss(case, before)
     assert showing_crashes(case, Places.none(1)).poses.shape == (0, 1)
-
-
-def test_the_scale_of_a_second_slide_along_one_direction_is_looked_for_too() -> None:
-    machine = MACHINE.format(serial="", travel=500).replace("-X-", "-X-U-").replace("[errors]", SECOND)
-    errors = ErrorModel(machine_from_text(machine))
-    columns = {term.name: term.columns for term in errors.terms}
-    shown = [{name for name, own in columns.items() if np.any(each[own])} for each in crashes(errors)]
-    assert sorted(map(list, shown)) == [["EXU"], ["EXX"]]
-
-
-@pytest.mark.parametrize(
-    ("travel", "looked_for"), [('["-180 deg", "180 deg"]', ["C0Y"]), ('["-100 deg", "100 deg"]', ["C0Y", "ECC"])]
-)
-def test_around_an_axis_that_turns_round_there_is_no_scale(travel: str, looked_for: list[str]) -> None:
-    errors = ErrorModel(machine_from_text(TURNING.replace("TRAVEL", travel)))
-    columns = {term.name: term.columns for term in errors.terms}
-    shown = [name for each in crashes(errors) for name, own in columns.items() if np.any(each[own])]
-    assert sorted(shown) == looked_for
-
-
-def test_where_crashes_show_already_readings_stay_where_drifts_show_most() -> None:
-    described = slide()
-    stated = Case(described).errors.prior_covariance()
-    drifted = Case(described, Inherited(np.zeros(len(stated)), 0.19 * stated))
-    even = np.array([np.argmin(np.abs(drifted.lattice.poses[:, 0] - x)) for x in np.linspace(0.01, 0.49, 12)])
-    before = drifted.lattice.within(even)
-    assert _loss(drifted, before) < 0.02
-    assert sorted(showing_crashes(drifted, before).poses[:, 0]) == sorted(before.poses[:, 0])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -79,19 +78,6 @@ def sent(database: Database, file: Path) -> Synced:
         return synced(database, record, file.stem)
 
 
-@pytest.mark.long
-def test_what_a_type_teaches_is_the_same_from_the_store(folder: Path, tmp_path: Path) -> None:
-    taught = []
-    for source in (str(folder), "store:"):
-        assert run(["type", "learn", source, "--of", "Slide", "--out", str(tmp_path / "t.type.json")]) == 0
-        found = json.loads((tmp_path / "t.type.json").read_text())
-        names = [each.pop("file") for each in found["records"]]
-        found.pop("digest")  # of the text, in which the files have their names
-        taught.append(found)
-    assert taught[0] == taught[1]
-    assert sorted(names) == ["store:again", "store:slide-0", "store:slide-1", "store:slide-2"]
-
-
 def test_a_campaign_names_a_type_in_the_store(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "machine.toml").write_text(MACHINE.format(serial="", travel=500))
     text = CAMPAIGN.format(first="") + '\n[sisters]\ntype = "Slide"\n'
@@ -100,17 +86,6 @@ def test_a_campaign_names_a_type_in_the_store(folder: Path, tmp_path: Path) -> N
     (tmp_path / "campaign.toml").write_text(text.replace('"Slide"', '"Lathe"'))
     with pytest.raises(RecordError, match=r'None of the records is of a machine "Lathe".*"Slide"'):
         campaign_with_sisters(tmp_path / "campaign.toml")
-
-
-@pytest.mark.long
-def test_due_check_and_pages_are_the_same_from_the_store(folder: Path, tmp_path: Path, command: Command) -> None:
-    said = []
-    for source in (str(folder), "store:"):
-        found = command("due", source, "--target", "4 um", "--today", "2030-01-01", "--json").document
-        machines = [{**each, "record": None} for each in found["machines"]]
-        said.append((sorted(map(json.dumps, machines)), found["kept_at_once"]))
-    assert said[0] == said[1]
-    assert run(["check", "store:slide-0", "--plan", str(tmp_path / "check.csv"), "--readings", "4"]) == 0
 
 
 def test_a_store_is_listed_over_one_connection(folder: Path) -> None:

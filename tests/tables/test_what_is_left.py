@@ -25,7 +25,7 @@ from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import foreword, shifts
-from axiscal.tables.surface import CommandedMachine, Mesh, effect_of_control, planes_left
+from axiscal.tables.surface import CommandedMachine, effect_of_control, planes_left
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.vcomp_applying import whole_control
 from tests.generators.known import known_to_be, sure
@@ -119,16 +119,6 @@ def test_points_of_a_sum_are_those_of_both_as_far_as_they_fit(
     added = np.interp(found.positions, before.positions, 3e-6 * before.positions**2)
     assert found.forward == pytest.approx(own - added, abs=1e-15)
     assert found.reverse == pytest.approx(own - added, abs=1e-15)
-
-
-def test_old_heights_are_added_at_the_points_of_the_new_mesh() -> None:
-    x, y = np.linspace(0, 0.3, 4), np.linspace(0, 0.2, 3)
-    new = Mesh(x, y, 1e-6 * np.arange(12.0).reshape(3, 4))
-    first = Mesh(np.array([0.0, 0.3]), np.array([0.0, 0.2]), 1e-6 * np.array([[0.0, 3.0], [2.0, 5.0]]))
-    found = Loaded(meshes=(first, first)).under_mesh(new)
-    plane = 10.0 * x[None, :] + 10.0 * y[:, None]
-    assert found.added == pytest.approx(new.added + 2e-6 * plane)
-    assert Loaded().under_mesh(new).added == pytest.approx(new.added)
 
 
 @pytest.mark.parametrize("control", ["linuxcnc-volumetric", "klipper-volumetric", "isg"])
