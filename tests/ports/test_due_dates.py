@@ -30,9 +30,9 @@ from tests.generators.sisters import read_on, shop, slide, write_record
 from tests.generators.texts import machine_text, setup_text
 
 DAY = date(2030, 1, 1)
-REST = 6e-6
+REST = 4e-6
 TWO_ERRORS = machine_text(
-    "w-b-X-t", {"X": (0, 500)}, {"EXX EYX": 'std = "20 um", knots = 7, length = "150 mm", rest = "6 um"'}, name="Slide"
+    "w-b-X-t", {"X": (0, 500)}, {"EXX EYX": 'std = "20 um", knots = 7, length = "150 mm", rest = "4 um"'}, name="Slide"
 )
 SQUARE_SETUP = setup_text("square", "indicator", direction="y", moves=["X"], approach="both", noise="0.5 um")
 

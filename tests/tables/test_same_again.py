@@ -33,15 +33,6 @@ def table(**changes: Any) -> CompensationTable:
     return CompensationTable(**(good | changes))
 
 
-def at(*positions: float) -> Array:
-    return np.array(positions)
-
-
-def test_deviation_is_linear_between_the_points_and_constant_outside() -> None:
-    assert table().deviation(at(-1, 0, 0.05, 0.2, 9), 1) == pytest.approx([1e-6, 1e-6, 2e-6, 1e-6, -1e-6])
-    assert table().deviation(at(-1, 0, 0.05, 0.2, 9), -1) == pytest.approx([0, 0, 5e-7, -1e-6, -3e-6])
-
-
 def test_sizes_of_the_reversal_step() -> None:
     assert table().reversal == pytest.approx((1e-6, 2e-6))
     assert table(reverse=[2e-6, 1e-6, -1e-6]).reversal == pytest.approx((0, 2e-6))

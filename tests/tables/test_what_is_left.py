@@ -25,22 +25,15 @@ from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import foreword, shifts
+from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.surface import CommandedMachine, effect_of_control, planes_left
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.vcomp_applying import whole_control
-from tests.generators.known import known_to_be, sure
+from tests.generators.known import sure
 from tests.generators.planes import BED
 from tests.generators.texts import TWO_SPHERES
 from tests.tables.test_controllers import known
 from tests.tables.test_sampling import CHAINS, machine
-
-
-def estimate_of(text: str, seed: int = 1) -> Estimate:
-    """Return the belief of somebody who knows a machine that was drawn."""
-    model = ErrorModel(machine_from_text(text))
-    mean = model.prior_root() @ np.random.default_rng(seed).standard_normal(model.prior_root().shape[1])
-    return known_to_be(model, mean)
-
 
 ONE_PLANE = BED.replace("EAYZ", "#").replace('EAX = { std = "100 urad", knots = 4, length = "100 mm" }', "")
 
@@ -62,7 +55,7 @@ def plane_of(estimate: Estimate, poses: Array) -> Array:
 def test_what_files_leave_of_two_axes_is_said_below_nine_tenths_and_part_of_it_above_a_tenth(
     share: float, says: bool, part: bool
 ) -> None:
-    estimate = estimate_of(ONE_PLANE)
+    estimate = drawn_and_known(machine_from_text(ONE_PLANE))
     axes = estimate.machine.axes
     index = estimate.machine.index("Z")
     low, high = np.array(estimate.box).T
