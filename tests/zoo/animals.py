@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -53,17 +53,20 @@ class Slope:
         return abs(self.table - self.read) <= (1 - KEPT) * abs(self.read) + 0.5 * self.std
 
 
-class Truth(Protocol):
+class Truth(ABC):
     """What is true of a machine."""
 
+    @abstractmethod
     def left(self, answer: Answer) -> Array:
         """Return how far off the tool is where the answer is put to use, (p,) um, all places counting alike."""
 
     def promised(self, answer: Answer) -> float:
-        """Return the U that is printed for it, um."""
+        """Return the U that is printed for it, um: with the tables, unless said otherwise."""
+        return answer.expanded_with_tables()
 
-    def kept(self, answer: Answer) -> Slope | None:
+    def kept(self, _: Answer) -> Slope | None:
         """Return what the table keeps of the slope that was read; None without a slope."""
+        return None
 
 
 @dataclass(frozen=True, slots=True)

@@ -44,16 +44,6 @@ def pitch(x: Array, side: Array) -> Array:
     return 3 * np.sin(2 * np.pi * x / 10 + 0.7) - side
 
 
-def growing_pitch(x: Array, side: Array) -> Array:
-    """Return a screw's error of each turn that grows from nothing to 6 um."""
-    return 6 * x / LENGTH * np.sin(2 * np.pi * x / 10 + 0.7) - side
-
-
-def half_inch(x: Array, side: Array) -> Array:
-    """Return a screw's error of 5 um in each turn of half an inch."""
-    return 5 * np.sin(2 * np.pi * x / 12.7) - side
-
-
 def sawtooth(x: Array, side: Array) -> Array:
     """Return a scale put together from pieces of 100 mm, 8 um off at each joint."""
     found: Array = 8 * ((x / 100 + 0.3) % 1 - 0.5) - side
@@ -160,8 +150,8 @@ _TURN = r"multiples? of|period"
 _WAY = r"since it turned|way after"
 FOREIGN = (
     Foreign("pitch", pitch, cause=_TURN),
-    Foreign("growing pitch", growing_pitch, cause=_TURN),
-    Foreign("pitch of half an inch", half_inch, cause=_TURN),
+    Foreign("growing pitch", lambda x, side: 2 * x / LENGTH * (pitch(x, side) + side) - side, cause=_TURN),
+    Foreign("pitch of half an inch", lambda x, side: 5 * np.sin(2 * np.pi * x / 12.7) - side, cause=_TURN),
     Foreign("sawtooth of 100 mm", sawtooth, cause=_TURN),
     Foreign("air conditioning", bowed, air, _TURN),
     Foreign("steps of a rack", rack),
