@@ -85,7 +85,6 @@ class Animal:
     name : with its kind before the colon
     meet : from a seed to readings and truth
     cause : what an answer says that names the cause or asks for it; "" where only right figures will do
-    quick : part of the quick tests
     asked : nothing but the name of the cause will do
     """
 
@@ -93,7 +92,6 @@ class Animal:
     job: Job
     meet: Callable[[int], Met]
     cause: str = ""
-    quick: bool = False
     asked: bool = False
 
     @property

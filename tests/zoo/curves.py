@@ -113,7 +113,6 @@ LEADS = (
             f"lead error: {slope} um/m by {rule.name}",
             rule.job,
             read(straight(slope), rule, _iso, slope=True),
-            quick=slope == 20 or (rule is LASER and slope in (5, 100)),
         )
         for rule in (LASER, SCALE, TAPE)
         for slope in _SLOPES
@@ -124,7 +123,6 @@ WARM = tuple(
         f"scale or part not at 20 degC: {kelvin:+g} K, by laser",
         LASER.job,
         read(straight(40), LASER, _iso, warm(kelvin), slope=True),
-        quick=kelvin < 0,
     )
     for kelvin in (0.5, -1.0, 1.5)  # as the usual 1 K scatters
 )
@@ -139,10 +137,10 @@ class Foreign:
     beside: Shown = nothing
     cause: str = ""
 
-    def animal(self, places: str, *, quick: bool = False) -> Animal:
+    def animal(self, places: str) -> Animal:
         """Return it as an animal of the zoo."""
         met = read(self.curve, LASER, _PLACES[places], self.beside)
-        return Animal(f"{self.kind}: {places}", LASER.job, met, self.cause, quick=quick)
+        return Animal(f"{self.kind}: {places}", LASER.job, met, self.cause)
 
 
 _PLACES = everywhere(21, 2, LASER.job)
@@ -159,16 +157,14 @@ FOREIGN = (
     Foreign("backlash with a way of 300 mm", backlash, winding(300), _WAY),
     Foreign("thermal front", heated, front, r"warm(s|ed|ing) (up|while)|\bdrift"),
 )
-_QUICK = ("pitch: even", "steps of a rack: planned", "backlash with a way of 300 mm: even", "thermal front: even")
-NOTHING_WRONG = Animal("nothing wrong: random", LASER.job, read(bowed, LASER, _PLACES["random"]), quick=True)
+NOTHING_WRONG = Animal("nothing wrong: random", LASER.job, read(bowed, LASER, _PLACES["random"]))
 CURVES = (
     NOTHING_WRONG,
-    *(each.animal(places, quick=f"{each.kind}: {places}" in _QUICK) for each in FOREIGN for places in _PLACES),
+    *(each.animal(places) for each in FOREIGN for places in _PLACES),
     Animal(
         "half-read axis: 0 to 500 mm",
         LASER.job,
         read(wavy, LASER, lambda _: even(11, 2, LENGTH / 2)),
         r"not read|0 to 500|500 to 1000",
-        quick=True,
     ),
 )

@@ -109,8 +109,8 @@ def diameters(seed: int) -> Met:
 MILLS = (
     Animal("parked as stated: Y 200", _MILL, parked(200.0)),
     Animal("parked elsewhere: Y 0, all errors described", _MILL, parked(0.0)),
-    Animal("parked elsewhere: Y 0, only EXX described", _ALONE, parked(0.0), r"on the line", quick=True),
+    Animal("parked elsewhere: Y 0, only EXX described", _ALONE, parked(0.0), r"on the line"),
     Animal("line for the volume: only EXX described", _ALONE, parked(200.0), r"on the line"),
-    Animal("mirror over the tool point: only EXX described", _MIRROR, mirrored, quick=True),
+    Animal("mirror over the tool point: only EXX described", _MIRROR, mirrored),
     Animal("diameter for radius", Job(LATHE, ("laser",), "20 um"), diameters, r"diameter|radius"),
 )

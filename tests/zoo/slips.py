@@ -60,13 +60,13 @@ ROUNDED = misread(lambda values: np.round(values, -1))
 SET_ANEW = misread(lambda values: np.where(N >= 8, values - 140, values), SCALE)
 
 SLIPS = (
-    Animal("slip: stuck", LASER.job, STUCK, r"\bstuck", quick=True, asked=True),
+    Animal("slip: stuck", LASER.job, STUCK, r"\bstuck", asked=True),
     Animal("slip: repeating", LASER.job, REPEATING, r"\bstuck|repeat", asked=True),
-    Animal("slip: unit, mm for um", LASER.job, IN_MM, r"\bunit|in mm|1000 times", quick=True, asked=True),
-    Animal("slip: sign of one reading", LASER.job, TURNED, r"left out|does not agree|\bsign\b", quick=True),
+    Animal("slip: unit, mm for um", LASER.job, IN_MM, r"\bunit|in mm|1000 times", asked=True),
+    Animal("slip: sign of one reading", LASER.job, TURNED, r"left out|does not agree|\bsign\b"),
     Animal("slip: two readings swapped", LASER.job, SWAPPED, r"left out|does not agree|swapped|exchanged"),
-    Animal("slip: rounded to 10 um", LASER.job, ROUNDED, r"round|resolution|steps of", quick=True),
-    Animal("slip: dial set anew", SCALE.job, SET_ANEW, r"set anew|jump|\bstep of", quick=True, asked=True),
-    Animal("slip: one reading missed", LASER.job, slipped(missed), r"missed|one row|shifted|left out", quick=True),
+    Animal("slip: rounded to 10 um", LASER.job, ROUNDED, r"round|resolution|steps of"),
+    Animal("slip: dial set anew", SCALE.job, SET_ANEW, r"set anew|jump|\bstep of", asked=True),
+    Animal("slip: one reading missed", LASER.job, slipped(missed), r"missed|one row|shifted|left out"),
     Animal("slip: wrong row", LASER.job, slipped(misplaced), r"left out|does not agree|place of reading"),
 )
