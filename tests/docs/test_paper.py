@@ -93,7 +93,8 @@ def test_the_knees_stand_where_the_readings_span_what_can_be_seen(single: Chosen
 def test_two_combinations_of_constants_are_left(stacked: Chosen) -> None:
     """c ⊗ 1 with Σ c = 0: variance 1/7 of each unit vector's mean, times the length 10, twice."""
     exact = STACKED["case"]("1 nm")
-    assert exact.evaluate(exact.lattice(200), criterion="joint").J * 1e9 == pytest.approx(20 / 7, rel=1e-5)
+    left = exact.evaluate(exact.lattice(200), criterion="joint").J
+    assert left == pytest.approx(20e-9 / 7, rel=1e-5)
     assert 20 / 7 < stacked.variances[-1] < 20 / 7 + 0.01
 
 
