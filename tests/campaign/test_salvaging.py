@@ -75,12 +75,6 @@ def test_numbers_and_bytes_of_what_is_missing_are_named_and_noted(path: Path, ne
     assert all(words in found.state.notes[-1].text for words in (*found.missing, "mill.axiscal", "6 events"))
 
 
-def test_what_is_taken_back_has_another_number_now(path: Path, new: Path) -> None:
-    made(path, recorded(1e-6), recorded(2e-6), recorded(3e-6), Undone(4), recorded(4e-6))
-    without(path, 2)
-    assert values(salvaged(path, new)) == [2e-6, 4e-6]
-
-
 def test_a_taking_back_of_what_is_missing_is_left_out(path: Path, new: Path) -> None:
     made(path, recorded(1e-6), recorded(2e-6), Undone(3), recorded(4e-6))
     without(path, 3)
@@ -272,19 +266,6 @@ def test_an_entry_of_a_newer_version_comes_along_unless_it_says_something_of_rea
         record.extend([EventText(at, "weighted", '{"reading":1}')])
     with pytest.raises(NewerError, match="weighted"):
         salvaged(path, new.with_name("second.axiscal"))
-
-
-def test_half_a_transaction_does_not_stand_unless_a_mark_counts_it(path: Path, new: Path) -> None:
-    made(path, recorded(1e-6))
-    whole = path.read_bytes()
-    with Record.open(path) as record:
-        batch: list[Event] = [recorded(2e-6), recorded(3e-6)]
-        record.append(*batch)
-    half = path.read_bytes()[: lines_of(path.read_bytes())[2].end]
-    path.write_bytes(half)
-    assert values(salvaged(path, new)) == [1e-6, 2e-6]
-    path.write_bytes(whole[:START] + half[START:])
-    assert values(salvaged(path, new.with_name("second.axiscal"))) == [1e-6]
 
 
 def test_a_file_without_a_whole_entry_or_of_a_form_to_come_is_refused(path: Path, new: Path) -> None:

@@ -44,11 +44,3 @@ def test_two_priors_and_a_damaged_type_are_sentences(folder: Path, command: Comm
     (folder / "bad.type.json").write_text('{\n "schema": "axiscal-type/1", "machine": "')
     (folder / "campaign.toml").write_text(CAMPAIGN.format(first='prior = "bad.type.json"\n'))
     assert "axiscal shop type learn" in command("plan", folder / "campaign.toml").refusal
-
-
-@pytest.mark.long
-def test_virtual_sisters_fill_a_folder_once(folder: Path, command: Command) -> None:
-    (folder / "campaign.toml").write_text(CAMPAIGN.format(first="").replace('rms = "2 um"', "readings = 6"))
-    words = ["type", "rehearse", str(folder / "campaign.toml"), "--machines", "2", "--out", str(folder / "virtual")]
-    assert len(command(*words, "--json").document["records"]) == 2
-    assert "exists already" in command(*words).refusal
