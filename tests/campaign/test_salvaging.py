@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import zlib
 from pathlib import Path
 
@@ -124,26 +123,6 @@ def test_the_tail_and_the_marks_may_be_gone(path: Path, new: Path) -> None:
     found = salvaged(path, new.with_name("second.axiscal"))
     assert (len(values(found)), len(found.missing)) == (8, 1)
     assert "both marks" in found.missing[0]
-
-
-@pytest.mark.parametrize("lines", [3, 4, 5])
-def test_the_beginning_of_another_record_is_not_put_before_the_rest(
-    path: Path, new: Path, tmp_path: Path, lines: int
-) -> None:
-    """Both are of one machine with one description, so only the chain tells their readings apart."""
-    made(path, *(recorded(1e-6 * number) for number in range(1, 9)))
-    other = made(tmp_path / "other.axiscal", *(recorded(1e-5 + 1e-6 * number) for number in range(1, 9)))
-    with Record.open(path, write=False) as record:
-        first = record.texts()[0].row
-    cut = lines_of(other.read_bytes())[lines].begin - 40
-    behind = [line for line in lines_of(path.read_bytes()) if line.begin >= cut]
-    path.write_bytes(path.read_bytes()[:START] + other.read_bytes()[START:cut] + path.read_bytes()[cut:])
-    with pytest.raises(RecordError, match=r"Event 1.*does not stand whole"):
-        salvaged(path, new)
-    assert not new.exists()
-    found = salvaged(path, new, first)
-    assert values(found) == [json.loads(line.payload)["value"] for line in behind]
-    assert any("may be of another file" in words for words in found.missing)
 
 
 def test_lines_of_another_record_behind_head_and_marks_are_refused_and_both_are_named(

@@ -72,6 +72,13 @@ def test_a_drift_of_usual_size_is_taken_off_without_a_word_of_it_in_the_campaign
     assert "with zeros that wander as is usual, 5 um/h" in told
     assert "Agreement: 40 of 40 readings agree with the others" in told
     assert "Readings agree: 40 of 40." in told
+    lines = told.splitlines()
+    assert f"Expanded uncertainty U in space: {result['U_um']:.3g} um" in lines
+    assert any(line.startswith("positioning of X  EXX  ± ") for line in lines)
+    assert any(line.startswith("MEASURED   40 readings") for line in lines)
+    assert {table["controller"] for table in result["tables"]} == {"linuxcnc", "csv"}
+    (left,) = (line for line in lines if line.startswith("linuxcnc: All files together take"))
+    assert left.partition(" Then ")[2] in (folder / "d/tables/linuxcnc/README.txt").read_text()  # one U of the files
 
 
 def test_a_campaign_that_contradicts_itself_is_finished_without_u_and_with_it_where_that_is_wanted(

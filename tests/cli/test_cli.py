@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shlex
 import signal
@@ -84,26 +83,6 @@ def test_wrong_usage_is_status_2(started: Command, words: list[str]) -> None:
     outcome = started(*words)
     assert outcome.status == 2
     assert "Traceback" not in outcome.err
-
-
-def test_the_details_say_u_and_what_it_holds_for_and_the_tables_stand_beside_it(axiscal: Command) -> None:
-    Path("c.toml").write_text(FOUR_READINGS.replace("readings = 4", "readings = 12"))
-    outcome = axiscal("run", "c.toml", "--source", "sim:3", "--out", "d", "--details")
-    lines = outcome.out.splitlines()
-    result = json.loads(Path("d/result.json").read_text())
-    assert result["agreement"]["contradict"] is False
-    holds = next(line for line in lines if line.startswith("Holds: "))
-    assert "with zeros that wander as is usual, 5 um/h, of the 2 errors that are described" in holds
-    assert f"Expanded uncertainty U in space: {result['U_um']:.3g} um" in lines
-    assert any(line.startswith("positioning of X  EXX  ± ") for line in lines)
-    assert result["k"] == pytest.approx(result["U_um"] / result["rms_um"], rel=1e-5)
-    assert f"Agreement: {result['agreement']['text']}" in lines
-    assert {table["controller"] for table in result["tables"]} == {"linuxcnc", "csv"}
-    (left,) = (line for line in lines if line.startswith("linuxcnc: All files together take"))
-    assert left.partition(" Then ")[2] in Path("d/tables/linuxcnc/README.txt").read_text()  # one U of the files
-    assert [row["row"] for row in result["rows"]] == ["positioning X", "scale X", "backlash X", "volume"]
-    assert result["rows"][-1]["known_to"] == result["U_um"]
-    assert any(line.startswith("MEASURED   12 readings") for line in lines)
 
 
 @pytest.mark.long

@@ -116,6 +116,7 @@ def test_an_export_has_a_manifest_and_takes_the_place_of_the_one_before(folder: 
 def test_results_may_be_written_where_one_stands(folder: Path) -> None:
     measured(folder)
     assert run(["finish", "mill.axiscal", "--out", "."]) == 0
+    assert run(["export", "mill.axiscal", "--to", "csv", "--out", "."]) == 0
     assert (folder / "manifest.json").exists()
     assert (folder / "campaign.toml").read_text() == CAMPAIGN
     assert Path.cwd() == folder
