@@ -19,8 +19,7 @@ from axiscal.numerics import Array
 from tests.certify.kept import Kept
 from tests.certify.simulated import ACCELERATION, PROGRAMS, Job, Simulated, random_simulated
 from tests.generators.kinematics import tip
-from tests.linuxcnc.lab import available
-from tests.linuxcnc.watched import WatchedSession
+from tests.linuxcnc.lab import Session, available
 
 _FINE = 1000.0
 """The sampler writes six decimals; positions come to it in thousandths of mm and deg, so that it writes nine."""
@@ -215,7 +214,7 @@ def found_on(simulated: Simulated, most: int) -> Found:
     given = simulated.settings
     settings = replace(given, hal=given.hal + hal(len(simulated.joints)), beside={**given.beside, **beside})
     readings, cycles, held, worst, faults = 0, 0, 0, 0.0, list[str]()
-    with WatchedSession(simulated.joints, settings, timeout=600) as session:
+    with Session(simulated.joints, settings, timeout=600) as session:
         for n, job in enumerate(jobs):
             rows = np.array(session.sample([f"run p{n}.ngc"]))
             if session.errors or not rows[:, -1].any():

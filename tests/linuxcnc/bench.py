@@ -14,8 +14,7 @@ import pytest
 from axiscal.measurement import touched
 from axiscal.ports.linuxcnc.live import attached, connection
 from tests.generators import touched_table as table
-from tests.linuxcnc.lab import Joint, Settings
-from tests.linuxcnc.watched import WatchedSession
+from tests.linuxcnc.lab import Joint, Session, Settings
 
 NAMES = "XYZAC"
 BALLS = Path(__file__).with_name("axiscal_balls.comp").read_text(encoding="ascii")
@@ -39,7 +38,7 @@ def joints(scale: float = 1.0) -> list[Joint]:
 class Bench:
     """The running LinuxCNC, and what is done to it from beside."""
 
-    def __init__(self, session: WatchedSession) -> None:
+    def __init__(self, session: Session) -> None:
         self.session = session
         inside = next(iter(_children(session.process_id)), session.process_id)
         self._enter = ("nsenter", "-t", str(inside), "--ipc", "--net", "--pid", "--mount", "--")
@@ -105,7 +104,7 @@ class Bench:
 def running(text: str | None = None, machine: Sequence[Joint] | None = None) -> Iterator[Bench]:
     """Yield a running LinuxCNC with the spheres.  text, machine : HAL and joints of another one than XYZAC"""
     settings = Settings(text or hal(), sources={"axiscal_balls.comp": BALLS})
-    with WatchedSession(machine or joints(), settings, timeout=240) as session:
+    with Session(machine or joints(), settings, timeout=240) as session:
         yield Bench(session)
 
 

@@ -5,8 +5,7 @@
 A campaign drives a LinuxCNC through MDI, what it makes is loaded, LinuxCNC starts anew, and positions that were never
 measured are visited as found, with the tables, and with the realtime component that corrects everything at once: on a
 mill, on a gantry of two joints, on a mill that is set up in inches, and on swivelling tables with the kinematics that
-LinuxCNC brings, in tool centre point mode: one of them touches three spheres itself, by G38, and one has every error
-that ISO 230-1 names.
+LinuxCNC brings, in tool centre point mode: one of them has every error that ISO 230-1 names.
 """
 
 from __future__ import annotations
@@ -23,6 +22,7 @@ import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Milestone
+from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
@@ -37,16 +37,15 @@ from axiscal.tables.registry import export
 from axiscal.tables.surface import left_by, rms
 from axiscal.units import to_unit
 from axiscal_core.threads import one_thread
-from tests.linuxcnc.built import Build, BuiltMachine, BuiltSource
 from tests.linuxcnc.lab import can_load
-from tests.linuxcnc.probing import Probe
+from tests.linuxcnc.virtual import Build, LinuxcncMachine
 
 _TABLE = Build(tcp=True), ExportOptions(pivots=True)
 EXAMPLES: dict[str, tuple[str, Build, ExportOptions]] = {
     "three-axis": ("three-axis", Build(), ExportOptions()),
     "gantry": ("gantry", Build(pairs="Y"), ExportOptions(numbers={"Y": (1, 2)})),
     "inch": ("three-axis", Build(unit="in"), ExportOptions(unit="in")),
-    "xyzac": ("xyzac", Build(tcp=True, probe=Probe()), ExportOptions(pivots=True)),
+    "xyzac": ("xyzac", *_TABLE),
     "xyzbc": ("xyzbc", *_TABLE),
     "xyzac-all": ("xyzac-all", *_TABLE),
 }
@@ -57,7 +56,7 @@ _WHAT = {
     "three-axis": "mill in mm, trivkins",
     "gantry": "coordinates = XYYZ, trivkins",
     "inch": "the mill with LINEAR_UNITS = inch",
-    "xyzac": "xyzac-trt-kins in TCP mode, spheres touched by G38",
+    "xyzac": "xyzac-trt-kins in TCP mode, three spheres",
     "xyzbc": "xyzbc-trt-kins in TCP mode",
     "xyzac-all": "xyzac-trt-kins in TCP mode, all 30 error motions",
 }
@@ -119,8 +118,8 @@ def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
     truth = Simulator(case.description.machine, case.description.setups).drawn(seed)
     record = out / f"{name}.axiscal"
     with Campaign.create(record, case.description) as campaign:
-        with BuiltMachine(truth, None, build) as control:
-            campaign.run(BuiltSource(control, seed), _unwatched)
+        with LinuxcncMachine(truth, None, build) as control:
+            campaign.run(SimulatedSource(control.seen, seed), _unwatched)
         estimation, readings = campaign.estimate(ended=True), len(campaign.state.readings)
     offers = [export(estimation.estimate(), "linuxcnc", options)]
     if can_load("axiscal_vcomp"):
@@ -145,7 +144,7 @@ def _verified(
         return rms(off(deviation))
 
     def seen(offered: Export | None) -> Array:
-        with BuiltMachine(truth, None if offered is None else offered.files, replace(build, probe=None)) as machine:
+        with LinuxcncMachine(truth, None if offered is None else offered.files, build) as machine:
             deviation = machine.seen.deviation(poses, approaches)
             messages.extend(machine.errors)
         return deviation
@@ -206,11 +205,11 @@ def _left(left: Left | None) -> str:
     return f"{after:6.2f} um   (expected {expected:.2f} um; 95 % within {within:.2f}, U {certain:.2f} um)"
 
 
-def _timed(name: str, folder: Path) -> tuple[Loop, float]:
-    """Return what a loop came to, and its seconds; raises AxiscalError that goes from one process to another."""
+def _timed(name: str, folder: Path) -> str:
+    """Return what a loop came to; raises AxiscalError that goes from one process to another."""
     begun = time.monotonic()
     try:
-        return close_loop(name, folder), time.monotonic() - begun
+        return _report(name, close_loop(name, folder), time.monotonic() - begun)
     except AxiscalError as failure:
         raise AxiscalError(f"{name}: {failure}") from None
 
@@ -221,16 +220,9 @@ def main(arguments: list[str]) -> int:
     folder = out / time.strftime("%Y%m%d-%H%M%S")
     try:
         folder.mkdir(parents=True)
-        loops = dict[str, Loop]()
         with ProcessPoolExecutor(_AT_ONCE, get_context("spawn")) as pool:
-            closing = {name: pool.submit(_timed, name, folder) for name in EXAMPLES}
-            try:
-                for name, closed in closing.items():
-                    loops[name], seconds = closed.result()
-                    _say(_report(name, loops[name], seconds))
-            except BaseException:
-                pool.shutdown(cancel_futures=True)
-                raise
+            for report in pool.map(_timed, EXAMPLES, [folder] * len(EXAMPLES)):
+                _say(report)
     except (AxiscalError, OSError) as failure:
         sys.stderr.write(f"{failure}\n")
         return 1

@@ -1,7 +1,4 @@
-"""A headless LinuxCNC for one job after another: configuration text in, motor commands and pins out.
-
-It makes moves, loads tables, and moves axes over others.
-"""
+"""A headless LinuxCNC for one job after another: configuration text in, motor commands, pins and samples out."""
 
 from __future__ import annotations
 
@@ -31,9 +28,9 @@ from tests.linuxcnc.running import (
     started,
 )
 
-__all__ = ["Ending", "Joint", "Session", "Settings", "available", "can_load", "files", "signals"]
+__all__ = ["Ending", "Joint", "Session", "Settings", "available", "can_load", "files", "run"]
 
-MOVING = Path(__file__).with_name("moving_driver.py")
+_DRIVER = Path(__file__).with_name("driver.py")
 _START = 30.0
 """s; LinuxCNC starts in a few, on a busy computer in some more."""
 
@@ -87,24 +84,20 @@ class Ending:
     """Positions at the end of a move, one number for each joint in mm or deg.
 
     motor : where the motors are sent; command : the positions that LinuxCNC shows; settled : the correction had arrived
-    probe : position and whether the probe touched, of the last probing move
     """
 
     motor: tuple[float, ...]
     command: tuple[float, ...]
     settled: bool
-    probe: tuple[tuple[float, ...], bool]
 
 
 class Session:
-    """A LinuxCNC that is switched on and homed, and takes G-code lines; a context manager.
+    """A LinuxCNC that is switched on and homed, and takes lines: G-code, or what `driver.py` knows; a context manager.
 
     joints : in the order of their numbers; settings : what LinuxCNC is given besides them
     start : where the motors were sent after homing; errors : messages to the operator so far
     Raises ControlError when LinuxCNC is missing, does not start, does not finish in time, or refuses what is asked.
     """
-
-    driver = MOVING
 
     def __init__(self, joints: Sequence[Joint], settings: Settings | None = None, timeout: float = 60.0) -> None:
         if not available():
@@ -120,8 +113,27 @@ class Session:
             raise
 
     def move(self, codes: Sequence[str]) -> tuple[Ending, ...]:
-        """Execute G-code lines or `setp PIN VALUE`, and return where each ended."""
-        return tuple(_ending(each) for each in self._ask(list(codes))["steps"])
+        """Execute lines, and return where each ended."""
+        return tuple(
+            Ending(tuple(each["motor"]), tuple(each["command"]), each["settled"])
+            for each in self._ask(list(codes))["steps"]
+        )
+
+    def sample(self, codes: Sequence[str]) -> tuple[tuple[float, ...], ...]:
+        """Execute lines and return what the loaded `sampler` took meanwhile, one row for each servo cycle."""
+        result = self._ask({"sample": list(codes)})
+        if result["overruns"]:
+            raise ControlError(f"{result['overruns']} samples were lost", "Give sampler more depth")
+        return tuple(tuple(row) for row in result["samples"])
+
+    def written(self, name: str) -> str:
+        """Return a file that LinuxCNC has written into the folder from which it was started."""
+        return (self._work / name).read_text(encoding="utf-8")
+
+    @property
+    def process_id(self) -> int:
+        """That of the first process of the run, in whose namespaces, or its child's, LinuxCNC is."""
+        return self._process.pid
 
     def read(self, pins: Sequence[str]) -> tuple[float, ...]:
         """Return the values of HAL pins or signals."""
@@ -140,7 +152,9 @@ class Session:
     def _begin(self, joints: Sequence[Joint], settings: Settings) -> None:
         self._work = Path(tempfile.mkdtemp(prefix="axiscal-linuxcnc-", dir=BASE))
         self._stack.callback(shutil.rmtree, self._work, ignore_errors=True)
-        fill(self._work, self._texts(joints, settings))
+        job = json.dumps({"motors": _motors(len(joints), settings.hal)})
+        driver = _DRIVER.read_text(encoding="utf-8")
+        fill(self._work, {"driver.py": driver, "job.json": job, **files(joints, settings)})
         if settings.sources:
             add_modules(self._work, settings.sources, spaces_allowed())
         listener = self._stack.enter_context(socket.socket(socket.AF_UNIX))
@@ -151,15 +165,6 @@ class Session:
         self._line = self._stack.enter_context(self._accepted(listener))
         self._stack.callback(self._line.shutdown, socket.SHUT_RDWR)
         self._answer(time.monotonic() + _START)
-
-    def _texts(self, joints: Sequence[Joint], settings: Settings) -> Mapping[str, str]:
-        """Return the files of its folder by name."""
-        return {
-            "driver.py": self.driver.read_text(encoding="utf-8"),
-            "moving_driver.py": MOVING.read_text(encoding="utf-8"),
-            "job.json": json.dumps({"motors": _motors(len(joints), settings.hal)}),
-            **files(joints, settings),
-        }
 
     def _accepted(self, listener: socket.socket) -> socket.socket:
         end = time.monotonic() + _START
@@ -198,9 +203,20 @@ class Session:
 _LOOK = "Look at its last words above"
 
 
-def _ending(found: dict[str, Any]) -> Ending:
-    position, tripped = found["probe"]
-    return Ending(tuple(found["motor"]), tuple(found["command"]), found["settled"], (tuple(position), tripped))
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A whole job: motor commands after homing, each move's end, and the messages to the operator."""
+
+    start: tuple[float, ...]
+    steps: tuple[Ending, ...]
+    errors: tuple[str, ...]
+
+
+def run(joints: Sequence[Joint], moves: Sequence[str], timeout: float = 60.0) -> Run:
+    """Start LinuxCNC, make the moves (G-code lines), stop it; raises ControlError."""
+    with Session(joints, timeout=timeout) as session:
+        steps = session.move(moves)
+        return Run(session.start, steps, session.errors)
 
 
 def files(joints: Sequence[Joint], settings: Settings) -> Mapping[str, str]:
@@ -279,12 +295,6 @@ def _motors(count: int, hal: str) -> list[str]:
     """Return the pin or signal of each joint that holds the position its motor is sent to."""
     moved = _moved(hal)
     return [moved.get(n, f"joint.{n}.motor-pos-cmd") for n in range(count)]
-
-
-def signals(count: int, hal: str) -> list[str]:
-    """Return the signal of each of the first joints that holds the position its motor is sent to."""
-    moved = _moved(hal)
-    return [moved.get(n, f"j{n}m") for n in range(count)]
 
 
 def _moved(hal: str) -> dict[int, str]:

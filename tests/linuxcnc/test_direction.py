@@ -1,234 +1,145 @@
-"""Axes that count against ISO 841: a campaign on a machine with LinuxCNC's own trt-kins, tables in, in TCP mode."""
+"""Axes that count against ISO 841: a campaign on a machine with LinuxCNC's own trt-kins, tables in, in TCP mode.
+
+The machine is written from what its drives do and from nothing of the package: a mill with a table C on a swivel A or
+B, whose drive that counts up turns the workpiece by the right hand, against ISO 841. Lengths in mm, angles in deg.
+"""
 
 from __future__ import annotations
 
-import contextlib
-import io
-import json
-import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from math import cos, radians, sin
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from axiscal.cli.app import run
 from axiscal.numerics import Array
 from tests.commands import Command
-from tests.linuxcnc import tilting_table
+from tests.generators.kinematics import turned
+from tests.generators.texts import machine_text
 from tests.linuxcnc.lab import Joint, Session, Settings
 from tests.linuxcnc.needed import LONG
 
 pytestmark = LONG
 
 LIMITS = {"X": (-150, 150), "Y": (-150, 150), "Z": (0, 200), "A": (-60, 60), "B": (-60, 60), "C": (0, 360)}
-ERRORS = """
-EXX = { std = "15 um", knots = 7, length = "100 mm", rest = "0.3 um" }
-EYY = { std = "12 um", knots = 7, length = "100 mm", rest = "0.3 um" }
-EZZ = { std = "12 um", knots = 6, length = "100 mm", rest = "0.3 um" }
-EXX_reversal = { std = "6 um" }
-EYY_reversal = { std = "6 um" }
-ESS = { std = "80 urad", knots = 7, length = "45 deg", rest = "1 urad" }
-ESS_reversal = { std = "20 urad" }
-ECC = { std = "80 urad", knots = 9, length = "60 deg", rest = "1 urad" }
-C0Y = { std = "50 urad" }
-B0Z = { std = "50 urad" }
-A0Z = { std = "50 urad" }
-X0C = { std = "20 um" }
-Y0C = { std = "20 um" }
-T0S = { std = "20 um" }
-Z0S = { std = "20 um" }
-"""
+ERRORS = {
+    "EXX": 'std = "15 um", knots = 7, length = "100 mm", rest = "0.3 um"',
+    "EYY EZZ": 'std = "12 um", knots = 7, length = "100 mm", rest = "0.3 um"',
+    "EXX_reversal EYY_reversal": "6 um",
+    "C0Y B0Z A0Z": "50 urad",
+    "ECC": 'std = "80 urad", knots = 9, length = "60 deg", rest = "1 urad"',
+    "X0C Y0C": "20 um",
+}
+SWING = 'std = "80 urad", knots = 7, length = "45 deg", rest = "1 urad"'
 CAMPAIGN = 'machine = "machine.toml"\n[target]\nreadings = 50\n' + "".join(
     f'[[setups]]\nname = "{d}"\ninstrument = "probe"\ndirection = "{d}"\nnoise = "0.3 um"\napproach = "both"\n'
     'unknowns = { zero = "100 um" }\n'
     for d in "xyz"
 )
-TRACKER = """machine = "machine.toml"
-[target]
-readings = 17
-[[setups]]
-name = "tracker"
-instrument = "tracker"
-station = ["900 mm", "0 mm", "-100 mm"]
-noise = "0.3 um"
-approach = "both"
-unknowns = { zero_x = "100 um", zero_y = "100 um", zero_z = "100 um" }
-"""
-NAMED = "correct direction of C, A in the machine's file"
+TOOL, TABLE, ACROSS, HEIGHT = 80.0, np.array([4.0, -3.0]), 7.0, -120.0
+"""The tool's length, where the line of C is, and where that of the swivel: across the bed, and its height."""
 
 
-def machine(swivel: str, direction: str) -> str:
-    """Return the description of the tilting table by its owner; direction : lines for both rotary axes."""
-    across, height = tilting_table.LINE
-    pivot = (0.0, across, height) if swivel == "A" else (across, 0.0, height)
-    origins = {swivel: pivot, "C": (*tilting_table.TABLE, height)}
-    lines = [
-        f'name = "tilting table"\nchain = "w-C\'-{swivel}\'-b-X-Y-Z-t"\n[tool]\nlength = "{tilting_table.TOOL} mm"'
-    ]
-    for axis in ("X", "Y", "Z", swivel, "C"):
-        unit = "deg" if axis in origins else "mm"
-        low, high = LIMITS[axis]
-        lines.append(f'[axes.{axis}]\ntravel = ["{low} {unit}", "{high} {unit}"]')
-        if axis in origins:
-            x, y, z = origins[axis]
-            lines.append(f'origin = ["{x} mm", "{y} mm", "{z} mm"]\n{direction}')
-    across_name = "Y" if swivel == "A" else "X"
-    errors = ERRORS.replace("ESS", f"E{swivel}{swivel}").replace("T0S", f"{across_name}0{swivel}")
-    return "\n".join([*lines, "[errors]", errors.replace("Z0S", f"Z0{swivel}")])
+def axes(swivel: str) -> tuple[str, ...]:
+    return "X", "Y", "Z", swivel, "C"
 
 
-def described(swivel: str, folder: Path, direction: str = 'direction = "reversed"') -> Path:
-    """Return the file of the campaign."""
-    (folder / "machine.toml").write_text(machine(swivel, direction))
-    (folder / "campaign.toml").write_text(CAMPAIGN)
-    return folder / "campaign.toml"
-
-
-def read_everywhere(swivel: str, campaign: Path, out: Path, status: int = 0) -> Path:
-    """Return the record of 210 readings of the true machine, three at each place."""
-    names = ["X", "Y", "Z", swivel, "C"]
-    lines = ["setup," + ",".join(f"{n}_{'deg' if n in 'ABC' else 'mm'}" for n in names) + ",approach,value_um"]
-    rng = np.random.default_rng(5)
-    low, high = np.array([LIMITS[n] for n in names], dtype=float).T
-    for _ in range(70):
-        at, side = rng.uniform(low, high), rng.choice([-1, 1], 5)
-        drives = {n: float(f"{value:.6f}") for n, value in zip(names, at, strict=True)}
-        approach = {n: int(s) for n, s in zip(names, side, strict=True)}
-        off = tilting_table.deviation(swivel, drives, approach)
-        sides = " ".join(f"{n}{'+' if s > 0 else '-'}" for n, s in approach.items())
-        where = ",".join(f"{value:.6f}" for value in drives.values())
-        lines += [
-            f"{d},{where},{sides},{1e3 * v + 0.3 * rng.standard_normal():.4f}" for d, v in zip("xyz", off, strict=True)
-        ]
-    readings = campaign.with_name("readings.csv")
-    readings.write_text("\n".join(lines) + "\n")
-    assert run(["estimate", str(campaign), str(readings), "--out", str(out)]) == status
-    return out / "campaign.axiscal"
-
-
-def printed(arguments: Sequence[str]) -> dict[str, Any]:
-    """Return the document that a command prints."""
-    text = io.StringIO()
-    with contextlib.redirect_stdout(text):
-        assert run(list(arguments)) == 0
-    found: dict[str, Any] = json.loads(text.getvalue())
+def tip(swivel: str, drives: Array, sides: Array | None = None) -> Array:
+    """Return where the tool is on the workpiece, (3,); a machine without errors where no sides are given."""
+    x, y, z, swing, turn = drives.tolist()
+    line, centre = np.array([ACROSS, HEIGHT]), TABLE
+    if sides is not None:
+        turn += np.degrees(9e-5 * sin(radians(turn)) + 4e-5 * cos(radians(2 * turn)))
+        swing += np.degrees(1.1e-4 * sin(radians(2.2 * swing)) + 7e-5 * radians(swing) + 1.2e-5 * sides[3])
+        x, y, z = (
+            x + 0.014 * sin(x / 70) + 1.2e-4 * x + 0.003 * sides[0] - 4e-5 * y + 3e-5 * z,
+            y - 0.011 * sin(y / 60) - 0.9e-4 * y + 0.0025 * sides[1] - 2e-5 * z,
+            z + 0.009 * cos(z / 80) + 1.1e-4 * z,
+        )
+        centre, line = TABLE + np.array([0.021, -0.013]), line + np.array([-0.017, 0.012])
+    pivot = np.array([0.0, *line] if swivel == "A" else [line[0], 0.0, line[1]])
+    at = pivot + turned(swivel, -radians(swing))[:3, :3] @ (np.array([x, y, z - TOOL]) - pivot)
+    middle = np.array([*centre, 0.0])
+    found: Array = middle + turned("C", -radians(turn))[:3, :3] @ (at - middle)
     return found
 
 
-def exported(record: Path, folder: Path, *more: str) -> dict[str, str]:
-    """Return the files by name."""
-    said = printed(["export", str(record), "--to", "linuxcnc", "--out", str(folder), "--json", *more])
-    (folder.parent / "said.json").write_text(json.dumps(said))
-    return {path.name: path.read_text() for path in folder.iterdir()}
+def machine(swivel: str, direction: str) -> str:
+    """Return the description of the tilting table by its owner."""
+    across = "Y" if swivel == "A" else "X"
+    errors = ERRORS | {f"E{swivel}{swivel}": SWING, f"E{swivel}{swivel}_reversal": "20 urad"}
+    errors |= {f"{across}0{swivel} Z0{swivel}": "20 um"}
+    limits = {axis: LIMITS[axis] for axis in axes(swivel)}
+    text = machine_text(f"w-C'-{swivel}'-b-X-Y-Z-t", limits, errors, tool=TOOL)
+    pivot = (0.0, ACROSS) if swivel == "A" else (ACROSS, 0.0)
+    for axis, (x, y) in ((swivel, pivot), ("C", TABLE)):
+        stated = f'origin = ["{x} mm", "{y} mm", "{HEIGHT} mm"]\ndirection = "{direction}"\n'
+        text = text.replace(f"[axes.{axis}]\n", f"[axes.{axis}]\n{stated}")
+    return text
 
 
-def nominal_pivots(swivel: str) -> str:
-    """Return the settings of the kinematics that the machine has as built."""
-    (x, y), (across, height) = tilting_table.TABLE, tilting_table.LINE
-    pin, offset = ("y-offset", across - y) if swivel == "A" else ("x-offset", across - x)
-    kins = f"xyz{swivel.lower()}c-trt-kins"
-    pins = {"x-rot-point": x, "y-rot-point": y, "z-rot-point": height, pin: offset}
-    return "".join(f"setp {kins}.{name} {value}\n" for name, value in pins.items())
+def drawn(swivel: str, count: int, seed: int, room: float = 0.0) -> tuple[Array, Array]:
+    """Return where the drives stand and from which side they come, both (count, 5)."""
+    rng = np.random.default_rng(seed)
+    low, high = np.array([LIMITS[axis] for axis in axes(swivel)], dtype=float).T
+    places = rng.uniform(low + room, high - room, (count, 5)).round(6)
+    return places, rng.choice([-1.0, 1.0], (count, 5))
 
 
-def off(swivel: str, files: Mapping[str, str]) -> Array:
-    """Return by how much the tool is off at 40 places on the workpiece in TCP mode, (40, 3) um, one shift taken off."""
-    names = ["X", "Y", "Z", swivel, "C"]
-    joints = [Joint(n, LIMITS[n][0] - 150, LIMITS[n][1] + 150, table=files.get(f"{n}.comp")) for n in names]
-    kins = f"xyz{swivel.lower()}c-trt-kins"
-    hal = files.get("axiscal-pivots.hal") or nominal_pivots(swivel)
+def read_everywhere(swivel: str, folder: Path, command: Command, direction: str = "reversed") -> tuple[Path, str, int]:
+    """Return the record of 210 readings of the true machine, three at each place, what was said, and the status."""
+    lines, rng = list[str](), np.random.default_rng(5)
+    for drives, sides in zip(*drawn(swivel, 70, 5), strict=True):
+        off = 1e3 * (tip(swivel, drives, sides) - tip(swivel, drives)) + 0.3 * rng.standard_normal(3)
+        come = " ".join(f"{axis}{'+' if side > 0 else '-'}" for axis, side in zip(axes(swivel), sides, strict=True))
+        at = ",".join(f"{value:.6f}" for value in drives)
+        lines += [f"{way},{at},{come},{value:.4f}" for way, value in zip("xyz", off, strict=True)]
+    head = ",".join(f"{axis}_{'deg' if axis in 'ABC' else 'mm'}" for axis in axes(swivel))
+    (folder / "machine.toml").write_text(machine(swivel, direction))
+    (folder / "campaign.toml").write_text(CAMPAIGN)
+    (folder / "readings.csv").write_text("\n".join([f"setup,{head},approach,value_um", *lines, ""]))
+    done = command("estimate", folder / "campaign.toml", folder / "readings.csv", "--out", folder / "out")
+    return folder / "out" / "campaign.axiscal", " ".join(done.out.split()), done.status
+
+
+def off(swivel: str, files: Mapping[str, str]) -> float:
+    """Return the RMS by which the tool is off at 40 places on the workpiece in TCP mode, um, one shift taken off."""
+    joints = [Joint(n, LIMITS[n][0] - 150, LIMITS[n][1] + 150, table=files.get(f"{n}.comp")) for n in axes(swivel)]
+    kins, across = f"xyz{swivel.lower()}c-trt-kins", "y" if swivel == "A" else "x"
+    nominal = dict(zip(("x-rot-point", "y-rot-point"), TABLE, strict=True)) | {"z-rot-point": HEIGHT}
+    nominal[f"{across}-offset"] = ACROSS - nominal[f"{across}-rot-point"]
+    hal = files.get("axiscal-pivots.hal") or "".join(f"setp {kins}.{pin} {at}\n" for pin, at in nominal.items())
     hal += files.get("axiscal-cross.hal", "") + f"net tool-length motion.tooloffset.z => {kins}.tool-offset\n"
-    wanted, sides, codes = _places(swivel, names)
+    places, sides = drawn(swivel, 40, 8, room=5.0)
+    codes = list[str]()
+    for stand in np.stack([places - 4 * sides, places], axis=1).reshape(-1, 5):
+        words = zip(axes(swivel), (*tip(swivel, stand), *stand[3:]), strict=True)
+        codes.append("G0 " + " ".join(f"{name}{value:.6f}" for name, value in words))
     with Session(joints, Settings(hal, kins)) as session:
-        session.move([f"G43.1 Z{tilting_table.TOOL}"])
+        session.move([f"G43.1 Z{TOOL}"])
         steps = session.move(codes)[1::2]
         assert session.errors == ()
-    found = [
-        tilting_table.tip(swivel, dict(zip(names, step.motor, strict=True)), dict(zip(names, side, strict=True)))
-        for step, side in zip(steps, sides, strict=True)
-    ]
-    apart: Array = 1e3 * (np.array(found) - wanted)
-    centred: Array = apart - np.mean(apart, axis=0)
-    return centred
-
-
-def _places(swivel: str, names: Sequence[str]) -> tuple[Array, list[list[int]], list[str]]:
-    """Return places on the workpiece (40, 3), from which side each drive comes, and the moves, two for each."""
-    rng = np.random.default_rng(8)
-    low, high = np.array([LIMITS[n] for n in names], dtype=float).T
-    wanted, sides, codes = [], [], []
-    for _ in range(40):
-        drives, side = rng.uniform(low + 5, high - 5), rng.choice([-1, 1], 5)
-        for stand in (drives - 4 * side, drives):
-            at = tilting_table.tip(swivel, dict(zip(names, stand, strict=True)))
-            words = zip(names, (*at, *stand[3:]), strict=True)
-            codes.append("G0 " + " ".join(f"{name}{value:.6f}" for name, value in words))
-        wanted.append(at)
-        sides.append([int(s) for s in side])
-    return np.array(wanted), sides, codes
-
-
-def rms(apart: Array) -> float:
-    return float(np.sqrt(np.mean(np.sum(apart**2, axis=1))))
+    went = [tip(swivel, np.array(step.motor), side) for step, side in zip(steps, sides, strict=True)]
+    apart = 1e3 * (np.array(went) - [tip(swivel, place) for place in places])
+    return float(np.sqrt(np.mean(np.sum((apart - apart.mean(axis=0)) ** 2, axis=1))))
 
 
 @pytest.mark.parametrize("swivel", ["A", "B"])
-def test_tables_are_right_on_kinematics_that_count_the_other_way(swivel: str, tmp_path: Path) -> None:
-    record = read_everywhere(swivel, described(swivel, tmp_path), tmp_path / "out")
-    files = exported(record, tmp_path / "tables", "--pivots")
-    expected = json.loads((tmp_path / "said.json").read_text())["rms_um_expected"]
-    before, after = rms(off(swivel, {})), rms(off(swivel, files))
+def test_tables_are_right_on_kinematics_that_count_the_other_way(swivel: str, tmp_path: Path, command: Command) -> None:
+    record, _, status = read_everywhere(swivel, tmp_path, command)
+    assert status == 0
+    done = command("export", record, "--to", "linuxcnc", "--pivots", "--out", tmp_path / "tables", "--json")
+    files = {path.name: path.read_text() for path in (tmp_path / "tables").iterdir()}
+    before, after = off(swivel, {}), off(swivel, files)
     assert before > 30
-    assert after < 1.3 * expected < 0.05 * before
+    assert after < 1.3 * done.document["rms_um_expected"] < 0.05 * before
 
 
-def test_a_machine_told_the_wrong_way_gets_no_tables_and_is_told_so(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """What the statement is for: the same readings without it. Tables that are written all the same are worse."""
-    record = read_everywhere("A", described("A", tmp_path, 'direction = "iso"'), tmp_path / "out", status=1)
-    assert NAMED in " ".join(capsys.readouterr().out.split())
-    assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "tables")]) == 1
+def test_a_machine_told_the_wrong_way_gets_no_tables_and_is_told_so(tmp_path: Path, command: Command) -> None:
+    """What the statement is for: the same readings without it."""
+    record, said, status = read_everywhere("A", tmp_path, command, "iso")
+    assert status == 1
+    assert "correct direction of C, A in the machine's file" in said
+    assert command("export", record, "--to", "linuxcnc", "--out", tmp_path / "tables").status == 1
     assert not (tmp_path / "tables").exists()
-    files = exported(record, tmp_path / "tables", "--anyway")
-    assert rms(off("A", files)) > 15
-
-
-def test_requests_and_predictions_are_in_what_the_control_shows(tmp_path: Path) -> None:
-    """Readings through `exec:` from the true machine, then its deviation at poses of the control, both directions."""
-    command, campaign = f"exec:{sys.executable} {tilting_table.__file__} A", described("A", tmp_path)
-    campaign.write_text(TRACKER)
-    assert run(["run", str(campaign), "--source", command, "--out", str(tmp_path / "out")]) == 0
-    rng = np.random.default_rng(3)
-    names = "XYZAC"
-    low, high = np.array([LIMITS[n] for n in names], dtype=float).T
-    poses = [dict(zip(names, map(float, np.round(rng.uniform(low, high), 3)), strict=True)) for _ in range(12)]
-    sides = [int(side) for side in rng.choice([-1, 1], 12)]
-    rows = [
-        f"{','.join(map(str, at.values()))},{_approach(names, side)}" for at, side in zip(poses, sides, strict=True)
-    ]
-    (tmp_path / "poses.csv").write_text("\n".join(["X_mm,Y_mm,Z_mm,A_deg,C_deg,approach", *rows]))
-    said = printed(["predict", str(tmp_path / "out" / "campaign.axiscal"), str(tmp_path / "poses.csv"), "--json"])
-    found = np.array([pose["mean_um"] for pose in said["poses"]])
-    true = [tilting_table.deviation("A", at, dict.fromkeys(at, side)) for at, side in zip(poses, sides, strict=True)]
-    apart = found - 1e3 * np.array(true)
-    assert rms(apart - apart.mean(axis=0)) < 3
-    assert rms(found - found.mean(axis=0)) > 30
-
-
-def _approach(names: str, side: int) -> str:
-    return " ".join(f"{name}{'+' if side > 0 else '-'}" for name in names)
-
-
-def test_pivots_need_a_word_about_the_direction(
-    tmp_path: Path, command: Command, capsys: pytest.CaptureFixture[str]
-) -> None:
-    record = read_everywhere("A", described("A", tmp_path, ""), tmp_path / "out", status=1)
-    arguments = ["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "tables"), "--anyway"]
-    assert NAMED in " ".join(capsys.readouterr().out.split())
-    assert "machine.toml does not say which way" in command(*arguments, "--pivots").refusal
-    assert not (tmp_path / "tables").exists()
-    assert run(arguments) == 0
-    assert (tmp_path / "tables" / "README.txt").read_text().splitlines()[2].startswith("WHICH WAY DO C and A COUNT?")

@@ -12,9 +12,8 @@ from axiscal.description.placed_readings import logged_readings
 from axiscal.programs import write_programs
 from tests.generators import touched_table as table
 from tests.linuxcnc import bench
-from tests.linuxcnc.lab import Settings
+from tests.linuxcnc.lab import Session, Settings
 from tests.linuxcnc.needed import WITH_SPHERES
-from tests.linuxcnc.watched import WatchedSession
 
 pytestmark = WITH_SPHERES
 
@@ -31,7 +30,7 @@ def test_the_log_of_the_running_control_is_read_back_as_what_the_machine_does(
     settings = Settings(
         bench.hal(scale), unit=unit, beside={"p.ngc": text}, sources={"axiscal_balls.comp": bench.BALLS}
     )
-    with WatchedSession(bench.joints(scale), settings, timeout=240) as session:
+    with Session(bench.joints(scale), settings, timeout=240) as session:
         session.move(["run p.ngc"])
         assert session.errors == ()
         (name,) = [line.split(",")[1][:-1] for line in text.splitlines() if line.startswith("(LOGAPPEND,")]

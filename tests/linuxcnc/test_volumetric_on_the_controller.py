@@ -13,17 +13,17 @@ from axiscal.tables import vcomp_applying
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
-from axiscal.tables.surface import left_by
+from axiscal.tables.surface import left_by, rms
 from axiscal.tables.vcomp_applying import fnv1a
 from axiscal.tables.vcomp_file import read
 from tests.figures import held
-from tests.linuxcnc.built import BuiltMachine
 from tests.linuxcnc.demo import EXAMPLES
 from tests.linuxcnc.lab import Joint, Session, Settings
 from tests.linuxcnc.needed import WITH_COMPONENT
 from tests.linuxcnc.running import ControlError
-from tests.linuxcnc.test_closed_loop import known, rms, spread
-from tests.linuxcnc.watched import WatchedSession
+from tests.linuxcnc.test_closed_loop import known, spread
+from tests.linuxcnc.virtual import LinuxcncMachine
+from tests.tables.test_vcomp_file import signed
 
 pytestmark = [*WITH_COMPONENT, pytest.mark.long]
 IN_ORDER = True
@@ -42,7 +42,7 @@ def test_motors_go_where_our_reader_says_and_the_error_is_gone(name: str) -> Non
     _, build, options = EXAMPLES[name]
     made = export(estimate, "linuxcnc-volumetric", replace(options, pivots=False))
     poses, approaches = (values[:PLACES] for values in spread(estimate))
-    with BuiltMachine(truth, made.files, build) as machine:
+    with LinuxcncMachine(truth, made.files, build) as machine:
         sent = machine.sent(poses, approaches)
         left = machine.seen.deviation(poses, approaches)
         assert machine.errors == ()
@@ -94,19 +94,19 @@ TOOL = "".join(f"net vc-tool-{d} motion.tooloffset.{d} => axiscal-vcomp.tool-{d}
 
 
 @pytest.fixture(scope="module")
-def running() -> Iterator[WatchedSession]:
+def running() -> Iterator[Session]:
     """One LinuxCNC for what follows: trivkins, and X is homed 7 mm from zero."""
     every = [replace(joint, home_offset=7.0 * (joint.axis == "X")) for joint in joints()]
-    with WatchedSession(every, settings(dict(exported().files), SAMPLER + TOOL)) as session:
+    with Session(every, settings(dict(exported().files), SAMPLER + TOOL)) as session:
         yield session
 
 
-def on(session: WatchedSession) -> None:
+def on(session: Session) -> None:
     session.move(["setp axiscal-vcomp.enable 1", "G4 P1.2"])
     assert session.read(["axiscal-vcomp.gain", "axiscal-vcomp.active", "axiscal-vcomp.fault"]) == (1, 1, 0)
 
 
-def watched(session: WatchedSession, codes: list[str]) -> tuple[Array, Array, float, float]:
+def watched(session: Session, codes: list[str]) -> tuple[Array, Array, float, float]:
     """Return commands and corrections of X (n,), and the largest speed and acceleration of the correction, mm/s."""
     taken = np.array(session.sample(codes))
     moved, correction, behind = (taken[:, i] for i in (2, 3, 4))
@@ -117,7 +117,7 @@ def watched(session: WatchedSession, codes: list[str]) -> tuple[Array, Array, fl
     return taken[:, 0], correction, float(np.max(np.abs(speed))), float(np.max(np.abs(acceleration)))
 
 
-def test_off_at_the_start_it_only_counts(running: WatchedSession) -> None:
+def test_off_at_the_start_it_only_counts(running: Session) -> None:
     running.move(["G53 G0 X60 Y-40 Z30 A20 C70"])
     names = [f"axiscal-vcomp.{name}" for name in ("gain", "correction-0", "correction-3", "active", "fault")]
     assert running.read(names) == (0, 0, 0, 0, 0)
@@ -127,7 +127,7 @@ def test_off_at_the_start_it_only_counts(running: WatchedSession) -> None:
     assert checksum == fnv1a(body.encode()) == int(said, 16)
 
 
-def test_it_comes_and_goes_by_the_quintic_while_the_axes_move(running: WatchedSession) -> None:
+def test_it_comes_and_goes_by_the_quintic_while_the_axes_move(running: Session) -> None:
     running.move(["G53 G0 X60 Y-40 Z30 A20 C70"])
     on(running)
     there = abs(running.read(["axiscal-vcomp.correction-0"])[0])
@@ -143,7 +143,7 @@ def test_it_comes_and_goes_by_the_quintic_while_the_axes_move(running: WatchedSe
     held("on at rest: acceleration", acceleration, HEAD * 5.8 * there + 1e-6, "mm/s²")
 
 
-def test_what_moves_with_the_axes_is_gentle(running: WatchedSession) -> None:
+def test_what_moves_with_the_axes_is_gentle(running: Session) -> None:
     """A fast diagonal, and turns of A and C: within the design's figures for an error three times as large."""
     on(running)
     running.move(["G53 G0 X-100 Y-90 Z10 A0 C0", "G53 G0 X-98"])  # the side of X is settled
@@ -158,7 +158,7 @@ def test_what_moves_with_the_axes_is_gentle(running: WatchedSession) -> None:
     assert running.read(["axiscal-vcomp.outside"]) == (1,)
 
 
-def test_a_reversal_is_a_parabola_each_way(running: WatchedSession) -> None:
+def test_a_reversal_is_a_parabola_each_way(running: Session) -> None:
     on(running)
     file = read(exported().files["axiscal.vcomp"])
     axis = next(axis for axis in file.axes if axis.name == "X")
@@ -173,7 +173,7 @@ def test_a_reversal_is_a_parabola_each_way(running: WatchedSession) -> None:
     assert np.ptp(correction) < 1e-6  # within the dead band no side turns
 
 
-def test_another_tool_is_followed_slowly_and_counts(running: WatchedSession) -> None:
+def test_another_tool_is_followed_slowly_and_counts(running: Session) -> None:
     """The correction at rest for 100 mm more tool is that of our reader, and came at 100 mm/s of tool."""
     on(running)
     running.move(["G53 G0 X60 Y-40 Z30 A20 C70"])
@@ -205,9 +205,8 @@ def test_over_the_limit_it_fades_on_the_way_and_there_is_a_way_out() -> None:
     )
     limit = f"{(sizes.min() + sizes.max()) / 2:.6f}"
     assert f"limits {file.limit:.12g} " in files["axiscal.vcomp"]
-    body = files["axiscal.vcomp"].replace(f"limits {file.limit:.12g} ", f"limits {limit} ").rpartition("end ")[0]
-    files["axiscal.vcomp"] = f"{body}end {fnv1a(body.encode()):08x}\n"
-    with WatchedSession(joints(), settings(files, SAMPLER)) as session:
+    files["axiscal.vcomp"] = signed(files["axiscal.vcomp"].replace(f"limits {file.limit:.12g} ", f"limits {limit} "))
+    with Session(joints(), settings(files, SAMPLER)) as session:
         session.move([f"G53 G0 {start}"])
         on(session)
         _, correction, speed, _ = watched(session, [f"G53 G1 F12000 {end}", "G4 P1.2"])
@@ -220,7 +219,7 @@ def test_over_the_limit_it_fades_on_the_way_and_there_is_a_way_out() -> None:
         on(session)
 
 
-def test_homing_again_changes_nothing_at_once(running: WatchedSession) -> None:
+def test_homing_again_changes_nothing_at_once(running: Session) -> None:
     """The coordinate of X jumps by 93 mm while it is homed; the drive only goes the 7 mm home, without a step."""
     on(running)
     running.move(["G53 G0 X100 Y60 Z30 A20 C70"])
@@ -234,7 +233,7 @@ def test_homing_again_changes_nothing_at_once(running: WatchedSession) -> None:
 def test_a_table_beside_it_is_a_fault() -> None:
     """COMP_FILE and the component would correct twice: fault 3 as soon as the table works, nothing is applied."""
     table = "".join(f"{at:.6f} {at + 0.01:.6f} {at - 0.01:.6f}\n" for at in (-300.0, 300.0))
-    with WatchedSession(joints(table=table), settings(dict(exported().files))) as session:
+    with Session(joints(table=table), settings(dict(exported().files))) as session:
         session.move(["setp axiscal-vcomp.enable 1", "G53 G0 X10", "G4 P1.2"])
         names = [f"axiscal-vcomp.{name}" for name in ("fault", "fault-code", "gain", "correction-0")]
         assert session.read(names) == (1, 3, 0, 0)
@@ -244,7 +243,6 @@ REFUSALS: dict[str, tuple[tuple[str, str], str, str]] = {
     "unit": (("", ""), "in", "the file is in mm, LINEAR_UNITS is inch"),
     "joints": (("joints 4 -1", "joints 4 5"), "mm", "the file has joint 5, JOINTS is 5"),
     "axes": (("axis C z", "axis B z"), "mm", "the file has joint 4 for B, COORDINATES is XYZAC"),
-    "checksum": (("campaign none", "campaign nine"), "mm", "the checksum is wrong"),
 }
 
 
@@ -253,9 +251,6 @@ def test_what_does_not_fit_keeps_linuxcnc_from_starting(what: str) -> None:
     """One sentence says why; what stands in the file itself is tried in test_vcomp_file without a LinuxCNC."""
     change, unit, sentence = REFUSALS[what]
     files = dict(exported().files)
-    files["axiscal.vcomp"] = files["axiscal.vcomp"].replace(*change)
-    if what != "checksum":
-        kept = files["axiscal.vcomp"].rpartition("end ")[0]
-        files["axiscal.vcomp"] = f"{kept}end {fnv1a(kept.encode()):08x}\n"
+    files["axiscal.vcomp"] = signed(files["axiscal.vcomp"].replace(*change))
     with pytest.raises(ControlError, match=sentence):
         Session(joints(), settings(files, unit=unit))

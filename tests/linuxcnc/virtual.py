@@ -1,4 +1,4 @@
-"""A virtual machine that is moved by a real LinuxCNC.
+"""A virtual machine that is moved by a real LinuxCNC: in mm or inches, on one joint for an axis or two, in TCP mode.
 
 LinuxCNC makes every move; where it sends the motors, the hidden errors of the virtual machine are added. Tables that
 are loaded into it act as they would on the shop floor.
@@ -8,18 +8,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
-from axiscal.exceptions import SourceError
 from axiscal.machine import Axis
+from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.tables.surface import CommandedMachine
 from axiscal.units import to_unit
 from tests.linuxcnc.lab import Joint, Session, Settings
-from tests.linuxcnc.running import ControlError
 
 _ORDER = "XYZABCUVW"
 _OVERRUN = 2.0
@@ -30,27 +31,48 @@ _COMING = 20.0
 """s that a correction may take to come, which is a second or two."""
 _ROOM = 10.0
 """mm or deg beyond the travel that the simulated joints are given, for overrun and compensation."""
+_SWING = 390.0
+"""mm or deg that joints of a machine in TCP mode travel further than others."""
+_SPEED, _ACCELERATION = 5000.0, 5e5
+"""mm or deg in seconds, of every joint."""
+
+
+@dataclass(frozen=True, slots=True)
+class Build:
+    """How a LinuxCNC machine is built.
+
+    unit : of its configuration, mm or in; pairs : axes that two joints drive
+    tcp : it turns with xyzac- or xyzbc-trt-kins, and positions are those of the tool on the workpiece
+    """
+
+    unit: str = "mm"
+    pairs: str = ""
+    tcp: bool = False
 
 
 class LinuxcncMachine:
-    """A virtual machine behind a running LinuxCNC with a joint for each axis, in mm and deg; a context manager.
+    """A virtual machine behind a running LinuxCNC; a context manager.
 
     tables : files of `axiscal export --to linuxcnc` or `--to linuxcnc-volumetric` that it loads, by name
     seen : the machine as its instruments see it
     Raises ControlError.
     """
 
-    def __init__(self, truth: VirtualMachine, tables: Mapping[str, str] | None = None) -> None:
-        self._machine = truth.model.machine
-        self._axes = sorted(range(len(self._machine.axes)), key=lambda k: _ORDER.index(_letter(self._machine.axes[k])))
+    def __init__(
+        self, truth: VirtualMachine, tables: Mapping[str, str] | None = None, build: Build | None = None
+    ) -> None:
+        self._machine, self._build = truth.model.machine, build or Build()
+        axes = self._machine.axes
+        in_order = sorted(range(len(axes)), key=lambda k: _ORDER.index(axes[k].name))
+        self._driven = [k for k in in_order for _ in range(1 + (axes[k].name in self._build.pairs))]
         settings = self._settings(tables or {})
-        self._session: Session = Session(self._joints(tables or {}), settings)
+        self._session = Session([self._joint(axes[k], tables or {}) for k in self._driven], settings)
         self._make_ready(settings.hal)
         self._last: tuple[Array, Array, Array] | None = None
         self.seen: VirtualMachine = CommandedMachine.behind(truth, self.sent)
 
     def sent(self, poses: Array, approaches: Array) -> Array:
-        """Move to poses (m, q) and return where the motors were sent, (m, q), m or rad.
+        """Move to poses (m, q) and return where the motors were sent, (m, q), m or rad; both motors of a pair alike.
 
         LinuxCNC is not moved where it stands already.
         """
@@ -58,11 +80,12 @@ class LinuxcncMachine:
         if last is not None and np.array_equal(poses, last[0]) and np.array_equal(approaches, last[1]):
             return last[2]
         codes = [code for pose, signs in zip(poses, approaches, strict=True) for code in self._codes(pose, signs)]
-        steps = self._session.move(codes)[1::2]
-        result = np.empty(poses.shape)
-        for row, step in zip(result, steps, strict=True):
+        result = np.full(poses.shape, np.nan)
+        for row, step in zip(result, self._session.move(codes)[1::2], strict=True):
             for k, motor in zip(self._driven, step.motor, strict=True):
-                row[k] = motor / self._scale(self._machine.axes[k])
+                at = motor / self._scale(self._machine.axes[k])
+                assert np.isnan(row[k]) or row[k] == at, "the joints of an axis do not go together"
+                row[k] = at
         self._last = poses.copy(), approaches.copy(), result
         return result
 
@@ -71,66 +94,54 @@ class LinuxcncMachine:
         """The messages of LinuxCNC to the operator."""
         return self._session.errors
 
-    def close(self) -> None:
-        """Stop LinuxCNC."""
-        self._session.close()
-
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.close()
+        self._session.close()
 
     def _make_ready(self, hal: str) -> None:
         """Wait until corrections that come slowly, after homing or when they are switched on, are all there."""
+        if self._build.tcp:
+            self._session.move([f"G43.1 Z{self._machine.tool * self._scale(self._machine.axis('Z')):.7f}"])
         gains = [gain for mark, gain in ((_GAIN, _GAIN), (_WHOLE, f"{_WHOLE}.gain")) if mark in hal]
         if _WHOLE in hal:
             self._session.move([f"setp {_WHOLE}.enable 1"])
         end = time.monotonic() + _COMING
         while gains and min(self._session.read(gains)) < 1.0:
-            if time.monotonic() > end:
-                remedy = "Look at the pin {component}.fault-code"
-                raise ControlError("the correction did not come", remedy, component=_WHOLE)
+            assert time.monotonic() < end, f"the correction did not come: look at the pin {_WHOLE}.fault-code"
             time.sleep(0.05)
-
-    @property
-    def _overrun(self) -> Array:
-        """How far before a target each axis is come from, (q,) m or rad."""
-        return np.array([_OVERRUN / to_unit(1.0, axis.unit) for axis in self._machine.axes])
-
-    @property
-    def _driven(self) -> list[int]:
-        """The axis of each joint."""
-        return self._axes
 
     def _codes(self, pose: Array, signs: Array) -> list[str]:
         """Return a move beside the pose and one to it; axes without a direction come upwards."""
-        before = pose - np.where(signs == 0, 1.0, np.sign(signs)) * self._overrun
+        overrun = np.array([_OVERRUN / to_unit(1.0, axis.unit) for axis in self._machine.axes])
+        before = pose - np.where(signs == 0, 1.0, np.sign(signs)) * overrun
         return [self._code(at) for at in (before, pose)]
 
     def _code(self, pose: Array) -> str:
-        """Return the move that brings the joints to a pose."""
-        shown = ((self._machine.axes[k], float(pose[k])) for k in self._axes)
-        return " ".join(["G53 G0", *(f"{axis.name}{at * self._scale(axis):.7f}" for axis, at in shown)])
+        """Return the move that brings the joints, or in TCP mode the tool, to a pose."""
+        shown = {self._machine.axes[k].name: float(pose[k]) for k in self._driven}
+        if self._build.tcp:
+            shown |= dict(zip("XYZ", map(float, frames(self._machine, pose[None]).tcp[0]), strict=True))
+        words = [f"{letter}{at * self._scale(self._machine.axis(letter)):.7f}" for letter, at in shown.items()]
+        return " ".join(["G0" if self._build.tcp else "G53 G0", *words])
 
     def _scale(self, axis: Axis) -> float:
-        return to_unit(1.0, axis.unit)
+        return to_unit(1.0, axis.unit if axis.rotary else self._build.unit)
 
-    def _joints(self, files: Mapping[str, str]) -> list[Joint]:
-        """Return the joints in the order of their numbers, with their tables."""
-        found = []
-        for axis in (self._machine.axes[k] for k in self._axes):
-            low, high = (to_unit(end, axis.unit) for end in (min(axis.travel[0], 0.0), max(axis.travel[1], 0.0)))
-            found.append(Joint(axis.name, low - _ROOM, high + _ROOM, table=files.get(f"{axis.name}.comp")))
-        return found
+    def _joint(self, axis: Axis, files: Mapping[str, str]) -> Joint:
+        room = (_ROOM + _SWING * self._build.tcp) / to_unit(1.0, axis.unit)
+        scale, size = self._scale(axis), self._scale(axis) / to_unit(1.0, axis.unit)
+        low, high = min(axis.travel[0], 0.0) - room, max(axis.travel[1], 0.0) + room
+        table = files.get(f"{axis.name}.comp")
+        return Joint(axis.name, low * scale, high * scale, _SPEED * size, _ACCELERATION * size, table)
 
     def _settings(self, files: Mapping[str, str]) -> Settings:
-        """Return what LinuxCNC is given besides its joints."""
-        return Settings.loading(files)
-
-
-def _letter(axis: Axis) -> str:
-    if axis.name not in _ORDER:
-        remedy = "Its axes are {known}"
-        raise SourceError("LinuxCNC has no axis {axis}", remedy, axis=axis.name, known=", ".join(_ORDER))
-    return axis.name
+        """Return what LinuxCNC is given besides its joints, with the place of the rotary axes in TCP mode."""
+        plain = replace(Settings.loading(files), unit=self._build.unit)
+        if not self._build.tcp:
+            return plain
+        nominal, hal = pivots.pivots(self._machine, {}), plain.hal
+        hal += "" if nominal.kinematics in hal else pivots.write(nominal, self._build.unit)
+        hal += f"net tool-length motion.tooloffset.z => {nominal.kinematics}.tool-offset\n"
+        return replace(plain, hal=hal, kinematics=nominal.kinematics)

@@ -136,7 +136,7 @@ def judged(seed: int, careless: bool = False) -> str:
     return "near" if near < CLEAR else "far"
 
 
-PARTS = [range(begin, begin + 124) for begin in range(8, 1000, 124)]
+PARTS = [range(begin, begin + 124) for begin in range(8, 380, 124)]
 
 
 @pytest.mark.parametrize("seeds", [range(8), *(pytest.param(part, marks=pytest.mark.long) for part in PARTS)])

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -22,19 +24,29 @@ from tests.generators import touched_table as table
 from tests.programs.touching_controls import CONTROLS, TouchingMachine
 
 
-def logged(control: str, folder: Path, count: int = 3) -> tuple[CampaignDescription, list[Place], Path]:
-    """Write the program of a plan, run it, and return campaign, plan and the file of its log."""
+@cache
+def run(control: str, count: int) -> tuple[CampaignDescription, list[Place], dict[str, bytes], str]:
+    """Return campaign and plan, the files of its program, and the log that the control writes."""
     campaign = table.description()
     places = table.places(campaign, count)
-    write_programs(campaign.machine, campaign.setups, places, control, folder, log=True)
+    with TemporaryDirectory() as folder:
+        write_programs(campaign.machine, campaign.setups, places, control, Path(folder), log=True)
+        files = {path.name: path.read_bytes() for path in Path(folder).iterdir()}
     (program,) = programs(campaign.machine, campaign.setups, places, dialect(control), log=True)
     machine = TouchingMachine()
     lines = CONTROLS[control](program.text, program.beside, machine)
     assert machine.touches == 2 * TOUCHES * count
-    assert all((folder / name).read_text(encoding="utf-8") == text for name, text in program.beside.items())
-    log = folder / "log.txt"
-    log.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="")
-    return campaign, places, log
+    assert all(files[name].decode() == text for name, text in program.beside.items())
+    return campaign, places, files, "\n".join(lines) + "\n"
+
+
+def logged(control: str, folder: Path, count: int = 3) -> tuple[CampaignDescription, list[Place], Path]:
+    """Put the program of a plan and its log into a folder, and return campaign, plan and the file of the log."""
+    campaign, places, files, text = run(control, count)
+    for name, content in files.items():
+        (folder / name).write_bytes(content)
+    (folder / "log.txt").write_text(text, encoding="utf-8", newline="")
+    return campaign, places, folder / "log.txt"
 
 
 @pytest.mark.parametrize(("control", "off"), [("fanuc", 0.3), ("sinumerik", 0.01), ("heidenhain", 0.02)])
@@ -147,10 +159,10 @@ def test_a_touch_that_meets_nothing_ends_the_program_and_is_said(
     campaign = table.description()
     places = table.places(campaign, 2)
     monkeypatch.setattr(table, "met", lambda start, stop: None)
-    for control, run in CONTROLS.items():
+    for control, execute in CONTROLS.items():
         (program,) = programs(campaign.machine, campaign.setups, places, dialect(control), log=True)
         machine = TouchingMachine()
-        assert len(run(program.text, program.beside, machine)) == 1
+        assert len(execute(program.text, program.beside, machine)) == 1
         assert machine.touches == 1
     (tmp_path / "log.txt").write_text("AXISCAL LOG 1 PLAN 12345678 MM\nMISS R1.000000 T1.000000\n")
     assert read_touch_log(tmp_path / "log.txt").said == ("at touch 1 of reading 1 the probe met nothing (line 2)",)
@@ -193,6 +205,8 @@ def test_sizes_must_be_known_and_something_must_touch() -> None:
         with pytest.raises(InputError, match=re.escape(why)):
             programs(described.machine, described.setups, places, dialect("linuxcnc"), log=True)
         assert programs(described.machine, described.setups, places, dialect("linuxcnc"))
+    with pytest.raises(ProgramError, match="write no log"):
+        dialect("isg").logging()
     rtest = table.CAMPAIGN.replace('"sphere"', '"rtest"')
     described = campaign_from_texts(rtest, "campaign.toml", table.MACHINE, "machine.toml")
     with pytest.raises(ProgramError, match="reads by itself"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 from axiscal.numerics import Array
 from tests.certify.gcode_traces import canonical_calls
+from tests.programs.test_programs_in_touch import made
 from tests.zoo.animals import Job
 from tests.zoo.mills import LATHE
 from tests.zoo.running import described, given
@@ -18,6 +20,9 @@ from tests.zoo.running import described, given
 SHIFTS = {"SET_G5X_OFFSET": 1, "SET_G92_OFFSET": 0, "USE_TOOL_LENGTH_OFFSET": 0}
 """Calls that shift what is meant, and the numbers before X Y Z."""
 STATES = ("G7", "G20", "G91", "G93", "G95", "G18", "G19", "G91.1", "G43.1 Z7", "G92 X4 Z-3", "G10 L2 P1 X5 Z2 R30")
+
+
+NEEDS_RS274 = pytest.mark.skipif(shutil.which("rs274") is None, reason="LinuxCNC's interpreter is not installed")
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +61,7 @@ def moves(calls: list[str]) -> Array:
     return np.array(found)
 
 
-@pytest.mark.skipif(shutil.which("rs274") is None, reason="LinuxCNC's interpreter is not installed")
+@NEEDS_RS274
 @pytest.mark.parametrize("state", STATES)
 def test_the_motion_does_not_hang_on_what_is_in_force(program: str, state: str, tmp_path: Path) -> None:
     bare, before = (moves(canonical_calls(text, tmp_path)) for text in (program, f"{state}\n{program}"))
@@ -65,9 +70,25 @@ def test_the_motion_does_not_hang_on_what_is_in_force(program: str, state: str, 
     np.testing.assert_allclose(before[:, [0, 2, 3]], bare[:, [0, 2, 3]], atol=2e-4)
 
 
-@pytest.mark.skipif(shutil.which("rs274") is None, reason="LinuxCNC's interpreter is not installed")
+@NEEDS_RS274
 @pytest.mark.parametrize("state", ["G7", "G20"])
 def test_without_its_head_the_motion_would_be_another(program: str, state: str, tmp_path: Path) -> None:
     headless = program.partition("\n")[2]
     bare, before = (moves(canonical_calls(text, tmp_path)) for text in (program, f"{state}\n{headless}"))
     assert not np.allclose(before[:, 0], bare[:, 0], atol=1.0)
+
+
+@NEEDS_RS274
+@pytest.mark.parametrize("offset", [0.0, 0.5])
+def test_a_program_in_touch_ends_before_it_moves_where_an_offset_is_in_force(offset: float, tmp_path: Path) -> None:
+    text = made("nest", "linuxcnc")[2].text
+    for word in ("m428", "m429"):
+        (tmp_path / f"{word}.ngc").write_text(f"o<{word}> sub\no<{word}> endsub\nM2\n")
+    remaps = "".join(f"REMAP = {word.upper()} modalgroup=10 ngc={word}\n" for word in ("m428", "m429"))
+    (tmp_path / "m.ini").write_text(f"[RS274NGC]\nSUBROUTINE_PATH = {tmp_path}\n{remaps}")
+    (tmp_path / "p.ngc").write_text(f"G10 L2 P1 X{offset}\n{text}")
+    words = ["rs274", "-g", "-i", "m.ini", "p.ngc"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=True)
+    moves = sum(1 for line in text.splitlines() if re.match(r"(G53 )?G1 ", line))
+    held = re.search(r"USE_TOOL_LENGTH_OFFSET\(.*120\.0000", done.stdout) is not None
+    assert (held, done.stdout.count("STRAIGHT_FEED") == moves) == (offset == 0.0, offset == 0.0)

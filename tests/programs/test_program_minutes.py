@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from pathlib import Path
 
 import pytest
 
@@ -115,14 +114,3 @@ def test_a_program_takes_the_minutes_of_its_plan(machine: str, approach: str, co
     first = sum(program.readings[0].seconds for program in made)  # of a set-up: its way is part of the mounting
     assert taken == pytest.approx(plan.seconds - mounting + first, rel=0.01)
     assert len(made) == len(mounted)
-
-
-@pytest.mark.long
-def test_the_list_of_a_program_has_the_same_seconds(tmp_path: Path) -> None:
-    case, plan = planned("dmu60", "both", DRIVEN["as usual"])
-    description = case.description
-    places = placed(case, plan)
-    for program in programs(description.machine, description.setups, places, dialect("sinumerik")):
-        last = program.readings[-1]
-        waits = last.setup.settle + last.setup.reading_time
-        assert last.seconds + waits == pytest.approx(run(READERS["sinumerik"](program.text), description.machine))

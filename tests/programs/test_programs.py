@@ -21,7 +21,7 @@ from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs import controllers, dialect, programs, write_programs
 from axiscal.programs.scale import AxisScale
-from tests.certify.gcode import HOSTILE, Judge, Plan, judged
+from tests.certify.gcode import Judge, Plan, judged
 from tests.certify.gcode_traces import READERS, Halt, Mark, Move
 
 TABLE = Axis.named("C", True, (0.0, math.tau), speed=math.radians(90), acceleration=math.radians(180))
@@ -65,20 +65,6 @@ def test_each_set_up_has_its_program_and_readings_keep_their_numbers() -> None:
     assert [line for line in first.text.splitlines() if "STAND" in line or "BALLS" in line] == [
         "(IT IS ASSUMED THAT NOTHING STANDS IN THE WAY)"
     ]
-
-
-def test_an_axis_that_comes_far_enough_does_not_turn() -> None:
-    moves = [line for line in text_of("linuxcnc", UP, replace(UP, pose=(0.0, 0.2))).splitlines() if "X" in line]
-    assert moves[-2:] == ["G53 G1 X100.0000 F6000", "G53 G1 X200.0000 F6000"]
-
-
-@pytest.mark.parametrize("controller", controllers())
-def test_what_rounding_takes_of_an_overrun_is_forgiven(controller: str) -> None:
-    axis = Axis.named("X", False, (0.00001234, 0.4), overrun=0.00123456)
-    machine = Machine("m", (axis,), 0.0, (), "", "")
-    place = inward(axis, 0.0, 1)
-    assert place == pytest.approx(0.00001234 + 0.00123456)
-    assert text_of(controller, Place(SETUP.name, (place,), (1,)), machine=machine)
 
 
 def test_an_approach_without_room_is_refused_and_named() -> None:
@@ -149,13 +135,6 @@ def test_a_feed_is_a_whole_number_without_the_noise_of_arithmetic(speed: float, 
     assert f"F{feed}\n" in text_of("linuxcnc", Place(SETUP.name, (0.1,), (0,)), machine=machine)
 
 
-def test_the_time_of_a_reading_counts_ways_and_waits() -> None:
-    (program,) = programs(MACHINE, [SETUP], [UP, DOWN], dialect("linuxcnc"))
-    first = 2 * math.sqrt(0.001 / 1)
-    second = first + 1.5 + (0.201 / 0.1 + 0.1) + 2 * math.sqrt(0.001)
-    assert [r.seconds for r in program.readings] == pytest.approx([first, second])
-
-
 @pytest.mark.parametrize(
     ("order", "said"),
     [
@@ -215,28 +194,6 @@ def test_the_form_has_a_column_for_each_value_of_an_instrument_that_reads_three(
     (tmp_path / "readings.csv").write_text(f"{header}\n{row.removesuffix(',,,')},1.5,2,3\n")
     (reading,) = read_any(tmp_path / "readings.csv")
     assert (reading.value, reading.others) == (1.5e-6, (2e-6, 3e-6))
-
-
-def test_the_form_leaves_parked_axes_out(tmp_path: Path) -> None:
-    write_programs(MACHINE, [SETUP], [Place("laser 1", (0.1, 0.2), (1, -1))], "linuxcnc", tmp_path)
-    header, row = (tmp_path / "readings.csv").read_text().splitlines()
-    assert header == "reading,setup,C_deg,X_mm,approach,value_um"
-    assert row == "1,laser 1,,200.0000,X-,"
-
-
-def test_the_form_has_a_column_for_each_kind_of_value(tmp_path: Path) -> None:
-    level = replace(SETUP, name="level", instrument="level")
-    places = [Place(setup.name, UP.pose, UP.approach) for setup in (SETUP, level)]
-    write_programs(MACHINE, [SETUP, level], places, "linuxcnc", tmp_path)
-    assert (tmp_path / "readings.csv").read_text().splitlines()[0].endswith("approach,value_um,value_urad")
-
-
-def test_the_files_of_a_plan(tmp_path: Path) -> None:
-    folder = tmp_path / "programs"
-    paths = write_programs(MACHINE, [SETUP], [Place("laser 1", UP.pose, UP.approach)], "heidenhain", folder)
-    names = ["AXISCAL_01_LASER.H", "AXISCAL_01_LASER.csv", "readings.csv", "README.txt"]
-    assert paths == [folder / name for name in names]
-    assert "Never tried on a control" in paths[-1].read_text()
 
 
 def test_nothing_is_written_where_one_reading_is_refused(tmp_path: Path) -> None:
@@ -317,21 +274,6 @@ def test_the_judge_of_the_random_plans_sees_what_is_spoilt(what: str) -> None:
     assert judged(spoilt, READERS["linuxcnc"], Judge(plan, SETUP, 4))[1] != []
 
 
-@pytest.mark.parametrize("controller", controllers())
-@pytest.mark.parametrize("name", HOSTILE)
-def test_a_name_stays_a_comment(controller: str, name: str) -> None:
-    (harmless,), (hostile,) = (
-        programs(
-            replace(MACHINE, name=each), [replace(SETUP, name=each)], [replace(UP, setup=each)], dialect(controller)
-        )
-        for each in ("A", name)
-    )
-    lines = list(zip(harmless.text.splitlines(), hostile.text.splitlines(), strict=True))
-    others = [new for old, new in lines if old != new and "PGM" not in old]
-    assert all(re.fullmatch(r"(\d+ )?[;(] ?(SET-UP|MACHINE)[A-Z0-9 _.+-]*\)?", line) for line in others)
-    assert re.fullmatch(r"[A-Z0-9_]+\.[A-Za-z]+", hostile.file_name)
-
-
 def test_what_goes_clear_does_so_before_others_move_and_at_the_end() -> None:
     """Wherever X or Y go further than an overrun, Z is at its clearance; so it is when the program ends."""
     axes = tuple(Axis.named(name, False, (0.0, 0.5)) for name in "XYZ")
@@ -358,12 +300,3 @@ def test_what_goes_clear_does_so_before_others_move_and_at_the_end() -> None:
     beyond = replace(probe, driving=Driving(clearance=("Z", 0.6)))
     with pytest.raises(ProgramError, match="outside its travel"):
         programs(mill, [beyond], places, dialect("linuxcnc"))
-
-
-def test_an_isg_control_is_told_how_it_counts_and_writes_no_log() -> None:
-    places = [UP, DOWN]
-    (program,) = programs(MACHINE, [SETUP], places, dialect("isg"))
-    assert program.text.startswith("%AXISCAL1\n#TRAFO OFF\nG71 G90 G94 G17 G40 G53 G60 D0\nG20\nG52\n")
-    assert program.file_name.endswith(".nc")
-    with pytest.raises(ProgramError, match="write no log"):
-        dialect("isg").logging()

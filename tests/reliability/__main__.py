@@ -15,6 +15,7 @@ from typing import Any
 from tests.certify.kept import Kept
 from tests.reliability import (
     bad_files,
+    bounds,
     changed,
     command_faults,
     forged,
@@ -55,6 +56,10 @@ def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:
         lambda: store_clients.clients(5, 1200 if long else 60),
         lambda: store_clients.statements(10_000 if long else 1000),
         lambda: stuck_instruments.named(125),
+        store_clients.names,
+        bounds.token,
+        lambda: bounds.unused(12),
+        bounds.sizes,
     )
 
 
@@ -71,7 +76,7 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("--row", type=int, action="append", help="only this row of the table, from 1")
     parser.add_argument("--python", action="append", default=[], help="an interpreter with what the package needs")
     args = parser.parse_args(words)
-    print("| row | what was tried | how many | lost or wrong | |\n|---|---|---|---|---|", flush=True)
+    print("|row|what was tried|how many|lost or wrong||\n|---|---|---|---|---|", flush=True)
     begin, lost, kept = time.monotonic(), 0, Kept("reliability-long" if args.long else "reliability")
     for number, tried in enumerate(trials(args.long, args.python)):
         if args.row and number + 1 not in args.row:
@@ -87,7 +92,7 @@ def main(words: Sequence[str]) -> int:
         )
         trial = Trial(**found)
         lost += trial.lost
-        print(f"| {number + 1} | {trial.what} | {trial.tried:,} | {trial.lost:,} | {trial.detail} |", flush=True)
+        print(f"|{number + 1}|{trial.what}|{trial.tried:,}|{trial.lost:,}|{trial.detail}|", flush=True)
     print(f"\n{time.monotonic() - begin:.0f} s", flush=True)
     return 1 if lost else 0
 

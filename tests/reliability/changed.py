@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from unittest.mock import patch
 
 from axiscal.exceptions import RecordError
 from axiscal.record import log
@@ -49,16 +50,11 @@ def ends() -> Trial:
 
 def clock() -> Trial:
     """Set the clock back by a day between readings: order and numbers stay."""
-    days = iter(f"2026-01-{day:02}T10:00:00.000+00:00" for day in (20, 19, 21, 18, 17, 30))
-    now = log._now
+    days = [f"2026-01-{day:02}T10:00:00.000+00:00" for day in (20, 19, 21, 18, 17, 30)]
     with scratch() as top:
-        log._now = lambda: next(days)
-        try:
-            with Record.create(top / NAME, CREATED) as record:
-                for number in range(5):
-                    record.append(recorded(float(number)))
-        finally:
-            log._now = now
+        with patch.object(log, "_now", side_effect=days), Record.create(top / NAME, CREATED) as record:
+            for number in range(5):
+                record.append(recorded(float(number)))
         missed = values(top / NAME) != [0.0, 1.0, 2.0, 3.0, 4.0]
     return Trial("readings while the clock is set back by days", 5, 5 * missed)
 

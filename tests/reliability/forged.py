@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
+from unittest.mock import patch
 
 from axiscal.record import log
 from axiscal.record.events import Noted
@@ -36,36 +37,24 @@ class Original(NamedTuple):
 @contextmanager
 def person(name: str, key: Path) -> Iterator[None]:
     """Be somebody with a key in a file."""
-    before = {variable: os.environ.get(variable) for variable in (PERSON, KEY)}
-    os.environ.update({PERSON: name, KEY: str(key)})
-    try:
+    with patch.dict(os.environ, {PERSON: name, KEY: str(key)}):
         make_key()
         yield
-    finally:
-        for variable, value in before.items():
-            if value is None:
-                del os.environ[variable]
-            else:
-                os.environ[variable] = value
 
 
 def signed_record(path: Path) -> Record:
     """Return a new record of three days and two people, signed each day, open to be written."""
-    now = log._now
-    try:
-        for day in range(DAYS):
-            times = iter(f"2026-03-0{day + 1}T12:00:{second:02}.000+00:00" for second in range(60))
-            log._now = lambda times=times: next(times)  # type: ignore[misc]
-            with person(("Anna", "Otto")[day % 2], path.with_name(f"{day % 2}.pem")):
-                record = Record.create(path, CREATED) if day == 0 else Record.open(path)
-                for number in range(READINGS):
-                    record.append(recorded(1e-6 * (number + READINGS * day)))
-                record.append(Noted(f"day {day}"), recorded(1e-3))
-                assert record.sign()
-                if day < DAYS - 1:
-                    record.close()
-    finally:
-        log._now = now
+    for day in range(DAYS):
+        times = [f"2026-03-0{day + 1}T12:00:{second:02}.000+00:00" for second in range(60)]
+        someone = person(("Anna", "Otto")[day % 2], path.with_name(f"{day % 2}.pem"))
+        with someone, patch.object(log, "_now", side_effect=times):
+            record = Record.create(path, CREATED) if day == 0 else Record.open(path)
+            for number in range(READINGS):
+                record.append(recorded(1e-6 * (number + READINGS * day)))
+            record.append(Noted(f"day {day}"), recorded(1e-3))
+            assert record.sign()
+            if day < DAYS - 1:
+                record.close()
     return record
 
 

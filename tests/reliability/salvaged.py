@@ -398,9 +398,9 @@ def _opens(path: Path) -> bool:
     return True
 
 
-def tried(name: str, count: int) -> Trial:
-    """Damage records in one way, and count what comes back."""
-    outcomes = outcomes_of(name, count)
+def tried(name: str, count: int, first: int = 0) -> Trial:
+    """Damage records in one way, and count what comes back.  first : of the originals"""
+    outcomes = outcomes_of(name, count, first)
     whole, back = sum(each.whole for each in outcomes), sum(each.back for each in outcomes)
     wrong, again = sum(each.wrong for each in outcomes), sum(each.again for each in outcomes)
     unreadable, beginning = sum(each.unreadable for each in outcomes), sum(each.beginning for each in outcomes)
@@ -411,11 +411,11 @@ def tried(name: str, count: int) -> Trial:
     return Trial(f"records salvaged: {name}", count, wrong + max(0, int(0.99 * whole) - back), detail)
 
 
-def outcomes_of(name: str, count: int) -> list[Outcome]:
+def outcomes_of(name: str, count: int, first: int = 0) -> list[Outcome]:
     """Return what damages of one kind come to, drawn alike each time."""
     chance = random.Random(f"{name} {count}")
     with scratch() as top:
         return [
             outcome(one, DAMAGES[name](one, chance), top)
-            for one in (originals()[number % len(originals())] for number in range(count))
+            for one in (originals()[number % len(originals())] for number in range(first, first + count))
         ]

@@ -10,16 +10,21 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from unittest.mock import patch
+from uuid import uuid4
 
 from axiscal.exceptions import RecordError
-from axiscal.ports.postgres.database import Database, store_address
-from axiscal.ports.postgres.server_log import Entry, ServerLog, entries
+from axiscal.ports.postgres.database import VARIABLE, Database, store_address
+from axiscal.ports.postgres.server_log import Entry, ServerLog, enter, entries
 from axiscal.ports.postgres.syncing import synced
 from axiscal.ports.postgres.tables import prepare
+from axiscal.record.log import chained_texts, rows_of
 from axiscal.record.store import Record
 from tests.record.postgres_server import RunningServer, running_server
+from tests.record.test_server_log import UNFIT
 from tests.reliability.record_faults import CREATED, recorded
 from tests.reliability.trial import Trial, scratch
+from tests.zoo.running import given
 
 SHARED, MEASURER = "shared", "measurer"
 _CUT = "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE usename = 'measurer'"
@@ -113,6 +118,22 @@ def _synced(server: RunningServer, record: Record, name: str) -> None:
             database.close()
             return
         database.close()
+
+
+def names() -> Trial:
+    """Enter campaigns under names that no file may have, and give a command such names: each is refused."""
+    wrong, first = 0, chained_texts(rows_of([CREATED]))
+    with _store() as server, patch.dict(os.environ, {VARIABLE: server.address(user=MEASURER)}):
+        database = _opened(server)
+        for name in UNFIT:
+            told = given("finish", f"store:{name}")
+            said = " ".join(told.err.split())
+            wrong += (told.status, told.out) != (1, "") or not said.startswith("axiscal: ") or "Traceback" in said
+            with suppress(RecordError):
+                enter(database, Entry(str(uuid4()), name, None, None), first)
+                wrong += 1
+        database.close()
+    return Trial("names of a store, `../../evil` to U+202E, each refused in a sentence", 2 * len(UNFIT), wrong)
 
 
 def _appended_by_sql(campaign: str) -> str:

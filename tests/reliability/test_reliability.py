@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ import pytest
 from axiscal.exceptions import AxiscalError
 from tests.reliability import (
     bad_files,
+    bounds,
     changed,
     command_faults,
     forged,
@@ -27,13 +29,46 @@ from tests.reliability import (
 )
 from tests.reliability.trial import Trial
 
+TRIALS: dict[str, tuple[Callable[[], Trial], int]] = {
+    "a record is begun": (record_faults.begun, 10),
+    "a record is read": (record_faults.read, 0),
+    "bits of a record": (lambda: changed.bits(every=29), 300),
+    "ends of a record": (changed.ends, 300),
+    "a clock that goes back": (changed.clock, 4),
+    **{f"salvaged: {name}": (partial(salvaged.tried, name, 1, n), 0) for n, name in enumerate(salvaged.DAMAGES)},
+    "signed records": (lambda: forged.tried(60), 60 + 6 + 32),
+    "killed writers": (lambda: writers.killed(20), 19),
+    "writers at once": (lambda: writers.at_once(8, 10), 79),
+}
+LONG: dict[str, tuple[Callable[[], Trial], int]] = {
+    "a record is written": (record_faults.written, 40),
+    "first results": (lambda: set_faults.alone(True), 40),
+    "results over earlier ones": (lambda: set_faults.alone(False), 40),
+    "results among other files": (set_faults.with_others, 40),
+    "start": (lambda: command_faults.tried("start", 5), 4),
+    "init": (lambda: command_faults.tried("init", 7), 4),
+    "export": (lambda: command_faults.tried("export, over earlier tables", 17), 4),
+    "bring": (lambda: command_faults.tried("bring", hows=("kill",)), 4),
+    "lost power": (lambda: power_loss.lost(150), 149),
+    "clients of a store": (lambda: store_clients.clients(2, 6), 10),
+    "statements to a store": (lambda: store_clients.statements(40), 39),
+    "names of a store": (store_clients.names, 20),
+    "readings none of which is used": (lambda: bounds.unused(12), 11),
+}
+"""In small, and more than how many have to be tried."""
 
-def test_a_fault_while_a_record_is_begun_leaves_none_or_a_whole_one() -> None:
-    assert record_faults.begun().lost == 0
 
-
-def test_reading_a_record_writes_nothing_so_that_a_full_or_read_only_disk_does_not_matter() -> None:
-    assert record_faults.read().lost == 0
+@pytest.mark.parametrize(
+    ("tried", "most"),
+    [
+        *(pytest.param(*each, id=name) for name, each in TRIALS.items()),
+        *(pytest.param(*each, id=name, marks=pytest.mark.long) for name, each in LONG.items()),
+    ],
+)
+def test_nothing_is_lost_or_wrong(tried: Callable[[], Trial], most: int) -> None:
+    trial = tried()
+    assert trial.lost == 0, trial
+    assert trial.tried > most
 
 
 @pytest.mark.parametrize("kind", bad_files.KINDS, ids=lambda kind: kind.name)
@@ -49,88 +84,6 @@ def test_a_number_of_any_length_is_refused_in_words_that_do_not_repeat_it(kind: 
             text, line = str(refused), kind.good.count(b"\n", 0, number.start()) + 1
             assert not re.search(r"\d{61}|Exceeds the limit", text)
             assert "/" not in kind.name or f"{path.name}, line {line}: " in text
-
-
-@pytest.mark.long
-def test_a_fault_while_a_record_is_written_loses_nothing_acknowledged() -> None:
-    trial = record_faults.written()
-    assert (trial.lost, trial.tried > 40) == (0, True)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("first", [True, False])
-def test_a_fault_while_results_are_written_leaves_a_whole_set(first: bool) -> None:
-    trial: Trial = set_faults.alone(first)
-    assert (trial.lost, trial.tried > 40) == (0, True)
-
-
-@pytest.mark.long
-def test_results_among_other_files_are_whole_where_there_is_a_manifest() -> None:
-    trial = set_faults.with_others()
-    assert (trial.lost, trial.tried > 40) == (0, True)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(("command", "every"), [("start", 5), ("init", 7), ("export, over earlier tables", 17)])
-def test_a_fault_in_a_command_loses_nothing_and_blocks_nothing(command: str, every: int) -> None:
-    trial = command_faults.tried(command, every)
-    assert (trial.lost, trial.detail, trial.tried > 4) == (0, "", True)
-
-
-@pytest.mark.long
-def test_a_kill_while_a_record_is_brought_leaves_nothing_behind_its_second_try() -> None:
-    trial = command_faults.tried("bring", hows=("kill",))
-    assert (trial.lost, trial.detail, trial.tried > 4) == (0, "", True)
-
-
-def test_no_bit_of_a_record_changes_unseen() -> None:
-    trial = changed.bits(every=29)
-    assert (trial.lost, trial.tried > 300) == (0, True)
-
-
-def test_a_record_that_lacks_its_end_is_damaged() -> None:
-    assert changed.ends().lost == 0
-
-
-@pytest.mark.parametrize("name", salvaged.DAMAGES)
-def test_what_stands_whole_in_a_damaged_record_comes_back(name: str) -> None:
-    trial = salvaged.tried(name, 3)
-    assert (trial.lost, trial.tried) == (0, 3), trial.detail
-
-
-def test_who_has_no_key_changes_no_signed_record_unseen() -> None:
-    trial = forged.tried(60)
-    assert (trial.lost, trial.tried) == (0, 60 + 6 + 33)
-
-
-@pytest.mark.long
-def test_lost_power_leaves_everything_that_was_acknowledged() -> None:
-    assert power_loss.lost(150).lost == 0
-
-
-def test_a_clock_that_goes_back_changes_no_order() -> None:
-    assert changed.clock().lost == 0
-
-
-def test_killed_writers_leave_everything_that_they_acknowledged_in_the_file_alone() -> None:
-    trial = writers.killed(20)
-    assert (trial.lost, trial.detail.startswith("0 ")) == (0, False)
-
-
-def test_eight_processes_at_once_lose_and_double_nothing() -> None:
-    assert writers.at_once(8, 10).lost == 0
-
-
-@pytest.mark.long
-def test_clients_of_a_store_whose_connections_are_cut_lose_and_double_nothing() -> None:
-    trial = store_clients.clients(2, 6)
-    assert (trial.lost, trial.tried > 10) == (0, True), trial.detail
-
-
-@pytest.mark.long
-def test_statements_of_a_measurer_stop_nobody_else() -> None:
-    trial = store_clients.statements(40)
-    assert trial.lost == 0, trial.detail
 
 
 def test_the_corpus_is_as_large_as_is_said() -> None:

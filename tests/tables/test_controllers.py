@@ -24,12 +24,9 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import exporting, pivots, writer
-from axiscal.ports.linuxcnc.tables.cross import Wiring
-from axiscal.ports.printers import contents, klipper
-from axiscal.tables.controllers import sinumerik
 from axiscal.tables.controllers.fanuc import PitchParameters, increments
 from axiscal.tables.exporter import Draft, ExportOptions, MapFormat
-from axiscal.tables.offer import Export, spread_poses, tried_out
+from axiscal.tables.offer import Export, tried_out
 from axiscal.tables.registry import controllers, export, exporter
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.sampling import axis_tables
@@ -37,7 +34,6 @@ from axiscal.tables.surface import Effect, effect_of_control, rms, tour
 from axiscal.tables.table import CompensationTable
 from tests.generators.known import known_to_be, truth_of
 from tests.generators.texts import machine_text
-from tests.tables import linuxcnc_model
 
 TOOTHED = machine_text(
     "w-X'-b-Y-Z-t",
@@ -211,24 +207,6 @@ def test_machine_zero_stays_where_it_is(controller: str) -> None:
     assert np.max(np.abs(far)) > 2e-6
 
 
-def test_the_note_says_first_what_moves_where() -> None:
-    """A machine that is 24, 23 and 1.5 um off everywhere and 10 more on the way to the middle of X."""
-    estimate, _ = known("small")
-    names, mean = estimate.model.names, np.zeros(estimate.model.size)
-    for name, constant in (("EXX", 24e-6), ("EYY", 23e-6), ("EZZ", 1.5e-6)):
-        mean[names[name].columns] = constant
-    knots = names["EXX"].basis.knots
-    mean[names["EXX"].columns] += 1e-5 * knots / 0.2
-    known_mean = known_to_be(estimate.model, mean)
-    for controller in ("linuxcnc", "csv", "sinumerik", "isg"):
-        lines = export(known_mean, controller, ExportOptions()).readme.splitlines()[1:]
-        first = next(line for line in lines if not line.startswith("WHICH WAY"))  # asked before it is loaded
-        assert first.startswith("ZERO WORK OFFSETS, TOOL SETTER AND PROBE ANEW after loading.")
-        assert "X 0 mm Y 0 mm Z 0 mm by x +0.0, y +0.0, z +0.0 um" in first
-        # X carries the workpiece and its errors are those of the carriage: the tool is off by minus that, and goes back
-        assert "X 200 mm Y 200 mm Z -150 mm by x +10.0, y +0.0, z +0.0 um" in first
-
-
 def test_a_constant_that_nothing_shows_is_not_in_a_table() -> None:
     """It makes no value of a table uncertain that counts from machine zero, and the shape not at all."""
     model = known("small")[0].model
@@ -256,25 +234,6 @@ def test_a_control_that_takes_the_other_sign_gets_it(controller: str) -> None:
     tried_out(controller, estimate, other)
 
 
-def test_sinumerik_points_fit_between_its_ends() -> None:
-    for name in ("small", "dmu60"):
-        text = "".join(draft("sinumerik", name)[1].files.values())
-        for step, low, high in re.findall(r"_STEP\S*=([\d.-]+)\n\S+_MIN\S*=([\d.-]+)\n\S+_MAX\S*=([\d.-]+)", text):
-            assert (float(high) - float(low)) / float(step) == pytest.approx(
-                round((float(high) - float(low)) / float(step))
-            )
-
-
-def test_sinumerik_text_by_hand() -> None:
-    """The example of the manual, read by hand: positive values move the axis down."""
-    text = "%_N_AX_EEC_INI\nCHANDATA(1)\n$AA_ENC_COMP[0,0,AX1]=0.0\n$AA_ENC_COMP[0,1,AX1]=0.0042\n"
-    text += "$AA_ENC_COMP_STEP[0,AX1]=50.0\n$AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=50.0\nM17\n"
-    found = sinumerik.read(text, {"X": "AX1"}, known("small")[0].machine)[0]
-    assert found.deviation(np.array([0.025, 0.05, 9.0]), 1) == pytest.approx([2.1e-6, 4.2e-6, 4.2e-6])
-    with pytest.raises(TableError, match="would not understand 'G0 X9'"):
-        sinumerik.read(text + "G0 X9\n", {"X": "AX1"}, known("small")[0].machine)
-
-
 @given(st.integers(0, 10**6), st.integers(1, 4))
 def test_fanuc_sums_are_within_half_an_entry(seed: int, magnification: int) -> None:
     rng = np.random.default_rng(seed)
@@ -295,35 +254,6 @@ def test_heidenhain_has_the_decimals_of_its_template_from_three_on() -> None:
         found = export(known("small")[0], "heidenhain", ExportOptions(template=text)).files["X_AXIS.COM"]
         row = dict(zip(COM.splitlines()[1].split(), found.splitlines()[3].split(), strict=True))
         assert {len(row[head].partition(".")[2]) for head in ("AXISPOS", "BACKLASH", "X")} == {decimals}
-
-
-@given(st.floats(-0.02, 0.02), st.floats(-0.02, 0.02), st.floats(-0.02, 0.02))
-def test_klipper_finds_the_skew_in_its_lengths(xy: float, xz: float, yz: float) -> None:
-    found = klipper.read_skew(klipper.write_skew({"XY": xy, "XZ": xz, "YZ": yz}, "a"))
-    assert found == pytest.approx({"XY": xy, "XZ": xz, "YZ": yz}, abs=1e-9)
-
-
-def test_klipper_reads_the_lengths_of_its_manual() -> None:
-    """Three lengths of its documentation: AC 140.4, BD 142.8, AD 99.8."""
-    found = klipper.read_skew("SET_SKEW XY=140.4,142.8,99.8 XZ=141.6,141.4,99.8 YZ=142.4,140.5,99.5\n")
-    assert found["XY"] == pytest.approx((140.4**2 - 142.8**2) / (4 * 99.8 * 100.4), rel=0.02)
-    assert found["XZ"] > 0 > found["XY"]
-
-
-def test_marlin_has_no_backlash_that_runs_ahead() -> None:
-    play = contents.play_of(contents.content_of(known("small")[0], ExportOptions(), 5))
-    assert all(value > 0 for value in play.values())
-
-
-@pytest.mark.parametrize("numbers", [{}, {"X": (0,), "Y": (1, 2), "Z": (3,)}])
-def test_motion_and_hal_do_what_linuxcnc_files_say(numbers: dict[str, tuple[int, ...]]) -> None:
-    """Read alone they move axes as the model of LinuxCNC does, slopes of 32 bits and the wiring of HAL included."""
-    estimate, options = known("small")[0], ExportOptions(numbers=numbers)
-    made, machine = exporter("linuxcnc").make(estimate, options), estimate.machine
-    wiring = Wiring(options.joints(machine), {axis.name: axis.speed for axis in machine.axes})
-    poses, ways = spread_poses(estimate)
-    apart = np.abs(linuxcnc_model.control(machine, made.files, wiring)(poses, ways) - made.control(poses, ways))
-    assert np.max(apart) < 1e-9
 
 
 @pytest.mark.parametrize(
@@ -366,15 +296,6 @@ def test_pivots_take_away_where_rotors_lie(way: str, sign: int) -> None:
     )
     found = effect_of_control(machine, lambda p, a: model.rows(p, a) @ only, control, poses, estimate.box)
     assert found.after < 1e-9 < 1e-5 < found.before
-
-
-def test_pivots_make_five_axes_better_than_tables_alone() -> None:
-    estimate, truth = known("dmu60 reversed reversed")
-    plain, turned = (exporter("linuxcnc").make(estimate, ExportOptions(pivots=choice)) for choice in (False, True))
-    assert set(turned.files) == {*plain.files, "axiscal-pivots.hal"}
-    assert on_the_truth(estimate, truth, turned).after < 0.95 * on_the_truth(estimate, truth, plain).after
-    with pytest.raises(TableError, match="has no table C on a swivel"):
-        exporter("linuxcnc").make(known("small")[0], ExportOptions(pivots=True))
 
 
 def test_pivots_of_a_machine_whose_axis_lines_are_sure_are_those_of_its_description() -> None:

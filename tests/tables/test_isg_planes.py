@@ -18,9 +18,7 @@ from axiscal.numerics import Array
 from axiscal.tables.controllers.isg import read_csv, write_csv
 from axiscal.tables.volumetric import SampledError, together
 from tests.generators.planes import TABLE
-from tests.tables.test_bed_round_trips import X, Y, estimated, exported, klipper_file, warped
-
-PLANE = 'EZXY = { std = "80 um", length = "100 mm", rest = "3 um" }\n'
+from tests.tables.test_bed_round_trips import PLANE, X, Y, estimated, exported, klipper_file, warped
 
 
 def blocks(text: str) -> list[tuple[list[str], Array]]:

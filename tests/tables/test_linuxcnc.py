@@ -16,10 +16,24 @@ from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import writer
 from axiscal.ports.linuxcnc.tables.writer import LinuxcncTable, dead_band, notes, parse, write
 from axiscal.tables.table import CompensationTable
-from tests.tables.linuxcnc_model import correction
 
 SEEN = "-100 -100.010 -100.014\n0 0 -0.004\n100 100.020 100.016\n200 200.005 200.001\n"
 ROW = "0 0.25 -0.5\n"
+
+
+def correction(table: LinuxcncTable, position: Array, direction: int) -> Array:
+    """Return what is added to the command at joint positions (m,), moving in direction +1 or -1, machine units.
+
+    As compute_screw_comp of LinuxCNC's source has it, with slopes of 32 bits.
+    """
+    trims = (table.forward if direction > 0 else table.reverse).astype(np.float32)
+    if trims.size == 0:
+        return np.zeros(np.shape(position))
+    slopes = np.append((np.diff(trims) / np.diff(table.nominal)).astype(np.float32), np.float32(0))
+    at = np.searchsorted(table.nominal, position, side="right") - 1
+    within = np.maximum(at, 0)
+    inside = trims[within] + slopes[within].astype(np.float64) * (position - table.nominal[within])
+    return np.where(at < 0, np.float64(trims[0]), inside)
 
 
 def at(*positions: float) -> Array:
@@ -44,49 +58,21 @@ def test_corrections_seen_on_the_controller(position: float, direction: int, see
 
 
 @pytest.mark.parametrize(
-    "start",
-    [
-        "# table\n",
-        "nominal fwd rev\n",
-        "\n",
-        "\ufeff",
-        "0,0.25,-0.5\n",
-        "0,0 0,25 -0,5\n",
-        "0 0.25\n",
-        "0 1 0x\n",
-        "a\0",
-    ],
-)
-def test_a_first_line_that_does_not_match_gives_no_correction_at_all(start: str) -> None:
-    parsed = parse(start + ROW)
-    assert rows(parsed) == []
-    assert correction(parsed, at(-1, 0, 1), 1).tolist() == [0, 0, 0]
-
-
-@pytest.mark.parametrize("stop", ["\n", "# half way\n", "; half way\n", "1 1\n"])
-def test_everything_after_a_line_in_the_middle_that_does_not_match_is_dropped(stop: str) -> None:
-    parsed = parse(ROW + stop + "2 2 2\n3 3 3\n")
-    assert len(parsed.nominal) == 1
-
-
-def test_reading_stops_at_a_line_that_is_too_long() -> None:
-    row = "1 1 1"
-    fits, too_long = row.ljust(253) + "\n", row.ljust(300) + "\n"
-    assert len(parse(ROW + fits + "2 2 2\n").nominal) == 3
-    parsed = parse(ROW + too_long + "2 2 2\n")
-    assert len(parsed.nominal) == 2
-
-
-@pytest.mark.parametrize(
     ("text", "kept"),
     [
+        *((start + ROW, []) for start in ("# table\n", "nominal fwd rev\n", "\n", "\ufeff", "0,0.2,-0.5\n", "0 1\n")),
+        *((f"{ROW}{stop}2 2 2\n", [0]) for stop in ("\n", "# half way\n", "; half way\n", "1 1\n")),
+        (f"{ROW}{'1 1 1'.ljust(253)}\n2 2 2\n", [0, 1, 2]),
+        (f"{ROW}{'1 1 1'.ljust(300)}\n2 2 2\n", [0, 1]),
         ("2 2 2\n1 1 1\n0 0 0\n", [2]),
         ("0 0 0\n2 2 2\n1 1 1\n3 3 3\n", [0, 2, 3]),
         ("0 0 0\n0 1 1\n1 1 1\n", [0, 1]),
         ("-inf 0 0\n1 1 1\n", [1]),
     ],
 )
-def test_rows_that_do_not_increase_are_left_out(text: str, kept: list[float]) -> None:
+def test_reading_stops_at_a_line_that_does_not_match_and_leaves_out_rows_that_do_not_increase(
+    text: str, kept: list[float]
+) -> None:
     assert parse(text).nominal.tolist() == kept
 
 

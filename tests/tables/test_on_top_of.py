@@ -1,17 +1,16 @@
 """New tables on top of old ones: what the control then adds is the old correction less what it left.
 
-Every format is written and read by hand here; the machine is known, so that what is left is known too.
+What old files do is written here by hand, for each format from its maker's manual.
 """
 
 from __future__ import annotations
 
-import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from axiscal.cli.app import run
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
@@ -19,9 +18,11 @@ from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile, read_old
-from axiscal.tables.offer import Export
-from axiscal.tables.registry import controllers, export, exporter
+from axiscal.tables.offer import Export, spread_poses
+from axiscal.tables.registry import controllers, export, exporter, loaded
 from axiscal.tables.round_trip import drawn_and_known, round_trip
+from tests.commands import Command
+from tests.generators.begun import begun
 from tests.generators.known import known_to_be
 from tests.generators.texts import machine_text
 
@@ -32,276 +33,111 @@ MACHINE = machine_text(
     curve=(5, 150),
     name="M",
 )
-AT = np.linspace(0.0, 300.0, 13)
-OLD_UP = -0.020 * np.sin(AT / 70.0)  # what the old table adds on the way up, mm; nothing at zero
-OLD_DOWN = OLD_UP + 0.011
 FANUC = "\n".join(
     [
-        *("%", "N3620A1P10A2P50A3P100;", "N3621A1P11A2P51A3P101;", "N3622A1P40A2P70A3P110;", "N3623A1P1A2P1A3P1;"),
+        *("%", "N3620A1P10A2P50A3P100;", "N3621A1P11A2P51A3P101;", "N3622A1P40A2P70A3P110;", "N3623A1P2A2P2A3P2;"),
         *("N3624A1P10.0A2P10.0A3P10.0;", *(f"N{number}P0;" for number in range(10000, 10120)), "%"),
     ]
 )
-COM = (
-    "BEGIN OLD_AXIS .COM MM\nNR        AXISPOS    BACKLASH           X           Y           Z\n"
-    "0       -100.0000      0.0000      0.0000      0.0000      0.0000\n[END]\n"
+
+
+def com(*rows: tuple[float, ...]) -> str:
+    """Return a table of HEIDENHAIN: positions, BACKLASH, and what X, Y and Z are off by, mm."""
+    lines = ["NR  " + "".join(f"{head:>13}" for head in ("AXISPOS", "BACKLASH", "X", "Y", "Z"))]
+    lines += [f"{n:<4}" + "".join(f"{value:>13.4f}" for value in row) for n, row in enumerate(rows)]
+    return "\n".join(["BEGIN X_AXIS .COM MM", *lines, "[END]", ""])
+
+
+TEMPLATES = {"fanuc": FANUC, "heidenhain": com((-100, 0, 0, 0, 0))}
+MESH = dict.fromkeys(("klipper", "klipper-volumetric", "marlin", "reprapfirmware"), 7)
+
+ENC = (
+    "CHANDATA(1)\n$AA_ENC_COMP[0,0,AX1]=0.0\n$AA_ENC_COMP[0,1,AX1]=0.0042\n$AA_ENC_COMP_STEP[0,AX1]=50.0\n"
+    "$AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=50.0\n$AA_ENC_COMP_STEP[0,AX9]=0.0\nM17\n"
 )
-PROBES = np.linspace(3.0, 297.0, 40)
+LIST = (
+    "kopf.log_achs_nr 1\nkopf.log_achs_name X\nkw.ssfk.interval 1000000\nkw.ssfk.kw_startpos 0\nkw.ssfk.kw_nr_max 2\n"
+    "kw.ssfk.unit 1\nkw.ssfk.bilateral 1\nkw.ssfk.modulo 0\nkw.ssfk.table[0].pos 0\nkw.ssfk.table[1].pos -100\n"
+    "kw.ssfk.table[0].neg 0\nkw.ssfk.table[1].neg 40\n"
+)
+CSV = "axis,position_mm,forward_um,reverse_um,std_um\n"
+ENDS = "x_count = 2\ny_count = 2\nmin_x = 0\nmax_x = 300\nmin_y = 0\nmax_y = 200"
+BED = f"[bed_mesh default]\nversion = 1\npoints =\n\t0.0, 0.06\n\t0.0, 0.06\n{ENDS}"
+MAP = (
+    "RepRapFirmware height map file v2\nxmin,xmax,ymin,ymax,radius,xspacing,yspacing,xnum,ynum\n"
+    "0,300,0,200,-1,300,200,2,2\n0.0,0.06\n0.0,0.06\n"
+)
+SQUARE = "141.4,141.4,100"
+NODES = "".join(f"echo:  M421 I{i} J{j} Z{0.06 * i:.2f}\n" for i in (0, 1) for j in (0, 1))
+BY_HAND = {  # which axis is moved at X 100, Y 100, Z 50 mm, and by how much coming up and coming down, um
+    "linuxcnc, nominal and actual": ("linuxcnc", OldFile("X.comp", "0 0 0\n100 99.99 100.004\n"), "X", 10, -4),
+    "linuxcnc, trims": ("linuxcnc", OldFile("X.comp", "0 0 0\n100 0.01 -0.004\n", file_type=1), "X", 10, -4),
+    "linuxcnc, BACKLASH": ("linuxcnc", OldFile("mill.ini", "", joint=1, backlash=0.03), "Y", 15, -15),
+    "sinumerik: positive values move an axis down": ("sinumerik", OldFile("AX_EEC.INI", ENC), "X", -4.2, -4.2),
+    "fanuc: increments times the magnification": (
+        "fanuc", OldFile("p", FANUC.replace("N10013P0;", "N10013P5;")), "X", 10, 10
+    ),
+    "heidenhain: deviations, and BACKLASH besides on the way down": (
+        "heidenhain", OldFile("X_AXIS.COM", com((0, 0, 0, 0, 0), (100, 0.014, -0.01, 0, 0))), "X", 10, -4
+    ),
+    "isg: actual less setpoint": ("isg", OldFile("ssfk_X.lis", LIST), "X", 10, -4),
+    "csv: deviations": ("csv", OldFile("X.csv", f"{CSV}X,0,-10,4,1\n"), "X", 10, -4),
+    "klipper: the lengths of its manual": (
+        "klipper", OldFile("k", f"SET_SKEW XY=140.4,142.8,99.8 XZ={SQUARE} YZ={SQUARE}\n"), "X", 1695.3, 1695.3
+    ),
+    "klipper: a bed": ("klipper", OldFile("p.cfg", "".join(f"#*# {line}\n" for line in BED.split("\n"))), "Z", 20, 20),
+    "reprapfirmware: a bed": ("reprapfirmware", OldFile("heightmap.csv", MAP), "Z", 20, 20),
+    "reprapfirmware: a skew is added": ("reprapfirmware", OldFile("config.g", "M556 S100 X1\n"), "X", 1000, 1000),
+    "marlin: a bed, as M503 answers": ("marlin", OldFile("m503", f"M852 I0 J0 K0\n{NODES}"), "Z", 20, 20),
+    "marlin: a skew is taken away": ("marlin", OldFile("m503", "M852 I0.01 J0 K0\n"), "X", -1000, -1000),
+    "marlin: half of a lost motion to each side": ("marlin", OldFile("m503", "M425 X0.010 F0.5 S0\n"), "X", 2.5, -2.5),
+}  # fmt: skip
 
 
-def known() -> Estimate:
-    return drawn_and_known(machine_from_text(MACHINE), 6)
+def known(seed: int = 6) -> Estimate:
+    return drawn_and_known(machine_from_text(MACHINE), seed)
 
 
-def exported(controller: str, *files: OldFile, **options: object) -> Export:
-    return export(known(), controller, ExportOptions(old_files=files, **options))  # type: ignore[arg-type]
+@pytest.mark.parametrize("what", BY_HAND)
+def test_old_files_move_axes_as_their_makers_say(what: str) -> None:
+    controller, file, axis, up, down = BY_HAND[what]
+    machine = known().machine
+    found = loaded(controller, machine, ExportOptions(old_files=(file,), template=file.text)).control(machine)
+    poses, ways = np.full((2, 3), [0.1, 0.1, 0.05]), np.array([[1.0], [-1.0]]) * np.ones(3)
+    expected = np.zeros((2, 3))
+    expected[:, machine.index(axis)] = up, down
+    assert 1e6 * found(poses, ways) == pytest.approx(expected, abs=0.6, rel=2e-3)
 
 
-def left(name: str, at: Array, side: int = 0) -> Array:
-    """Return what the old compensation left along the error's direction, counted from the axis' zero, mm."""
-    estimate = known()
-    function = estimate.model.names[name]
+@pytest.mark.parametrize("controller", [name for name in controllers() if "--on-top-of" in exporter(name).takes])
+def test_new_files_hold_the_old_ones_and_what_was_found(controller: str) -> None:
+    machine, (poses, ways) = known().machine, spread_poses(known())
 
-    def value(x: Array) -> Array:
-        return np.asarray(function.basis.rows(1e-3 * x) @ estimate.mean[function.columns])
+    def read(made: Export) -> Array:
+        """Return what a control adds that has loaded the files."""
+        files = tuple(OldFile(name, text) for name, text in made.files.items())
+        found = loaded(
+            controller, machine, ExportOptions(old_files=files, template=template, mesh=MESH.get(controller))
+        )
+        return found.control(machine)(poses, ways)
 
-    back = estimate.model.names.get(f"{name}_reversal")
-    half = 0.0 if back is None else side / 2 * float(estimate.mean[back.columns][0])
-    return 1e3 * (value(at) - value(np.zeros(1)) + half)
-
-
-def wanted(side: int) -> Array:
-    old = np.interp(PROBES, AT, OLD_UP if side > 0 else OLD_DOWN)
-    return old - left("EXX", PROBES, side)
-
-
-def comp(kind: int) -> str:
-    columns = [AT, OLD_UP, OLD_DOWN] if kind else [AT, AT - OLD_UP, AT - OLD_DOWN]
-    return "".join("{:.6f} {:.6f} {:.6f}\n".format(*row) for row in zip(*columns, strict=True))
-
-
-def comp_added(text: str, side: int) -> Array:
-    rows = np.array([[float(word) for word in line.split()] for line in text.splitlines()])
-    added: Array = np.interp(PROBES, rows[:, 0], rows[:, 0] - rows[:, 1 if side > 0 else 2])
-    return added
-
-
-@pytest.mark.parametrize("side", [1, -1])
-@pytest.mark.parametrize("kind", [0, 1])
-def test_a_comp_file_of_either_type_stays_in_the_sum(kind: int, side: int) -> None:
-    made = exported("linuxcnc", OldFile("old/x.comp", comp(kind)))
-    assert comp_added(made.files["X.comp"], side) == pytest.approx(wanted(side), abs=2e-4)
+    template = TEMPLATES.get(controller)
+    options = ExportOptions(template=template, mesh=MESH.get(controller))
+    plain, before = (export(known(seed), controller, options) for seed in (6, 2))
+    old = tuple(OldFile(name, text) for name, text in before.files.items())
+    made = export(known(), controller, replace(options, old_files=old))
+    together = read(plain) + read(before)
+    assert read(made) == pytest.approx(together, abs=2e-6)
+    assert np.ptp(read(before)) > 10e-6
+    assert made.control(poses, ways) == pytest.approx(plain.control(poses, ways), abs=2e-6)
     assert "on top of it what was found: load them in its place" in made.readme
-
-
-def test_the_ini_file_names_its_tables_and_their_type_and_a_backlash_becomes_a_table(tmp_path: Path) -> None:
-    (tmp_path / "a.txt").write_text(comp(1))
-    (tmp_path / "mill.ini").write_text(
-        "[EMC]\nMACHINE = mill\n[JOINT_0]\nCOMP_FILE = a.txt\nCOMP_FILE_TYPE = 1\nBACKLASH = 0.5\n"
-        "[JOINT_1]\nBACKLASH = 0.030  # mm\n[JOINT_2]\nHOME = 0\n"
-    )
-    made = exported("linuxcnc", *read_old(["mill.ini"], tmp_path))
-    assert comp_added(made.files["X.comp"], 1) == pytest.approx(wanted(1), abs=2e-4)
-    for side in (1, -1):  # half to each side, as motion adds it
-        assert comp_added(made.files["Y.comp"], side) == pytest.approx(np.full(40, side * 0.015), abs=1e-6)
-
-
-def test_an_ini_file_that_includes_another_names_its_tables_too(tmp_path: Path) -> None:
-    (tmp_path / "joint.inc").write_text("[JOINT_1]\nBACKLASH = 0.030\n")
-    (tmp_path / "mill.ini").write_text("[EMC]\nMACHINE = mill\n#INCLUDE joint.inc\n")
-    (file,) = read_old(["mill.ini"], tmp_path)
-    assert (file.joint, file.backlash) == (1, 0.030)
-
-
-def test_the_curves_of_an_earlier_hal_file_stay_in_the_sum() -> None:
-    first = exported("linuxcnc")
-    again = exported("linuxcnc", OldFile("axiscal-cross.hal", first.files["axiscal-cross.hal"]))
-    curves = [
-        np.array([float(v) for v in re.findall(r"setp \S*y-x\.y-val-\d+ (\S+)", made.files["axiscal-cross.hal"])])
-        for made in (first, again)
-    ]
-    assert np.ptp(curves[0]) > 1e-3
-    assert curves[1] == pytest.approx(2 * curves[0], abs=1e-6)  # once for what was loaded, once for what it left
-
-
-def siemens(table: Array) -> str:
-    rows = "".join(f"$AA_ENC_COMP[0,{i},AX1]={v:.6f}\n" for i, v in enumerate(table))
-    tail = "$AA_ENC_COMP_STEP[0,AX1]=25.0\n$AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=300.0\n"
-    unused = "$AA_ENC_COMP_STEP[0,AX9]=0.0\n$AA_ENC_COMP[1,0,AX1]=0.0\n"
-    return f"%_N_AX_EEC_INI\nCHANDATA(1)\n{rows}{tail}$AA_ENC_COMP_IS_MODULO[0,AX1]=0\n{unused}M17\n"
-
-
-def test_encoder_compensation_stays_in_the_sum() -> None:
-    """A positive value moves the axis down."""
-    made = exported("sinumerik", OldFile("AX_EEC.INI", siemens(-OLD_UP)))
-    values = {int(i): float(v) for i, v in re.findall(r"ENC_COMP\[0,(\d+),AX1\]=(\S+)", made.files["AX_EEC.INI"])}
-    step = float(re.findall(r"STEP\[0,AX1\]=(\S+)", made.files["AX_EEC.INI"])[0])
-    added = -np.interp(PROBES, step * np.arange(len(values)), [values[i] for i in sorted(values)])
-    assert added == pytest.approx(np.interp(PROBES, AT, OLD_UP) - left("EXX", PROBES), abs=4e-4)
-
-
-def test_pitch_data_stay_in_the_sum() -> None:
-    parameters = ["N3620A1P20A2P0A3P0;", "N3621A1P21A2P0A3P0;", "N3622A1P32A2P0A3P0;", "N3623A1P2A2P1A3P1;"]
-    steps = np.diff(np.round(OLD_UP * 1e3 / 2)).astype(int)
-    data = [f"N{10021 + i}P{v};" for i, v in enumerate(steps)]
-    text = "\n".join(["%", *parameters, "N3624A1P25.0A2P0A3P0;", *data, "%"])
-    made = exported("fanuc", OldFile("pitch.txt", text), template=text)
-    new = [int(v) for v in re.findall(r"N100(?:2[1-9]|3[0-2])P(-?\d+);", made.files["pitch.txt"])]
-    added = np.interp(PROBES, AT, np.r_[0, 2e-3 * np.cumsum(new)])
-    assert added == pytest.approx(np.interp(PROBES, AT, OLD_UP) - left("EXX", PROBES), abs=3e-3)
-    assert new != steps.tolist()
-
-
-def test_a_heidenhain_table_stays_in_the_sum() -> None:
-    """Values are deviations, taken away; BACKLASH comes on top when moving downwards."""
-    head = "BEGIN X_AXIS .COM MM\nNR      AXISPOS     BACKLASH            X            Y            Z\n"
-    rows = "".join(
-        f"{i:<4}{p:>11.4f}{u - d:>13.4f}{-u:>13.4f}{0:>13.4f}{0:>13.4f}\n"
-        for i, (p, u, d) in enumerate(zip(AT, OLD_UP, OLD_DOWN, strict=True))
-    )
-    made = exported("heidenhain", OldFile("X_AXIS.COM", f"{head}{rows}[END]\n"), template=f"{head}{rows}[END]\n")
-    lines = made.files["X_AXIS.COM"].splitlines()
-    names = lines[1].split()
-    table = np.array([[float(word) for word in line.split()] for line in lines[2:-1]])
-    at, back, own = (table[:, names.index(name)] for name in ("AXISPOS", "BACKLASH", "X"))
-    assert -np.interp(PROBES, at, own) == pytest.approx(wanted(1), abs=6e-4)
-    assert -np.interp(PROBES, at, own + back) == pytest.approx(wanted(-1), abs=6e-4)
-
-
-def test_a_column_of_an_axis_that_was_not_measured_stays_beside_the_new_ones() -> None:
-    """Its points are others than those of the new columns, and a file has one column of points."""
-    only_x = machine_text(
-        "w-b-X-Y-Z-t", {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M"
-    )
-    model = ErrorModel(machine_from_text(only_x))
-    estimate = known_to_be(model, np.arange(model.size) ** 2 * 1e-6)
-    at = np.linspace(0, 300, 8)
-    y = 0.02 * np.sin(at / 90)
-    head = "BEGIN X_AXIS .COM MM\nNR      AXISPOS     BACKLASH            X            Y\n"
-    rows = "".join(
-        f"{i:<4}{p:>11.4f}{0:>13.4f}{0:>13.4f}{v:>13.4f}\n" for i, (p, v) in enumerate(zip(at, y, strict=True))
-    )
-    text = f"{head}{rows}[END]\n"
-    made = export(estimate, "heidenhain", ExportOptions(template=text, old_files=(OldFile("X_AXIS.COM", text),)))
-    table = np.array([[float(word) for word in line.split()] for line in made.files["X_AXIS.COM"].splitlines()[2:-1]])
-    assert len(table) != len(at)
-    assert np.interp(PROBES, table[:, 1], table[:, 4]) == pytest.approx(np.interp(PROBES, at, y), abs=2e-4)
-    departures = {one.axis: one.departure for one in made.tables}
-    lost = np.max(np.abs(np.interp(at, table[:, 1], np.interp(table[:, 1], at, y)) - y)) * 1e-3
-    assert departures["Y"] == pytest.approx(lost, abs=1e-7)
-
-
-GRID = np.linspace(0, 300, 7), np.linspace(0, 200, 5)
-
-
-@pytest.mark.parametrize("controller", ["klipper", "reprapfirmware"])
-def test_a_height_map_stays_in_the_sum(controller: str) -> None:
-    x, y = GRID
-    old = 0.05 * np.sin(x / 90)[None] + 0.03 * (y / 200)[:, None] ** 2
-    rows = [", ".join(f"{v:.6f}" for v in row) for row in old]
-    if controller == "klipper":
-        ends = "x_count = 7\ny_count = 5\nmin_x = 0\nmax_x = 300\nmin_y = 0\nmax_y = 200"
-        block = "[bed_mesh default]\nversion = 1\npoints =\n" + "\n".join(f"\t{row}" for row in rows) + f"\n{ends}"
-        file = OldFile("printer.cfg", "".join(f"#*# {line}\n" for line in block.split("\n")))
-        text = exported(controller, file, mesh=5).files["bed_mesh.cfg"]
-        found = re.findall(r"^#\*# \t  (.*)$", text, re.MULTILINE)
-    else:
-        head = "RepRapFirmware height map file v2\nxmin,xmax,ymin,ymax,radius,xspacing,yspacing,xnum,ynum\n"
-        file = OldFile("heightmap.csv", head + "0,300,0,200,-1,50,50,7,5\n" + "\n".join(rows) + "\n")
-        found = exported(controller, file, mesh=5).files["heightmap.csv"].splitlines()[3:]
-    new = np.array([[float(v) for v in row.split(",")] for row in found])
-    mesh_x, mesh_y = np.linspace(0, 300, 5), np.linspace(0, 200, 5)
-    was = np.array([np.interp(mesh_x, x, row) for row in old])
-    rest = left("EZX", mesh_x)[None] + left("EZY", mesh_y)[:, None]
-    apart = new - (was - rest)
-    assert np.std(apart) < 0.006 < 0.015 < np.std(was)
-
-
-def test_old_files_that_cannot_be_are_refused(tmp_path: Path) -> None:
-    for file in (
-        OldFile("X.comp", "0 0 0\n100 1e308 -1e308\n"),
-        OldFile("X.comp", "0 0 0\n100 1e308 0\n", file_type=0),
-    ):
-        with pytest.raises(TableError, match="too large for a machine"):
-            exported("linuxcnc", file)
-    (tmp_path / "no.ini").write_text("[JOINT_0]\nHOME = 0\n")
-    with pytest.raises(TableError, match="no joint of this INI file"):
-        read_old(["no.ini"], tmp_path)
-    for line in ("BACKLASH = much", "BACKLASH = nan", "COMP_FILE = no.ini\nCOMP_FILE_TYPE = one"):
-        (tmp_path / "no.ini").write_text(f"[JOINT_0]\n{line}\n")
-        with pytest.raises(InputError, match="is not a number"):
-            read_old(["no.ini"], tmp_path)
-
-
-CAMPAIGN = (
-    'machine = "machine.toml"\nusual = "off"\nsure = "exactly"\n{active}[target]\nreadings = 9\n'
-    '[[setups]]\nname = "x"\ninstrument = "interferometer"\n'
-    'direction = "x"\nmoves = ["X"]\napproach = "both"\n'
-)
-
-
-def described(folder: Path, active: str = "") -> None:
-    (folder / "machine.toml").write_text(MACHINE)
-    (folder / "campaign.toml").write_text(CAMPAIGN.format(active=active))
-    rows = "".join(f"x,{x:g},X{s},{1 if s == '+' else 3}\n" for x in range(0, 301, 50) for s in "+-")
-    (folder / "readings.csv").write_text(f"setup,X_mm,approach,value_um\n{rows}")
-
-
-def recorded(folder: Path, active: str = "") -> Path:
-    described(folder, active)
-    out = folder / "out"
-    assert run(["estimate", str(folder / "campaign.toml"), str(folder / "readings.csv"), "--out", str(out)]) == 0
-    return out / "campaign.axiscal"
-
-
-def test_without_a_word_the_beginning_asks_and_so_does_the_note(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    record = recorded(tmp_path)
-    assert "Is a compensation active" in capsys.readouterr().err
-    assert run(["start", str(tmp_path / "campaign.toml"), str(tmp_path / "a.axiscal")]) == 0
-    assert "Is a compensation active" in capsys.readouterr().err
-    assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "t")]) == 0
-    assert "WAS A COMPENSATION ACTIVE WHILE MEASURING" in (tmp_path / "t" / "README.txt").read_text()
-
-
-def test_none_was_active(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    record = recorded(tmp_path, "compensation_active = false\n")
-    assert "compensation" not in capsys.readouterr().err
-    assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "t")]) == 0
-    assert "WAS A COMPENSATION" not in (tmp_path / "t" / "README.txt").read_text()
-
-
-def test_one_was_active_and_its_files_are_taken(tmp_path: Path) -> None:
-    record = recorded(tmp_path, "compensation_active = true\n")
-    assert not (tmp_path / "out" / "tables" / "linuxcnc").exists()
-    (tmp_path / "X.comp").write_text(comp(0))
-    old = ["--on-top-of", str(tmp_path / "X.comp")]
-    assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "t"), *old]) == 0
-    added = comp_added((tmp_path / "t" / "X.comp").read_text(), 1)
-    assert np.corrcoef(added, np.interp(PROBES, AT, OLD_UP))[0, 1] > 0.99
-
-
-def test_the_files_that_were_active_can_stand_in_the_campaign(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "X.comp").write_text(comp(0))
-    recorded(tmp_path, 'compensation_active = "X.comp"\n')
-    added = comp_added((tmp_path / "out" / "tables" / "linuxcnc" / "X.comp").read_text(), 1)
-    assert np.corrcoef(added, np.interp(PROBES, AT, OLD_UP))[0, 1] > 0.99
-    deviations = tmp_path / "out" / "tables" / "csv"
-    assert (deviations / "X.csv").exists()
-    assert "left by the compensation that was active" in (deviations / "README.txt").read_text()
 
 
 @pytest.mark.parametrize("controller", sorted(controllers()))
 def test_what_is_written_is_read_back_as_an_old_compensation(controller: str) -> None:
     """A round trip of every format that is read and written."""
-    names = {"fanuc": FANUC, "heidenhain": COM}
-    made = round_trip(exporter(controller), known(), ExportOptions(template=names.get(controller), mesh=7))
-    rng = np.random.default_rng(9)
-    poses = rng.uniform([0.0, 0.0, 0.0], [0.3, 0.2, 0.1], (200, 3))
-    ways = np.where(rng.uniform(size=(200, 3)) > 0.5, 1.0, -1.0)
-    assert np.max(np.abs(made.control(poses, ways))) > 5e-6
+    made = round_trip(exporter(controller), known(), ExportOptions(template=TEMPLATES.get(controller)))
+    assert np.max(np.abs(made.control(*spread_poses(known())))) > 5e-6
 
 
 def test_the_harness_sees_a_reader_that_reads_something_else(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -312,29 +148,83 @@ def test_the_harness_sees_a_reader_that_reads_something_else(monkeypatch: pytest
         round_trip(control, known())
 
 
-def test_marlin_gets_old_and_new_together() -> None:
-    """As M503 answers: a backlash of 10 um in X, and a tilted mesh of 3 x 3 points, which stays one of 3 x 3."""
-    tilted = {(i, j): 0.02 * i - 0.01 * j for i in range(3) for j in range(3)}
-    nodes = "".join(f"echo:  M421 I{i} J{j} Z{height:.3f}\n" for (i, j), height in tilted.items())
-    old = f"echo:; Backlash:\necho:  M425 F1 S0 X0.010\necho:  M852 I0 J0 K0\n{nodes}"
-    plain = marlin_of(exported("marlin", mesh=3).files["axiscal.gcode"])
-    above = marlin_of(exported("marlin", OldFile("m503.txt", old)).files["axiscal.gcode"])
-    assert above["X"] == pytest.approx(plain.get("X", 0.0) + 0.010, abs=1e-4)
-    middle = {node: height - tilted[1, 1] for node, height in tilted.items()}  # where both are zero
-    assert {node: above[node] - plain[node] for node in tilted} == pytest.approx(middle, abs=2e-4)
-    assert len(above) == len(tilted) + 1
+def test_an_ini_file_names_its_tables_and_those_of_files_that_it_includes(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_text("0 0 0\n100 0.01 -0.004\n")
+    (tmp_path / "joint.inc").write_text("[JOINT_1]\nBACKLASH = 0.030  # mm\n")
+    (tmp_path / "mill.ini").write_text(
+        "[EMC]\nMACHINE = mill\n#INCLUDE joint.inc\n[JOINT_0]\nCOMP_FILE = a.txt\nCOMP_FILE_TYPE = 1\nBACKLASH = 0.5\n"
+        "[JOINT_2]\nHOME = 0\n"
+    )
+    backlash, table = sorted(read_old(["mill.ini"], tmp_path), key=lambda file: file.text)
+    assert (backlash.joint, backlash.backlash) == (1, 0.030)
+    assert (table.joint, table.file_type, table.backlash) == (0, 1, None)
 
 
-def marlin_of(text: str) -> dict[object, float]:
-    """Return backlash by axis and heights by node, mm."""
-    play = {axis: float(value) for axis, value in re.findall(r"([XYZ])([\d.]+)", "".join(re.findall("M425.*", text)))}
-    nodes = re.findall(r"M421 I(\d+) J(\d+) Z(-?[\d.]+)", text)
-    return {**play, **{(int(i), int(j)): float(height) for i, j, height in nodes}}
+def test_a_column_of_an_axis_that_was_not_measured_stays_beside_the_new_ones() -> None:
+    """Its points are others than those of the new columns, and a file has one column of points."""
+    axes = {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}
+    model = ErrorModel(machine_from_text(machine_text("w-b-X-Y-Z-t", axes, {"EXX": ("10 um", 7, 150)}, name="M")))
+    estimate = known_to_be(model, np.arange(model.size) ** 2 * 1e-6)
+    at = np.linspace(0, 300, 8)
+    y = 0.02 * np.sin(at / 90)
+    text = com(*((p, 0.0, 0.0, v, 0.0) for p, v in zip(at, y, strict=True)))
+    made = export(estimate, "heidenhain", ExportOptions(template=text, old_files=(OldFile("X_AXIS.COM", text),)))
+    table = np.array([[float(word) for word in line.split()] for line in made.files["X_AXIS.COM"].splitlines()[2:-1]])
+    assert len(table) != len(at)
+    assert np.interp(at, table[:, 1], table[:, 4]) == pytest.approx(y, abs=3e-4)
+    lost = np.max(np.abs(np.interp(at, table[:, 1], np.interp(table[:, 1], at, y)) - y)) * 1e-3
+    assert {one.axis: one.departure for one in made.tables}["Y"] == pytest.approx(lost, abs=1e-7)
+
+
+def test_old_files_that_cannot_be_are_refused(tmp_path: Path) -> None:
+    for file_type, down in ((None, "-1e308"), (0, "0")):
+        file = OldFile("X.comp", f"0 0 0\n100 1e308 {down}\n", file_type=file_type)
+        with pytest.raises(TableError, match="too large for a machine"):
+            export(known(), "linuxcnc", ExportOptions(old_files=(file,)))
+    (tmp_path / "no.ini").write_text("[JOINT_0]\nHOME = 0\n")
+    with pytest.raises(TableError, match="no joint of this INI file"):
+        read_old(["no.ini"], tmp_path)
+    for line in ("BACKLASH = much", "BACKLASH = nan", "COMP_FILE = no.ini\nCOMP_FILE_TYPE = one"):
+        (tmp_path / "no.ini").write_text(f"[JOINT_0]\n{line}\n")
+        with pytest.raises(InputError, match="is not a number"):
+            read_old(["no.ini"], tmp_path)
 
 
 def test_a_folder_of_an_export_is_an_old_compensation(tmp_path: Path) -> None:
     """What lies beside the tables, notes and manifest, is none of them."""
-    (tmp_path / "X.comp").write_text(comp(0))
-    (tmp_path / "README.txt").write_text("X")
-    (tmp_path / "manifest-linuxcnc.json").write_text("{}")
+    for name in ("X.comp", "README.txt", "manifest-linuxcnc.json"):
+        (tmp_path / name).write_text("0 0 0\n")
     assert [Path(file.name).name for file in read_old([str(tmp_path)])] == ["X.comp"]
+
+
+@pytest.mark.parametrize("active", ['"X.comp"', "true"])
+def test_files_that_were_active_stand_in_the_campaign_or_are_given(
+    active: str, tmp_path: Path, command: Command
+) -> None:
+    """Three tenths of a millimetre, which nothing that was read comes near."""
+    old = {"X.comp": "0 0 0\n150 149.7 149.7\n300 300 300\n"}
+    begun(tmp_path, old | described(f"compensation_active = {active}\n"), ESTIMATE)
+    tables = tmp_path / "out" / "tables"
+    assert (tables / "linuxcnc").exists() is (active != "true")
+    if active == "true":
+        words = ["--on-top-of", tmp_path / "X.comp", "--out", tables / "linuxcnc"]
+        assert command("export", record(tmp_path), "--to", "linuxcnc", *words).status == 0
+    rows = np.loadtxt(tables / "linuxcnc" / "X.comp")
+    assert np.interp(150, rows[:, 0], rows[:, 0] - rows[:, 1]) == pytest.approx(0.3, abs=0.02)
+    assert "left by the compensation that was active" in (tables / "csv" / "README.txt").read_text()
+
+
+ESTIMATE = ("estimate", "campaign.toml", "readings.csv", "--out", "out")
+
+
+def record(folder: Path) -> Path:
+    return folder / "out" / "campaign.axiscal"
+
+
+def described(active: str) -> dict[str, str]:
+    """Return the files of a campaign of readings along X."""
+    campaign = f'machine = "machine.toml"\nusual = "off"\nsure = "exactly"\n{active}[target]\nreadings = 9\n'
+    campaign += '[[setups]]\nname = "x"\ninstrument = "interferometer"\ndirection = "x"\nmoves = ["X"]\n'
+    rows = "".join(f"x,{x:g},X{s},{1 if s == '+' else 3}\n" for x in range(0, 301, 50) for s in "+-")
+    readings = f"setup,X_mm,approach,value_um\n{rows}"
+    return {"machine.toml": MACHINE, "campaign.toml": f'{campaign}approach = "both"\n', "readings.csv": readings}

@@ -101,14 +101,3 @@ def test_a_pivot_that_lies_elsewhere_is_said(tmp_path: Path) -> None:
     warnings = agreeing(found, trunnion(60))
     assert [each.partition(" about ")[0] for each in warnings] == [f"WARNING: the kinematics turn {n}" for n in "CA"]
     assert all("(0 mm, 0 mm, -50 mm), machine.toml about (0 mm, 0 mm, -60 mm)" in each for each in warnings)
-
-
-def test_hal_files_that_an_included_file_names_are_refused(tmp_path: Path) -> None:
-    path = ini(tmp_path)
-    head, _, rest = path.read_text().partition("[HAL]\n")
-    hal, rest = rest[: rest.index("[AXIS_X]")], rest[rest.index("[AXIS_X]") :]
-    (tmp_path / "hal.inc").write_text(f"[HAL]\n{hal}")
-    configured(path).patched()
-    path.write_text(f"{head}#INCLUDE hal.inc\n{rest}")
-    with pytest.raises(InputError, match=r"hal.inc, line 2: HALFILE stands in a file that mill.ini includes"):
-        configured(path).patched()

@@ -1,42 +1,79 @@
-"""Tables over one axis where two axes act together: each holds the mean over the other axis, counted once."""
+"""Tables over one axis where all others move: each row holds the mean over them, planes and whole turns counted once.
+
+Against means over places that fill the volume evenly.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.stats import qmc
 
 from axiscal.errors.model import ErrorModel
-from axiscal.machine import Machine
+from axiscal.machine import load_machine, machine_from_text
+from axiscal.machine.kinematics import frames
 from axiscal.tables.conditional import mean_along, turned
-from tests.generators.planes import bed, table
+from tests.generators.planes import BED, TABLE
+from tests.generators.texts import machine_text
+
+HEAD = machine_text(
+    "w-b-X-Z-B-t",
+    {"X": (0, 300), "Z": (0, 200), "B": (-90, 270)},
+    {
+        "EBX EBZ": 'std = "60 urad", knots = 7, length = "100 mm"',
+        "EZX": 'std = "60 um", knots = 5, length = "100 mm"',
+        "EXB": 'std = "20 um", knots = 9, length = "60 deg"',
+    },
+    tool=80,
+)
+LATER = '["-90 deg", "270 deg"]'  # a turn that does not begin at nought
+MACHINES = {
+    "dmu60": load_machine("dmu60").text,
+    "bed": BED,
+    "table": TABLE.replace('["0 deg", "360 deg"]', LATER),
+    "head": HEAD,
+}
 
 
 @pytest.mark.parametrize(
-    ("machine", "over"),
-    [pytest.param(bed(), 2, marks=pytest.mark.long), (bed(), 0), (table(), 1)],
-    ids=["X", "Y'", "X of a table"],
+    ("machine", "over", "moved", "part"),
+    [
+        ("dmu60", "X", "XZ", 0.7),
+        ("dmu60", "Z", "YX", 0.7),
+        ("bed", "X", "Z", 0.5),
+        ("bed", "Y", "Z", 0.5),
+        ("table", "X", "XZ", 1.0),
+        ("head", "Z", "XZ", 1.0),
+    ],
 )
-def test_a_table_holds_the_mean_over_the_other_axes(machine: Machine, over: int) -> None:
-    """Over a part of the travel, where the mean of what two axes do together is not nought."""
-    model = ErrorModel(machine)
-    box = tuple((low + 0.1 * (high - low), low + 0.6 * (high - low)) for low, high in (a.travel for a in machine.axes))
-    at = np.linspace(*box[over], 4)
-    moved = [k for k, axis in enumerate(machine.axes) if axis.name == "Z"]
-    rows = mean_along(model, box, moved, over, at, 1)[0]
-    rng, count = np.random.default_rng(0), 60_000
+def test_rows_are_the_mean_over_all_other_axes(machine: str, over: str, moved: str, part: float) -> None:
+    """From either side, over a part of the travel, or all of it around a turn that begins anywhere."""
+    model = ErrorModel(machine_from_text(MACHINES[machine]))
+    travels = [axis.travel for axis in model.machine.axes]
+    box = tuple((high - part * (high - low), high) for low, high in travels)
     low, high = np.array(box).T
-    for position, found in zip(at, rows, strict=True):
-        poses = rng.uniform(low, high, (count, len(low)))
-        poses[:, over] = position
-        mean = model.rows(poses, np.zeros_like(poses))[:, 2].mean(axis=0)
-        for plane in model.planes:
-            if over in plane.axes:
-                own = found[plane.columns]
-                assert own == pytest.approx(mean[plane.columns], abs=0.02 * np.abs(mean).max())
+    index, axes = model.machine.index(over), [model.machine.index(name) for name in moved]
+    own = np.ones(model.size, dtype=bool)
+    for turning in (f for f in model.functions if f.name.partition("_")[0] in ("EBB", "ECC")):
+        own[turning.columns] = False  # what a rotary axis turns too far is in its own table
+    at = np.linspace(low[index], high[index], 3)
+    spread = low + (high - low) * qmc.Sobol(len(low), rng=1).random(2**13)
+    for side in (1, -1):
+        found = mean_along(model, box, axes, index, at, side)
+        for number, position in enumerate(at):
+            spread[:, index] = position
+            sides = np.zeros_like(spread)
+            sides[:, index] = side
+            seen, turns = model.rows(spread, sides), frames(model.machine, spread).rotations
+            for n, axis in enumerate(axes):
+                ways = turns[axis] @ np.array(model.machine.axes[axis].direction)
+                mean = np.einsum("mcn,mc->mn", seen, ways).mean(axis=0)
+                size = 1e-3 * np.abs(mean).max()
+                assert found[n, number, own] == pytest.approx(mean[own], abs=size)
 
 
 def test_what_a_rotary_axis_turns_too_far_needs_no_plane() -> None:
-    model = ErrorModel(table())
+    model = ErrorModel(machine_from_text(TABLE))
     box = tuple(axis.travel for axis in model.machine.axes)
     rows = turned(model, box, 0, np.linspace(0, 6, 5), 1)
     assert rows.shape == (5, model.size)

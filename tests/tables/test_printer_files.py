@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.errors.model import ErrorModel
-from axiscal.ports.printers import contents, klipper, marlin, reprapfirmware
+from axiscal.ports.printers import contents, klipper, marlin
 from axiscal.tables.exporter import Exporter, ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.sampling import axis_tables, backlash
@@ -53,25 +53,19 @@ def lost(play: dict[str, float]) -> tuple[CompensationTable, ...]:
 
 
 @pytest.mark.parametrize(
-    ("skew", "needs", "off"),
+    ("skew", "play", "needs", "off"),
     [
-        ({"XY": 0.01}, "SKEW_CORRECTION", "M852 I0 J0 K0"),
-        ({"XY": 0.01, "XZ": 0.02, "YZ": 0.03}, "SKEW_CORRECTION, SKEW_CORRECTION_FOR_Z", "M852 I0 J0 K0"),
-        ({"XZ": 0.02}, "SKEW_CORRECTION, SKEW_CORRECTION_FOR_Z", "M852 I0 J0 K0"),
-        ({"YZ": 0.03}, "SKEW_CORRECTION, SKEW_CORRECTION_FOR_Z", "M852 I0 J0 K0"),
-        ({}, "", ""),
+        ({"XY": 0.01}, {"X": 1e-5}, "SKEW_CORRECTION, BACKLASH_COMPENSATION", "M425 F0, M852 I0 J0 K0"),
+        ({"YZ": 0.03}, {}, "SKEW_CORRECTION, SKEW_CORRECTION_FOR_Z", "M852 I0 J0 K0"),
+        ({}, {"X": 1e-5}, "BACKLASH_COMPENSATION", "M425 F0"),
     ],
 )
-def test_marlin_is_told_what_it_was_built_with_and_how_to_switch_it_off(skew: Skew, needs: str, off: str) -> None:
-    for play in ({}, {"X": 1e-5}):
-        notes = " ".join(marlin._notes(None, skew, play))
-        words = ", ".join(word for word in (needs, "BACKLASH_COMPENSATION" if play else "") if word)
-        told = set(re.findall(r"[A-Z_]{10,}", notes))
-        assert told == set(words.split(", ")) - {""}
-        assert ("The firmware needs" in notes) == bool(words)
-        codes = ", ".join(code for code in ("M425 F0" if play else "", off) if code)
-        assert f"Before measuring again take it off: {codes}." in notes
-        assert (f"M852 sets {', '.join(skew)}:" in notes) == bool(skew)
+def test_marlin_is_told_what_it_was_built_with_and_how_to_switch_it_off(
+    skew: Skew, play: dict[str, float], needs: str, off: str
+) -> None:
+    notes = " ".join(marlin._notes(None, skew, play))
+    assert set(re.findall(r"[A-Z_]{10,}", notes)) == set(needs.split(", "))
+    assert f"Before measuring again take it off: {off}." in notes
 
 
 def test_commands_of_marlin_are_millimetres_with_columns_along_x() -> None:
@@ -91,16 +85,6 @@ def test_commands_of_marlin_are_millimetres_with_columns_along_x() -> None:
     assert text.endswith("M500\n")
 
 
-def test_a_lost_motion_is_made_up_half_to_each_side() -> None:
-    control = loaded(marlin.Marlin(), ["M425 Y0.010 F1"]).control(MACHINE)
-    poses, sides = np.zeros((3, 3)), np.zeros((3, 3))
-    y = MACHINE.index("Y")
-    sides[:, y] = [1.0, -1.0, 0.0]
-    added = control(poses, sides)
-    assert added[:, y] == pytest.approx([5e-6, -5e-6, 0.0])
-    assert not np.delete(added, y, axis=1).any()
-
-
 def test_one_backlash_is_the_mean_of_what_coming_from_above_is_more_than_from_below() -> None:
     tables = {table.axis: table for table in axis_tables(SMALL)}
     expected = {}
@@ -115,18 +99,6 @@ def test_one_backlash_is_the_mean_of_what_coming_from_above_is_more_than_from_be
     )
 
 
-@pytest.mark.parametrize("columns", [2, 3])
-def test_an_old_mesh_of_marlin_lies_over_the_travels(columns: int) -> None:
-    nodes = [(i, j) for i in range(columns) for j in range(2)]
-    text = "\n".join(f"M421 I{i} J{j} Z{0.01 * (i + 1) + 0.1 * j:.2f}" for i, j in nodes)
-    (mesh,) = loaded(marlin.Marlin(), [text]).meshes
-    x, y = (MACHINE.axes[MACHINE.index(name)].travel for name in "XY")
-    assert (mesh.x[0], mesh.x[-1], mesh.y[0], mesh.y[-1]) == pytest.approx((*x, *y))
-    expected = {(i, j): 1e-3 * (0.01 * (i + 1) + 0.1 * j) for i, j in nodes}
-    assert all(mesh.added[j, i] == pytest.approx(value) for (i, j), value in expected.items())
-    assert mesh.added.size == len(nodes)
-
-
 def test_old_files_of_marlin_add_up() -> None:
     found = loaded(marlin.Marlin(), ["M852 I0.01 J0 K0\n", "M425 X0.01 F1\n", "M425 Y0.02 F1\n"])
     assert found.skew == {"XY": 0.01, "XZ": 0.0, "YZ": 0.0}
@@ -134,20 +106,6 @@ def test_old_files_of_marlin_add_up() -> None:
         "X": pytest.approx((5e-6, -5e-6)),
         "Y": pytest.approx((1e-5, -1e-5)),
     }
-
-
-def test_a_height_map_has_its_ends_spacings_counts_and_statistics() -> None:
-    lines = reprapfirmware.text_of(MESH).splitlines()
-    told = re.search(r"mean error (\S+), deviation (\S+)", lines[0])
-    assert told is not None
-    heights = 1e3 * MESH.added
-    assert (float(told[1]), float(told[2])) == pytest.approx((heights.mean(), heights.std()), abs=6e-4)
-    named = dict(zip(lines[1].split(","), map(float, lines[2].split(",")), strict=True))
-    assert named == pytest.approx(
-        {"xmin": -30, "xmax": 270, "ymin": 10, "ymax": 190, "radius": -1, "xspacing": 100, "yspacing": 90, "xnum": 4}
-        | {"ynum": 3}
-    )
-    assert np.array([[float(each) for each in line.split(",")] for line in lines[3:]]) == pytest.approx(heights)
 
 
 def test_a_skew_is_the_slope_of_the_mean_of_both_sides_and_is_taken_away_as_printers_do() -> None:

@@ -10,17 +10,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.interpolate import CubicSpline
 
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import whole_travel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine.description import Machine, load_machine, machine_from_text
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
-from axiscal.tables.conditional import mean_along
 from axiscal.tables.loaded import table_control
 from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.surface import Effect, effect_of_control
@@ -94,40 +91,6 @@ def test_tables_are_the_best_that_tables_can_be(name: str) -> None:
         assert reached(estimate, truth, scaled).after > best.after
 
 
-@pytest.mark.parametrize(("moved", "over"), [(["X", "Z"], "X"), (["Y", "X"], "Z"), (["Z"], "Y")])
-def test_rows_are_the_mean_over_the_other_axes_of_a_machine_that_turns(moved: list[str], over: str) -> None:
-    """From either side, row by row; a turn of a rotor beyond its command is in its own table."""
-    model, rng = ErrorModel(load_machine("dmu60")), np.random.default_rng(1)
-    box = tuple(
-        (low + 0.1 * (high - low), low + 0.8 * (high - low)) for low, high in (a.travel for a in model.machine.axes)
-    )
-    index, axes = model.machine.index(over), [model.machine.index(name) for name in moved]
-    low, high = np.array(box).T
-    at = np.array([low[index], 0.3 * low[index] + 0.7 * high[index], high[index]])
-    taken = {"B": "EBB", "C": "ECC"}
-    left = [f for f in model.functions if f.name.partition("_")[0] not in taken.values()]
-    for sign in (1, -1):
-        found = mean_along(model, box, axes, index, at, sign)
-        for number, position in enumerate(at):
-            poses = rng.uniform(low, high, (6000, len(low)))
-            poses[:, index] = position
-            sides = np.zeros_like(poses)
-            sides[:, index] = sign
-            seen = model.rows(poses, sides)
-            for n, axis in enumerate(axes):
-                ways = frames(model.machine, poses).rotations[axis] @ np.array(model.machine.axes[axis].direction)
-                sampled = np.einsum("mcn,mc->mn", seen, ways)
-                mean, error = sampled.mean(axis=0), sampled.std(axis=0) / np.sqrt(len(poses))
-                for f in left:
-                    assert np.all(np.abs(found[n, number] - mean)[f.columns] <= 5 * error[f.columns] + 1e-12), f.name
-
-
-def test_of_no_axis_that_is_corrected_there_are_no_rows() -> None:
-    model = ErrorModel(load_machine("three-axis-mill"))
-    rows = mean_along(model, whole_travel(model), [], 0, np.array([0.0, 0.1, 0.2]), 1)
-    assert rows.shape == (0, 3, model.size)
-
-
 @given(st.integers(0, 10**6), st.integers(2, 9), st.booleans())
 def test_the_nearest_line_follows_from_all_hats_at_once(seed: int, count: int, closed: bool) -> None:
     """Against least squares over all hats, weighed where the curve is inside the volume; around a turn as well."""
@@ -198,23 +161,6 @@ def test_where_nothing_was_read_the_table_says_so() -> None:
     untouched = own_table(Estimate(model, prior, whole_travel(model)), 0, np.linspace(-0.1, 0.5, 13))
     assert np.max(np.abs(untouched.forward)) == 0
     assert untouched.prior_only.sum() >= 11
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_points_that_may_stand_anywhere_bring_the_line_nearer_to_the_curve(seed: int) -> None:
-    """Straightness of X alone: the line through the table against scipy's spline at 5000 places, 16 points in both."""
-    text = machine_text("w-b-X-Y-Z-t", {"X": (0, 600), "Y": (0, 400), "Z": (0, 300)}, {"EYX": "10 um"}, curve=(13, 60))
-    estimate, _ = known(ErrorModel(machine_from_text(text)), seed)
-    knots, t = np.linspace(0, 0.6, 13), np.linspace(0, 0.6, 5000)
-    curve = CubicSpline(knots, estimate.mean[estimate.model.names["EYX"].columns], bc_type="natural")(t)
-    far = []
-    for uneven in (False, True):
-        (table,) = (table for table in cross_tables(estimate, most=16, uneven=uneven) if table.axis == "Y")
-        assert len(table.positions) <= 16
-        off = np.interp(t, table.positions, table.forward) - curve
-        far.append(np.ptp(off) / 2)  # but for a constant, which zeroing takes away
-    assert far[1] < 0.9 * far[0]
-    assert len(set(np.round(np.diff(table.positions), 9))) > 3
 
 
 _MACHINE = machine_text(

@@ -22,7 +22,6 @@ from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.volumetric_tables import reversal_times
 from axiscal.tables import registry
-from axiscal.tables.conditional import mean_along
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import foreword, shifts
@@ -30,8 +29,8 @@ from axiscal.tables.surface import CommandedMachine, Mesh, effect_of_control, pl
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.vcomp_applying import whole_control
 from tests.generators.known import known_to_be, sure
-from tests.generators.planes import BED, TABLE
-from tests.generators.texts import TWO_SPHERES, machine_text
+from tests.generators.planes import BED
+from tests.generators.texts import TWO_SPHERES
 from tests.tables.test_controllers import known
 from tests.tables.test_sampling import CHAINS, machine
 
@@ -82,48 +81,6 @@ def test_what_files_leave_of_two_axes_is_said_below_nine_tenths_and_part_of_it_a
     if says:
         size = np.std(plane_of(estimate, poses)) * 1e6
         assert f"(EZXY: {size:.3g} um RMS over the volume)" in words
-
-
-HEAD = machine_text(
-    "w-b-X-Z-B-t",
-    {"X": (0, 300), "Z": (0, 200), "B": (-90, 270)},
-    {
-        "EBX": 'std = "60 urad", knots = 7, length = "100 mm"',
-        "EZX": 'std = "60 um", knots = 5, length = "100 mm"',
-        "EBZ": 'std = "60 urad", knots = 4, length = "100 mm"',
-        "EXB": 'std = "20 um", knots = 9, length = "60 deg"',
-    },
-    tool=80,
-)
-
-
-@pytest.mark.parametrize("over", ["X", "Z"])
-@pytest.mark.parametrize("turns", ["B", "C"])
-def test_rows_are_the_mean_over_a_whole_turn_that_does_not_begin_at_nought(over: str, turns: str) -> None:
-    """By even places around the turn and along the other linear axis, 36,000 of them."""
-    table = TABLE.replace('["0 deg", "360 deg"]', '["-90 deg", "270 deg"]').replace("EXZC", "#").replace("EBXC", "##")
-    model = ErrorModel(machine_from_text({"B": HEAD, "C": table}[turns]))
-    box, names = whole_travel(model), [axis.name for axis in model.machine.axes]
-    mine, other = names.index(over), names.index("Z" if over == "X" else "X")
-    at = np.array([box[mine][0], 0.11, box[mine][1]])
-    rows = mean_along(model, box, [names.index("X"), names.index("Z")], mine, at, 1)
-    turn = -np.pi / 2 + 2 * np.pi * np.arange(360) / 360
-    along = box[other][0] + (box[other][1] - box[other][0]) * (np.arange(100) + 0.5) / 100
-    taken = [f.columns for f in model.functions if f.name in ("EBB", "ECC")]
-    for number, place in enumerate(at):
-        poses = np.zeros((len(along) * len(turn), len(names)))
-        poses[:, mine], poses[:, names.index(turns)] = place, np.tile(turn, len(along))
-        poses[:, other] = np.repeat(along, len(turn))
-        sides = np.zeros_like(poses)
-        sides[:, mine] = 1
-        seen = model.rows(poses, sides)
-        for moved, name in enumerate(("X", "Z")):
-            axis = names.index(name)
-            ways = frames(model.machine, poses).rotations[axis] @ np.array(model.machine.axes[axis].direction)
-            expected = np.einsum("mcn,mc->mn", seen, ways).mean(axis=0)
-            for columns in taken:
-                expected[columns] = 0.0
-            assert rows[moved, number] == pytest.approx(expected, abs=1e-3 * np.abs(expected).max())
 
 
 def old_table(count: int, low: float = 0.0, high: float = 0.4, size: float = 3e-6) -> CompensationTable:

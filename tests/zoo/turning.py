@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from axiscal.numerics import Array
-from tests.zoo.animals import Animal, Job, Met, Slope
+from tests.zoo.animals import Animal, Job, Met, Truth
 from tests.zoo.answers import Answer
 from tests.zoo.running import predicted, rows_of
 
@@ -62,8 +62,8 @@ NOMINAL = Geometry()
 REAL = Geometry(b=(0.0, 0.0, -200.020), c=(0.055, -0.025, -200.0), stretch=20e-6)
 
 
-@dataclass(frozen=True, slots=True)
-class TableTruth:
+@dataclass(frozen=True)
+class TableTruth(Truth):
     """What the machine does beside what it should."""
 
     real: Geometry
@@ -83,13 +83,9 @@ class TableTruth:
         """Return U, um."""
         return answer.expanded
 
-    def kept(self, _: Answer) -> Slope | None:
-        """Return nothing."""
-        return None
 
-
-@dataclass(frozen=True, slots=True)
-class CentreTruth:
+@dataclass(frozen=True)
+class CentreTruth(Truth):
     """Where the line of C lies beside where it should."""
 
     real: Geometry
@@ -102,10 +98,6 @@ class CentreTruth:
     def promised(self, answer: Answer) -> float:
         """Return U of the centre of C, um."""
         return next(float(row["known_to"]) for row in answer.result["rows"] if row["row"] == "centre of C")
-
-    def kept(self, _: Answer) -> Slope | None:
-        """Return nothing."""
-        return None
 
 
 _POSES = "X_mm,Y_mm,Z_mm,B_deg,C_deg"

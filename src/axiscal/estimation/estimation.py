@@ -248,7 +248,7 @@ def paths(estimation: Estimation, setup: Setup) -> list[Path]:
         if observation.setups[index].name == setup.name:
             columns, rows = list(course.columns), course.rows(times)
             std = np.sqrt(np.sum((rows @ belief.factor[columns]) ** 2, axis=1))
-            prior = np.sqrt(np.diag(wandering(course.rate, times - times[0])))
+            prior = np.sqrt([wandering(course.rate, [after])[0, 0] for after in times - times[0]])
             found.append(Path(times, rows @ belief.mean[columns], std, prior))
     return found
 

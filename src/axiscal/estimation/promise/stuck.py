@@ -130,7 +130,9 @@ def stuck(problem: Problem, found: Weighed[Given], repeated: Iterable[Repeats]) 
 def _log_density_as_stated(problem: Problem, found: Weighed[Given], some: NDArray[np.bool_]) -> float:
     """Return log p(yₛ | others) at the sizes as stated: Λ = (K⁻¹)ₛₛ is the precision of yₛ, given the others."""
     given = found.drawn.stated
-    weighted = given.judged(np.column_stack([np.eye(len(some))[:, some], problem.values]))[some]
+    alone = np.zeros((len(some), int(some.sum())))
+    alone[some] = np.eye(alone.shape[1])
+    weighted = given.judged(np.column_stack([alone, problem.values]))[some]
     precision, pulled = weighted[:, :-1], weighted[:, -1]
     square = float(pulled @ np.linalg.solve(precision, pulled))
     return 0.5 * float(np.linalg.slogdet(precision / (2 * np.pi))[1] - square)

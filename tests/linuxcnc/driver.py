@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The DISPLAY program of a headless LinuxCNC: homes, then makes moves, and reads the pins that are asked for.
+"""The DISPLAY program of a headless LinuxCNC: homes, makes moves, runs programs, reads pins and samples them.
 
 It runs under the system's Python, which alone has the modules `linuxcnc` and `hal`. One JSON line answers one, through
 a socket.
@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import json
 import socket
+import subprocess
+import tempfile
 import time
 from pathlib import Path
 from typing import Any
@@ -31,7 +33,7 @@ def wait(condition: Any, seconds: float) -> bool:
     return True
 
 
-class MovingControl:
+class Control:
     """The running LinuxCNC.  motors : the pin or signal of each joint that holds the position its motor is sent to"""
 
     def __init__(self) -> None:
@@ -60,11 +62,13 @@ class MovingControl:
             return {"failure": f"{type(error).__name__}: {error}"}
 
     def done(self, asked: Any) -> dict[str, Any]:
-        """Make the moves of a list, say where the motors stand at the start, or read the pins of {"read": names}."""
+        """Make the moves of a list, say where the motors stand at the start, read pins, or sample them during moves."""
         if asked == "start":
             return {"start": self.sent()}
         if isinstance(asked, list):
             return {"steps": [self.move(code) for code in asked]}
+        if "sample" in asked:
+            return self.sampled(asked["sample"])
         return {"values": [float(hal.get_value(name)) for name in asked["read"]]}
 
     def errors(self) -> list[str]:
@@ -84,20 +88,71 @@ class MovingControl:
         """Execute a line and wait until the correction, which is ramped, has arrived as well."""
         self.execute(code)
         settled = wait(self._settled, 0.5) and wait(self._still, 3.0)
-        self.stat.poll()
-        tripped = [list(self.stat.probed_position)[:6], bool(self.stat.probe_tripped)]
-        return {"settled": settled, "motor": self.sent(), "command": self.pins("pos-cmd"), "probe": tripped}
+        return {"settled": settled, "motor": self.sent(), "command": self.pins("pos-cmd")}
 
     def execute(self, code: str) -> None:
-        """Execute a G-code line, or `setp PIN VALUE`."""
-        if code.startswith("setp "):
-            hal.set_p(*code.split()[1:])
+        """Execute a G-code line, or what is meant by the first word: `setp PIN VALUE`, `run PROGRAM`, `home JOINT`."""
+        word, *rest = code.split()
+        if word in ("setp", "run", "home"):
+            {"setp": hal.set_p, "run": self.run, "home": self.home_again}[word](*rest)
             return
         self.command.mdi(code)
         while (ended := self.command.wait_complete(1)) == UNFINISHED:
             pass
         if ended != linuxcnc.RCS_DONE:
             raise RuntimeError(f"{code} was not completed: {self.errors()}")
+
+    def run(self, name: str) -> None:
+        """Run a program of the configuration's folder to its end; start is pressed wherever it stops for it."""
+        self.command.mode(linuxcnc.MODE_AUTO)
+        self.command.wait_complete(5)
+        self.command.program_open(str(Path(name).resolve()))
+        self.command.auto(linuxcnc.AUTO_RUN, 0)
+        wait(lambda: self.interpreter() != linuxcnc.INTERP_IDLE, 2)
+        while (state := self.interpreter()) != linuxcnc.INTERP_IDLE:
+            if state == linuxcnc.INTERP_PAUSED:
+                self.command.auto(linuxcnc.AUTO_RESUME)
+                self.command.wait_complete(1)
+            time.sleep(0.005)
+        self.command.mode(linuxcnc.MODE_MDI)
+        self.command.wait_complete(5)
+
+    def interpreter(self) -> int:
+        """Read what the interpreter does."""
+        self.stat.poll()
+        return int(self.stat.interp_state)
+
+    def home_again(self, number: str) -> None:
+        """Home one joint where it stands, which sets its position to the home position."""
+        joint = int(number)
+        self.command.mode(linuxcnc.MODE_MANUAL)
+        self.command.wait_complete(5)
+        self.command.teleop_enable(0)
+        self.command.wait_complete(5)
+        self.command.unhome(joint)
+        wait(lambda: not self.homed(), 5)
+        self.command.home(joint)
+        if not wait(self.homed, 10):
+            raise RuntimeError(f"joint {joint} was not homed in 10 s")
+        self.command.mode(linuxcnc.MODE_MDI)
+        self.command.wait_complete(5)
+
+    def sampled(self, codes: list[str]) -> dict[str, Any]:
+        """Make moves while `halsampler` writes down what its component takes in every servo cycle."""
+        with tempfile.NamedTemporaryFile("r") as kept:
+            sampler = subprocess.Popen(["halsampler", kept.name])
+            hal.set_p("sampler.0.enable", "1")
+            try:
+                steps = [self.move(code) for code in codes]
+            finally:
+                hal.set_p("sampler.0.enable", "0")
+                time.sleep(0.1)  # until the queue is read
+                sampler.terminate()
+                sampler.wait(5)
+            rows = [line.split() for line in kept.read().splitlines()]
+            rows = rows[rows[:1] == [["overrun"]] :]  # it counts from the first sample ever taken
+        full = [[float(word) for word in row] for row in rows if row and "overrun" not in row]
+        return {"steps": steps, "samples": full[:-1], "overruns": len(rows) - len(full)}
 
     def sent(self) -> list[float]:
         """Read the position that every motor is sent to."""
@@ -120,7 +175,7 @@ class MovingControl:
         return self.stat.inpos and self.pins("backlash-filt") == self.pins("backlash-corr")
 
 
-def main(control: type[MovingControl] = MovingControl) -> None:
+def main() -> None:
     """Serve until the other side closes the socket."""
     with socket.socket(socket.AF_UNIX) as line:
         line.connect("socket")
@@ -131,7 +186,7 @@ def main(control: type[MovingControl] = MovingControl) -> None:
             stream.flush()
 
         try:
-            machine = control()
+            machine = Control()
             machine.home()
             tell({"failure": None})
         except Exception as error:  # noqa: BLE001

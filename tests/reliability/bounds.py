@@ -1,0 +1,75 @@
+"""What a command refuses, keeps for itself, or has room for: the page's token, readings none of which counts, sizes."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.description.campaign import read_campaign
+from axiscal.measurement.reading import Reading
+from tests.generators.texts import campaign_text, setup_text
+from tests.reliability.trial import Trial, scratch
+from tests.web.served import served, started
+from tests.zoo.running import given, rows_of
+
+GIGABYTES = 2.0
+_OPEN, _GUARDED = ("/", "/elements.js", "/api/1/openapi.json"), ("/api/1/state", "/machine.svg", "/report.html")
+
+
+def token() -> Trial:
+    """Ask a page with its token in the head, when no answer may hold it or set a cookie, and with it in a cookie."""
+    with scratch() as top, served(started(top)) as page:
+        told = [page.ask("GET", path, Authorization=f"Bearer {page.token}") for path in (*_OPEN, *_GUARDED)]
+        taken = [page.ask("GET", path, Cookie=f"axiscal-{page.port}={page.token}").status != 403 for path in _GUARDED]
+    given_away = [page.token in f"{each.headers} {each.body!r}" or "set-cookie" in each.headers for each in told]
+    what = "answers that hold the page's token, set a cookie, or take it from one"
+    return Trial(what, len(told) + len(taken), sum([*given_away, *taken]))
+
+
+def _campaign(folder: Path, setups: int) -> Path:
+    """Write the campaign of one axis under so many lasers."""
+    named = (f"x{number}" for number in range(setups))
+    lasers = (setup_text(name, "interferometer", direction="x", moves=["X"], approach="both") for name in named)
+    path = folder / "campaign.toml"
+    path.write_text(campaign_text("one-axis", *lasers, target={"U": "5 um"}, compensation_active=False))
+    return path
+
+
+def unused(count: int) -> Trial:
+    """End a campaign each reading of which is a thousand times too large: no figure, status 1, and it says why."""
+    with scratch() as top:
+        described, record = read_campaign(_campaign(top, 1)), top / "mill.axiscal"
+        with Campaign.create(record, described) as campaign:
+            campaign.adopt(tuple(Reading("x0", (0.04 * n,), (1,), 0.9 + 0.1 * n) for n in range(count)))
+        ended = given("finish", record, "--out", top / "out")
+    said = " ".join(ended.out.split())
+    right = ended.status == 1 and f"NOT MEASURED {count} readings" in said and f"0 of {count} readings are used" in said
+    return Trial("readings none of which is used, and a figure stands", count, count * (not right))
+
+
+def sizes() -> Trial:
+    """Estimate from files of many readings, and of many set-ups, each in a process of its own."""
+    used = [_gigabytes(20_000, 1), _gigabytes(1000, 200)]
+    detail = f"20,000 of one set-up {used[0]:.2f} GB, 1,000 of 200 {used[1]:.2f} GB; at most {GIGABYTES:.0f}"
+    return Trial("readings by file", 21_000, sum(each > GIGABYTES for each in used), detail)
+
+
+def _gigabytes(readings: int, setups: int) -> float:
+    """Return the memory that an estimate took; infinite where it failed."""
+    chance = np.random.default_rng(1)
+    x = np.round(np.sort(chance.uniform(0, 500, readings)), 3)
+    shown = np.round(5 * np.sin(x / 80) + chance.normal(0, 0.3, readings), 2)
+    rows = ((f"x{n % setups}", at, "X+", value) for n, (at, value) in enumerate(zip(x, shown, strict=True)))
+    with scratch() as top:
+        (top / "readings.csv").write_text(rows_of("setup,X_mm,approach,value_um", rows))
+        words = ("data", "estimate", _campaign(top, setups), top / "readings.csv", "--out", top / "out")
+        command = [sys.executable, "-m", "axiscal.cli", *map(str, words)]
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+            _, status, spent = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+    return spent.ru_maxrss / 1e6 if process.returncode == 0 else float("inf")
