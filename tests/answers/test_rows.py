@@ -48,10 +48,6 @@ def _rows(known: Estimation) -> dict[str, AnsweredRow]:
     return {row.row.name: row for row in answered(known, {})}
 
 
-def test_rows_follow_from_the_set_ups_and_end_with_the_volume() -> None:
-    assert list(_rows(_known(True))) == ["positioning X", "scale X", "backlash X", "volume"]
-
-
 def test_backlash_read_from_one_side_is_not_measured_and_one_reading_would_do() -> None:
     exact = Case(replace(CASE.description, sure="exactly"))  # what readings teach of sizes is not known beforehand
     row = _rows(concluded(exact, _readings(ONE_SIDE)))["backlash X"]
@@ -100,13 +96,6 @@ def test_a_control_that_corrects_what_is_known_leaves_what_is_not() -> None:
         assert row.left["all"] < row.found
         missing = row.known / BAND if row.signed else known.estimate().unknown.rms
         assert row.left["all"] == pytest.approx(missing, rel=1e-3)
-
-
-def test_nothing_is_measured_before_the_first_reading() -> None:
-    rows = _rows(concluded(CASE, []))
-    assert not any(row.measured for row in rows.values())
-    assert rows["positioning X"].known == pytest.approx(rows["positioning X"].before, rel=1e-9)
-    assert rows["backlash X"].then is None
 
 
 def test_the_control_that_leaves_least_is_advised_and_the_first_of_equals() -> None:

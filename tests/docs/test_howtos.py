@@ -70,6 +70,7 @@ def test_every_link_leads_to_a_file_and_a_heading(page: Path) -> None:
     assert lost == []
 
 
+@pytest.mark.long
 def test_the_page_of_virtual_machines_is_followed_word_for_word(tmp_path: Path) -> None:
     page = DOCS / "study.md"
     for name, text in files(page).items():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import cast
@@ -11,23 +10,20 @@ import numpy as np
 import pytest
 
 from axiscal.answers.changes import changes
-from axiscal.campaign.agreement_words import farthest, membership_words
+from axiscal.campaign.agreement_words import membership_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import read_campaign
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Rival
-from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import Estimation, printed
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.membership import Membership
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import carried_over
-from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.machine import machine_from_text
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.present.findings import findings
-from tests.generators.laser_axis import CASE, machine, read
 
 SETUP = '[[setups]]\nname = "laser"\ninstrument = "interferometer"\ndirection = "x"\n'
 POSITIONS = np.linspace(0.02, 0.98, 15)
@@ -89,41 +85,6 @@ def test_a_curve_that_has_changed_is_named_and_one_that_has_not_is_not(tmp_path:
             assert [finding.error for finding in said] == expected
 
 
-def test_a_prior_that_is_no_campaign_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(RecordError):
-        read_campaign(_campaign(tmp_path, 'prior = "nothing.axiscal"'), target_needed=False)
-    _record(tmp_path, _curve(8e-6), "", "last.axiscal")
-    with pytest.raises(DescriptionError):
-        read_campaign(_campaign(tmp_path, 'prior = "last.axiscal"\nkept = 1.5'), target_needed=False)
-
-
-@pytest.mark.long
-def test_an_inherited_prior_stays_where_noises_and_rests_are_learnt(tmp_path: Path) -> None:
-    _record(tmp_path, _curve(8e-6), "", "last.axiscal")
-    rng, found = np.random.default_rng(5), {}
-    noisy = [_curve(8e-6) + 1.5e-6 * rng.standard_normal(len(POSITIONS)) for _ in range(3)]  # repeats show the noise
-    heads = {"stated": '\nusual = "off"\nsure = "exactly"', "learnt": ""}
-    for name, head in heads.items():
-        path = _record(tmp_path, noisy[0], f'prior = "last.axiscal"{head}', f"{name}.axiscal")
-        with Campaign.open(path) as campaign:
-            for values in noisy[1:]:
-                campaign.adopt(
-                    tuple(replace(r, value=v) for r, v in zip(campaign.state.readings, values, strict=False))
-                )
-            found[name] = campaign.estimate(ended=True)
-    stated, learnt = found["stated"], found["learnt"]
-    size = stated.case.errors.size
-    assert stated.stated.sizes.of == ()
-    assert {size.kind for size in learnt.stated.sizes.of} == {"noise", "rest", "drift", "cycle", "growth", "way"}
-    assert 1e-6 < learnt.case.description.setups[0].noise < 2.5e-6
-    assert np.array_equal(learnt.case.prior.covariance[:size, :size], learnt.stated.prior.covariance[:size, :size])
-    assert np.array_equal(learnt.case.prior.mean, learnt.stated.prior.mean)
-    curve = learnt.case.errors.names["EXX"]
-    widths = [np.linalg.norm(each.knowledge.belief.factor[curve.columns]) for each in (stated, learnt)]
-    assert widths[1] > widths[0]
-    assert any(finding.text.startswith("laser, noise: ") for finding in findings(learnt))
-
-
 TEXT = """
 chain = "w-b-X-t"
 [axes.X]
@@ -178,21 +139,6 @@ def test_what_finer_knots_hold_beyond_those_of_before_is_the_part_that_they_cann
     assert carried_over(new, old).beyond().shape[1] == 0
 
 
-def test_bands_are_those_of_the_posterior_and_wider_where_readings_disagree() -> None:
-    known = concluded(CASE, read(machine(2), 12))
-    found = known.posterior
-    assert found is not None
-    assert printed(known.knowledge, None, 1.0) is known.knowledge
-    for c2, times in ((1.0, 1.0), (4.0, 4.0)):
-        agreed = replace(found.agreement, c2=c2)
-        wide = replace(known, posterior=replace(found, agreement=agreed)).printed
-        belief, size = wide.belief, len(found.mean)
-        assert belief.mean == pytest.approx(found.mean)
-        assert belief.covariance == pytest.approx(times * found.covariance, abs=1e-9 * float(found.covariance.max()))
-        assert size == wide.observation.errors.size + len(wide.observation.unknowns)
-        assert not wide.observation.cells
-
-
 def sister(chance: float, count: int, away: float = 0.0, told: float = 0.49) -> Estimation:
     """Return an estimation of a machine that is a sister with a chance.
 
@@ -237,13 +183,3 @@ def sister(chance: float, count: int, away: float = 0.0, told: float = 0.49) -> 
 )
 def test_what_is_said_of_a_machine_with_sisters(known: Estimation, words: str) -> None:
     assert membership_words(known) == words
-
-
-def test_the_error_that_is_least_like_is_named_in_standard_deviations_of_the_sisters() -> None:
-    found = farthest(sister(0.1, 3, 4.0))
-    assert found is not None
-    assert found.name == "EXX"
-    assert found.away == pytest.approx(4.0)
-    assert sister(0.8, 3).membership is not None
-    alone = cast("Estimation", SimpleNamespace(membership=None))
-    assert (farthest(alone), membership_words(alone)) == (None, "")

@@ -12,9 +12,8 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case, Rival
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import paths
-from axiscal.estimation.intervals import sited
 from axiscal.estimation.judged import judged
-from axiscal.estimation.located import absorbed, displayed
+from axiscal.estimation.located import absorbed
 from axiscal.estimation.machine_estimate import Estimate, rest_means
 from axiscal.estimation.membership import membership
 from axiscal.estimation.promise.problem import Inherited
@@ -22,8 +21,6 @@ from axiscal.measurement.cells import wandering
 from axiscal.measurement.reading import Reading
 from tests.generators.campaigns import mixed
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
-
-COARSE = 'resolution = "20 um"\n'
 
 
 def case_with(laser: str = "", head: str = "") -> Case:
@@ -36,33 +33,11 @@ def with_slips(count: int, slips: dict[int, float]) -> list[Reading]:
     return [replace(r, value=r.value + slips.get(i, 0.0)) for i, r in enumerate(read(machine(2), count))]
 
 
-def test_one_that_somebody_insists_on_is_believed() -> None:
-    readings = with_slips(20, {7: 8e-4})
-    readings[7] = replace(readings[7], accepted=True)
-    assert judged(CASE, readings) == {}
-
-
 def test_errors_that_are_to_be_learnt_may_be_four_times_as_large() -> None:
     """A reading 40 of their stds away: no error of the stated size makes it, one that is four times as large does."""
     readings = with_slips(20, {11: 400e-6})
     assert list(judged(case_with(head='sure = "well"'), readings)) == [11]
     assert judged(CASE, readings) == {}
-
-
-def test_readings_of_a_coarse_display_are_taken_for_what_they_say_with_the_surprises_of_before() -> None:
-    case = case_with(COARSE)
-    readings = [replace(r, value=20e-6 * round(r.value / 20e-6)) for r in read(machine(3), 12)]
-    readings[5] = replace(readings[5], value=0.9)
-    known = absorbed(case, readings, [5])
-    found = displayed(known, readings)
-    kept = [r for i, r in enumerate(readings) if i != 5]
-    expected = absorbed(case, sited(case.observation, kept), {})
-    size = case.errors.size
-    assert found.knowledge.belief.mean[:size] == pytest.approx(expected.knowledge.belief.mean[:size], abs=1e-10)
-    one, other = (each.knowledge.belief.covariance[:size, :size] for each in (found, expected))
-    assert np.abs(one - other).max() < 1e-6 * other.max()
-    assert found.blocks is known.blocks
-    assert np.abs(one - known.knowledge.belief.covariance[:size, :size]).max() > 1e-3 * other.max()
 
 
 def test_a_mixture_has_the_moments_of_its_parts() -> None:

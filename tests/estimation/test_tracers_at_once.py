@@ -10,13 +10,11 @@ from axiscal.estimation import located
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.located import absorbed
-from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.stations import BentReadings, Optimum, closed_form, mode
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from benchmarks.nonlinear.stations import at_once, read, tracers
-from tests.generators.problems import stated
 
 
 def read_at_once(case: Case, seed: int, points: int, flat: float | None = None) -> tuple[VirtualMachine, list[Reading]]:
@@ -72,15 +70,6 @@ def test_four_stations_anywhere_within_300_mm_are_found() -> None:
     assert np.abs(start - truth).max() < 0.05
 
 
-@pytest.mark.long
-def test_a_mirror_image_of_one_of_them_is_refused_with_its_number() -> None:
-    """From points in one plane the image of any of the stations fits as well; the fourth stands far above it."""
-    case = at_once("300 mm", "100 mm")
-    _, readings = read_at_once(case, 0, 12, flat=0.2)
-    with pytest.raises(AmbiguityError, match=r'station [1-4] of "beams" fits its readings as well'):
-        concluded(case, readings)
-
-
 def test_a_station_of_several_that_fits_in_two_places_is_named_with_both() -> None:
     case = at_once("300 mm", "100 mm")
     here, there = np.zeros(case.observation.size), np.zeros(case.observation.size)
@@ -106,16 +95,6 @@ def test_a_station_and_its_mirror_image_are_refused_with_the_reading_that_decide
     columns = list(known.case.station_columns(1)[0])
     truth = [machine.offsets[setup.name][name] for name in ("station_x", "station_y", "station_z")]
     assert known.knowledge.belief.mean[columns] == pytest.approx(truth, abs=2e-3)
-
-
-@pytest.mark.long
-def test_readings_agree_about_stations_as_found() -> None:
-    """About stations that are 300 mm off no prior fits; about those that were found this one does."""
-    case = tracers("300 mm", "100 mm")
-    _, readings = read(case, 1)
-    known = concluded(case, readings)
-    assert sorted_out(stated(case, readings)).posterior().agreement.contradicts
-    assert not known.agreement.contradicts
 
 
 def test_a_ball_bar_on_a_machine_without_a_third_axis_stays_in_its_plane() -> None:

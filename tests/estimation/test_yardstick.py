@@ -99,12 +99,3 @@ def test_it_is_what_a_case_by_itself_finds(made: Callable[[Case], Case]) -> None
     assert one.measure(case.prior) == pytest.approx(other.measure(alone.prior), rel=1e-14)
     assert one.zeroed == other.zeroed
     assert one.moments.rest == pytest.approx(other.moments.rest, rel=1e-14)
-
-
-@pytest.mark.long
-def test_cases_that_differ_only_in_where_readings_are_linear_share_one() -> None:
-    mill = Case(replace(_STATED.description, setups=_STATED.description.setups[:1]))
-    assert mill.linear_about(_POINT).yardstick is mill.yardstick
-    assert _bent(mill).yardstick is not mill.yardstick
-    assert _elsewhere(_STATED).yardstick.moments is _STATED.yardstick.moments
-    assert _rougher(_STATED).yardstick.moments.gram is _STATED.yardstick.moments.gram

@@ -122,12 +122,6 @@ def test_as_found_values_that_are_nonsense_do_not_pass(factor: float) -> None:
     assert "contradict" in told
 
 
-def test_rounding_is_printed_as_nothing() -> None:
-    same = tuple(replace(reading, value=0.1) for reading in readings(2))
-    told = said_of(judged(same, same))
-    assert "As found: largest 0 um, RMS 0 um\nAs left:  largest 0 um, RMS 0 um" in told
-
-
 def test_both_legs_of_a_square_show_how_square_the_machine_is() -> None:
     """The square lies turned by any angle, which both legs share; a slope of one leg alone is the machine's."""
     texts = first_files(of_builtin("three-axis-mill"), ["square"], Purpose()).texts
