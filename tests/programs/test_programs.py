@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import math
-import re
 from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path

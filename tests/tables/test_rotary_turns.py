@@ -11,11 +11,15 @@ from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
 from axiscal.tables.round_trip import drawn_and_known
-from tests.generators.texts import machine_text
+from tests.generators.texts import Std, machine_text
 
 
 def known(limits: str = "", knots: int = 17) -> Estimate:
-    errors = {"EXX": ("10 um", 5, 150), "ECC": f'std = "40 urad", knots = {knots}', "ECC_reversal": "30 urad"}
+    errors: dict[str, Std] = {
+        "EXX": ("10 um", 5, 150),
+        "ECC": f'std = "40 urad", knots = {knots}',
+        "ECC_reversal": "30 urad",
+    }
     text = machine_text("w-C'-X'-b-Y-t", {"X": (0, 400), "Y": (0, 300), "C": (-180, 180)}, errors)
     stated = f"[axes.C]\nlimits = {limits}\n" if limits else "[axes.C]\n"
     return drawn_and_known(machine_from_text(text.replace("[axes.C]\n", stated)), 4)

@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.exceptions import TableError
-from axiscal.numerics import Array
 from axiscal.tables.controllers import plain_csv
 from axiscal.tables.controllers.fanuc import read_records, replace_values
 from axiscal.tables.table import CompensationTable
