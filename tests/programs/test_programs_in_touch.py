@@ -152,13 +152,13 @@ def read(campaign: CampaignDescription, places: list[Place], controller: str) ->
 
 @pytest.mark.parametrize("controller", controllers())
 def test_rotary_axes_come_to_a_reading_from_the_side_that_was_planned(controller: str) -> None:
-    campaign = described(NEST)
-    places = places_of(campaign, 8, 0)
-    trace = read(campaign, places, controller)
+    said, places, program = made("nest", controller)
+    ways = Reader(said.machine, controller).follow(program.text)
+    trace = [(what, pose) for what, poses in ways for pose in poses]
     numbered = [(k, int(what.split()[1])) for k, (what, _) in enumerate(trace) if what.startswith("READING")]
     checked = 0
     for k, number in numbered:
-        for axis_number, axis in enumerate(campaign.machine.axes):
+        for axis_number, axis in enumerate(said.machine.axes):
             side = places[number - 1].approach[axis_number]
             if not axis.rotary or side == 0:
                 continue

@@ -29,7 +29,7 @@ from tests.generators.texts import machine_text
 MACHINE = machine_text(
     "w-b-X-Y-Z-t",
     {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)},
-    {"EXX": ("10 um", 7, 150), "EXX_reversal": "6 um", "EYX": "10 um", "EZX EZY": "30 um"},
+    {"EXX": ("10 um", 7, 150), "EXX_reversal": "6 um", "EYX": "10 um", "EZX EZY": "30 um", "C0Y": "0.2 mrad"},
     curve=(5, 150),
     name="M",
 )
@@ -159,11 +159,10 @@ def test_an_ini_file_names_its_tables_and_those_of_files_that_it_includes(tmp_pa
     (tmp_path / "joint.inc").write_text("[JOINT_1]\nBACKLASH = 0.030  # mm\n")
     (tmp_path / "mill.ini").write_text(
         "[EMC]\nMACHINE = mill\n#INCLUDE joint.inc\n[JOINT_0]\nCOMP_FILE = a.txt\nCOMP_FILE_TYPE = 1\nBACKLASH = 0.5\n"
-        "[JOINT_2]\nHOME = 0\n"
+        "[JOINT_2]\nCOMP_FILE = a.txt\n[JOINT_3]\nHOME = 0\n"
     )
-    backlash, table = sorted(read_old(["mill.ini"], tmp_path), key=lambda file: file.text)
-    assert (backlash.joint, backlash.backlash) == (1, 0.030)
-    assert (table.joint, table.file_type, table.backlash) == (0, 1, None)
+    found = {file.joint: (file.file_type, file.backlash) for file in read_old(["mill.ini"], tmp_path)}
+    assert found == {0: (1, None), 1: (None, 0.030), 2: (0, None)}
 
 
 def test_a_column_of_an_axis_that_was_not_measured_stays_beside_the_new_ones() -> None:
