@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
-from typing import cast
 
 import numpy as np
 import pytest
 
 from axiscal.answers.changes import changes
-from axiscal.campaign.agreement_words import membership_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import read_campaign
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.belief import Belief
-from axiscal.estimation.case import Rival
-from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.membership import Membership
-from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import carried_over
 from axiscal.machine import machine_from_text
 from axiscal.measurement.reading import Reading
@@ -137,49 +129,3 @@ def test_what_finer_knots_hold_beyond_those_of_before_is_the_part_that_they_cann
     assert np.abs(held.T @ beyond[columns]).max() < 1e-9 * np.sqrt(prior.max())
     assert np.trace(expected) > 1e-3 * np.trace(prior)
     assert carried_over(new, old).beyond().shape[1] == 0
-
-
-def sister(chance: float, count: int, away: float = 0.0, told: float = 0.49) -> Estimation:
-    """Return an estimation of a machine that is a sister with a chance.
-
-    away : of its EXX, in standard deviations of its sisters; told : what is left of their variance
-    """
-    errors = model(4, PITCH.format(std="3 urad"))
-    covariance = np.diag(np.full(errors.size, 4e-12))
-    mean, now = np.full(errors.size, 1e-6), covariance.copy()
-    own = errors.names["EXX"].columns
-    now[own, own] *= told
-    mean[own.start + 1] += away * 2e-6
-    beside = np.full(errors.size, 1e-6)
-    beside[errors.names["EBX"].columns] += 50e-6  # far off, and not told
-    mean[errors.names["EBX"].columns] = beside[errors.names["EBX"].columns]
-    like, strange = (Inherited(np.full(errors.size, at), covariance) for at in (1e-6, 80e-6))
-    rivals = Rival("like its sisters", 0.9, like), Rival("as stated", 0.1, strange)
-    belief = Belief(mean, now)
-    member = Membership(rivals, np.array([0.7 * chance, 0.3 * chance, 1 - chance]), count, belief)
-    known = SimpleNamespace(
-        membership=member,
-        case=SimpleNamespace(errors=errors),
-        printed=SimpleNamespace(belief=belief),
-    )
-    return cast("Estimation", known)
-
-
-@pytest.mark.parametrize(
-    ("known", "words"),
-    [
-        (sister(0.9, 0), ""),
-        (sister(0.9, 1), "the first reading fits the sisters (P = 0.9)"),
-        (sister(0.9, 2), "readings up to 2 fit the sisters (P = 0.9)"),
-        (sister(0.5, 7), "readings up to 7 fit the sisters (P = 0.5)"),
-        (sister(0.49, 7), "this machine is not like its sisters (P = 0.49)"),
-        (sister(0.01, 7, 2.49), "this machine is not like its sisters (P = 0.01)"),
-        (
-            sister(0.01, 7, -2.51),
-            "this machine is not like its sisters (P = 0.01): EXX is 2.5 of their standard deviations away",
-        ),
-        (sister(0.01, 7, 9.0, told=0.51), "this machine is not like its sisters (P = 0.01)"),
-    ],
-)
-def test_what_is_said_of_a_machine_with_sisters(known: Estimation, words: str) -> None:
-    assert membership_words(known) == words

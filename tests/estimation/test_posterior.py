@@ -112,17 +112,3 @@ def test_few_readings_leave_an_answer(count: int) -> None:
     assert len(found.left_out) == count
     assert found.effective >= 10 or count < 3
     assert (set(found.sizes.values()) == {1.0}) == (count < 3)
-
-
-def test_the_order_of_readings_does_not_matter() -> None:
-    """They carry their times."""
-    problem, case = _readings(16), case_of("axis")
-    order = np.random.default_rng(2).permutation(16)
-    one, other = (
-        sorted_out(stated(case, problem)).posterior(),
-        sorted_out(stated(case, [problem[i] for i in order])).posterior(),
-    )
-    np.testing.assert_allclose((one.mean - other.mean) / _stds(one), 0, atol=1e-3)
-    np.testing.assert_allclose(_stds(one), _stds(other), rtol=1e-3)
-    for place, index in enumerate(order.tolist()):
-        assert other.left_out[place].log_odds == pytest.approx(one.left_out[index].log_odds, abs=0.02)
