@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.errors.gauge import Hidden, hidden, machine_check, undescribed, unseen_factor
+from axiscal.errors.gauge import Hidden, hidden, undescribed, unseen_factor
 from axiscal.errors.model import ErrorModel
 from axiscal.machine import Machine, builtin_names, load_machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.numerics import Array
-from tests.generators.machines import random_machine, random_poses
+from tests.generators.machines import random_poses
 
 
 def prior_root(model: ErrorModel) -> Array:
@@ -48,13 +48,6 @@ def test_a_built_in_machine_hides_nothing_that_moves_the_tool_point(name: str) -
     assert [one.text for one in found if one.effect > 0] == []
     assert len(found) <= 12
     assert all("does not depend" in one.text or "not move" in one.text for one in found)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_any_machine_can_be_checked(seed: int) -> None:
-    found = machine_check(random_machine(seed, smooth=True))
-    assert len(found) <= 16
-    assert all(text.endswith(".") and "nan" not in text for text in found)
 
 
 def with_errors(*entries: ErrorEntry) -> ErrorModel:

@@ -174,17 +174,6 @@ def test_tests_of_the_field_give_what_they_can(capsys: pytest.CaptureFixture[str
         assert "withheld" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "latin-1"])
-def test_a_table_is_read_as_spreadsheets_of_any_age_save_it(encoding: str, tmp_path: Path) -> None:
-    plain, saved = (tmp_path / name for name in ("plain.csv", "saved.csv"))
-    text = GOOD.replace("one axis", "für")
-    plain.write_bytes(text.encode())
-    saved.write_bytes(text.encode(encoding))
-    assert (
-        evaluate(positioning_test(recognised(saved))).figures == evaluate(positioning_test(recognised(plain))).figures
-    )
-
-
 def test_the_uncertainty_is_how_the_figures_scatter_when_the_test_is_repeated() -> None:
     """Tests of five runs drawn from one machine: the scatter of each figure against the mean of what each promised."""
     rng, targets = np.random.default_rng(1), np.linspace(0, 1, 9)
