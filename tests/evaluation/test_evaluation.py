@@ -62,44 +62,6 @@ def test_every_published_iso_figure_of_each_target(name: str) -> None:
         assert [row[ours] / 1e3 for row in document["per_target"]] == pytest.approx(published[theirs], abs=ROUNDING)
 
 
-def naive(up: list[list[float]], down: list[list[float]]) -> dict[str, float]:
-    """The definitions of ISO 230-2 written out one target at a time."""
-    ups = [(statistics.mean(x), statistics.stdev(x)) for x in up]
-    downs = [(statistics.mean(x), statistics.stdev(x)) for x in down]
-    high = [m + 2 * s for m, s in ups], [m + 2 * s for m, s in downs]
-    low = [m - 2 * s for m, s in ups], [m - 2 * s for m, s in downs]
-    means = [m for m, _ in ups], [m for m, _ in downs]
-    B = [a - b for a, b in zip(*means, strict=True)]
-    R = [
-        max(2 * a[1] + 2 * b[1] + abs(c), 4 * a[1], 4 * b[1])
-        for a, b, c in zip(ups, downs, B, strict=True)
-    ]  # fmt: skip
-    centre = [(a + b) / 2 for a, b in zip(*means, strict=True)]
-    return {
-        "A": max(*high[0], *high[1]) - min(*low[0], *low[1]),
-        "A_up": max(high[0]) - min(low[0]),
-        "A_down": max(high[1]) - min(low[1]),
-        "E": max(*means[0], *means[1]) - min(*means[0], *means[1]),
-        "E_up": max(means[0]) - min(means[0]),
-        "E_down": max(means[1]) - min(means[1]),
-        "R": max(R),
-        "R_up": max(4 * s for _, s in ups),
-        "R_down": max(4 * s for _, s in downs),
-        "B": max(abs(b) for b in B),
-        "B_mean": statistics.mean(B),
-        "M": max(centre) - min(centre),
-    }
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_agrees_with_the_definitions_written_out(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    up, down = rng.normal(0, 5e-6, (2, 7, 5))
-    figures = evaluate(PositioningTest(np.arange(7.0), up, down))
-    for name, value in naive(up.tolist(), down.tolist()).items():
-        assert figures.figures[name] == pytest.approx(value, rel=1e-12), name
-
-
 def test_one_direction_leaves_the_bidirectional_figures_open(tmp_path: Path) -> None:
     text = "".join(line for line in GOOD.splitlines(keepends=True) if ",-," not in line)
     figures = evaluated(tmp_path, text)
