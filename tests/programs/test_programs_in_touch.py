@@ -234,6 +234,18 @@ def test_where_no_way_in_touch_leads_the_tool_goes_off_and_comes_back(
     assert (len(asked[0]) >= 2) == (kind == "bar")
 
 
+def test_over_a_clearance_the_slides_move_aside_where_it_is_clear_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    campaign = described(*KINDS["bar"])
+    (setup,) = campaign.setups
+    monkeypatch.setattr(SmoothChart, "between", lambda self, here, there: None)
+    over = replace(setup, driving=Driving(clearance=("Z", 0.35)))
+    (program,) = programs(campaign.machine, [over], places_of(campaign, 3), dialect("linuxcnc"))
+    moves = [line.split()[2:-1] for line in program.text.splitlines() if line.startswith("G53 G1")]
+    aside = [(before, words) for before, words in pairwise(moves) if words[0][0] in "XY"]
+    assert len(aside) >= 5
+    assert all(before == ["Z350.000000"] and len(words) == 2 for before, words in aside)
+
+
 def a_way_that_swings_out(machine: Machine) -> tuple[Array, Array]:
     """Return two poses with the tool point at one place of the table, between which the slides leave their travels."""
     low, high = np.array([axis.travel for axis in machine.axes]).T
