@@ -11,13 +11,12 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import paths
 from axiscal.exceptions import ReadingError
-from axiscal.machine import load_machine
 from axiscal.measurement.cells import MEMORY, STEP, Course, wandering
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place, Reading
@@ -29,6 +28,7 @@ from axiscal.planning.promise import EVERY
 from axiscal.present.findings import untimed
 from axiscal.record.events import Recorded
 from axiscal.record.payload import decode, encode
+from tests.generators.campaigns import built_in
 
 RATE = 6e-6 / 3600
 STILL = 'drift = "0"'
@@ -47,8 +47,7 @@ reading_time = "2 min"
 
 
 def _description(drift: str = 'drift = "6 um/h"', readings: int = 40) -> CampaignDescription:
-    text = CAMPAIGN.format(drift=drift, readings=readings)
-    return campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis")
+    return built_in(CAMPAIGN.format(drift=drift, readings=readings))
 
 
 def _by_steps(times: Array) -> Array:
@@ -96,7 +95,7 @@ def test_every_number_of_an_rtest_drifts_on_its_own() -> None:
     text = 'machine = "three-axis-mill"\nusual = "off"\nsure = "exactly"\n[target]\nreadings = 1\n'
     text += '[[setups]]\nname = "r"\ninstrument = "rtest"\n'
     text += 'station = ["0 mm", "0 mm", "-300 mm"]\ndrift = "6 um/h"\n'
-    description = campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "mill")
+    description = built_in(text)
     machine = Simulator(description.machine, description.setups).drawn(1)
     setup, rng, readings = description.setups[0], np.random.default_rng(1), list[Reading]()
     middle = tuple(sum(axis.travel) / 2 for axis in description.machine.axes)

@@ -7,9 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.machine import load_machine
 from axiscal.machine.motion import approach_seconds
 from axiscal.measurement.reading import Places
 from axiscal.planning.next_readings import next_places
@@ -17,6 +15,7 @@ from axiscal.planning.plan.order import in_order, seconds_along
 from axiscal.planning.plan.plan import make_plan, renewed
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.record.events import Asked, Gap
+from tests.generators.campaigns import built_in
 from tests.generators.designs import levered, read_at, rms_of
 from tests.generators.texts import campaign_text, setup_text
 
@@ -165,7 +164,7 @@ TEXT = campaign_text(
 @pytest.fixture(scope="module")
 def case() -> Case:
     """Return one axis of a metre with a laser that needs no zero."""
-    return Case(campaign_from_texts(TEXT, "c.toml", load_machine("one-axis").text, "one-axis"))
+    return Case(built_in(TEXT))
 
 
 def test_nothing_is_planned_in_a_gap(case: Case) -> None:
