@@ -170,6 +170,15 @@ def test_a_table_of_readings_may_say_when_they_were_taken(
     assert [reading.time for reading in placed] == pytest.approx(seconds)
 
 
+@pytest.mark.parametrize("wrong", ["", "soon", "09:59", "25:00", "12 um", "2026-11-20T11:00:00"])
+def test_a_time_that_is_none_is_named_with_its_line(tmp_path: Path, wrong: str) -> None:
+    file = tmp_path / "readings.csv"
+    file.write_text(f"setup,X_mm,value_um,time\nlaser,1,1,10:00\nlaser,2,1,{wrong}\n")
+    with pytest.raises(ReadingError) as caught:
+        read_any(file)
+    assert caught.value.line == 3
+
+
 @pytest.mark.parametrize("day", ["2026-11-20", "20261120", "2026-W47-5"])
 def test_a_day_is_no_time_for_all_its_readings_would_be_taken_at_once(tmp_path: Path, day: str) -> None:
     file = tmp_path / "readings.csv"

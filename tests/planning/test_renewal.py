@@ -118,6 +118,21 @@ def test_what_may_yet_be_needed_stays_while_sizes_are_unsure() -> None:
     assert sure < less <= 10
 
 
+def test_a_target_beyond_many_readings_more_is_left_to_other_set_ups() -> None:
+    two = replace(ASKED, here=Places.one(0, np.array([0.5, 0.3, 0.2]), np.zeros(3)))
+    left = ASKED.lattice.within(ASKED.lattice.setups == 0).within(slice(0, 8))
+    alone, both = ASKED.lattice.within(ASKED.lattice.setups == 0), ASKED.lattice
+    of_one, of_all, known = (two.yardstick.measure(taken(two, each).belief) for each in (alone, both, left))
+    assert of_all.rms < 0.8 * of_one.rms
+
+    def rest(rms: float, readings: int | None = None) -> Places:
+        return renewed(two, Limits(readings, rms=rms), left, goal=rms_of(two, rms))
+
+    assert len(rest(0.9 * of_one.rms)) == 0
+    assert len(rest(known.floor, 9)) > 0  # which these do not bring within nine
+    assert len(rest(known.rms, 9)) > 0
+
+
 def test_a_set_up_that_has_come_to_be_needless_is_not_mounted() -> None:
     here = replace(ASKED, here=Places.one(0, np.array([0.5, 0.3, 0.2]), np.zeros(3)))
     mine = ASKED.lattice.within(ASKED.lattice.setups == 0)
