@@ -14,23 +14,12 @@ from axiscal.machine.description import machine_from_text
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
-from tests.generators.texts import machine_text
+from tests.generators.texts import Said, campaign_text, machine_text, setup_text
 
 STRAIN = 58.5e-6
 """By what the scale is longer at 25 degC."""
 MIDDLE = 0.15
-CAMPAIGN = """machine = "m.toml"
-[target]
-readings = 20
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "{direction}"
-noise = "0.5 um"
-temperature = "25 degC"
-expansion = "11.7 um/m/K"
-temperature_std = "{std}"
-"""
+WARM: dict[str, Said] = {"temperature": "25 degC", "expansion": "11.7 um/m/K"}
 
 
 @pytest.mark.parametrize(
@@ -39,7 +28,8 @@ temperature_std = "{std}"
 )
 def test_a_warm_scale_of_a_true_machine_leaves_no_error(direction: str, sign: float, chain: str, std: str) -> None:
     """Along −x the carriage that goes too far reads −58.5 um/m; corrected the other way it would be 41 um."""
-    text = CAMPAIGN.format(direction=direction, std=std)
+    laser = setup_text("laser", "interferometer", direction=direction, noise="0.5 um", **WARM, temperature_std=std)
+    text = campaign_text("m.toml", laser, target={"readings": 20})
     case = Case(
         campaign_from_texts(
             text, "c.toml", machine_text(chain, {"X": (-200, 500)}, {"EXX": ("50 um", 5, 300)}, tool=0), "m.toml"
