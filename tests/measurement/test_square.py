@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.machine import load_machine
+from tests.generators.campaigns import built_in
 
 SQUARE = '[[artefacts]]\nname = "square"\nturned = "1 mrad"\n'
 ALONG_X = """
@@ -31,13 +30,8 @@ approach = "both"
 """
 
 
-def described(*legs: str) -> CampaignDescription:
-    text = "\n".join(['machine = "three-axis-mill"', SQUARE, *legs])
-    return campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "three-axis-mill")
-
-
 def test_the_legs_see_the_turn_with_opposite_signs_and_it_is_one_unknown() -> None:
-    case = Case(described(ALONG_X, ALONG_Y))
+    case = Case(built_in(SQUARE + ALONG_X + ALONG_Y))
     shared = [u for u in case.observation.setups[0].unknowns if u.owner == "square"]
     assert [u.name for u in shared] == ["square_x", "square_y", "square_z"]
     columns = [case.observation.unknowns_of(k) for k in (0, 1)]

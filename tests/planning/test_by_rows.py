@@ -8,11 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.known_rows import KnownRow, known_rows
-from axiscal.machine import load_machine
 from axiscal.measurement.reading import Place
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.gains.candidate_rows import Pool
@@ -21,6 +19,7 @@ from axiscal.planning.next_readings import placed, posed, rows_root
 from axiscal.planning.plan.greedy import openings
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
+from tests.generators.campaigns import built_in
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "howto" / "dial-and-square.md"
 DIAL = re.findall(r'```toml title="campaign.toml"\n(.*?)```', HOW_TO.read_text(), re.S)[0]
@@ -47,7 +46,7 @@ approach = "both"
 
 
 def case(text: str) -> Case:
-    return Case(campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "three-axis-mill"))
+    return Case(built_in(text))
 
 
 def dial(target: str) -> Case:
