@@ -25,6 +25,7 @@ from tests.reliability import (
     same_bytes,
     set_faults,
     store_clients,
+    stuck_instruments,
     writers,
 )
 from tests.reliability.trial import Trial
@@ -53,6 +54,7 @@ LONG: dict[str, tuple[Callable[[], Trial], int]] = {
     "clients of a store": (lambda: store_clients.clients(2, 6), 10),
     "statements to a store": (lambda: store_clients.statements(40), 39),
     "names of a store": (store_clients.names, 20),
+    "right records that are called stuck": (lambda: stuck_instruments.named(6), 23),
     "readings none of which is used": (lambda: bounds.unused(12), 11),
 }
 """In small, and more than how many have to be tried."""
