@@ -104,8 +104,11 @@ def test_what_is_done_to_the_files_is_said(exported: tuple[Path, Export]) -> Non
     assert "- Put axiscal.vcomp and axiscal-volumetric.hal beside" not in readme
 
 
+STARTED = [*WITH_COMPONENT, pytest.mark.long]
+
+
 class TestStarted:
-    pytestmark = [*WITH_COMPONENT, pytest.mark.long]
+    pytestmark = STARTED
 
     def test_the_patched_files_correct_every_joint(self, exported: tuple[Path, Export]) -> None:
         run_as_foretold(*exported)
