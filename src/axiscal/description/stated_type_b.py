@@ -11,7 +11,6 @@ import numpy as np
 
 from axiscal.description.campaign_schema import CampaignTable, SetupTable
 from axiscal.description.fields import At
-from axiscal.description.sites import Site
 from axiscal.description.type_b import TEMPERATURE
 from axiscal.document import Document
 from axiscal.exceptions import DescriptionError
@@ -21,7 +20,7 @@ from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.instrument import instrument_of, model_of
 from axiscal.measurement.instruments.kind import CARRIED, TRUED, Instrument
-from axiscal.measurement.setup import STEEL, SaidOfDrift, Setup, Unknown, Vector
+from axiscal.measurement.setup import STEEL, SaidOfDrift, Setup, Unknown
 from axiscal.units import format_quantity
 from axiscal_core.instrument import TOOL
 
@@ -101,9 +100,7 @@ def _against_length(setup: SetupTable, artefacts: Mapping[str, Artefact]) -> boo
     return setup.instrument.against_length or (artefact is not None and artefact.calibrated is not None)
 
 
-def material_of(
-    table: SetupTable, usual: Instrument, machine: Machine, direction: Vector, site: Site, at: At
-) -> Material:
+def material_of(table: SetupTable, usual: Instrument, machine: Machine, setup: Setup, at: At) -> Material:
     """Return what a set-up says of the material; raises DescriptionError."""
     expansion = STEEL if table.expansion is None else table.expansion
     said = {"temperature": table.temperature_std, "expansion": table.expansion_std}
@@ -111,7 +108,7 @@ def material_of(
     if table.temperature is None:
         return Material(None, expansion, (), stated)
     with at("temperature"):
-        if not _grows(usual, machine, direction, site.moves, site.park):
+        if not _grows(usual, machine, setup):
             what = "a temperature corrects a length along the linear axes that move, and this set-up reads none"
             raise DescriptionError(what, "Take temperature out, or name the axis in moves")
     warmer = table.temperature - REFERENCE
@@ -120,20 +117,21 @@ def material_of(
     return Material(warmer, expansion, (Unknown("growth", std),) if unknown else (), stated)
 
 
-def _grows(usual: Instrument, machine: Machine, direction: Vector, moves: Sequence[int], park: Sequence[float]) -> bool:
+def _grows(usual: Instrument, machine: Machine, setup: Setup) -> bool:
     """Return whether an instrument reads how far a machine expands: it follows the tool, or reads along what moves."""
     if not usual.model.directed:
         return usual.light
-    linear = [
-        (machine.axes[k].direction, in_frame(machine, k, np.array(park))) for k in moves if not machine.axes[k].rotary
+    linear, park = [k for k in setup.moves if not machine.axes[k].rotary], np.array(setup.park)
+    ways = [
+        float(np.array(machine.axes[k].direction) @ in_frame(machine, k, park) @ np.array(setup.direction))
+        for k in linear
     ]
-    ways = [float(np.array(way) @ frame @ np.array(direction)) for way, frame in linear]
     return "growth" in usual.model.unknown_reads and math.hypot(*ways) >= _ALONG
 
 
 def takes_temperature(setup: Setup, machine: Machine) -> bool:
     """Return whether a temperature changes what the readings of a set-up say of the machine."""
-    return setup.at_20 and _grows(instrument_of(setup), machine, setup.direction, setup.moves, setup.park)
+    return setup.at_20 and _grows(instrument_of(setup), machine, setup)
 
 
 def lacks_temperature(setup: Setup, machine: Machine) -> bool:
