@@ -55,6 +55,11 @@ ENC = (
     "CHANDATA(1)\n$AA_ENC_COMP[0,0,AX1]=0.0\n$AA_ENC_COMP[0,1,AX1]=0.0042\n$AA_ENC_COMP_STEP[0,AX1]=50.0\n"
     "$AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=50.0\n$AA_ENC_COMP_STEP[0,AX9]=0.0\nM17\n"
 )
+CEC = (
+    "CHANDATA(1)\n$AN_CEC[0,0]=0.0\n$AN_CEC[0,1]=0.02\n$AN_CEC_INPUT_AXIS[0]=(AX1)\n$AN_CEC_OUTPUT_AXIS[0]=(AX2)\n"
+    "$AN_CEC_STEP[0]=200.0\n$AN_CEC_MIN[0]=0.0\n$AN_CEC_MAX[0]=200.0\n$AN_CEC_DIRECTION[0]=0\n"
+    "$AN_CEC_MULT_BY_TABLE[0]=0\nM17\n"
+)
 LIST = (
     "kopf.log_achs_nr 1\nkopf.log_achs_name X\nkw.ssfk.interval 1000000\nkw.ssfk.kw_startpos 0\nkw.ssfk.kw_nr_max 2\n"
     "kw.ssfk.unit 1\nkw.ssfk.bilateral 1\nkw.ssfk.modulo 0\nkw.ssfk.table[0].pos 0\nkw.ssfk.table[1].pos -100\n"
@@ -74,6 +79,7 @@ BY_HAND = {  # which axis is moved at X 100, Y 100, Z 50 mm, and by how much com
     "linuxcnc, trims": ("linuxcnc", OldFile("X.comp", "0 0 0\n100 0.01 -0.004\n", file_type=1), "X", 10, -4),
     "linuxcnc, BACKLASH": ("linuxcnc", OldFile("mill.ini", "", joint=1, backlash=0.03), "Y", 15, -15),
     "sinumerik: positive values move an axis down": ("sinumerik", OldFile("AX_EEC.INI", ENC), "X", -4.2, -4.2),
+    "sinumerik, over another axis": ("sinumerik", OldFile("NC_CEC.INI", CEC), "Y", -10, -10),
     "fanuc: increments times the magnification": (
         "fanuc", OldFile("p", FANUC.replace("N10013P0;", "N10013P5;")), "X", 10, 10
     ),
