@@ -19,7 +19,7 @@ from axiscal.description.sights import (
     stations_of,
 )
 from axiscal.description.sites import RETRACT, STROKE, SiteReader, Surroundings, evened
-from axiscal.description.stated_type_b import dense, drift_of, material_of
+from axiscal.description.stated_type_b import dense, with_drift, with_material
 from axiscal.document import Document, meant, shown
 from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import said
@@ -125,23 +125,17 @@ class _Reader(SiteReader):
         with self._at("stations"):
             stations = stations_of(table)
         unknowns = self._unknowns(setup)
-        unknowns = of_each(unknowns, len(stations)) if stations else unknowns
-        rate, said = drift_of(table, usual, setup.moves, unknowns, self._around.usual_doubts)
-        material = material_of(table, usual, machine, setup, self._at)
         setup = replace(
             setup,
-            unknowns=(*unknowns, *material.unknowns),
+            unknowns=of_each(unknowns, len(stations)) if stations else unknowns,
             setup_time=setup.setup_time * (self._mountings(setup) if table.setup_time is None else 1),
             raster=self._raster(setup),
             stations=stations,
-            warmer=material.warmer,
-            expansion=material.expansion,
-            stated=(*material.stated, *table.type_b.items()),
-            drift=rate,
-            drift_said=said,
             reach=self._reach(setup.moves),
             nodes=self._nodes(setup.moves),
         )
+        setup = with_drift(table, usual, setup, self._around.usual_doubts)
+        setup = with_material(table, usual, machine, setup, self._at)
         setup = self._on_square(setup)
         setup = seen(table, machine, self._at, setup) if setup.chart is None else self._sited(setup)
         with self._at("instrument" if setup.base is None else "base"):
