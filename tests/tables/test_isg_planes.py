@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from axiscal.tables.registry import export
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.volumetric import SampledError, together
 from tests.generators.planes import BED, TABLE
+from tests.generators.texts import machine_text
 
 
 def test_the_kernel_holds_what_two_axes_do_together() -> None:
@@ -51,3 +54,11 @@ def test_old_and_new_add_up_whichever_depends_on_both_axes() -> None:
         np.testing.assert_allclose(whole.at(x, z), new.at(x, z) + old.at(x, z), atol=1e-18)
     with pytest.raises(TableError, match="depends on"):
         together({"EZX": _surface(2)}, {"EZX": _surface(3, "C")})
+
+
+def test_the_directions_are_apart_in_a_list_of_each_axis_and_that_of_a_turn_repeats() -> None:
+    travels, errors = {"X": (0, 300), "Y": (0, 200), "Z": (0, 100), "C": (0, 360)}, {"EXX EXX_reversal": "6 um"}
+    text = machine_text("w-C'-b-X-Y-Z-t", travels, errors | {"ECC_reversal": "60 urad"})
+    files = export(drawn_and_known(machine_from_text(text)), "isg", ExportOptions()).files
+    repeats = {name: re.findall(r"^kw\.ssfk\.modulo (\d)$", files[name], re.MULTILINE) for name in files}
+    assert repeats == {"volcomp.csv": [], "volcomp.lis": [], "ssfk_X.lis": ["0"], "ssfk_C.lis": ["1"]}
