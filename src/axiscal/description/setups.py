@@ -119,7 +119,7 @@ class _Reader(SiteReader):
 
     def setup(self) -> Setup:
         table, machine, usual = self._table, self._machine, self._usual
-        setup = self.placed()
+        setup = self.sited()
         with self._at("direction"):
             self._refuse_direction(setup)
         with self._at("stations"):
@@ -137,14 +137,14 @@ class _Reader(SiteReader):
         setup = with_drift(table, usual, setup, self._around.usual_doubts)
         setup = with_material(table, usual, machine, setup, self._at)
         setup = self._on_square(setup)
-        setup = seen(table, machine, self._at, setup) if setup.chart is None else self._sited(setup)
+        setup = seen(table, machine, self._at, setup) if setup.chart is None else self._charted(setup)
         with self._at("instrument" if setup.base is None else "base"):
             model_of(setup).check_setup(setup, machine)
             if issubclass(usual.model, Foreign):
                 setup = replace(setup, written=replace(usual, curved=usual.model.curved_in(setup, machine)))
         return self._complete(dense(table, machine, self._at, setup))
 
-    def _sited(self, setup: Setup) -> Setup:
+    def _charted(self, setup: Setup) -> Setup:
         """Return a set-up that has a chart with how its places are taken."""
         table = self._table
         stroke = STROKE if table.stroke is None else table.stroke

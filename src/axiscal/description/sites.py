@@ -82,7 +82,7 @@ class SiteReader:
         parts = zip(TOOL, around.tool, strict=True)
         self._tool = tuple(Unknown(name, std, "tool") for name, std in parts if turns and std > 0)
 
-    def placed(self) -> Setup:
+    def sited(self) -> Setup:
         """Return the set-up where it is read; without a chart where any pose of the axes that move will do.
 
         Its unknowns are those of the place. Raises DescriptionError or UnitError.
