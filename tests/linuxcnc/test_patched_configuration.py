@@ -18,7 +18,6 @@ from tests.linuxcnc.lab import files as lab_files
 from tests.linuxcnc.needed import WITH_COMPONENT
 from tests.linuxcnc.test_closed_loop import known
 
-pytestmark = pytest.mark.long
 HAL = """\
 loadrt [KINS]KINEMATICS
 loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS
@@ -106,7 +105,7 @@ def test_what_is_done_to_the_files_is_said(exported: tuple[Path, Export]) -> Non
 
 
 class TestStarted:
-    pytestmark = WITH_COMPONENT
+    pytestmark = [*WITH_COMPONENT, pytest.mark.long]
 
     def test_the_patched_files_correct_every_joint(self, exported: tuple[Path, Export]) -> None:
         run_as_foretold(*exported)
