@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import CampaignDescription
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_approach, placed_pose, placed_readings
 from axiscal.exceptions import ReadingError
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.readers.csv_readings import RawReading
+from axiscal.measurement.readers.csv_readings import Around, RawReading
+from axiscal.measurement.readers.files import recognised
 from tests.generators.campaigns import built_in
-from tests.generators.texts import artefact_text, setup_text
+from tests.generators.texts import artefact_text, campaign_text, machine_text, setup_text
 
 MILL = setup_text(
     "laser", "interferometer", direction="x", moves=["X"], park={"Y": "250 mm", "Z": "100 mm"}
@@ -163,3 +165,41 @@ def test_a_place_beside_a_line_is_named() -> None:
     assert placed_pose(setup, campaign.machine, said) == pytest.approx(pose)
     with pytest.raises(ReadingError, match="from the line or circle, where"):
         placed_pose(setup, campaign.machine, {**said, "X": said["X"] + 0.01})
+
+
+WIDE = machine_text("w-b-X-t", {"X": (-350, 600)}, {"EXX": "10 um"})
+
+
+def placed_x(tmp_path: Path, unit: str, text: str) -> float:
+    """Return where a table has X, m, on a travel from -350 mm to 600 mm."""
+    laser = setup_text("laser", "interferometer", direction="x", moves=["X"])
+    campaign = campaign_from_texts(campaign_text("m", laser), "c.toml", WIDE, "m")
+    file = tmp_path / "readings.csv"
+    file.write_text(f"setup,X_{unit},approach,value_um\nlaser,{text},X+,1\n")
+    raw = recognised(file, Around(campaign.machine.axes, campaign.setups)).found.readings
+    (reading,) = placed_readings(raw, campaign, file)
+    return reading.pose[0]
+
+
+@pytest.mark.parametrize(
+    ("unit", "text", "end"),
+    [
+        ("in", "23.62205", 0.6),
+        ("in", "2.362205e1", 0.6),
+        ("in", "-13.780", -0.35),
+        ("in", "\N{MINUS SIGN}13.77953", -0.35),
+        ("mm", "600.00", 0.6),
+    ],
+)
+def test_an_end_of_the_travel_may_be_rounded_in_its_last_digit(
+    tmp_path: Path, unit: str, text: str, end: float
+) -> None:
+    assert placed_x(tmp_path, unit, text) == end
+
+
+@pytest.mark.parametrize(
+    ("unit", "text"), [("in", "23.62206"), ("in", "23.6221"), ("in", "24"), ("mm", "600.0001"), ("mm", "601")]
+)
+def test_more_than_rounding_beyond_the_travel_is_refused(tmp_path: Path, unit: str, text: str) -> None:
+    with pytest.raises(ReadingError, match=r"line 2: X = .* is outside the travel"):
+        placed_x(tmp_path, unit, text)

@@ -302,3 +302,25 @@ def test_klipper_prints_where_its_nozzle_stood_and_since_2025_where_the_bed_is_m
         path.write_text(f"Send: PROBE\n{text}// Result is z=0.125000\nok\n")
         found = recognised(path, Around(campaign.machine.axes, campaign.setups))
         assert heights(found) == pytest.approx({(100.0, 50.0): 0.125})
+
+
+TOUCHED = ["[PRB:-600.000,-450.000,-6.651:1]", "[PRB:0.000,0.000,0.000:0]", "[PRB:-500.000,-450.000,-6.490,0.000:1]"]
+
+
+@pytest.mark.parametrize(
+    "broken",
+    [
+        "[PRB:",
+        "[PRB:-600.000,-450.0",
+        "[PRB:-600.000,-450.000,-6",
+        "[PRB:-600.000,-450.000,-6.651:",
+        "[PRB:-600.000,-450.0[PRB:0.000,0.000,0.000:0]",
+        "[PRB:0.000,0.000,0.0",
+    ],
+)
+def test_a_touch_of_grbl_that_is_broken_off_is_named_with_its_line(tmp_path: Path, broken: str) -> None:
+    assert len(read(tmp_path, "\n".join(TOUCHED)).found.readings) == 2
+    for place in range(4):
+        lines = [*TOUCHED[:place], broken, *TOUCHED[place:]]
+        with pytest.raises(ReadingError, match=rf"line {place + 1}: .* is not X, Y and Z\. Give the lines as printed"):
+            read(tmp_path, "\n".join(lines))

@@ -50,7 +50,8 @@ def written(tmp_path: Path, text: str) -> Path:
 
 def test_readings_are_in_si_units(tmp_path: Path) -> None:
     first, second, third = read_any(written(tmp_path, READINGS))
-    assert first == RawReading("laser along X", {"X": 0.12, "Y": 0.25}, {"X": 1}, 1.7 / 1e6, None, "length", 2)
+    place, rounding = {"X": 0.12, "Y": 0.25}, {"X": 0.5 / 1e3, "Y": 0.5 / 1e3}
+    assert first == RawReading("laser along X", place, {"X": 1}, 1.7 / 1e6, None, "length", 2, rounding=rounding)
     assert second.position == {"X": 0.13, "Y": 0.25, "B": pytest.approx(pi / 2)}
     assert second.approach == {"X": 1, "Y": -1}
     assert second.std == pytest.approx(4e-7)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
 from axiscal.present.findings import regular_places
+from tests.generators.campaigns import built_in
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
 DESCRIBED = campaign_from_texts(
@@ -48,3 +50,26 @@ def test_the_places_that_are_asked_for_end_it() -> None:
     assert len(odd) == 3
     assert all(0 < at < 1000 and at % 100 != 0 for at in odd)
     assert said_of([*range(0, 1001, 100), *odd]) == []
+
+
+ROTARY = built_in(
+    setup_text("indexer", "autocollimator", direction="z", moves=["C"], park={"B": "0 deg"}), machine="dmu60"
+)
+TURNING = ROTARY.machine.index("C")
+
+
+def turned(degrees: float) -> Reading:
+    pose = [0.0] * len(ROTARY.machine.axes)
+    pose[TURNING] = float(np.radians(degrees))
+    return Reading("indexer", tuple(pose), (0,) * len(pose), 0.0)
+
+
+@pytest.mark.parametrize(("step", "said"), [(10.0, "10 deg"), (22.5, "22.5 deg"), (5.625, "5.625 deg")])
+def test_the_step_of_a_rotary_axis_is_named_in_degrees(step: float, said: str) -> None:
+    """No multiple of a degree is a whole number of microradians."""
+    readings = [turned(at) for at in np.arange(0.0, 360.1, step).tolist()]
+    (found,) = regular_places(readings, ROTARY.setups, ROTARY.machine.axes)
+    assert f"a multiple of {said} apart along C" in found.text
+    odd = [turned(float(part.split(" deg")[0])) for part in found.text.split("C = ")[1:]]
+    assert len(odd) == 3
+    assert list(regular_places([*readings, *odd], ROTARY.setups, ROTARY.machine.axes)) == []

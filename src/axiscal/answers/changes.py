@@ -44,17 +44,13 @@ def changes(estimation: Estimation) -> Iterator[Change]:
     text = estimation.case.description.prior_text
     if not text or is_type_text(text):
         return
-    before, now = last_estimation(text), _alone(estimation)
+    before = last_estimation(text)
+    now = concluded(Case(replace(estimation.case.description, prior_text="")), estimation.readings)
     for function in now.case.errors.functions:
         if function.name in before.case.errors.names:
             change = _change(before, now, function)
             if change.chance < _CHANCE:
                 yield change
-
-
-def _alone(estimation: Estimation) -> Estimation:
-    """Return what today's readings say without the last campaign."""
-    return concluded(Case(replace(estimation.case.description, prior_text="")), estimation.readings)
 
 
 def _change(before: Estimation, now: Estimation, function: ErrorFunction) -> Change:

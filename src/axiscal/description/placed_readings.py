@@ -159,7 +159,8 @@ def _reading(
 
 
 _OFF = 1e-4
-"""m, how far from its place the tool point may be said to stand."""
+"""m, how far from its place the tool point may be said to stand; m or rad, forgiven of the digits of a coordinate."""
+_ByAxis = Mapping[str, float]
 _ROUND = 1e-9
 """rad, of an angle: rounding."""
 _STILL = {False: 1e-6, True: math.radians(1e-5)}
@@ -200,18 +201,20 @@ def _ends_of(row: RawReading, campaign: CampaignDescription) -> tuple[Reading, R
     return first, second
 
 
-def placed_pose(setup: Setup, machine: Machine, position: Mapping[str, float]) -> tuple[float, ...]:
+def placed_pose(setup: Setup, machine: Machine, position: _ByAxis, rounded: _ByAxis | None = None) -> tuple[float, ...]:
     """Return the pose that a set-up and coordinates by axis (m or rad) mean; axes left out must be parked.
 
     Raises ReadingError for an axis that is not there, that is parked elsewhere, or a position outside its travel.
+    rounded : half of the last digit of each coordinate, by which it may lie outside
     """
     _refuse_unknown_axis(position, machine)
+    rounding = rounded or {}
     if setup.chart is not None:
-        return _on_chart(setup, setup.chart, machine, position)
-    return tuple(_coordinate(setup, axis, index, position) for index, axis in enumerate(machine.axes))
+        return _on_chart(setup, setup.chart, machine, position, rounding)
+    return tuple(_coordinate(setup, axis, index, position, rounding) for index, axis in enumerate(machine.axes))
 
 
-def _on_chart(setup: Setup, chart: Chart, machine: Machine, position: Mapping[str, float]) -> tuple[float, ...]:
+def _on_chart(setup: Setup, chart: Chart, machine: Machine, position: _ByAxis, rounding: _ByAxis) -> tuple[float, ...]:
     """Return the pose on a chart; the linear axes follow from the others where one place is held, if they are left out.
 
     Raises ReadingError for a place that is further from the chart than what touches can follow.
@@ -221,7 +224,7 @@ def _on_chart(setup: Setup, chart: Chart, machine: Machine, position: Mapping[st
         places = np.array([[position[machine.axes[k].name] for k in chart.turning]])
         following = dict(zip((axis.name for axis in machine.axes), chart.poses(places)[0].tolist(), strict=True))
         position = {**following, **position}
-    pose = tuple(_coordinate(setup, axis, index, position) for index, axis in enumerate(machine.axes))
+    pose = tuple(_coordinate(setup, axis, index, position, rounding) for index, axis in enumerate(machine.axes))
     off, allowed = off_chart(machine, chart, np.array(pose)), setup.stroke or _OFF
     if off > allowed:
         far = format_quantity(off, "mm", 3)
@@ -265,7 +268,8 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
         position = row.position
         if row.test is not None:
             position = {campaign.machine.axes[setup.moves[0]].name: position[""]}
-        pose = placed_pose(setup, campaign.machine, in_radii(position, campaign.machine.axes))
+        numbers = (in_radii(each, campaign.machine.axes) for each in (position, row.rounding))
+        pose = placed_pose(setup, campaign.machine, *numbers)
         directions = placed_approach(setup, campaign.machine, row.approach)
     value, *others = sign * row.value, *row.others
     if row.met:
@@ -301,7 +305,7 @@ def _refuse_unknown_axis(names: Mapping[str, object], machine: Machine) -> None:
         raise ReadingError(failure.what, failure.remedy) from None
 
 
-def _coordinate(setup: Setup, axis: Axis, index: int, position: Mapping[str, float]) -> float:
+def _coordinate(setup: Setup, axis: Axis, index: int, position: _ByAxis, rounding: _ByAxis) -> float:
     moves = index in setup.moves
     if axis.name not in position:
         if moves:
@@ -311,6 +315,7 @@ def _coordinate(setup: Setup, axis: Axis, index: int, position: Mapping[str, flo
         return setup.park[index]
     value, unit = position[axis.name], axis.unit
     slack, (low, high) = _STILL[False] if setup.base else 1e-9 * axis.length, setup.span(axis, index)
+    slack = max(slack, min(rounding.get(axis.name, 0.0), _OFF))
     if not low - slack <= value <= high + slack:
         _refuse_outside(setup, axis, index, value)
     if not moves and abs(value - setup.park[index]) > _STILL[axis.rotary]:

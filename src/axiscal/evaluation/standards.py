@@ -12,8 +12,7 @@ deviations of the radius, actual minus nominal, with the centre of least squares
     D     mean bidirectional radial deviation: mean of the radii of least squares of both paths, less the nominal one
 
 The standard defines G by the two concentric circles of least separation. The width about the centre of least squares is
-never smaller, and a few percent larger at most. The least-squares centre of readings around a turn is that of
-r(θ) = r₀ + a cos θ + b sin θ + e(θ).
+never smaller, and a few percent larger at most.
 """
 
 from __future__ import annotations
@@ -286,9 +285,8 @@ def _drift(test: PositioningTest) -> Iterable[str]:
     left = means - slope * time
     square = slope**2 * spread / max(float(left @ left) / degrees, np.finfo(float).tiny)
     if square > _STEADILY**2:
-        moved = said_quantity(slope * float(np.ptp(time)), test.value_unit, 3)
         words = "The means of the runs move steadily, by {moved} from the first to the last: A and R count this drift."
-        yield said(words, moved=moved)
+        yield said(words, moved=said_quantity(slope * float(np.ptp(time)), test.value_unit, 3))
 
 
 def _outliers(test: PositioningTest) -> Iterable[str]:
@@ -331,26 +329,15 @@ def _shown(value: float | None, unit: str) -> float | None:
     return None if value is None or not np.isfinite(value) else round(to_unit(value, unit), 9)
 
 
-_AROUND = 8
-"""Angles that tell a centre from a lobed circle of two or three lobes."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CircularTest:
-    """A circular test: angles (m,) rad, deviations of the radius (m,) m, directions (m,) +1 counter-clockwise or −1."""
-
-    angles: Array
-    deviations: Array
-    directions: Array
-    file: str | None = None
+_AROUND, _ROUNDING = 8, 1e-9
+"""Angles that tell a centre from a lobed circle of two or three lobes; rad."""
 
 
 @dataclass(frozen=True, slots=True)
 class CircleFigures:
-    """Figures by name, m, and the centre of both paths together, m."""
+    """Figures by name, m."""
 
     figures: Mapping[str, float]
-    centre: tuple[float, float]
     warnings: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, object]:
@@ -363,38 +350,47 @@ def figures_of(read: Recognised) -> Positioning | CircleFigures:
     """Return the figures of the test that a file holds; raises ReadingError, EvaluationError."""
     if (found := read.found.readings)[0].test == "circle":
         rows = np.array([(each.position[""], each.value, each.approach[""]) for each in found])
-        return circular(CircularTest(rows[:, 0], rows[:, 1], rows[:, 2], read.file))
+        return circular(rows.T, read.file)
     return evaluate(positioning_test(read))
 
 
-def circular(test: CircularTest) -> CircleFigures:
-    """Return G_plus (counter-clockwise), G_minus, G_b, F_max, F_min, D; raises EvaluationError for less than a turn."""
-    ways = {"plus": test.directions > 0, "minus": test.directions < 0}
-    measured = {name: mine for name, mine in ways.items() if np.any(mine)}
-    for name, mine in measured.items():
-        around = np.sort(np.mod(test.angles[mine], 2 * np.pi))
+def circular(rows: Array, file: str | None = None) -> CircleFigures:
+    """Return G_plus (counter-clockwise), G_minus, G_b, F_max, F_min, D; raises EvaluationError for less than a turn.
+
+    rows : angles, rad, deviations of the radius, m, and directions, +1 counter-clockwise or −1, (3, m)
+    """
+    ways = {"plus": rows[:2, rows[2] > 0], "minus": rows[:2, rows[2] < 0]}
+    measured = {name: _whole_turn(way) for name, way in ways.items() if way.size}
+    for name, (angles, _) in measured.items():
+        around = np.sort(np.mod(angles, 2 * np.pi))
         gaps = np.diff(around, append=around[:1] + 2 * np.pi)
         if len(around) < _AROUND or gaps.max() >= np.pi / 2:
             what = "the clockwise readings do not go all around"
             what = "the counter-clockwise readings do not go all around" if name == "plus" else what
-            raise EvaluationError(what, "Give eight angles or more, no quarter of the turn without one", test.file)
-    radius, centre, left = _centred(test.angles, test.deviations)
-    each = {name: _centred(test.angles[mine], test.deviations[mine]) for name, mine in measured.items()}
-    figures = {f"G_{name}": float(np.ptp(own)) for name, (_, _, own) in each.items()}
-    radial = radius + left
+            raise EvaluationError(what, "Give eight angles or more, no quarter of the turn without one", file)
+    radius, left = _centred(*np.concatenate(list(measured.values()), axis=1))
+    each = {name: _centred(*own) for name, own in measured.items()}
+    figures = {f"G_{name}": float(np.ptp(own)) for name, (_, own) in each.items()}
     if len(measured) == 2:
         figures["G_b"] = float(np.ptp(left))
-        figures["D"] = float(np.mean([mean for mean, _, _ in each.values()]))
-    figures |= {"F_max": float(radial.max()), "F_min": float(radial.min())}
+        figures["D"] = float(np.mean([mean for mean, _ in each.values()]))
+    figures |= {"F_max": radius + float(left.max()), "F_min": radius + float(left.min())}
     missing = () if len(measured) == 2 else ("Only one direction was measured: G_b and D are not known.",)
-    return CircleFigures(figures, centre, missing)
+    return CircleFigures(figures, missing)
 
 
-def _centred(angles: Array, deviations: Array) -> tuple[float, tuple[float, float], Array]:
-    """Return r₀, (a, b) and e (m,) of deviations (m,) of a radius by least squares, all m.
+def _whole_turn(rows: Array) -> Array:
+    """Return angles and deviations (2, m) on the turn in their middle, without feed-in and feed-out (ISO 230-4)."""
+    angles = rows[0]
+    begin = angles[angles >= (angles.min() + angles.max()) / 2 - np.pi - _ROUNDING].min()
+    return rows[:, (angles >= begin) & (angles <= begin + 2 * np.pi + _ROUNDING)]
+
+
+def _centred(angles: Array, deviations: Array) -> tuple[float, Array]:
+    """Return r₀ and e (m,) of deviations r(θ) = r₀ + a cos θ + b sin θ + e(θ) (m,) of a radius by least squares, m.
 
     angles : (m,) rad, on at least half a turn or the centre is not told from the radius
     """
     columns = np.column_stack([np.ones_like(angles), np.cos(angles), np.sin(angles)])
-    radius, a, b = np.linalg.lstsq(columns, deviations, rcond=None)[0].tolist()
-    return radius, (a, b), deviations - columns @ np.array([radius, a, b])
+    found = np.linalg.lstsq(columns, deviations, rcond=None)[0]
+    return float(found[0]), deviations - columns @ found

@@ -43,7 +43,7 @@ from axiscal.numerics import Array
 from axiscal.planning.unseen import hidden_of
 from axiscal.present.beside import beside_the_tool
 from axiscal.present.summary import Finding
-from axiscal.units import format_quantity, said_quantity, to_unit
+from axiscal.units import format_quantity, from_unit, said_quantity, to_unit
 from axiscal_core.theta import Kind
 
 _RARELY = 1e-2
@@ -271,10 +271,10 @@ def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Findin
     return [Finding("drift", None, said(text, setup=name)) for name in drifting]
 
 
-_PLACES, _MICROMETRE = 5, 1e-6
-"""Of a standard test at least (ISO 230-2): any three are multiples of something apart; m or rad: as written."""
+_PLACES, _THOUSANDTH = 5, 1e-3
+"""Of a standard test at least (ISO 230-2): any three are multiples of something apart; mm or deg: as written."""
 _LEAD = 2000
-"""Micrometres: screws and belts have no shorter period."""
+"""Thousandths of a mm: screws and belts have no shorter period."""
 _ODD = (0.2, 0.31), (0.5, 0.5), (0.8, 0.73)
 """Shares of the range and of the step: any that no small fraction of the step joins."""
 
@@ -288,14 +288,14 @@ def regular_places(readings: Sequence[Reading], setups: Sequence[Setup], axes: S
     for setup in setups:
         poses = np.array([reading.pose for reading in readings if reading.setup == setup.name]).reshape(-1, len(axes))
         for k in setup.moves if setup.chart is None else ():
-            places = np.unique(np.round(poses[:, k] / _MICROMETRE).astype(np.int64))
+            places = np.unique(np.round(to_unit(poses[:, k], axes[k].unit) / _THOUSANDTH).astype(np.int64))
             if (step := step_between(places)) >= (1 if axes[k].rotary else _LEAD):
                 count, pose = (places[-1] - places[0]) // step, np.zeros((len(_ODD), len(axes)))
-                pose[:, k] = [(places[0] + (int(at * count) + part) * step) * _MICROMETRE for at, part in _ODD]
+                asked = [places[0] + (int(at * count) + part) * step for at, part in _ODD]
+                pose[:, k] = from_unit(np.array(asked) * _THOUSANDTH, axes[k].unit)
                 odd = listed(", ", [place_text(axes, each, [k]) for each in pose.tolist()])
-                shown = format_quantity(step * _MICROMETRE, axes[k].unit, 6)
-                named = {"setup": setup.name, "step": shown, "axis": axes[k].name, "places": odd}
-                yield Finding("period", None, said(text, **named))
+                named = {"setup": setup.name, "axis": axes[k].name, "places": odd}
+                yield Finding("period", None, said(text, step=f"{step * _THOUSANDTH:.6g} {axes[k].unit}", **named))
 
 
 def step_between(places: NDArray[np.int64]) -> int:

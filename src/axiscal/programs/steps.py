@@ -67,15 +67,11 @@ def groups(machine: Machine, driving: Driving) -> tuple[Group, ...]:
 
 
 def _group(machine: Machine, members: Sequence[int], near: float | None) -> Group:
-    axes = tuple(sorted(members, key=lambda k: _place(machine.axes[k])))
+    axes = tuple(sorted(members, key=lambda k: ("".join(FAMILIES).index(machine.axes[k].letter), machine.axes[k].name)))
     speeds = tuple(_written(machine.axes[k], machine.axes[k].speed) for k in axes)
     accelerations = tuple(_written(machine.axes[k], machine.axes[k].acceleration) for k in axes)
     slow = None if near is None else math.floor(to_unit(near, "mm/min") * (1 + 1e-12))
     return Group(tuple(machine.axes[k].name for k in axes), axes, speeds, accelerations, slow)
-
-
-def _place(axis: Axis) -> tuple[int, str]:
-    return "".join(FAMILIES).index(axis.letter), axis.name
 
 
 def _written(axis: Axis, value: float) -> float:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Literal
 
@@ -29,6 +29,7 @@ from axiscal.measurement.readers.csv_table import (
     CsvTable,
     Row,
     axis_layout,
+    axis_names,
     csv_text,
     read_approach,
     read_position,
@@ -93,6 +94,7 @@ class RawReading:
     error : where a file names no set-up but the error that was read, such as "EXX"; "z" a height, "slope" a level's
     time : s after the first reading of the file; None where it does not say
     base : how far apart the feet of a level stood, m
+    rounding : of the digits of each coordinate, half of the last one, m or rad, by axis; absent where not known
     beside : how far the probe of a printer stands beside its nozzle along x and y, m
     """
 
@@ -115,6 +117,7 @@ class RawReading:
     test: Test | None = None
     run: int = 0
     check: bool = False
+    rounding: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def target_dimension(self) -> Literal["length", "angle"]:
@@ -222,9 +225,11 @@ def _reading(table: CsvTable, row: Row, setup: str, bare: bool, own: Mapping[str
     columns = _filled(table, row, stems, own)
     value, *others = map(row.quantity, columns)
     std = _std(table, row, columns[0])
+    written = ((name, row.only_filled(table.all_of(name))) for name in axis_names(table))
+    rounding = {name: row.rounding(column) for name, column in written if column is not None}
     at = setup, read_position(table, row), read_approach(table, row, alone=True)
     raw = RawReading(*at, value, std, columns[0].dimension, row.line, tuple(others))
-    return replace(raw, by_station=stems is _STATIONS, met=stems is _MET, whole=stems is _LENGTH)
+    return replace(raw, by_station=stems is _STATIONS, met=stems is _MET, whole=stems is _LENGTH, rounding=rounding)
 
 
 def _filled(table: CsvTable, row: Row, stems: Sequence[str], own: Mapping[str, tuple[str, ...]]) -> list[Column]:

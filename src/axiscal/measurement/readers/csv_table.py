@@ -116,6 +116,12 @@ class Row:
             raise self._no_number(column)
         return value
 
+    def rounding(self, column: Column) -> float:
+        """Return half of the last digit of a number, in SI units."""
+        head, *power = re.split("[eE]", self._plain(column).lstrip("+-"))
+        half = "e".join([re.sub(r"\d", "0", head) + ("5" if "." in head else ".5"), *power])
+        return from_unit(float(half), column.unit or column.stated)
+
     def _plain(self, column: Column) -> str:
         """Return a cell as a number with a decimal point is written."""
         plain = self.text(column).replace("\N{MINUS SIGN}", "-")
@@ -342,12 +348,8 @@ def axis_layout(table: CsvTable) -> dict[str, tuple[str, ...]]:
 
 def read_position(table: CsvTable, row: Row) -> dict[str, float]:
     """Return the coordinates (m or rad) that a line gives, by axis; an empty cell gives none.  Raises ReadingError."""
-    position = {}
-    for name in axis_names(table):
-        column = row.only_filled(table.all_of(name))
-        if column is not None:
-            position[name] = row.quantity(column)
-    return position
+    columns = ((name, row.only_filled(table.all_of(name))) for name in axis_names(table))
+    return {name: row.quantity(column) for name, column in columns if column is not None}
 
 
 def approach_of(text: str, word: re.Pattern[str] = _APPROACH) -> dict[str, int] | None:
