@@ -14,7 +14,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.readers.csv_readings import RawReading
 from tests.generators.campaigns import built_in
-from tests.generators.texts import setup_text
+from tests.generators.texts import artefact_text, setup_text
 
 MILL = setup_text(
     "laser", "interferometer", direction="x", moves=["X"], park={"Y": "250 mm", "Z": "100 mm"}
@@ -23,15 +23,9 @@ LEVELS = "".join(
     f'[[setups]]\nname = "level {k}"\ninstrument = "level"\ndirection = "y"\nmoves = ["X"]\n{base}\n'
     for k, base in enumerate(("", 'base = "100 mm"'))
 )
-BALLS = """
-[[artefacts]]
-balls = { low = ["200 mm", "0 mm", "-80 mm"] }
-name = "balls"
-[[setups]]
-artefact = "balls"
-instrument = "rtest"
-name = "nest"
-"""
+BALLS = artefact_text("balls", balls={"low": ["200 mm", "0 mm", "-80 mm"]}) + setup_text(
+    "nest", "rtest", artefact="balls"
+)
 LINE = setup_text("diagonal", "interferometer", along=[["100 mm", "100 mm", "50 mm"], ["300 mm", "300 mm", "200 mm"]])
 
 
