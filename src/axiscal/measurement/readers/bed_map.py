@@ -283,7 +283,7 @@ def points_of(file: TextFile, pattern: re.Pattern[str], aside: Vector = (0.0, 0.
 def told_lines(file: TextFile) -> Iterator[tuple[int, str]]:
     """Yield the lines with their numbers, without what a terminal and the firmware write in front."""
     for number, line in enumerate(file.lines, 1):
-        yield number, _LOG.sub("", line).rstrip()
+        yield number, _LOG.split(line, maxsplit=1)[-1].rstrip()
 
 
 def telling(*patterns: re.Pattern[str]) -> Callable[[TextFile], bool]:
