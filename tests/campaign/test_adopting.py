@@ -121,18 +121,6 @@ def test_readings_that_come_back_are_not_counted_twice(
     assert values(main) == own + values(third)[9:]
 
 
-def test_of_two_that_left_one_branch_nothing_is_lost_and_nothing_counts_twice(main: Path, branch: Path) -> None:
-    before = values(main)
-    read(branch, read_on(1)[8:11])
-    third = branch.with_name("third.axiscal")
-    third.write_bytes(branch.read_bytes())
-    read(branch, read_on(1)[11:13])
-    read(third, read_on(1)[13:16])
-    assert run(["adopt", str(main), str(branch)]) == 0
-    assert run(["adopt", str(main), str(third), "--same-mounting"]) == 0
-    assert values(main) == before + values(branch)[6:] + values(third)[9:]
-
-
 def test_another_campaign_a_copy_and_an_ended_one_are_sentences(
     main: Path, branch: Path, tmp_path: Path, command: Command
 ) -> None:

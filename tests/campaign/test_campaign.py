@@ -15,9 +15,6 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, Milestone
 from axiscal.campaign.sources import Answer, Request, Skip
 from axiscal.description.campaign import read_campaign
-from axiscal.estimation.case import Case
-from axiscal.estimation.estimate import estimated
-from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.exceptions import RecordError, SourceError
 from axiscal.measurement.reading import Place, Reading
 from axiscal.record.events import Asked, Gap, Recorded
@@ -117,20 +114,7 @@ def ignore(milestone: Milestone) -> None:
     pass
 
 
-@pytest.mark.long
-def test_a_target_of_u_is_reached_when_the_u_that_is_promised_is_within_it(start: Start) -> None:
-    """Not before 1.96 standard uncertainties of the model are; and with departures and scales averaged over."""
-    campaign = start('U = "6 um"')
-    campaign.run(Listed(*[Answer(0.0)] * 40), lambda milestone: None)
-    count = len(campaign.state.readings)
-    taken = [Reading("laser along X", r.pose, r.approach, 0.0) for r in campaign.state.readings]
-    now, before = (expanded_uncertainty(estimated(campaign.case(), taken[:n])).space for n in (count, count - 1))
-    assert campaign.state.finished == "U target reached"
-    assert now <= 6e-6 < before
-    assert 1.96 * std_after(count) <= 6e-6
-
-
-def test_asking_again_gives_the_same_question(start: Start) -> None:
+def test_asking_again_gives_the_same_question_and_a_skipped_one_does_not_come_again(start: Start) -> None:
     campaign = start("readings = 3")
     asked = campaign.next()
     assert asked == Asked(1, Place("laser along X", (0.0, 0.2), (1, 0)))
@@ -140,15 +124,10 @@ def test_asking_again_gives_the_same_question(start: Start) -> None:
         following = again.next()
         assert isinstance(following, Asked)
         assert (following.reading, following.place.pose[0]) == (2, 0.01)
-
-
-def test_a_skipped_place_is_not_asked_for_again(start: Start) -> None:
-    campaign = start("readings = 3")
-    first = campaign.next()
-    assert campaign.skip("the beam is blocked") == first
-    second = campaign.next()
-    assert isinstance(second, Asked)
-    assert (second.reading, second.place.pose[0]) == (2, 0.01)
+        assert again.skip("the beam is blocked") == following
+        third = again.next()
+        assert isinstance(third, Asked)
+        assert (third.reading, third.place.pose[0]) == (3, 0.02)
 
 
 def test_undo_takes_back_and_asks_again(start: Start) -> None:
@@ -220,28 +199,6 @@ def test_the_first_target_reached_stops(start: Start, target: str, because: str,
     np.testing.assert_allclose([m.accuracy for m in history], [m.accuracy for m in seen], rtol=1e-9)
 
 
-def test_a_campaign_ends_by_what_its_report_says_and_is_estimated_once(
-    start: Start, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    campaign = start('worst = "4.5 um"')
-    while isinstance(campaign.next(), Asked):
-        campaign.record(1e-6)
-    assert (met := campaign.reached()) == "worst target reached"
-
-    asked = []
-
-    def counted(case: Case, readings: tuple[Reading, ...]) -> Estimation:
-        asked.append(readings)
-        return estimated(case, readings)
-
-    monkeypatch.setattr("axiscal.campaign.campaign.estimated", counted)
-    with Campaign.open(campaign.path) as again:
-        assert again.finish() == met
-        assert again.estimate(ended=True).accuracy.worst <= 4.5e-6
-        assert again.status().accuracy == again.estimate().accuracy
-    assert len(asked) == 1
-
-
 def test_beyond_the_plan_no_reading_is_worth_a_long_mounting(start: Start, tmp_path: Path) -> None:
     (tmp_path / "m.toml").write_text(MACHINE.replace("[errors]", '[errors]\nEYY_reversal = { std = "20 um" }'))
     (tmp_path / "d.toml").write_text(TEXT.replace("TARGET", "readings = 4") + 'approach = "both"\nsetup_time = "1 h"\n')
@@ -253,15 +210,6 @@ def test_beyond_the_plan_no_reading_is_worth_a_long_mounting(start: Start, tmp_p
             assert isinstance(question, Asked)
             assert question.place.setup == "laser along X"
             campaign.record(1e-6, live=False)
-
-
-def test_a_target_that_is_reached_unread_begins_with_a_few_readings(tmp_path: Path) -> None:
-    machine = machine_text("w-X'-Y'-b-t", {"X": (0, 600), "Y": (0, 400)}, {"EXX": "5 um"})
-    (tmp_path / "m.toml").write_text(machine)
-    text = TEXT.replace("TARGET", 'U = "90 um"').replace('usual = "off"\nsure = "exactly"\n', "")
-    (tmp_path / "c.toml").write_text(text)
-    with Campaign.create(tmp_path / "c.axiscal", read_campaign(tmp_path / "c.toml")) as campaign:
-        assert len(campaign.prepared()) == 6
 
 
 def test_a_finished_campaign_is_closed_until_the_end_is_taken_back(start: Start) -> None:

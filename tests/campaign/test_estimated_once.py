@@ -11,57 +11,36 @@ import pytest
 
 from axiscal.campaign import campaign as running
 from axiscal.campaign.campaign import Campaign
-from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation import estimate
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.simulation import Simulator
 from axiscal.record.events import Asked
+from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, plus, read
 
-TEXT = """
-{said}
-machine = "one-axis"
-[target]
-rms = "0.01 um"
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-noise = "0.3 um"
-approach = "both"
-"""
 COUNT = 24
 SAID = ['usual = "off"\nsure = "exactly"', 'sure = "roughly"']
 
 
-def _described(folder: Path, said: str = SAID[0]) -> CampaignDescription:
-    path = folder / "campaign.toml"
-    path.write_text(TEXT.format(said=said), encoding="utf-8")
-    return read_campaign(path)
+def _described(said: str = SAID[0]) -> CampaignDescription:
+    text = CAMPAIGN.replace('rms = "3 um"', 'rms = "0.01 um"')
+    return campaign_from_texts(f"{said}\n{text}", "c.toml", MACHINE, "m")
 
 
-def _readings(description: CampaignDescription, count: int) -> tuple[Reading, ...]:
+def _readings(count: int) -> tuple[Reading, ...]:
     """Return readings of a virtual machine, of which one is bad."""
-    rng = np.random.default_rng(3)
-    machine, setup = Simulator(description.machine, description.setups).drawn(3), description.setups[0]
-    low, high = description.machine.axes[0].travel
-    found = []
-    for number in range(count):
-        pose, side = (float(rng.uniform(low, high)),), (int(rng.choice([-1, 1])),)
-        value = machine.read_all(setup, pose, side, rng)[0] + (2e-5 if number == 20 else 0.0)
-        found.append(Reading("laser", pose, side, value))
-    return tuple(found)
+    return tuple(plus(read(machine(3), count), 2e-5 * (np.arange(count) == 20)))
 
 
 @pytest.fixture
 def record(tmp_path: Path) -> Path:
     """A record of readings, in a folder of its own."""
-    description, path = _described(tmp_path), tmp_path / "records" / "c.axiscal"
+    path = tmp_path / "records" / "c.axiscal"
     path.parent.mkdir()
-    with Campaign.create(path, description) as campaign:
-        campaign.adopt(_readings(description, COUNT))
+    with Campaign.create(path, _described()) as campaign:
+        campaign.adopt(_readings(COUNT))
     return path
 
 
@@ -128,9 +107,9 @@ def test_what_a_campaign_goes_on_by_is_kept_until_it_is_read_again(
 
 @pytest.mark.parametrize("said", SAID)
 def test_of_one_that_has_ended_it_says_what_its_results_say(said: str, tmp_path: Path) -> None:
-    description, path = _described(tmp_path, said), tmp_path / "c.axiscal"
+    description, path = _described(said), tmp_path / "c.axiscal"
     with Campaign.create(path, description) as campaign:
-        campaign.adopt(_readings(description, COUNT))
+        campaign.adopt(_readings(COUNT))
         campaign.finish("all were read")
         expected = estimate.concluded(Case(description), campaign.state.readings)
         assert campaign.estimate(ended=True).accuracy == expected.accuracy
@@ -141,8 +120,8 @@ def test_of_one_that_has_ended_it_says_what_its_results_say(said: str, tmp_path:
 
 @pytest.mark.parametrize("said", SAID)
 def test_one_that_goes_on_says_what_its_end_said_until_it_is_read_again(said: str, tmp_path: Path) -> None:
-    description, path = _described(tmp_path, said), tmp_path / "c.axiscal"
-    readings = _readings(description, COUNT + 1)
+    description, path = _described(said), tmp_path / "c.axiscal"
+    readings = _readings(COUNT + 1)
     with Campaign.create(path, description) as campaign:
         campaign.adopt(readings[:COUNT])
         campaign.finish("all were read")

@@ -26,7 +26,8 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.ports.printers.printer_source import moonraker
+from axiscal.ports.printers.printer import Exported, Moonraker
+from axiscal.ports.printers.printer_source import PrinterSource, moonraker
 
 
 def bed(x: float, y: float) -> float:
@@ -336,6 +337,19 @@ def test_a_probe_that_stands_elsewhere_than_stated_is_refused(printer: Server) -
         source.read(replace(asked, setup=replace(asked.setup, offset=offset)))
     with pytest.raises(SourceError, match="stands 20 -5 mm beside the nozzle along x and y, and not 20 5 mm"):
         source.read(replace(asked, setup=replace(asked.setup, offset=(0.02, 0.005, 0.0))))
+
+
+def test_as_left_the_exported_mesh_has_to_be_in_force_and_what_it_adds_is_taken_off(printer: Server) -> None:
+    exported = Exported("#*# points =\n#*# \t  0.100000, 0.200000\n", None, {})
+    control = Moonraker(f"127.0.0.1:{printer.server_address[1]}", exported)
+    for held in ([[0.1, 0.3]], [[0.1, 0.2]]):
+        with pytest.raises(SourceError, match="does not have the exported mesh in force"):
+            PrinterSource(control, SIMULATOR.machine)
+        printer.klipper["bed_mesh"] = {"profile_name": "axiscal", "probed_matrix": held}
+    printer.klipper["toolhead"] |= {"position": [1.0, 2.0, 5.15]}
+    answer = PrinterSource(control, SIMULATOR.machine).read(request(10.0, 20.0))
+    assert isinstance(answer, Answer)
+    assert answer.value == pytest.approx(-(bed(10.0, 20.0) - 0.15) * 1e-3, abs=1e-9)
 
 
 FRAME = """

@@ -10,10 +10,10 @@ from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.outputs import standing_screen
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.exceptions import RecordError
-from axiscal.measurement.reading import Reading
+from axiscal.exceptions import ReadingError, RecordError
+from axiscal.measurement.reading import Place
 from axiscal.present.guide.progress import Named, named_now
-from axiscal.record.accepted import Accepted, put_right
+from axiscal.record.accepted import Accepted
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, read
 from tests.generators.turned_back import OUT, begun_out_and_back
 
@@ -42,6 +42,9 @@ def test_the_next_reading_has_a_zero_of_its_own_and_undo_takes_that_back(tmp_pat
         assert campaign.record(3e-4).number == 5
         assert _setups(campaign)[-1] == "laser"
         assert not campaign.estimate().left_out
+        with pytest.raises(ReadingError, match="its zero jumped"):
+            campaign.record(0.0, at=Place("laser, before reading 5", (0.1,), (1,)))
+        assert {place.setup for place in campaign.prepared()} == {"laser"}
     with Campaign.open(tmp_path / "r.axiscal") as again:
         assert _setups(again) == ["laser, before reading 5"] * 4 + ["laser"]
         again.undo()
@@ -69,14 +72,6 @@ def test_a_zero_before_the_first_reading_or_behind_the_next_is_refused(setup: st
         with pytest.raises(RecordError, match=f'No zero of "{setup}" can change before reading {before}'):
             campaign.accept("jump", setup, before)
         assert campaign.state.last == last
-
-
-def test_a_reading_that_comes_later_is_behind_the_jump_and_one_without_any_before_it_is_none() -> None:
-    readings = [Reading("laser", (0.1 * n,), (1,), 0.0, number=n) for n in (1, 2, 6)]
-    jump = Accepted("jump", ("laser",), 4, name="before")
-    assert [each.setup for each in put_right(readings, jump)] == ["before", "before", "laser"]
-    with pytest.raises(ValueError, match="no zero jumped before reading 1"):
-        put_right(readings, Accepted("jump", ("laser",), 1, name="before"))
 
 
 def test_a_step_is_asked_about_by_the_second_reading_behind_it_and_accepted_it_agrees(tmp_path: Path) -> None:

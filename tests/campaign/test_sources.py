@@ -16,7 +16,7 @@ import pytest
 from axiscal.campaign.sources import Answer, Skip, Source, open_source
 from axiscal.campaign.sources import exec as exec_source
 from axiscal.campaign.sources.exec import ExecSource
-from axiscal.exceptions import InputError, ReadingError, SourceError
+from axiscal.exceptions import InputError, SourceError
 from axiscal.measurement.setup import Setup
 from tests.generators.requests import REQUEST, SETUP, SIMULATOR
 
@@ -272,9 +272,3 @@ def test_a_row_that_agrees_is_answered(table: Callable[[str], Source]) -> None:
     source = table(text)
     assert source.read(REQUEST) == Answer(1.5e-6, 0.5e-6)
     assert source.read(REQUEST) == Answer(-1e-6)
-
-
-@pytest.mark.parametrize("text", ["reading\n1\n", "value\n1\n", "", "value_um\n", "value_um,day\n1,2\n"])
-def test_a_table_of_something_else_is_refused(table: Callable[[str], Source], text: str) -> None:
-    with pytest.raises(ReadingError):
-        table(text)

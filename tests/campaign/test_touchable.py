@@ -25,8 +25,8 @@ from axiscal.ports.linuxcnc.live.attached import _WayToBall
 from axiscal.programs import dialect, programs
 from tests.generators.touching_machines import CHAINS, Control, described
 
-FEW, MANY = 10, 60
-"""Seeds tried at once, and where there is time: on two machines of three both balls can be touched."""
+FEW = 10
+"""Seeds tried: on two machines of three both balls can be touched."""
 MOVED = np.array([0.4e-3, -0.3e-3, 0.2e-3])
 """m: by how much a ball stands beside where it is stated."""
 
@@ -86,15 +86,9 @@ def test_every_candidate_is_touched(chain: int) -> None:
     assert touched(range(chain, FEW, len(CHAINS))) >= 4
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("chain", range(len(CHAINS)), ids=CHAINS)
-def test_every_candidate_of_many_machines_is_touched(chain: int) -> None:
-    assert touched(range(FEW + chain, MANY, len(CHAINS))) >= 12
-
-
 def test_programs_with_a_log_touch_every_candidate_that_straight_ways_lead_to() -> None:
     made = 0
-    for campaign in filter(None, map(known, range(len(CHAINS)))):
+    for campaign in filter(None, map(known, range(0, len(CHAINS), 2))):
         (setup,), requests = campaign.setups, wanted(campaign, 6)
         places = [Place(setup.name, request.pose, request.approach) for request in requests]
         for control in ("linuxcnc", "heidenhain"):
@@ -102,7 +96,7 @@ def test_programs_with_a_log_touch_every_candidate_that_straight_ways_lead_to() 
                 (program,) = programs(campaign.machine, campaign.setups, places, dialect(control), log=True)
                 assert len(program.readings) == len(places)
                 made += 1
-    assert made >= 4
+    assert made >= 2
 
 
 def narrowed(campaign: CampaignDescription) -> CampaignDescription:
@@ -176,9 +170,8 @@ def test_a_campaign_goes_on_around_what_cannot_be_touched_and_asks_it_no_more(tm
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", [0, 4, 23])
-def test_a_whole_plan_is_touched(seed: int, tmp_path: Path) -> None:
-    campaign = described(seed)
+def test_a_whole_plan_is_touched(tmp_path: Path) -> None:
+    campaign = described(4)
     with Campaign.create(tmp_path / "m.axiscal", campaign) as begun:
         begun.run(attached(campaign, made(campaign)), lambda _: None)
         assert len(begun.state.readings) == 4

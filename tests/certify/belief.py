@@ -1,4 +1,4 @@
-"""A million updates against 80 digits: `python -m tests.certify.belief --updates 1000000`.
+"""A million updates against 80 digits: `make certify PART=belief`.
 
 Two natural splines of 20 control values, of which only the sum is read. The readings stand at few distinct poses, so
 the exact posterior is one information sum. Judged are the standard deviations of the sum: eigenvalues and diagonal of
@@ -7,9 +7,6 @@ a covariance do not show the loss of digits, what can be observed does.
 
 from __future__ import annotations
 
-import argparse
-import sys
-import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,23 +59,3 @@ def judged(prior: float, noise: float, updates: int, seed: int = 1) -> Verdict:
 
 def _begin(prior: float) -> Belief:
     return Belief(np.zeros(2 * _SIZE), prior**2 * np.eye(2 * _SIZE))
-
-
-def main() -> int:
-    """Judge the five cases; status 1 where a limit is passed or a variance is not positive."""
-    parser = argparse.ArgumentParser(prog="python -m tests.certify.belief", description=main.__doc__)
-    parser.add_argument("--updates", type=int, default=1_000_000)
-    updates, failed = parser.parse_args().updates, False
-    for (prior, noise), limit in zip(CASES, LIMITS, strict=True):
-        begin, verdict = time.monotonic(), judged(prior, noise, updates)
-        failed |= verdict.error > limit or verdict.bad > 0
-        sys.stdout.write(
-            f"prior {prior * 1e6:9g} um, noise {noise * 1e6:5g} um, {updates} updates: std {verdict.error:.1e},"
-            f" mean {verdict.mean:.1e} std, not positive {verdict.bad}  ({time.monotonic() - begin:.0f} s)\n"
-        )
-        sys.stdout.flush()
-    return int(failed)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -23,14 +23,6 @@ def test_a_target_that_a_plan_reaches_is_reached(seed: int) -> None:
     assert found.reached
 
 
-@pytest.mark.long
-def test_ten_readings_more_do_not_bring_what_no_reading_can() -> None:
-    found = endings.infeasible(0)
-    assert found is not None
-    assert "cannot be reached: endless readings would leave" in found.because
-    assert not found.refuted
-
-
 @pytest.mark.parametrize("seed", [2, 3])
 def test_the_first_line_is_borne_out_by_the_truth(seed: int) -> None:
     found = first_lines.told(seed)

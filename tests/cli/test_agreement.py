@@ -47,10 +47,17 @@ def _evaluated(folder: Path, added: np.ndarray[Any, Any]) -> tuple[int, dict[str
 
 @pytest.fixture
 def contradicting(folder: Path, capsys: pytest.CaptureFixture[str]) -> Path:
-    """Return the record of readings that contradict each other, which no mistake explains."""
+    """Return the record of readings that contradict each other, which no mistake explains: they promise nothing."""
     (folder / "c.toml").write_text(NARROW)
-    assert _evaluated(folder, SCATTERED)[0] == 1
-    capsys.readouterr()
+    status, result = _evaluated(folder, SCATTERED)
+    told = capsys.readouterr()
+    assert (status, result["U_um"], result["k"], result["readings"]) == (1, None, None, 40)
+    assert (result["agreement"]["contradict"], result["agreement"]["explained"]) == (True, [])
+    assert "READINGS CONTRADICT" in told.out
+    assert "U = " not in told.out
+    assert "--anyway" in told.err
+    assert "<strong>READINGS CONTRADICT</strong>" in (folder / "d" / "report.html").read_text()
+    assert not (folder / "d" / "tables").exists()
     return folder / "d" / "campaign.axiscal"
 
 
@@ -65,23 +72,13 @@ def test_a_drift_of_usual_size_is_taken_off_without_a_word_of_it_in_the_campaign
     assert "with zeros that wander as is usual, 5 um/h" in told
     assert "Agreement: 40 of 40 readings agree with the others" in told
     assert "Readings agree: 40 of 40." in told
-
-
-def test_readings_that_nothing_explains_promise_nothing_and_are_all_kept(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (folder / "c.toml").write_text(NARROW)
-    status, result = _evaluated(folder, SCATTERED)
-    told = capsys.readouterr()
-    assert (status, result["U_um"], result["k"]) == (1, None, None)
-    assert (result["agreement"]["contradict"], result["agreement"]["explained"]) == (True, [])
-    assert "READINGS CONTRADICT" in told.out
-    assert "U = " not in told.out
-    assert "Traceback" not in told.err
-    assert "--anyway" in told.err
-    assert result["readings"] == 40
-    assert "<strong>READINGS CONTRADICT</strong>" in (folder / "d" / "report.html").read_text()
-    assert not (folder / "d" / "tables").exists()
+    lines = told.splitlines()
+    assert f"Expanded uncertainty U in space: {result['U_um']:.3g} um" in lines
+    assert any(line.startswith("positioning of X  EXX  ± ") for line in lines)
+    assert any(line.startswith("MEASURED   40 readings") for line in lines)
+    assert {table["controller"] for table in result["tables"]} == {"linuxcnc", "csv"}
+    (left,) = (line for line in lines if line.startswith("linuxcnc: All files together take"))
+    assert left.partition(" Then ")[2] in (folder / "d/tables/linuxcnc/README.txt").read_text()  # one U of the files
 
 
 def test_a_campaign_that_contradicts_itself_is_finished_without_u_and_with_it_where_that_is_wanted(

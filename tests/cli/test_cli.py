@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shlex
 import signal
@@ -13,9 +12,6 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.campaign.sources import Answer, Request
-from axiscal.campaign.sources.source import SimulatedSource
-from axiscal.exceptions import SourceError
 from tests.commands import Command
 from tests.generators.begun import begun
 from tests.generators.texts import FOUR_READINGS
@@ -35,30 +31,6 @@ def axiscal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -
 def started(axiscal: Command, tmp_path: Path) -> Command:
     begun(tmp_path, {"c.toml": FOUR_READINGS}, STARTED)
     return axiscal
-
-
-def test_the_loop_with_a_person(axiscal: Command) -> None:
-    assert "c.axiscal is ready" in axiscal("start", "c.toml").out
-    for number in range(1, 5):
-        question = axiscal("next", "c.axiscal", "--json").document["question"]
-        assert (question["reading"], question["setup"], question["units"]) == (number, "laser", {"X": "mm"})
-        assert axiscal("record", "c.axiscal", f"{number} um").status == 0
-    assert axiscal("next", "c.axiscal", "--json").document == {
-        "schema": "axiscal-next/1",
-        "question": None,
-        "stop": "4 readings taken",
-    }
-    assert "4 readings taken" in axiscal("next", "c.axiscal").out
-    result = axiscal("finish", "c.axiscal", "--out", "results", "--json").document
-    assert (result["schema"], result["readings"], result["stopped_because"]) == (
-        "axiscal-result/1",
-        4,
-        "4 readings taken",
-    )
-    assert [row["reading"] for row in result["history"]] == [0, 1, 2, 3, 4]
-    assert result["history"][0]["position"] is None
-    assert json.loads(Path("results/result.json").read_text()) == result
-    assert axiscal("status", "results/campaign.axiscal", "--json").document["finished"] == "4 readings taken"
 
 
 @pytest.mark.parametrize(
@@ -81,57 +53,6 @@ def test_values_as_they_are_typed(started: Command, words: list[str], value: flo
     assert kept.status == 0, kept
     assert kept.document["value"] == pytest.approx(value, rel=1e-12)
     assert kept.document["unit"] == "um"
-
-
-def test_skip_undo_status(started: Command) -> None:
-    question = started("next", "m.axiscal", "--json").document["question"]
-    assert started("skip", "m.axiscal", "the beam is blocked").status == 0
-    status = started("status", "m.axiscal", "--json").document
-    assert [(gap["reason"], gap["position"]) for gap in status["skipped"]] == [
-        ("the beam is blocked", question["position"])
-    ]
-    assert "Skipped" in started("status", "m.axiscal", "--details").out
-    assert started("undo", "m.axiscal", "--json").document["undone"] == "skipped"
-    assert started("next", "m.axiscal", "--json").document["question"] == question
-    started("undo", "m.axiscal").refused("nothing to take back")
-
-
-def test_a_reading_has_one_number_wherever_it_is_named(started: Command) -> None:
-    started("next", "m.axiscal")
-    assert 'Skipped reading 1 in "laser" at X = ' in started("skip", "m.axiscal", "no beam").out
-    assert started("undo", "m.axiscal").status == 0
-    started("next", "m.axiscal")
-    assert 'Skipped reading 1 in "laser" at X = ' in started("skip", "m.axiscal", "no beam again").out
-    for value in ("0.1 um", "900 um"):
-        started("next", "m.axiscal")
-        kept = started("record", "m.axiscal", value, "--accept").out
-    assert kept.startswith("Kept reading 3: 900 um at X = ")
-    assert 'Took back reading 3 in "laser" at X = ' in (taken := started("undo", "m.axiscal").out)
-    assert "1 reading is kept" in taken
-    assert started("next", "m.axiscal").out.startswith("Reading 3:")
-    document = started("record", "m.axiscal", "0.2 um", "--json").document
-    assert (document["reading"], document["readings"]) == (3, 2)
-    assert "Skipped reading 1 in" in started("status", "m.axiscal", "--details").out
-    assert started("next", "m.axiscal").out.startswith("Reading 4:")
-    started("record", "m.axiscal", "2000000 um")
-    assert 'Reading 4 in "laser" at X = ' in str(started("finish", "m.axiscal", "--json", "--out", "r").document)
-    result = json.loads(Path("r/result.json").read_text())
-    assert [row["reading"] for row in result["history"]] == [0, 2, 3, 4]
-    assert [row["reading"] for row in result["rejected"]] == [4]
-    assert "Reading 4 not believed." in Path("r/report.html").read_text(encoding="utf-8")
-
-
-def test_a_finished_campaign_says_so(started: Command) -> None:
-    assert started("finish", "m.axiscal", "--out", "r").status == 0
-    assert started("finish", "m.axiscal", "--out", "r").status == 0
-    ended = started("status", "m.axiscal", "--details").out
-    assert "Finished: ended by the operator" in ended
-    assert "readings agree" not in ended  # none was taken
-    found = json.loads(started("status", "m.axiscal", "--json").out)
-    assert (found["agreement"]["readings"], found["agreement"]["contradict"]) == (0, False)
-    started("next", "m.axiscal").refused("The campaign is finished", "axiscal step undo")
-    assert "took back the end" in started("undo", "m.axiscal").out.lower()
-    assert started("next", "m.axiscal").status == 0
 
 
 def test_finishing_beside_another_campaign_writes_nothing(started: Command) -> None:
@@ -164,26 +85,6 @@ def test_wrong_usage_is_status_2(started: Command, words: list[str]) -> None:
     assert "Traceback" not in outcome.err
 
 
-def test_the_details_say_u_and_what_it_holds_for_and_the_tables_stand_beside_it(axiscal: Command) -> None:
-    Path("c.toml").write_text(FOUR_READINGS.replace("readings = 4", "readings = 12"))
-    outcome = axiscal("run", "c.toml", "--source", "sim:3", "--out", "d", "--details")
-    lines = outcome.out.splitlines()
-    result = json.loads(Path("d/result.json").read_text())
-    assert result["agreement"]["contradict"] is False
-    holds = next(line for line in lines if line.startswith("Holds: "))
-    assert "with zeros that wander as is usual, 5 um/h, of the 2 errors that are described" in holds
-    assert f"Expanded uncertainty U in space: {result['U_um']:.3g} um" in lines
-    assert any(line.startswith("positioning of X  EXX  ± ") for line in lines)
-    assert result["k"] == pytest.approx(result["U_um"] / result["rms_um"], rel=1e-5)
-    assert f"Agreement: {result['agreement']['text']}" in lines
-    assert {table["controller"] for table in result["tables"]} == {"linuxcnc", "csv"}
-    (left,) = (line for line in lines if line.startswith("linuxcnc: All files together take"))
-    assert left.partition(" Then ")[2] in Path("d/tables/linuxcnc/README.txt").read_text()  # one U of the files
-    assert [row["row"] for row in result["rows"]] == ["positioning X", "scale X", "backlash X", "volume"]
-    assert result["rows"][-1]["known_to"] == result["U_um"]
-    assert any(line.startswith("MEASURED   12 readings") for line in lines)
-
-
 @pytest.mark.long
 def test_a_run_is_not_overwritten_and_can_be_resumed(axiscal: Command, tmp_path: Path) -> None:
     (tmp_path / "two.csv").write_text("value_um\n1\n2\n")
@@ -196,29 +97,6 @@ def test_a_run_is_not_overwritten_and_can_be_resumed(axiscal: Command, tmp_path:
     (tmp_path / "four.csv").write_text("value_um\n1\n2\n3\n4\n")
     resumed = axiscal("run", "c.toml", "--source", "csv:four.csv", "--out", "d", "--resume", "--json")
     assert resumed.document["readings"] == 4
-    assert axiscal("run", "c.toml", "--source", "sim", "--out", "d", "--resume").status == 0
-
-
-@pytest.mark.long
-def test_a_resumed_simulation_is_the_same_run(axiscal: Command, monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = axiscal("run", "c.toml", "--source", "sim:5", "--out", "whole", "--json").document
-    read = SimulatedSource.read
-
-    def unplugged(self: SimulatedSource, request: Request) -> Answer:
-        if request.reading == 3:
-            raise SourceError("unplugged", "plug it in")
-        return read(self, request)
-
-    with monkeypatch.context() as patched:
-        patched.setattr(SimulatedSource, "read", unplugged)
-        assert "2 readings are kept" in axiscal("run", "c.toml", "--source", "sim:5", "--out", "parts").err
-    resumed = axiscal("run", "c.toml", "--source", "sim:5", "--out", "parts", "--resume", "--json").document
-    assert resumed["history"] == whole["history"]
-
-
-@pytest.mark.long
-def test_a_changed_description_does_not_resume(axiscal: Command, tmp_path: Path) -> None:
-    axiscal("run", "c.toml", "--source", "sim", "--out", "d")
     (tmp_path / "c.toml").write_text(FOUR_READINGS.replace("readings = 4", "readings = 12"))
     axiscal("run", "c.toml", "--source", "sim", "--out", "d", "--resume").refused("has been changed")
 
@@ -226,32 +104,11 @@ def test_a_changed_description_does_not_resume(axiscal: Command, tmp_path: Path)
 INSTRUMENT = """
 import json, sys, time
 for number, line in enumerate(sys.stdin, 1):
-    asked = json.loads(line)
-    {special}
-    print(json.dumps({{"value": 0.01 * asked["position"]["X"], "unit": "um"}}), flush=True)
+    if number == 3:
+        open("third", "w").close()
+        time.sleep(60)
+    print(json.dumps({"value": 0.01 * json.loads(line)["position"]["X"], "unit": "um"}), flush=True)
 """
-
-
-def instrument(folder: Path, special: str) -> str:
-    (folder / "instrument.py").write_text(INSTRUMENT.format(special=special))
-    return f"exec:{shlex.quote(sys.executable)} instrument.py"
-
-
-@pytest.mark.long
-def test_an_instrument_behind_a_command(axiscal: Command, tmp_path: Path) -> None:
-    outcome = axiscal("run", "c.toml", "--source", instrument(tmp_path, "pass"), "--out", "d", "--json")
-    assert outcome.document["readings"] == 4
-
-
-@pytest.mark.long
-def test_an_instrument_that_dies_costs_nothing(axiscal: Command, tmp_path: Path) -> None:
-    dying = instrument(tmp_path, "if number == 3: sys.exit('laser lost')")
-    outcome = axiscal("run", "c.toml", "--source", dying, "--out", "d")
-    text = " ".join(outcome.err.split())
-    assert outcome.status == 1
-    assert "ended with status 1" in text
-    assert "2 readings are kept" in text
-    assert axiscal("status", "d/campaign.axiscal", "--json").document["readings"] == 2
 
 
 def spawned(folder: Path, *words: str) -> subprocess.Popen[str]:
@@ -264,7 +121,8 @@ def spawned(folder: Path, *words: str) -> subprocess.Popen[str]:
 @pytest.mark.long
 def test_ctrl_c_keeps_the_readings_and_says_how_to_go_on(tmp_path: Path) -> None:
     (tmp_path / "c.toml").write_text(FOUR_READINGS)
-    waiting = instrument(tmp_path, "if number == 3: open('third', 'w').close(); time.sleep(60)")
+    (tmp_path / "instrument.py").write_text(INSTRUMENT)
+    waiting = f"exec:{shlex.quote(sys.executable)} instrument.py"
     process = spawned(tmp_path, "run", "c.toml", "--source", waiting, "--out", "d")
     while not (tmp_path / "third").exists():
         assert process.poll() is None, "it ended before its third reading"
@@ -288,23 +146,30 @@ def test_a_reader_that_goes_away_is_no_failure_to_talk_about(tmp_path: Path) -> 
     assert process.wait() in (0, 1)
 
 
-def test_the_version_needs_nothing_heavy() -> None:
-    program = (
-        "import sys; sys.argv = ['axiscal', '--version']; from axiscal.cli import main; main();"
-        "sys.exit(str({'numpy', 'typer', 'scipy', 'pydantic', 'rich'} & set(sys.modules) or ''))"
-    )
-    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    assert run.stdout.startswith("axiscal 0.")
-    assert run.stderr.strip() == ""
+SLOW = ("jinja2", "rich", "scipy.stats")
+HEAVY = ("numpy", "typer", "scipy", "pydantic", "rich")
+COMMANDS = ("axiscal.campaign", "axiscal.cli.plan", "axiscal.cli.report")
 
 
-@pytest.mark.parametrize("words", [["next", "m.axiscal"], ["status", "m.axiscal"]])
-def test_a_question_needs_nothing_that_is_slow_to_load(started: Command, tmp_path: Path, words: list[str]) -> None:
+@pytest.mark.parametrize(
+    ("words", "without", "says"),
+    [
+        (["--version"], HEAVY, "axiscal 0."),
+        (["--help"], COMMANDS, "Commands:"),
+        (["step", "--help"], COMMANDS, "Commands:"),
+        (["next", "m.axiscal"], SLOW, "Reading 1"),
+        (["status", "m.axiscal"], SLOW, "READINGS"),
+    ],
+)
+def test_a_command_loads_nothing_that_it_does_not_need(
+    started: Command, tmp_path: Path, words: list[str], without: tuple[str, ...], says: str
+) -> None:
     program = (
         f"import sys; sys.argv = ['axiscal', *{words!r}]; from axiscal.cli import main; main();"
-        "sys.exit(str({'jinja2', 'rich', 'scipy.stats'} & set(sys.modules) or ''))"
+        f"sys.exit(' '.join({{*{without!r}}} & set(sys.modules)))"
     )
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert says in run.stdout
     assert run.stderr.strip() == ""
 
 

@@ -7,13 +7,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
+from axiscal.description.campaign import campaign_from_texts
 from axiscal.document.durable import write_whole
+from axiscal.measurement.candidates import spread
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator
 from axiscal.tables import registry
 from axiscal.tables.offer import Export
-from axiscal.tables.registry import controllers
 from axiscal.tables.surface import Effect
 from tests.commands import Command
 from tests.generators.reaches import reach_of
@@ -35,11 +40,18 @@ CAMPAIGN = 'machine = "machine.toml"\n[target]\nreadings = 30\n' + "".join(
 
 @pytest.fixture(scope="module")
 def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("export")
-    (folder / "machine.toml").write_text(MACHINE)
-    (folder / "campaign.toml").write_text(CAMPAIGN)
-    assert run(["run", str(folder / "campaign.toml"), "--source", "sim:3", "--out", str(folder / "out")]) == 0
-    return folder / "out" / "campaign.axiscal"
+    """A record of thirty readings of a virtual machine, in a folder of results."""
+    described = campaign_from_texts(CAMPAIGN, "campaign.toml", MACHINE, "machine.toml")
+    machine, rng = Simulator(described.machine, described.setups).drawn(3), np.random.default_rng(3)
+    lattice = spread(described.machine, described.setups, 30)
+    readings = []
+    for number, *place in zip(lattice.setups, lattice.poses, lattice.approaches.astype(int), strict=True):
+        setup, (pose, side) = described.setups[number], (tuple(each.tolist()) for each in place)
+        readings.append(Reading(setup.name, pose, side, machine.read_all(setup, pose, side, rng)[0]))
+    path = tmp_path_factory.mktemp("export") / "campaign.axiscal"
+    with Campaign.create(path, described) as campaign:
+        campaign.adopt(tuple(readings))
+    return path
 
 
 @pytest.mark.parametrize("controller", ["csv", "klipper", "linuxcnc", "sinumerik"])
@@ -53,14 +65,6 @@ def test_files_are_written_with_a_note(record: Path, controller: str, tmp_path: 
     expected = next(line for line in said["readme"].splitlines() if line.startswith("They take the TCP deviation "))
     assert "U of the estimate is " in expected
     assert f"RMS to {said['rms_um_expected']:.2g} um" in expected
-
-
-def test_each_axis_may_have_a_spacing_of_its_own(record: Path, tmp_path: Path) -> None:
-    given = ["--spacing", "X=25 mm", "--spacing", "Y=50 mm"]
-    assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path), *given]) == 0
-    rows = {axis: (tmp_path / f"{axis}.comp").read_text().splitlines() for axis in "XY"}
-    assert [float(row.split()[0]) for row in rows["X"]] == [25.0 * i for i in range(13)]
-    assert [float(row.split()[0]) for row in rows["Y"]] == [50.0 * i for i in range(5)]
 
 
 @pytest.mark.parametrize(
@@ -152,16 +156,6 @@ def test_tables_made_from_a_file_of_the_control_are_verified_by_it(
     )
 
 
-def test_controllers_are_listed(record: Path, command: Command) -> None:
-    assert command("export", record, "--to", "list").printed.split() == [*controllers(), "program"]
-
-
-def test_a_control_is_known_in_capitals_too(record: Path, tmp_path: Path, command: Command) -> None:
-    assert (
-        command("export", record, "--to", "CSV", "--out", tmp_path / "tables", "--json").document["controller"] == "csv"
-    )
-
-
 def test_a_folder_in_place_of_the_record_is_answered_with_the_record(record: Path, command: Command) -> None:
     assert str(record) in "".join(command("export", record.parent, "--to", "csv").refusal.split())
 
@@ -197,11 +191,15 @@ def test_a_bump_is_exported_and_the_sign_that_it_shows_is_kept(record: Path, tmp
     assert "linuxcnc states which way" in command("verify", record, "--to", "linuxcnc", "--bump", "10 um").refusal
 
 
-def test_the_joints_of_a_gantry_can_be_named_as_in_its_ini_file(record: Path, tmp_path: Path) -> None:
+def test_joints_of_a_gantry_are_named_as_in_its_ini_file_and_each_axis_may_have_its_spacing(
+    record: Path, tmp_path: Path
+) -> None:
     """XYYZ: the same files as with the numbers of each joint."""
-    export = ["export", str(record), "--to", "linuxcnc", "--out"]
+    export = ["export", str(record), "--to", "linuxcnc", "--spacing", "X=25 mm", "--spacing", "Y=50 mm", "--out"]
     assert run([*export, str(tmp_path / "a"), "--coordinates", "XYYZ"]) == 0
     assert run([*export, str(tmp_path / "b"), "--number", "Y=1", "--number", "Y=2"]) == 0
     first, second = ({file.name: file.read_text() for file in (tmp_path / name).iterdir()} for name in "ab")
     assert first == second
     assert "[JOINT_2]" in first["README.txt"]
+    rows = {axis: [float(row.split()[0]) for row in first[f"{axis}.comp"].splitlines()] for axis in "XY"}
+    assert rows == {"X": [25.0 * i for i in range(13)], "Y": [50.0 * i for i in range(5)]}

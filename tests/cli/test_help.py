@@ -69,17 +69,6 @@ def test_a_name_of_no_group_is_refused() -> None:
             taken(words)
 
 
-@pytest.mark.parametrize("words", [["--help"], ["step", "--help"]])
-def test_help_loads_no_command(words: list[str]) -> None:
-    program = (
-        f"import sys; sys.argv = ['axiscal', *{words!r}]; from axiscal.cli import main; main();"
-        "sys.exit(' '.join({'axiscal.campaign', 'axiscal.cli.plan', 'axiscal.cli.report'} & set(sys.modules)))"
-    )
-    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    assert "Commands:" in run.stdout
-    assert run.stderr.strip() == ""
-
-
 SECTIONS = reference().split("\n## ")[1:]
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from jsonschema_rs import Draft202012Validator
 
 from axiscal.cli import app
 from axiscal.description.campaign import campaign_from_texts, read_campaign
@@ -36,40 +37,11 @@ from tests.commands import Command
 from tests.generators.machines import random_machine
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-TYPES: dict[str, tuple[type, ...]] = {
-    "string": (str,),
-    "integer": (int,),
-    "number": (int, float),
-    "boolean": (bool,),
-    "array": (list,),
-    "object": (dict,),
-    "null": (),
-}
 
 
-def fits(value: Any, schema: dict[str, Any], whole: dict[str, Any]) -> bool:
-    """Whether a document fits a JSON schema: the keywords that ours use, as the standard reads (2020-12)."""
-    if "$ref" in schema:
-        return fits(value, whole["$defs"][schema["$ref"].rpartition("/")[2]], whole)
-    if "anyOf" in schema and not any(fits(value, each, whole) for each in schema["anyOf"]):
-        return False
-    if "enum" in schema and value not in schema["enum"]:
-        return False
-    if "pattern" in schema and not re.search(schema["pattern"], value):
-        return False
-    kinds = TYPES.get(schema.get("type", ""), (object,))
-    if not isinstance(value, kinds) or (isinstance(value, bool) and kinds[0] not in (bool, object)):
-        return False
-    if isinstance(value, list):
-        rows = schema.get("prefixItems", [schema.get("items", {})] * len(value))
-        return len(rows) == len(value) and all(fits(*pair, whole) for pair in zip(value, rows, strict=True))
-    if isinstance(value, dict):
-        known, others = schema.get("properties", {}), schema.get("additionalProperties", {})
-        if not set(schema.get("required", [])) <= set(value):
-            return False
-        rules = {name: known.get(name, others) for name in value}
-        return all(rule is not False and fits(value[name], rule, whole) for name, rule in rules.items())
-    return True
+def fits(value: dict[str, Any], schema: dict[str, Any]) -> bool:
+    """Whether a document fits a JSON schema."""
+    return Draft202012Validator(schema).is_valid(value)
 
 
 def written(folder: Path, machine: str, *instruments: str) -> int:
@@ -79,9 +51,8 @@ def written(folder: Path, machine: str, *instruments: str) -> int:
 
 
 @pytest.mark.parametrize("machine", builtin_names())
-@pytest.mark.parametrize("instruments", [["interferometer"], ["interferometer", "straightedge"]])
-def test_what_is_written_is_a_campaign(tmp_path: Path, machine: str, instruments: list[str]) -> None:
-    assert written(tmp_path, machine, *instruments) == 0
+def test_what_is_written_is_a_campaign(tmp_path: Path, machine: str) -> None:
+    assert written(tmp_path, machine, "interferometer", "straightedge") == 0
     campaign = read_campaign(tmp_path / "campaign.toml")
     assert campaign.machine == load_machine(machine) or campaign.machine.axes == load_machine(machine).axes
     assert [setup.lacks for setup in campaign.setups if setup.lacks] == []
@@ -89,7 +60,7 @@ def test_what_is_written_is_a_campaign(tmp_path: Path, machine: str, instruments
         text = (tmp_path / f"{name}.toml").read_text()
         assert text.startswith(f"#:schema ./{name}.schema.json\n")
         schema = json.loads((tmp_path / f"{name}.schema.json").read_text())
-        assert fits(tomllib.loads(text), schema, schema)
+        assert fits(tomllib.loads(text), schema)
 
 
 @pytest.mark.parametrize("instrument", ["interferometer", "tracker"])
@@ -187,21 +158,9 @@ EXX = { std = "10 um" }
     np.testing.assert_allclose(spread.mean(axis=0)[:2], [0.0, 0.0], atol=1e-3)
     with pytest.raises(DescriptionError, match="No instrument was named"):
         first_files(begun, [], Purpose("20 um"))
-    with pytest.raises(DescriptionError, match="Nothing of probe can be offered for One axis"):
-        first_files(of_builtin("one-axis"), ["probe"], Purpose("20 um"))
     printer = first_files(of_builtin("printer-gantry"), ["probe"], Purpose("20 um")).texts["campaign.toml"]
     assert 'volume = { Z = ["' in printer
     assert "the first layers, where the probe reads" in printer
-
-
-def test_what_is_not_given_is_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
-    monkeypatch.setattr("sys.stdin", io.StringIO("three-axis-mill\n700, 350 300\ninterferometer, ballbar\n15 um\n"))
-    assert "6 set-ups offered" in command("init", tmp_path / "mill").printed
-    campaign = read_campaign(tmp_path / "mill" / "campaign.toml")
-    assert campaign.target.expanded == pytest.approx(15e-6)
-    assert [axis.length for axis in campaign.machine.axes] == pytest.approx(
-        [{"X": 0.7, "Y": 0.35, "Z": 0.3}[axis.name] for axis in campaign.machine.axes]
-    )
 
 
 def test_an_empty_answer_is_the_usual_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -221,19 +180,10 @@ def test_an_empty_answer_is_the_usual_one(tmp_path: Path, monkeypatch: pytest.Mo
 def test_instruments_are_named_as_people_name_them(language: str) -> None:
     with speaking(language):
         assert instruments_of(", ".join(offered_words())) == list(OFFERED)
-        assert instruments_of("Laser and ball-bar, touch probe dial indicator level") == [
-            "interferometer",
-            "ballbar",
-            "sphere",
-            "dial",
-            "level",
-        ]
-        assert instruments_of("Messuhr und Winkelnormal, Kugelstab Laser Tracker") == [
-            "dial",
-            "square",
-            "ballbar",
-            "tracker",
-        ]
+        named = instruments_of("Laser and ball-bar, touch probe dial indicator level")
+        assert named == ["interferometer", "ballbar", "sphere", "dial", "level"]
+        named = instruments_of("Messuhr und Winkelnormal, Kugelstab Laser Tracker")
+        assert named == ["dial", "square", "ballbar", "tracker"]
         assert instruments_of("laser, tracker") == ["interferometer", "tracker"]
 
 
@@ -264,16 +214,12 @@ def test_the_first_description_comes_from_the_ini_file_of_a_linuxcnc(tmp_path: P
     campaign = read_campaign(tmp_path / "mill" / "campaign.toml")
     assert (campaign.machine.chain, campaign.machine.axis("X").travel) == ("w-Y'-b-X-Z-t", (0.0, 0.4))
     assert campaign.compensation_active == ("../machine.ini",)
+    (tmp_path / "machine.ini").write_text(INI.replace("[JOINT_1]\nBACKLASH = 0.02\n", ""))
+    assert app.run(["init", str(tmp_path / "bare"), *words, "--chain", "w-Y'-b-X-Z-t"]) == 0
+    assert read_campaign(tmp_path / "bare" / "campaign.toml").compensation_active is False
     assert app.run(["init", str(tmp_path / "other"), *words, "--machine", "one-axis"]) == 2
     assert app.run(["init", str(tmp_path / "other"), *words, "--chain", "w-Q-t"]) == 1
     assert not (tmp_path / "other").exists()
-
-
-def test_an_ini_file_without_tables_says_that_nothing_was_active(tmp_path: Path) -> None:
-    (tmp_path / "machine.ini").write_text(INI.replace("[JOINT_1]\nBACKLASH = 0.02\n", ""))
-    words = ["--from", str(tmp_path / "machine.ini"), "--instrument", "interferometer", "--target", "20 um"]
-    assert app.run(["init", str(tmp_path / "mill"), *words, "--chain", "w-Y'-b-X-Z-t"]) == 0
-    assert read_campaign(tmp_path / "mill" / "campaign.toml").compensation_active is False
 
 
 def test_a_chain_that_is_said_says_nothing_of_where_rotary_axes_lie(tmp_path: Path, command: Command) -> None:
@@ -322,22 +268,14 @@ def test_nothing_is_written_over(tmp_path: Path) -> None:
     assert (tmp_path / "campaign.toml").read_text() == "mine"
 
 
-def test_what_was_written_before_a_kill_is_in_nobody_s_way(tmp_path: Path) -> None:
-    assert written(tmp_path, "one-axis", "interferometer") == 0
-    whole = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    (tmp_path / "campaign.toml").unlink()
-    assert written(tmp_path, "one-axis", "interferometer") == 0
-    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == whole
-
-
 def test_the_schemas_fit_the_examples_of_the_documentation() -> None:
     blocks = re.findall(r"```toml\n(.*?)```", (DOCS / "campaign.md").read_text(), flags=re.DOTALL)
     whole = [data for data in map(tomllib.loads, blocks) if {"machine", "setups"} <= set(data)]
     assert len(whole) >= 2
     schema = campaign_schema()
-    assert [data for data in whole if not fits(data, schema, schema)] == []
+    assert [data for data in whole if not fits(data, schema)] == []
     machines = machine_schema()
-    assert all(fits(tomllib.loads(load_machine(name).text), machines, machines) for name in builtin_names())
+    assert all(fits(tomllib.loads(load_machine(name).text), machines) for name in builtin_names())
 
 
 @pytest.mark.parametrize(
@@ -353,21 +291,22 @@ def test_the_schemas_fit_the_examples_of_the_documentation() -> None:
 def test_the_schema_marks_a_slip(tmp_path: Path, good: str, bad: str) -> None:
     written(tmp_path, "one-axis", "interferometer")
     text, schema = (tmp_path / "campaign.toml").read_text(), campaign_schema()
-    assert fits(tomllib.loads(text), schema, schema)
+    assert fits(tomllib.loads(text), schema)
     assert text.count(good) == 1
-    assert not fits(tomllib.loads(text.replace(good, bad)), schema, schema)
+    assert not fits(tomllib.loads(text.replace(good, bad)), schema)
 
 
 def test_at_a_terminal_a_wrong_answer_is_asked_for_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A slip at the last question does not throw the answers to the others away."""
-    typed = io.StringIO("mill\n\n700 300\n700 300 300\nlasor\ninterferometer\n20\n20 um\n")
+    typed = io.StringIO("mill\n\n700 300\n700, 350 300\nlasor\ninterferometer, ballbar\n20\n20 um\n")
     monkeypatch.setattr(typed, "isatty", lambda: True)
     monkeypatch.setattr("sys.stdin", typed)
     assert app.run(["init", str(tmp_path)]) == 0
     refused = capsys.readouterr().err
     assert [word in refused for word in ('"mill"', "700 300", "lasor", '"20"')] == [True] * 4
     campaign = read_campaign(tmp_path / "campaign.toml")
-    assert campaign.machine.axes[0].length == pytest.approx(0.7)
-    assert {setup.instrument for setup in campaign.setups} == {"interferometer"}
+    assert [campaign.machine.axis(name).length for name in "XYZ"] == pytest.approx([0.7, 0.35, 0.3])
+    assert {setup.instrument for setup in campaign.setups} == {"interferometer", "ballbar"}
+    assert campaign.target.expanded == pytest.approx(20e-6)

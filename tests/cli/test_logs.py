@@ -68,27 +68,11 @@ def test_a_record_takes_a_log_once_and_says_what_lacks(
 
 
 @pytest.mark.long
-def test_programs_with_a_log_are_written_by_the_command(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
-) -> None:
+def test_programs_with_a_log_are_written_by_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("machine.toml").write_text(table.MACHINE)
     Path("campaign.toml").write_text(table.CAMPAIGN)
     assert run(["plan", "campaign.toml", "--log"]) == 1
-    words = ["--candidates", "60", "--readings", "1", "--out", "here"]
-    assert run(["plan", "campaign.toml", "--gcode", "heidenhain", "--log", *words]) == 0
-    written = {path.name for path in Path("here").iterdir()}
-    assert {"AXTOUCH.A", "AXEND.A", "AXISCAL_01_SPHER.H"} <= written
-    (plan,) = (name.removeprefix("AXISCAL_PLAN_")[:8] for name in written if name.startswith("AXISCAL_PLAN_"))
-    assert f"PLAN {plan}" in Path("here", f"AXHEAD_{plan}.A").read_text()
-    assert f"AXHEAD_{plan}.A" in Path("here/AXISCAL_01_SPHER.H").read_text()
-    again = ["plan", "campaign.toml", "--log", "--candidates", "60", "--readings", "2", "--gcode"]
-    assert "of another plan" in command(*again, "heidenhain", "--out", "here").refusal
-    assert written == {path.name for path in Path("here").iterdir()}
-    assert run([*again, "fanuc", "--out", "there"]) == 0
-    program = next(Path("there").glob("*.NC")).read_text()
-    before, opened, after = program.partition("POPEN\n")
-    assert opened
-    assert "GOTO9000" in before
-    assert "GOTO9000" not in after
-    assert "\nN9003 PCLOS\nN9000 #3000=1" in after
+    words = ["--log", "--candidates", "60", "--readings", "1", "--gcode", "fanuc", "--out", "here"]
+    assert run(["plan", "campaign.toml", *words]) == 0
+    assert "POPEN\n" in next(Path("here").glob("*.NC")).read_text()

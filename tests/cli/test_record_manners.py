@@ -79,18 +79,6 @@ def test_a_place_without_a_side_says_what_is_supposed(record: Path, command: Com
     assert "supposed" not in told
 
 
-def test_an_earlier_reading_that_a_later_one_contradicts_is_named_with_its_place(
-    record: Path, command: Command
-) -> None:
-    told = ""
-    for x, value in ((20, 1), (150, 45), (152, 1), (80, 1), (260, 1), (148, 1), (140, 1), (160, 1)):
-        told += command(
-            "record", record, f"{value} um", "--at", f"X={x} mm", "--setup", "along x", "--approach", "X+"
-        ).said
-    assert re.search(r"reading 2 is no longer relied on: 45 um at X 150\D|45 um.*is not relied on|deviations", told)
-    assert run(["status", str(record)]) == 0
-
-
 def test_a_curve_of_an_axis_that_carries_the_workpiece_says_why_its_sign_is_the_other(
     record: Path, tmp_path: Path
 ) -> None:
@@ -99,11 +87,6 @@ def test_a_curve_of_an_axis_that_carries_the_workpiece_says_why_its_sign_is_the_
     said = page.read_text()
     assert "X carries the workpiece: these curves say what the table does, readings show it with the other sign" in said
     assert "Y carries the workpiece" not in said
-
-
-def test_a_note_is_kept_and_shown_also_after_the_end(record: Path, command: Command) -> None:
-    assert "Noted; it is on the disk." in command("note", record, "new ball", "screw X").printed
-    assert ": new ball screw X" in command("status", record, "--details").printed
 
 
 def test_one_command_keeps_a_reading_and_says_the_next_one(

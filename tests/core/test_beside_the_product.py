@@ -32,11 +32,11 @@ from tests.generators.dense_posterior import Dense
 ROWS, POSTERIOR, PLAN = 1e-12, 1e-8, 1.002
 DESCRIBED = ["mill", "one_spline", *READ]
 WITH_PLANES = ["plane_map", "printer"]
-PLANNED = {"learnt": 8, "one_spline": 7, "outlier": 6, "tracker": 5, "rotary": 5, "vcomp": 6, "xyzac": 5}
+PLANNED = {"one_spline": 7, "outlier": 6, "tracker": 5, "rotary": 5}
 """Campaigns, and of how many readings the plan is."""
 QUICK = {"one_spline", "outlier"}
-BETTER = {"rotary": 1.01, "vcomp": 1.035, "xyzac": 1.05}
-"""J of the product's plan may be so many times the core's, which finds better ones where three or five axes move."""
+BETTER = {"rotary": 1.01}
+"""J of the product's plan may be so many times the core's, which finds better ones where three axes move."""
 
 
 @cache

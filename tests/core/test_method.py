@@ -9,12 +9,9 @@ import pandas as pd
 import pytest
 
 import axiscal_core as ac
-from axiscal_core.criterion import Goal
 from axiscal_core.draws import as_stated
-from axiscal_core.instrument import sight
 from axiscal_core.posing import posed
 from axiscal_core.rigid import turned_about
-from axiscal_core.state import State
 from axiscal_core.unknowns import space_of
 
 TOGETHER = 0.0831806
@@ -50,19 +47,6 @@ def test_readings_chosen_together_beat_those_one_after_another() -> None:
     assert pytest.approx(TOGETHER, rel=1e-5) == plan.J
     assert plan.course[-1] == pytest.approx(plan.J)
     assert np.all(np.diff(plan.course) < 0)
-
-
-def test_the_exact_step_is_no_worse_than_any_of_many() -> None:
-    """Of lines and angles, with cells: ten thousand places along the axis gain no more."""
-    case = _mill()
-    best = case.next()
-    state = State(case, case.volume)
-    gain = state.gains(best)[0]
-    for name, k in (("x", 0), ("y", 1), ("c", 0)):
-        poses = np.full((10_000, 2), 0.2)
-        poses[:, k] = np.linspace(0, 0.4, 10_000)
-        for side in (-1.0, 1.0):
-            assert state.gains(ac.Places(name, poses, np.full((10_000, 2), side))).max() <= gain * (1 + 1e-9)
 
 
 def test_no_places_beat_the_bound() -> None:
@@ -111,22 +95,6 @@ def test_an_rms_is_reached_with_as_few_readings_as_do() -> None:
     found = case.plan(rms=1.02 * few.rms, candidates=90)
     assert found.rms <= 1.02 * few.rms
     assert len(found) <= 5
-
-
-def test_rows_of_a_bar_are_its_differences() -> None:
-    """By a step of a micron in what `sees` shows, nothing else shared."""
-    machine = _mill().machine
-    bar = ac.BallBar("bar", "XY", station=(0.1, 0.05, 0.02))
-    poses, sides, step = np.array([[0.3, 0.2], [0.05, 0.4]]), np.ones((2, 2)), 1e-6
-    found = sight(bar, machine, poses, sides)
-    for column, ways in (("errors", machine.size), ("own", len(bar.own))):
-        for i in range(0, ways, 5):
-            x = np.zeros(ways)
-            x[i] = step
-            at = {"errors": {"errors": x}, "own": {"unknowns": x}}[column]
-            back = {key: -value for key, value in at.items()}
-            up, down = (sight(bar, machine, poses, sides, **each).shown for each in (at, back))
-            assert np.abs((up - down) / (2 * step) - getattr(found, column)[:, :, i]).max() < 1e-6
 
 
 def _told(case: ac.Case, places: ac.Places, seed: int = 3) -> tuple[ac.Readings, ac.Array]:
@@ -289,19 +257,6 @@ def test_a_rigid_motion_of_the_volume_is_no_error_where_it_is_aligned() -> None:
         case = ac.Case(machine, [laser], usual="off", aligned=aligned)
         found = [float(np.sum((case.volume.root @ each) ** 2)) for each in (shift, square)]
         assert found == pytest.approx(wanted, abs=2e-3)
-
-
-def test_plane_and_curves_share_nothing() -> None:
-    axes = [ac.Axis.linear(name, name.lower(), (0, 1.0)) for name in "XY"]
-    plane = ac.Plane("EZXY", "10 um", axes, ["0.5 m", "0.5 m"])
-    machine = ac.Machine(axes, [plane])
-    assert np.abs(plane.covariance() @ np.kron(np.ones(5), np.eye(5)[0])).max() < 1e-18
-    assert machine.rows(np.array([[0.25, 0.5]])).displacement[0, 2].max() == pytest.approx(1.0)
-
-
-def test_a_normal_goal_is_its_matrix() -> None:
-    case = _paper()
-    assert Goal(np.eye(case.size)).value(case.prior.covariance) == pytest.approx(7.0)
 
 
 def test_what_is_promised_of_the_tool_point_holds() -> None:

@@ -26,54 +26,33 @@ def _places(*at: float) -> ac.Places:
     return ac.Places("laser", [[t] for t in at])
 
 
-class Norm(ac.Instrument):
-    def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
-        return [np.abs(at.moved[:, 0])]
+def _seeing(name: str, shown: Callable[[ac.At, ac.Unknowns], list[ac.Array]], **own: object) -> ac.Instrument:
+    """Return an instrument of a class of somebody's own.  shown : what it sees; own : what else the class says"""
+    kind: Any = type(name, (ac.Instrument,), {"sees": lambda _, at, u: shown(at, u), **own})
+    made: ac.Instrument = kind("one", "X")
+    return made
 
 
-class Arctan(ac.Instrument):
-    unknowns = {"turn": "1 mrad"}
-
-    def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
-        return [np.arctan2(np.real(u["turn"]), 1.0) + at.moved[:, 0]]
+def _arctan(at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
+    return [np.arctan2(np.real(u["turn"]), 1.0) + at.moved[:, 0]]
 
 
-class TwoOfOne(ac.Instrument):
-    def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
-        return [at.moved[:, 0], at.moved[:, 1]]
+def _hole(at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
+    return [at.moved[:, 0] + np.where(at.poses[:, 0] > 0.3, np.nan, 0.0)]
 
 
-class Square(ac.Instrument):
-    def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
-        return [at.moved]
+def _undeclared(at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
+    return [at.moved[:, 0] + u["zero"]]
 
 
-class NoNumber(ac.Instrument):
-    def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
-        return [at.moved[:, 0] + np.where(at.poses[:, 0] > 0.3, np.nan, 0.0)]
+BELOW, UNIT = np.array([[1.0, 2.0], [2.0, 1.0]]), np.eye(2)
+"""What is no covariance, and one that is."""
 
 
-class Undeclared(ac.Instrument):
-    def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
-        return [at.moved[:, 0] + u["zero"]]
-
-
-class NoCovariance:
-    name, frame = "bend", "X"
-
-    def rows(self, poses: ac.Array) -> ac.Array:
-        return np.zeros((len(poses), 6, 2))
-
-    def covariance(self) -> ac.Array:
-        return np.array([[1.0, 2.0], [2.0, 1.0]])
-
-
-class RowsOfTwo(NoCovariance):
-    def rows(self, poses: ac.Array) -> ac.Array:
-        return np.zeros((len(poses), 3, 2))
-
-    def covariance(self) -> ac.Array:
-        return np.eye(2)
+def _bend(rows: int, covariance: ac.Array) -> Any:
+    """Return an error of somebody's own, of two unknowns.  rows : numbers at each pose"""
+    own = {"rows": lambda _, poses: np.zeros((len(poses), rows, 2)), "covariance": lambda _: covariance}
+    return type("Bend", (), {"name": "bend", "frame": "X", **own})()
 
 
 def _with(error: Any) -> ac.Machine:
@@ -114,8 +93,8 @@ MISUSES: dict[str, tuple[Callable[[], object], str, str]] = {
     "a direction without length": (lambda: ac.Axis.linear("X", (0, 0, 0), (0, 1)), "Axis.linear", "along"),
     "an unknown direction": (lambda: ac.Laser("laser", "X", along="up"), "Laser", "along"),
     "a basis without covariance": (lambda: _with(object()), "Machine", "errors"),
-    "a covariance that is none": (lambda: _with(NoCovariance()), "bend", "covariance()"),
-    "rows of three": (lambda: _with(RowsOfTwo()), "bend", "rows(poses)"),
+    "a covariance that is none": (lambda: _with(_bend(6, BELOW)), "bend", "covariance()"),
+    "rows of three": (lambda: _with(_bend(3, UNIT)), "bend", "rows(poses)"),
     "an unknown frame": (lambda: _with(ac.Offset("bend", "Z", [0] * 6, 1e-6)), "Machine", "errors"),
     "robot of unknown parameters": (lambda: ac.Machine.from_dh([[0] * 4], {"b": 1e-3}), "Machine.from_dh", "std"),
     "robot of three parameters": (lambda: ac.Machine.from_dh([[0] * 3], {"a": 1e-3}), "Machine.from_dh", "parameters"),
@@ -128,12 +107,12 @@ MISUSES: dict[str, tuple[Callable[[], object], str, str]] = {
     "parked outside": (lambda: _mounted(ac.Laser("laser", "X", park={"X": 2.0})), "Laser", "poses"),
     "an unknown mounting": (lambda: anything.Laser("laser", "X", nosie=1e-6), "Laser", "mounting"),
     "an unknown approach": (lambda: anything.Laser("laser", "X", approach="left"), "Laser", "approach"),
-    "abs": (lambda: _mounted(Norm("norm", "X")), "Norm.sees", "result"),
-    "arctan2": (lambda: _mounted(Arctan("arctan", "X")), "Arctan.sees", "result"),
-    "two numbers of one": (lambda: _mounted(TwoOfOne("two", "X")), "TwoOfOne.sees", "result"),
-    "a number of another shape": (lambda: _mounted(Square("square", "X")), "Square.sees", "result"),
-    "no number": (lambda: _mounted(NoNumber("none", "X")), "NoNumber.sees", "result"),
-    "an unknown that is not declared": (lambda: _mounted(Undeclared("none", "X")), "Undeclared.sees", "u['zero']"),
+    "abs": (lambda: _mounted(_seeing("Norm", lambda at, u: [np.abs(at.moved[:, 0])])), "Norm.sees", "result"),
+    "arctan2": (lambda: _mounted(_seeing("Arctan", _arctan, unknowns={"turn": "1 mrad"})), "Arctan.sees", "result"),
+    "two numbers of one": (lambda: _mounted(_seeing("Two", lambda at, u: [*at.moved.T[:2]])), "Two.sees", "result"),
+    "a number of another shape": (lambda: _mounted(_seeing("Wide", lambda at, u: [at.moved])), "Wide.sees", "result"),
+    "no number": (lambda: _mounted(_seeing("Hole", _hole)), "Hole.sees", "result"),
+    "an unknown that is not declared": (lambda: _mounted(_seeing("Open", _undeclared)), "Open.sees", "u['zero']"),
     "an instrument without sees": (lambda: _mounted(ac.Instrument("none", "X")), "Instrument", "sees"),
     "a table of words": (lambda: _case().estimate({**_WITHOUT, "X": ["left"], "length": [0.0]}), "Case.readings", "X"),
     "a value that is no number either": (lambda: ac.Curve((0, 1), 1.0).read(0.5, np.nan, 0.1), "Curve.read", "value"),

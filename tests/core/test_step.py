@@ -14,11 +14,11 @@ from axiscal_core.criterion import Goal
 from axiscal_core.roots import largest, node_count, nodes
 from axiscal_core.state import State, joint_gains
 from tests.certify.machines import random_case, shortfall
-from tests.certify.one_joint import SLACK, GainPolynomials, Problem, certified_best_gain
-from tests.certify.one_joint_cases import best_position, judged, random_problem
+from tests.certify.one_joint import GainPolynomials, Problem
+from tests.certify.one_joint_cases import judged, random_problem
 from tests.core.strangers import Arm, Probe
 
-CASES, LIMIT = 150, 1e-9
+CASES, LIMIT = 60, 1e-9
 
 
 @pytest.mark.parametrize("count", [1, 2, 7, 17, 40])
@@ -70,7 +70,6 @@ def test_a_flat_ratio_and_what_is_no_polynomial() -> None:
     assert largest(lambda t: (np.abs(t - 0.3), np.ones(len(t))), np.array([0.0, 1.0]), 9) is None
 
 
-@pytest.mark.long
 def test_the_step_reaches_the_certified_gain(record_property: Callable[[str, object], None]) -> None:
     verdicts = [judged(_problem(seed)) for seed in range(20_000, 20_000 + CASES)]
     record_property("certified one-joint cases", len(verdicts))
@@ -82,27 +81,6 @@ def test_the_step_reaches_the_certified_gain(record_property: Callable[[str, obj
 def _problem(seed: int) -> Problem:
     """Return the random joint of this seed."""
     return random_problem(np.random.default_rng(seed))
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_the_certifier_needs_no_hint(seed: int) -> None:
-    """From nothing it encloses the same best gain, and its own position reaches it."""
-    polynomials = GainPolynomials(_problem(seed))
-    hinted = certified_best_gain(polynomials, best_position(_problem(seed))[0])
-    alone = certified_best_gain(polynomials)
-    assert hinted.lower <= alone.lower * (1 + SLACK)
-    assert alone.lower <= hinted.lower * (1 + SLACK)
-    assert polynomials.gain(*alone.position).overlaps(alone.lower)
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_the_certifier_notices_a_poorer_position(seed: int) -> None:
-    case = _problem(seed)
-    polynomials, (position, _) = GainPolynomials(case), best_position(case)
-    middle = (case.knots[0] + case.knots[-1]) / 2
-    poorer = position + 0.01 * (middle - position)
-    best = certified_best_gain(polynomials, poorer)
-    assert polynomials.gain_at(poorer) < best.lower * (1 - LIMIT)
 
 
 def test_the_certifier_computes_the_gain_that_dense_algebra_gives() -> None:
@@ -122,19 +100,6 @@ def test_the_certifier_computes_the_gain_that_dense_algebra_gives() -> None:
 def test_no_pose_of_a_dense_lattice_gains_more(seed: int) -> None:
     """On random machines; `make certify` asks it of many."""
     assert shortfall(random_case(np.random.default_rng(seed)), 20_000) <= 1e-9
-
-
-@pytest.mark.long
-def test_three_stacked_splines_end_where_exact_greedy_ends() -> None:
-    axes = [ac.Axis.linear(name, name.lower(), (0, 10)) for name in "XYZ"]
-    machine = ac.Machine(axes, [ac.Error(f"EZ{name}", 1.0) for name in "XYZ"])
-    case = ac.Case(machine, [Probe("dial", "XYZ", noise=0.01, approach="+")], usual="off", sure="exactly")
-    taken: ac.Places | None = None
-    for _ in range(20):
-        best = case.next(taken, criterion="joint")
-        taken = best if taken is None else taken + best
-    assert taken is not None
-    assert pytest.approx(2.8749, abs=5e-4) == case.evaluate(taken, criterion="joint").J
 
 
 def _robot() -> ac.Case:

@@ -43,20 +43,6 @@ instrument = "probe"
 direction = "x"
 reach = { X = ["0 mm", "600 mm"], Y = ["0 mm", "400 mm"], Z = ["0 mm", "400 mm"] }
 """
-PREPARED = """
-from axiscal.description.campaign import read_campaign
-from axiscal.planning.plan.plan import make_plan
-from axiscal.planning.plan.task import Limits
-from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.knowledge import Knowledge
-from axiscal.planning.next_readings import posed
-from axiscal.measurement.reading import Reading
-from axiscal.planning.proposal import proposed
-
-case = case_of(read_campaign("campaign.toml"))
-task = posed(case, Knowledge(case.observation, case.prior), candidates=50)
-outside.clear()
-"""
 
 
 def said(script: str, folder: Path) -> str:
@@ -133,18 +119,3 @@ for command in (
 """
     answers = [line for line in said(WATCHED + script, tmp_path).split("\n") if line.startswith("computed")]
     assert answers == ["computed outside: [] [2]"] * 4
-
-
-@pytest.mark.long
-def test_the_library_plans_with_one_thread(tmp_path: Path) -> None:
-    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
-    script = f"""
-{PREPARED}
-knowledge = Knowledge(case.observation, case.prior)
-place = task.lattice.single(0)
-knowledge.read([Reading("probe", tuple(place.poses[0]), tuple(place.approaches[0]), 1e-6)])
-make_plan(task, Limits(readings=3))
-proposed(case, Limits(readings=3), 50)
-print(outside, threads())
-"""
-    assert said(WATCHED + script, tmp_path) == "[] [2]"

@@ -13,6 +13,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine import load_machine
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
+from tests.generators.campaigns import built_in
 
 SPHERES = """
 [[artefacts]]
@@ -29,8 +30,7 @@ MANY += "".join(f'b{k} = ["{k} mm", "0 mm", "0 mm"]\n' for k in range(401))
 
 
 def described(text: str, machine: str = "dmu60") -> CampaignDescription:
-    source = load_machine(machine).text
-    return campaign_from_texts(f'machine = "{machine}"\n{text}', "campaign.toml", source, machine)
+    return built_in(text, machine)
 
 
 def test_spheres_are_read_at_all_their_balls_with_all_rotary_axes() -> None:
@@ -109,7 +109,7 @@ def test_a_reach_is_what_a_reading_is_asked_for_in() -> None:
     assert setup.span(machine.axis("X"), machine.index("X")) == pytest.approx((0.15, 0.45))
 
 
-@pytest.mark.parametrize("length", ["150 mm", "200 mm", "237 mm", "251 mm"])
+@pytest.mark.parametrize("length", ["150 mm", "237 mm"])
 @pytest.mark.parametrize("plane", ["zx", "yz"])
 def test_the_arc_that_a_refusal_names_can_be_gone_round(length: str, plane: str) -> None:
     """Its ends were rounded to the nearest degree, beyond what is reached: the same refusal came again."""

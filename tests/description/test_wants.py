@@ -10,18 +10,11 @@ from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.target import Target, rows_of
 from axiscal.machine import load_machine
+from tests.generators.texts import setup_text
 
 MILL, FIVE = load_machine("three-axis-mill"), load_machine("dmu60")
-CAMPAIGN = """machine = "m"
-[target]
-readings = 5
-{line}
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-"""
+LASER = setup_text("laser", "interferometer", direction="x", moves=["X"])
+CAMPAIGN = f'machine = "m"\n[target]\nreadings = 5\n{{line}}\n{LASER}'
 
 
 def _target(line: str, machine: str = MILL.text) -> Target:

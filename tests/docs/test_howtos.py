@@ -27,7 +27,13 @@ def test_a_how_to_can_be_followed_word_for_word(page: Path, tmp_path: Path) -> N
     assert any((tmp_path / name).exists() for name in ("rehearsal/report.pdf", "where.svg"))
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if page.stem != "tour"], ids=lambda page: page.stem)
+PICTURED = {page.stem: page for page in PAGES if page.stem != "tour"}
+SLOW = {"tonight", "tracer-on-a-large-machine"}
+
+
+@pytest.mark.parametrize(
+    "page", [pytest.param(page, id=name, marks=[pytest.mark.long] * (name in SLOW)) for name, page in PICTURED.items()]
+)
 def test_its_picture_is_that_of_its_set_ups(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     kept = (DOCS / "pictures" / f"{page.stem}.svg").read_text(encoding="utf-8")
     (tmp_path / "docs" / "pictures").mkdir(parents=True)
@@ -53,7 +59,9 @@ def _anchor(heading: str) -> str:
     return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
 
 
-@pytest.mark.parametrize("page", sorted(DOCS.rglob("*.md")), ids=lambda page: page.stem)
+@pytest.mark.parametrize(
+    "page", [*sorted(DOCS.parent.glob("*.md")), *sorted(DOCS.rglob("*.md"))], ids=lambda page: page.stem
+)
 def test_every_link_leads_to_a_file_and_a_heading(page: Path) -> None:
     lost = []
     for target in _LINK.findall(_CODE.sub("", page.read_text(encoding="utf-8"))):
@@ -70,6 +78,7 @@ def test_every_link_leads_to_a_file_and_a_heading(page: Path) -> None:
     assert lost == []
 
 
+@pytest.mark.long
 def test_the_page_of_virtual_machines_is_followed_word_for_word(tmp_path: Path) -> None:
     page = DOCS / "study.md"
     for name, text in files(page).items():

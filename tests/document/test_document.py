@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Annotated
 
 import pytest
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel
 
-from axiscal.document import Document, Length, QuantityOf, dotted, read_model, shown
+from axiscal.document import Document, dotted, read_model, shown
 from axiscal.document.validation import Beside, EachAs
-from axiscal.exceptions import DescriptionError, InputError, UnitError
+from axiscal.exceptions import DescriptionError
 
 TEXT = """\
 # a comment with [brackets] = and "quotes"
@@ -168,60 +168,6 @@ def test_a_file_without_permission_is_refused(tmp_path: Path, monkeypatch: pytes
     monkeypatch.setattr("axiscal.document.file.bounded_content", refuse)
     with pytest.raises(DescriptionError, match="cannot be read: Permission denied"):
         Document.read(tmp_path / "secret.toml")
-
-
-class Park(BaseModel):
-    """A table of the test's own model."""
-
-    model_config = ConfigDict(extra="forbid")
-    noise: Length = Field(examples=['"0.3 um"'])
-    pause: Annotated[float, QuantityOf("time")] | None = None
-    count: int = Field(1, examples=["7"], strict=True, ge=1)
-    ends: tuple[float, float] | None = Field(None, examples=["[1, 2]"])
-    names: list[str] = Field(["a"], min_length=1, examples=['["a"]'])
-
-
-class Plan(BaseModel):
-    """The test's own model."""
-
-    model_config = ConfigDict(extra="forbid")
-    setups: list[Park]
-    parks: dict[str, Park] = {}
-
-
-GOOD = '[[setups]]\nnoise = "0.3 um"\n[[setups]]\nnoise = "2 um"\npause = "2 s"\n'
-
-FAULTS: list[tuple[str, type[InputError], int | None, str]] = [
-    (GOOD.replace('"2 um"', "2"), UnitError, 4, "setups[2].noise: 2 has no unit"),
-    (GOOD.replace('"2 um"', '"2"'), UnitError, 4, 'setups[2].noise: "2" has no unit'),
-    (GOOD.replace('"2 um"', "true"), UnitError, 4, "true is not a quantity"),
-    (GOOD.replace('"2 um"', "nan"), UnitError, 4, "nan has no unit"),
-    (GOOD.replace('"2 s"', '"2 um"'), UnitError, 5, '"2 um" is a length, not a time'),
-    (GOOD.replace("pause", "pauze"), DescriptionError, 5, 'Perhaps "pause" is meant'),
-    (GOOD.replace("pause", "wibble"), DescriptionError, 5, "The keys here are noise, pause, count, ends, names"),
-    (GOOD.replace('noise = "2 um"', "count = 3"), DescriptionError, 3, 'Add a line such as noise = "0.3 um"'),
-    (GOOD + "count = 2.5", DescriptionError, 6, "2.5 is not possible here. Write a whole number, such as count = 7"),
-    (GOOD + "count = true", DescriptionError, 6, "true is not possible here"),
-    (GOOD + "count = 0", DescriptionError, 6, "setups[2].count: 0"),
-    (GOOD + "ends = [1]", DescriptionError, 6, "setups[2].ends has the wrong number of entries. Write ends = [1, 2]"),
-    (GOOD + "ends = [1, 2, 3]", DescriptionError, 6, "setups[2].ends has the wrong number of entries"),
-    (GOOD + "names = []", DescriptionError, 6, 'setups[2].names has the wrong number of entries. Write names = ["a"]'),
-    ("setups = 3", DescriptionError, 1, "Write a list in square brackets"),
-    ("setups = [3]", DescriptionError, 1, "setups[1]: 3"),
-    ("", DescriptionError, None, '"setups" is missing in the file'),
-    (GOOD + '[parks.left]\nnoise = "1 um"\nnoize = 1', DescriptionError, 8, 'Perhaps "noise" is meant'),
-]
-
-
-@pytest.mark.parametrize(("text", "kind", "line", "fragment"), FAULTS)
-def test_a_fault_in_a_model_has_line_value_and_remedy(
-    text: str, kind: type[InputError], line: int | None, fragment: str
-) -> None:
-    with pytest.raises(InputError) as failure:
-        read_model(Document.parse(text, "plan.toml"), Plan, DescriptionError)
-    assert type(failure.value) is kind
-    assert failure.value.line == line
-    assert fragment in str(failure.value)
 
 
 def _early(key: str, hour: int, known: Beside) -> int:

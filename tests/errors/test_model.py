@@ -9,12 +9,11 @@ import pytest
 
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import deviation_of, deviations_of, levers_at
-from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
+from axiscal.machine import Machine, load_machine, machine_from_text
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import tool_motion
 from axiscal.numerics import Array
-from axiscal_core import rigid
-from axiscal_core.splines import Constant, CyclicSpline, NaturalSpline, matern
+from axiscal_core.splines import CyclicSpline, matern
 from tests.generators.machines import random_machine, random_poses, twin_derivative
 
 UM, URAD, MM = 1e-6, 1e-6, 1e-3
@@ -50,15 +49,6 @@ def test_what_is_left_out_falls_with_the_square_of_the_errors(name: str) -> None
     left = [np.abs(_deviation(model, s * drawn, poses, approaches)[0] - rows @ (s * drawn)).max() for s in scales]
     orders = np.diff(np.log(left)) / np.diff(np.log(scales))
     assert orders == pytest.approx(np.full(3, 2.0), abs=0.05)
-
-
-@pytest.mark.parametrize("name", ["three-axis-mill", "dmu60"])
-def test_what_is_left_out_of_a_likely_machine_is_far_below_a_tenth_of_a_micrometre(name: str) -> None:
-    model, rng = ErrorModel(load_machine(name)), np.random.default_rng(5)
-    poses, approaches = random_poses(model.machine, 200, rng)
-    drawn = np.linalg.cholesky(model.prior_covariance()) @ rng.standard_normal(model.size)
-    exact, _ = _deviation(model, drawn, poses, approaches)
-    assert np.abs(exact - model.rows(poses, approaches) @ drawn).max() < 0.02 * UM
 
 
 def with_errors(machine: Machine, *names: str) -> ErrorModel:
@@ -132,14 +122,6 @@ def test_the_prior_of_a_full_turn_is_a_covariance_that_closes(length: float, kno
     assert np.linalg.eigvalsh(function.covariance)[0] > -1e-12 * knots
 
 
-def test_every_kind_of_error_has_its_spline() -> None:
-    model = ErrorModel(DMU)
-    kinds = {name: type(model.names[name].basis) for name in ("EXX", "ECC", "EBB", "C0Y", "EXX_reversal", "X0C")}
-    assert list(kinds.values()) == [NaturalSpline, CyclicSpline, NaturalSpline, Constant, Constant, Constant]
-    assert model.size == sum(f.basis.size for f in model.functions) == model.functions[-1].columns.stop
-    assert model.prior_covariance().shape == (model.size, model.size)
-
-
 def test_a_straight_line_and_a_constant_on_the_same_knots_are_told_apart() -> None:
     """Two knots and a constant span the same travel, but have two control values and one."""
     text = """
@@ -185,24 +167,3 @@ def test_many_machines_at_once_deviate_as_each_of_them(seed: int) -> None:
     for machine, one in zip(machines, found, strict=True):
         for mine, alone in zip(one, deviation_of(model, machine, poses, sides), strict=True):
             np.testing.assert_allclose(mine, alone, rtol=0, atol=1e-14)
-
-
-@pytest.mark.parametrize("name", builtin_names())
-def test_levers_without_errors_are_the_nominal_ones(name: str) -> None:
-    model = ErrorModel(load_machine(name))
-    poses, _ = random_poses(model.machine, 5, np.random.default_rng(1))
-    straight, angular = levers_at(model, np.zeros(model.size), poses)
-    assert np.abs(straight - model.levers(poses)).max() < 1e-15
-    assert np.abs(angular - model.angular_levers(poses)).max() < 1e-15
-
-
-def test_left_jacobian_is_the_derivative_of_the_rotation() -> None:
-    rng = np.random.default_rng(2)
-    for size in (1e-9, 5e-3, 0.02, 2.0):
-        vector = size * rng.standard_normal((1, 3))
-        jacobian = rigid.left_jacobian(vector)[0]
-        for c in range(3):
-            step = 1e-6 * np.eye(3)[c]
-            turned = (rigid.rotation(vector + step) - rigid.rotation(vector - step))[0] / 2e-6
-            spin = turned @ rigid.rotation(vector)[0].T
-            assert [spin[2, 1], spin[0, 2], spin[1, 0]] == pytest.approx(jacobian[:, c], abs=1e-8)

@@ -2,46 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.plane import PlaneError
-from axiscal.errors.volume import volume_moments, whole_travel
 from axiscal.estimation.accuracy.yardstick import joint_root
 from axiscal.machine import Machine, machine_from_text
-from axiscal.numerics import Array
-from tests.generators.planes import bed, centred, dense_rows, matern, natural, poses_of, table
+from axiscal.machine.kinematics import SmallMotions, tool_motion
+from tests.generators.planes import BED, bed, centred, dense_rows, matern, natural, poses_of, table
 
 
 def _plane(machine: Machine, name: str) -> PlaneError:
     return ErrorModel(machine).planes_by_name[name]
-
-
-def _brute(model: ErrorModel, cut: int = 5) -> tuple[Array, Array, float]:
-    """Return E[H], E[HᵀH] and the rests' share by tensor Gauss-Legendre between all knots."""
-    nodes, weights = np.polynomial.legendre.leggauss(cut)
-    lines = []
-    for axis, (low, high) in enumerate(whole_travel(model)):
-        knots = [f.basis.knots for f in model.functions if f.axis == axis]
-        knots += [each for plane in model.planes for each in plane.knots_along(axis)]
-        edges = np.unique(np.round(np.concatenate([[low, high], *knots]), 12))
-        half = np.diff(edges)[:, None] / 2
-        lines.append(((edges[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel() / (high - low)))
-    poses = np.stack([g.ravel() for g in np.meshgrid(*(at for at, _ in lines), indexing="ij")], axis=1)
-    share = np.prod(np.stack([g.ravel() for g in np.meshgrid(*(w for _, w in lines), indexing="ij")]), axis=0)
-    mean, gram, rest = np.zeros((3, model.size)), np.zeros((model.size, model.size)), 0.0
-    stds = np.array([term.rest for term in model.terms])
-    for at in range(0, len(poses), 20_000):
-        part, weight = poses[at : at + 20_000], share[at : at + 20_000]
-        rows = model.rows(part, np.zeros_like(part))
-        mean += np.einsum("m,mcn->cn", weight, rows)
-        flat = (rows * np.sqrt(weight)[:, None, None]).reshape(-1, model.size)
-        gram += flat.T @ flat
-        rest += float(stds**2 @ np.sum(model.levers(part) ** 2, axis=2) @ weight)
-    return mean, gram, rest
 
 
 def test_the_unknowns_have_the_covariance_of_the_centred_kronecker_product() -> None:
@@ -70,24 +43,9 @@ def test_what_is_cut_away_is_counted_as_rest() -> None:
     assert plane.rest**2 < 1e-4 * 10e-6**2
 
 
-def test_a_plane_moves_the_frame_of_the_later_axis() -> None:
-    model = ErrorModel(bed())
-    poses = poses_of(bed(), 20)
-    levers = model.levers(poses)
-    alike = {"EZXY": "EZX", "EAYZ": None}
-    for index, plane in enumerate(model.planes, len(model.functions)):
-        twin = alike[plane.name]
-        if twin is not None:
-            own = [f.name for f in model.functions].index(twin)
-            np.testing.assert_array_equal(levers[index], levers[own])
-    assert model.planes_by_name["EAYZ"].axis == model.machine.index("Z")
-
-
 @pytest.mark.parametrize("machine", [bed(), table()], ids=["bed", "table"])
 def test_the_small_motions_are_those_of_the_rows(machine: Machine) -> None:
     """The chain itself, with the plane as a displacement or turn of one frame, against the row times its values."""
-    from axiscal.machine.kinematics import SmallMotions, tool_motion
-
     model = ErrorModel(machine)
     rng, poses = np.random.default_rng(1), poses_of(machine, 30)
     values = 1e-4 * rng.standard_normal(model.size)
@@ -96,18 +54,6 @@ def test_the_small_motions_are_those_of_the_rows(machine: Machine) -> None:
     moved = tool_motion(machine, poses, small).translation - tool_motion(machine, poses, still).translation
     expected = model.rows(poses, np.ones_like(poses)) @ values
     np.testing.assert_allclose(moved, expected, atol=3e-3 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("machine", [bed(), table()], ids=["bed", "table"])
-def test_means_over_the_volume_are_those_of_brute_quadrature(machine: Machine) -> None:
-    forward = replace(machine, errors=tuple(e for e in machine.errors if e.kind != "reversal"))
-    model = ErrorModel(forward)
-    moments = volume_moments(model, whole_travel(model))
-    mean, gram, rest = _brute(model, 9 if machine.name == "table" or "C" in machine.chain else 5)
-    scale = np.sqrt(np.diagonal(gram))
-    np.testing.assert_allclose(moments.gram, gram, atol=float(1e-9 * scale.max() ** 2))
-    np.testing.assert_allclose(moments.mean, mean, atol=float(1e-9 * scale.max()))
-    assert moments.rest == pytest.approx(rest, rel=1e-9)
 
 
 def test_the_paper_s_criterion_is_the_kronecker_product_of_the_gram_matrices() -> None:
@@ -143,25 +89,8 @@ def test_other_lengths_give_the_covariance_of_other_lengths() -> None:
 
 
 def test_a_last_campaign_is_read_at_the_knots_of_today() -> None:
-    then, now = (
-        _plane(bed(), "EZXY"),
-        _plane(
-            machine_from_text(
-                """
-chain = "w-Y'-b-Z-X-t"
-[axes.X]
-travel = ["0 mm", "300 mm"]
-[axes.Y]
-travel = ["-50 mm", "150 mm"]
-[axes.Z]
-travel = ["0 mm", "100 mm"]
-[errors]
-EZXY = { std = "40 um", knots = [12, 11], length = ["40 mm", "25 mm"] }
-"""
-            ),
-            "EZXY",
-        ),
-    )
+    finer = BED.replace('knots = [6, 5], length = ["70 mm", "40 mm"]', 'knots = [12, 11], length = ["40 mm", "25 mm"]')
+    then, now = _plane(bed(), "EZXY"), _plane(machine_from_text(finer), "EZXY")
     rng = np.random.default_rng(0)
     values = rng.standard_normal(len(then.pairs))
     first, second = now.sides

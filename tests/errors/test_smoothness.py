@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.special import gamma, kv
 
 from axiscal.description.usual import sizes_of
 from axiscal.errors.model import ErrorModel
@@ -15,7 +14,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal_core.spaces import Given
-from axiscal_core.splines import matern, matern_by_length
+from axiscal_core.splines import matern
 from axiscal_core.unknowns import space_of
 from tests.generators.texts import machine_text
 
@@ -24,22 +23,6 @@ _HEAD = machine_text("w-X'-Y'-b-Z-t", {"X": (0, 500), "Y": (0, 400), "Z": (0, 30
 
 def _machine(entries: str) -> Machine:
     return machine_from_text(_HEAD + entries, "m.toml")
-
-
-@pytest.mark.parametrize("smoothness", [1.5, 2.5])
-def test_the_correlation_is_the_matern_of_its_order(smoothness: float) -> None:
-    distance = np.linspace(0.01, 4.0, 60)
-    scaled = np.sqrt(2 * smoothness) * distance
-    expected = 2 ** (1 - smoothness) / gamma(smoothness) * scaled**smoothness * kv(smoothness, scaled)
-    assert matern(distance, smoothness) == pytest.approx(expected, rel=1e-12)
-    assert matern(np.zeros(1), smoothness) == pytest.approx(1.0)
-
-
-@pytest.mark.parametrize("smoothness", [1.5, 2.5])
-def test_its_slope_by_length_is_the_difference(smoothness: float) -> None:
-    distance, step = np.linspace(0.0, 4.0, 60), 1e-5
-    longer, shorter = (matern(distance * np.exp(-sign * step), smoothness) for sign in (1, -1))
-    assert matern_by_length(distance, smoothness) == pytest.approx((longer - shorter) / (2 * step), abs=1e-9)
 
 
 def test_a_rough_curve_has_knots_at_a_quarter_of_its_length() -> None:

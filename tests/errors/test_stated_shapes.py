@@ -7,7 +7,6 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import volume_moments, whole_travel
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.machine.description import machine_from_text
@@ -44,15 +43,6 @@ def test_steps_are_independent_of_each_other() -> None:
     levels = function.rows(np.array([0.1, 0.3, 0.5]))
     steps = np.diff(levels, axis=0)
     assert steps @ function.covariance @ steps.T == pytest.approx(36e-12 * np.eye(2), abs=1e-24)
-
-
-@pytest.mark.long
-def test_means_over_the_volume_are_those_of_a_million_poses() -> None:
-    model = ErrorModel(machine_from_text(_MACHINE + _PITCH + _STEP, "m"))
-    moments = volume_moments(model, whole_travel(model))
-    poses = ((np.arange(200_000) + 0.5) / 200_000 * 0.6)[:, None]
-    rows = model.rows(poses, np.ones_like(poses))[:, 0]
-    assert moments.gram == pytest.approx(rows.T @ rows / len(rows), abs=1e-6)
 
 
 def test_readings_find_a_pitch_between_what_a_curve_can_follow() -> None:

@@ -14,6 +14,7 @@ from axiscal.machine import Machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry
 from tests.generators.machines import every_error, random_machine
+from tests.generators.planes import bed, table
 
 _NO_LEVER = 1e-20
 """A mean square lever below that of a tenth of a nanometre per unit is rounding."""
@@ -24,7 +25,8 @@ def _brute(model: ErrorModel, box: Box, points: int = 9, counted: Counted = EVER
     x, w = np.polynomial.legendre.leggauss(points)
     lines = []
     for k, (start, stop) in enumerate(box):
-        knots = np.concatenate([[start, stop], *(f.basis.knots for f in model.functions if f.axis == k)])
+        planes = [each for plane in model.planes for each in plane.knots_along(k)]
+        knots = np.concatenate([[start, stop], *(f.basis.knots for f in model.functions if f.axis == k), *planes])
         edges = np.unique(np.clip(knots, start, stop))
         half = np.diff(edges)[:, None] / 2
         lines.append(((edges[:-1, None] + half * (1 + x)).ravel(), (half * w).ravel() / (stop - start)))
@@ -37,9 +39,8 @@ def _brute(model: ErrorModel, box: Box, points: int = 9, counted: Counted = EVER
         flat = (np.sqrt(weights)[:, None, None] * rows[:, list(counted)]).reshape(-1, model.size)
         weight += flat.T @ flat / sides
     squares = np.sum(model.levers(poses)[:, :, list(counted)] ** 2, axis=2)
-    shares = [(f.rest / 2 if f.kind == "reversal" else f.rest) ** 2 for f in model.functions]
-    rest = float(np.array(shares) @ squares @ weights)
     halves = [0.25 if f.kind == "reversal" else 1.0 for f in model.terms]
+    rest = float(np.array([half * f.rest**2 for half, f in zip(halves, model.terms, strict=True)]) @ squares @ weights)
     levers = {f.name: half * float(s @ weights) for f, half, s in zip(model.terms, halves, squares, strict=True)}
     return VolumeMoments(mean, weight, levers, rest)
 
@@ -69,6 +70,13 @@ def test_two_axes_agree_with_brute_quadrature(seed: int) -> None:
     assert _apart(volume_moments(model, box), _brute(model, box)) < 1e-11
 
 
+@pytest.mark.parametrize("machine", [bed(), table()], ids=["bed", "table"])
+def test_errors_of_two_axes_agree_with_brute_quadrature(machine: Machine) -> None:
+    model = ErrorModel(machine)
+    box = whole_travel(model)
+    assert _apart(volume_moments(model, box), _brute(model, box, points=9 if "C" in machine.chain else 5)) < 1e-8
+
+
 @pytest.mark.parametrize("counted", [(False, False, True), (True, False, True)])
 def test_directions_that_do_not_count_are_left_out(counted: Counted) -> None:
     model = ErrorModel(random_machine(3, count=2))
@@ -88,9 +96,7 @@ def test_three_axes_agree_with_brute_quadrature(seed: int) -> None:
     assert _apart(volume_moments(model, box), _brute(model, box, points=5)) < 1e-6
 
 
-@pytest.mark.parametrize(
-    "length", [0.99, 1.0, 1.01, *(pytest.param(other, marks=pytest.mark.long) for other in (0.02, 0.4, 1.5, 3.0))]
-)
+@pytest.mark.parametrize("length", [0.02, 0.99, 1.0, 1.01, 3.0])
 @pytest.mark.parametrize("primed", [False, True])
 def test_rotary_travels_on_both_sides_of_where_the_nodes_change(length: float, primed: bool) -> None:
     turn = Axis.named("B", primed, (0.3, 0.3 + length), origin=(0.1, 0.0, -0.2))

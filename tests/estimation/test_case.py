@@ -10,21 +10,16 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.case import Case, Rival
+from axiscal.estimation.case import Case
 from axiscal.estimation.promise import problem
 from axiscal.estimation.promise.problem import MOST_COLUMNS, Inherited, PlaneUnknowns
 from axiscal.machine import load_machine
-from axiscal.measurement.instruments.distance import SHIFTS
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics import Array
-from axiscal_core import unknowns
 from axiscal_core.problem import MOST_NUMBERS, Problem
-from axiscal_core.spaces import parts_of
-from axiscal_core.unknowns import Unknowns
-from benchmarks.nonlinear.stations import at_once, tracers
+from benchmarks.nonlinear.stations import tracers
 from tests.generators import laser_axis
-from tests.generators.campaigns import drawn, mixed
+from tests.generators.campaigns import mixed
 from tests.generators.dense_posterior import Dense
 from tests.generators.problems import asked
 from tests.generators.texts import campaign_text, setup_text
@@ -52,15 +47,6 @@ def test_what_was_inherited_is_the_prior_of_the_errors_and_of_nothing_else() -> 
     assert stated.size > size
 
 
-def test_each_of_its_rivals_is_a_side_and_without_them_it_is_its_own() -> None:
-    rivals = tuple(Rival(name, 0.5, Inherited(np.full(LASER.errors.size, shift), np.eye(LASER.errors.size)))
-                   for name, shift in (("one", 1e-6), ("other", 2e-6)))  # fmt: skip
-    sides = replace(LASER, rivals=rivals).sides
-    assert [float(side.prior.mean[0]) for side in sides] == pytest.approx([1e-6, 2e-6])
-    assert all(side.rivals == () for side in sides)
-    assert LASER.sides == (LASER,)
-
-
 def test_stations_are_found_where_the_mean_has_them_and_stay_when_they_move_by_nothing() -> None:
     case = tracers("1 mm", "1 mm")
     there = case.located(moved(case, (1e-3, -2e-3, 3e-3)))
@@ -76,18 +62,6 @@ def test_stations_are_found_where_the_mean_has_them_and_stay_when_they_move_by_n
     further = there.located(moved(there, (1e-3 + 1.1e-8, -2e-3, 3e-3)))
     assert further is not None
     assert further.description.setups[1].found == pytest.approx((1e-3 + 1.1e-8, -2e-3, 3e-3), abs=1e-12)
-
-
-def test_columns_of_stations_are_those_of_their_unknowns() -> None:
-    case, together = tracers("1 mm", "1 mm"), at_once("1 mm", "1 mm")
-    names = [unknown.name for unknown in case.observation.unknowns]
-    for index in range(4):
-        ((x, y, z),) = case.station_columns(index)
-        assert [names[column - case.errors.size] for column in (x, y, z)] == list(SHIFTS)
-        assert {x, y, z} <= set(case.observation.unknowns_of(index).tolist())
-    assert len(together.station_columns(0)) == 4
-    assert len({column for station in together.station_columns(0) for column in station}) == 12
-    assert LASER.station_columns(0) == ()
 
 
 def test_another_case_lends_where_readings_are_linear_and_nothing_else() -> None:
@@ -113,20 +87,6 @@ def test_what_is_to_be_learnt_is_what_the_campaign_says_and_of_an_inherited_prio
     left = replace(learning, inherited=Inherited(np.zeros(size), np.eye(size))).sizes
     alone = ("noise", "rest", "drift", "cycle", "growth", "way")
     assert left.of == tuple(each for each in learning.sizes.of if each.kind in alone)
-
-
-def test_a_way_has_the_seconds_of_its_readings_one_after_the_other() -> None:
-    case = mixed()
-    readings = drawn(case, 9)
-    order = [*readings[:5], readings[6], readings[8]]
-    one_by_one = [case.seconds_of(last, each) for last, each in zip((None, *order), order, strict=False)]
-    assert case.seconds_along(None, order) == pytest.approx(one_by_one)
-    setup = case.description.setup(order[0].setup)
-    assert case.seconds_along(readings[7], order)[0] == setup.setup_time + reading_seconds(setup)
-    same = case.seconds_along(order[0], [order[0]])[0]
-    assert same == pytest.approx(reading_seconds(case.description.setup(order[0].setup)), abs=30.0)
-    assert same < case.seconds_of(order[0], readings[8])
-    assert case.seconds_along(None, []).shape == (0,)
 
 
 SIDES = campaign_text(
@@ -172,18 +132,6 @@ def test_rests_without_a_column_count_as_noise(monkeypatch: pytest.MonkeyPatch) 
     assert _strongest(every) in {term for term, _ in few.cells}
     assert set(few.cells) < set(every.cells)
     np.testing.assert_allclose(_variances(few), _variances(every), rtol=1e-9)
-
-
-def test_readings_are_left_out_alike_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
-    given = asked("two set-ups", 9)
-    found = Unknowns(given).given(np.zeros(len(given.sizes)))
-    assert found is not None
-    for part in parts_of(given.reading):
-        whole = found.left_out(part)
-        monkeypatch.setattr(unknowns, "_AT_ONCE", 4)
-        for one, other in zip(found.left_out(part), whole, strict=True):
-            np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-12 * float(np.abs(other).max()))
-        monkeypatch.undo()
 
 
 @pytest.mark.parametrize("times", [1.0, 30.0, 5000.0])

@@ -72,24 +72,11 @@ def test_detail_that_was_read_is_followed(count: int) -> None:
     assert u[1] < u[0]
 
 
-def test_what_follows_is_of_the_knots_that_were_found() -> None:
-    known = in_detail(FREE, read(detailed, 80))
-    assert known.stated.errors.size == known.case.errors.size == len(known.estimate().mean)
-    again = concluded(known.stated, known.readings)
-    np.testing.assert_allclose(again.printed.belief.mean, known.printed.belief.mean, rtol=1e-9, atol=1e-12)
-
-
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("count", [12, 120])
 def test_a_smooth_axis_keeps_its_knots(count: int, seed: int) -> None:
     readings = read(smooth, count, seed)
     assert knots(in_detail(FREE, readings)) == knots(concluded(FREE, readings))
-
-
-def test_a_right_machine_is_known_better_with_more_readings() -> None:
-    every = [in_detail(FREE, read(smooth, count)) for count in (15, 45, 135)]
-    u = [expanded(each.case.yardstick, each.printed.belief).space for each in every]
-    assert u[0] >= u[1] >= u[2]
 
 
 @pytest.mark.parametrize(
@@ -104,42 +91,3 @@ def test_a_right_machine_is_known_better_with_more_readings() -> None:
 )
 def test_knots_that_are_fixed_stay(fixed: Case) -> None:
     assert knots(in_detail(fixed, read(detailed, 80))) == knots(concluded(fixed, read(detailed, 80)))
-
-
-TRACKER = campaign_text(
-    "m",
-    setup_text(
-        "tracker", "tracker", station=["500 mm", "-2000 mm", "0 mm"], noise="0.3 um",
-        unknowns={f"turn_{axis}": "20 mrad" for axis in "xyz"},
-    ),
-    compensation_active=False,
-)  # fmt: skip
-PLANE = machine_text(
-    "w-Y'-b-X-t",
-    {"X": (0, 1000), "Y": (0, 600)},
-    {"EXX": 'std = "10 um", length = "400 mm"', "EYY": 'std = "10 um", length = "240 mm"', "C0Y": "30 urad"},
-)
-
-
-@pytest.mark.long
-def test_only_what_shows_detail_is_followed_and_a_turned_tracker_is_no_hindrance() -> None:
-    """The tracker is turned by 5 mrad: readings are linear about that turn alone, with other knots as well."""
-    plane, rng = Case(campaign_from_texts(TRACKER, "c.toml", PLANE, "m")), np.random.default_rng(4)
-    x, y = rng.uniform(0, 1, 60), rng.uniform(0, 0.6, 60)
-    names = [axis.name for axis in plane.description.machine.axes]
-    seen = np.column_stack([x + detailed(x), y + smooth(y), 0 * x])
-    turned = np.array([[1, -5e-3, 0], [5e-3, 1, 0], [0, 0, 1]]) / np.array([np.sqrt(1 + 25e-6)] * 2 + [1])
-    station = np.array([0.5, -2.0, 0.0])
-    shown = (seen - station) @ turned.T + station - np.column_stack([x, y, 0 * x])
-    shown += 0.3e-6 * rng.standard_normal(shown.shape)
-    poses = np.column_stack([{"X": x, "Y": y}[name] for name in names])
-    readings = [
-        Reading("tracker", tuple(pose), (1, 1), float(value[0]), others=tuple(value[1:]), time=30.0 * i)
-        for i, (pose, value) in enumerate(zip(poses.tolist(), shown, strict=True))
-    ]
-    before, known = concluded(plane, readings), in_detail(plane, readings)
-    assert before.case.about is not None
-    assert knots(known) > knots(before)
-    along = np.linspace(0, 1, 201)
-    off = detailed(along) - known.estimate().curve("EXX", along).mean
-    assert np.std(off - np.polyval(np.polyfit(along, off, 1), along)) < 0.4e-6

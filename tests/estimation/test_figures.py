@@ -117,19 +117,6 @@ def test_poses_are_the_corners_and_points_spread_evenly_from_both_sides() -> Non
     assert sampled.evenly.all()
 
 
-def test_losses_of_readings_come_off_one_after_the_other() -> None:
-    """Each number takes d dᵀ off the covariance; figures stand behind the last number of each reading."""
-    stick, known = yardstick_of((True, False, False), ALL), belief()
-    rng, size = np.random.default_rng(6), CASE.errors.size
-    losses = 2e-6 * rng.standard_normal((5, size))
-    ends = np.array([1, 3, 5])
-    for end, found in zip(ends, stick.accuracies(known.factor[:size], losses, ends), strict=True):
-        left = known.covariance[:size, :size] - losses[:end].T @ losses[:end]
-        variances = traces_of(defined(stick, left), ALL)
-        total = float(np.sum(stick.root.weights * left))
-        assert found == pytest.approx(stick.figures(total, variances), rel=1e-9)
-
-
 def test_endless_readings_leave_the_floor() -> None:
     stick = replace(yardstick_of((False, False, False), ALL), left=1e-6 * np.eye(CASE.errors.size))
     variances = traces_of(defined(stick, 1e-12 * np.eye(CASE.errors.size)), ALL)

@@ -8,7 +8,6 @@ from scipy import stats
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import deviation_of
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import AxisLine, Functional
@@ -47,22 +46,6 @@ def _along(machine: VirtualMachine, line: AxisLine, side: float = 0.0) -> Array:
     return machine.deviation(line.poses, sides)
 
 
-def test_positioning_is_both_sides_less_their_mean() -> None:
-    rows, machine = _asked('"positioning X"')
-    (line,) = rows["positioning X"].lines
-    both = np.concatenate([_along(machine, line, 1.0)[:, 0], _along(machine, line, -1.0)[:, 0]])
-    np.testing.assert_allclose(_found(rows["positioning X"], machine), both - both.mean(), atol=1e-15)
-    assert both.std() > 1e-6
-
-
-def test_backlash_is_the_mean_difference_of_both_sides() -> None:
-    rows, machine = _asked('"backlash X"')
-    (line,) = rows["backlash X"].lines
-    apart = np.mean(_along(machine, line, 1.0)[:, 0] - _along(machine, line, -1.0)[:, 0])
-    assert _found(rows["backlash X"], machine) == pytest.approx([apart], abs=1e-15)
-    assert abs(apart) > 1e-7
-
-
 @pytest.mark.parametrize(("other", "way"), [("Y", 1), ("Z", 2)])
 def test_straightness_is_the_residual_of_the_best_fit_line(other: str, way: int) -> None:
     name = f"straightness X in {other}"
@@ -95,31 +78,6 @@ def test_angles_are_rotations_less_their_mean(name: str, about: int) -> None:
     functional = _map(rows[name])
     turned = machine.rotation(functional.poses, functional.sides)
     np.testing.assert_allclose(functional.row(turned), turned[:, about] - turned[:, about].mean(), atol=1e-15)
-
-
-FIVE = setup_text(
-    "laser", "interferometer", direction="x", moves=["X"], park={"Y": "0 mm", "Z": "250 mm", "B": "0 deg", "C": "0 deg"}
-)
-
-
-@pytest.mark.parametrize(("axis", "ways", "abouts"), [("C", "XY", "AB"), ("B", "XZ", "AC")])
-def test_a_shifted_rotary_axis_is_found_where_it_is_and_a_leaning_one_which_way(
-    axis: str, ways: str, abouts: str
-) -> None:
-    rows, _ = _asked(f'"centre of {axis}", "tilt of {axis}"', "dmu60", FIVE)
-    errors = ErrorModel(load_machine("dmu60"))
-    for kind, wanted in (
-        ("centre", dict(zip(ways, (12e-6, -5e-6), strict=True))),
-        ("tilt", dict(zip(abouts, (30e-6, -40e-6), strict=True))),
-    ):
-        functional, coefficients = _map(rows[f"{kind} of {axis}"]), np.zeros(errors.size)
-        for name, value in wanted.items():
-            coefficients[errors.names[f"{name}0{axis}"].columns] = value
-        deviation = deviation_of(errors, coefficients, functional.poses, functional.sides)
-        found = functional.row(deviation.rotation if functional.angular else deviation.displacement)
-        assert dict(zip(functional.directions, found.tolist(), strict=True)) == pytest.approx(wanted, rel=1e-3)
-        alone = [each.rows(errors)[0] for each in functional.alone()]
-        np.testing.assert_array_equal(alone, functional.rows(errors))
 
 
 @pytest.mark.parametrize("name", ["positioning X", "pitch X"])

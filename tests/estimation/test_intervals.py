@@ -11,25 +11,9 @@ from scipy.stats import norm
 
 from axiscal.estimation.intervals import Fitted, sited, sites
 from axiscal.measurement.reading import Reading
-from axiscal.numerics import Array
-from axiscal.numerics.gaussian import lower_root
-from axiscal_core.splines import matern
 from tests.generators.one_axis import observed, readings_at
 
 _CURVE = 10.0
-_AT = np.array([0.0, 0.15, 0.3, 0.5, 0.5, 0.75, 0.9, 0.9])
-_DRAWS = 200_000
-
-
-def _root() -> Array:
-    return _CURVE * lower_root(matern(np.abs(_AT[:, None] - _AT) / 0.2) + 1e-9 * np.eye(len(_AT)))
-
-
-def _by_sites(root: Array, found: tuple[Array, Array]) -> tuple[Array, Array]:
-    values, variances = found
-    covariance = np.linalg.inv(np.eye(root.shape[1]) + (root.T / variances) @ root)
-    mean = root @ covariance @ (root.T @ (values / variances))
-    return mean, np.sqrt(np.diag(root @ covariance @ root.T))
 
 
 @pytest.mark.parametrize(("step", "shown"), [(1.0, 0.3), (8.0, 24.0), (40.0, -40.0), (100.0, 0.0)])
@@ -83,24 +67,3 @@ def test_of_each_interval_the_estimate_has_the_mean_and_the_variance_that_all_ot
         whole, first, second = (np.trapezoid(z**k * density, z) for k in range(3))
         assert (mean[number] - centre) / np.sqrt(cavity) == pytest.approx(first / whole, abs=1e-3)
         assert variance[number] / cavity == pytest.approx(second / whole - (first / whole) ** 2, rel=2e-3)
-
-
-@pytest.mark.parametrize("bound", [3.0, 6.0, 12.0])
-def test_bounded_readings_leave_what_many_weighted_draws_leave(bound: float) -> None:
-    rng, root = np.random.default_rng(5), _root()
-    truth = root @ rng.standard_normal(len(_AT))
-    shown = truth + rng.standard_normal(len(_AT)) + bound * rng.uniform(-1, 1, len(_AT))
-    noise, steps = np.full(len(_AT), 1 + bound**2 / 3), np.full(len(_AT), 2 * bound)
-    mean, std = _by_sites(root, sites(Fitted(root, noise, shown, np.arange(len(_AT))), steps, np.ones(len(_AT))))
-    loose = np.linalg.inv(np.eye(len(_AT)) + (root.T / (2 * noise)) @ root)  # draws come from a wider normal
-    white = rng.standard_normal((_DRAWS, len(_AT)))
-    drawn = loose @ root.T @ (shown / (2 * noise)) + white @ lower_root(loose).T
-    draws = drawn @ root.T
-    inside = norm.cdf(shown + bound - draws) - norm.cdf(shown - bound - draws)
-    weights = np.exp(0.5 * np.sum(white**2 - drawn**2, axis=1)) * np.prod(inside, axis=1)
-    weights /= weights.sum()
-    assert 1 / np.sum(weights**2) > 500
-    exact = weights @ draws
-    spread = np.sqrt(weights @ (draws - exact) ** 2)
-    assert np.max(np.abs(mean - exact) / spread) < 0.15
-    assert std == pytest.approx(spread, rel=0.15)  # where two intervals meet the density is not normal: 12 %

@@ -5,40 +5,31 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
-from scipy.stats import t
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.target import RowName
-from axiscal.estimation.estimate import concluded
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.functionals.functional import PLACES, line_of, seen_by, through_the_volume
-from axiscal.estimation.known_rows import KnownRow, _turned, known_row, known_rows
+from axiscal.estimation.known_rows import KnownRow
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
-from tests.generators.laser_axis import CASE, machine, read
-from tests.generators.texts import setup_text
-
-HEAD = 'machine = "m"\n[target]\nreadings = 5\n'
-LASER = setup_text("{name}", "{instrument}", direction="{direction}", moves=["{moves}"], approach="both")
+from tests.generators.texts import Said, campaign_text, setup_text
 
 
-@cache
-def described(*setups: tuple[str, str, str], target: str = "") -> CampaignDescription:
+def described(*setups: tuple[str, str, str], **target: Said) -> CampaignDescription:
     """Return a campaign on the mill.  setups : name, moves and direction of each that reads a length"""
-    text = "".join(
-        LASER.format(
-            name=name,
-            moves=moves,
-            direction=direction,
-            instrument="interferometer" if moves.lower() == direction else "straightedge",
+    texts = [
+        setup_text(
+            name, "interferometer" if moves.lower() == direction else "straightedge",
+            direction=direction, moves=[moves], approach="both",
         )
         for name, moves, direction in setups
-    )
-    return campaign_from_texts(HEAD + target + text, "c.toml", load_machine("three-axis-mill").text, "m")
+    ]  # fmt: skip
+    text = campaign_text("m", *texts, target={"readings": 5, **target})
+    return campaign_from_texts(text, "c.toml", load_machine("three-axis-mill").text, "m")
 
 
 def at(name: str, *places: tuple[tuple[float, float, float], int]) -> list[Reading]:
@@ -74,19 +65,16 @@ def test_a_line_goes_from_end_to_end_of_what_was_read_where_most_of_it_was_read(
 
 
 def test_places_a_micrometre_apart_are_one() -> None:
-    described_one = described(("laser", "X", "x"))
-    readings = at("laser", *(((x, 0.0, 0.0), 1) for x in (0.1, 0.1 + 9e-7, 0.1 + 3e-6)), ((0.1 - 5e-7, 0.0, 0.0), -1))
-    line = line_of(described_one.setups[0], readings, described_one.machine)
-    assert line.plus == (0.1, 0.1 + 3e-6)
-    assert line.both == (0.1,)
+    found = described(("laser", "X", "x"))
+    places = at("laser", *(((x, 0.0, 0.0), 1) for x in (0.1, 0.1 + 9e-7, 0.1 + 3e-6)), ((0.1 - 5e-7, 0.0, 0.0), -1))
+    line = line_of(found.setups[0], places, found.machine)
+    assert (line.plus, line.both) == ((0.1, 0.1 + 3e-6), (0.1,))
 
 
 def test_a_line_through_the_volume_is_in_its_middle_and_rotary_axes_stand_at_nought() -> None:
-    text = (
-        'machine = "m"\n[target]\nreadings = 5\n[target.volume]\nX = ["10 mm", "50 mm"]\nZ = ["150 mm", "250 mm"]\n'
-        'B = ["10 deg", "50 deg"]\n[[setups]]\nname = "nest"\ninstrument = "rtest"\n'
-        'station = ["150 mm", "0 mm", "100 mm"]\n'
-    )
+    volume: dict[str, Said] = {"X": ["10 mm", "50 mm"], "Z": ["150 mm", "250 mm"], "B": ["10 deg", "50 deg"]}
+    nest = setup_text("nest", "rtest", station=["150 mm", "0 mm", "100 mm"])
+    text = campaign_text("m", nest, target={"readings": 5, "volume": volume})
     found = campaign_from_texts(text, "c.toml", load_machine("dmu60").text, "m")
     names = [axis.name for axis in found.machine.axes]
     middle = {name: sum(bounds) / 2 for name, bounds in zip(names, found.target.volume, strict=True)} | {"C": 0.0}
@@ -153,7 +141,7 @@ def test_of_two_set_ups_that_show_a_row_it_is_of_the_one_with_more_places() -> N
 
 
 def test_where_an_accuracy_is_asked_for_what_a_plan_left_out_answers_nothing() -> None:
-    found = described(("laser", "X", "x"), ("up", "Y", "x"), target='rms = "3 um"\n')
+    found = described(("laser", "X", "x"), ("up", "Y", "x"), rms="3 um")
     readings = at("laser", ((0.1, 0.1, 0.1), 1), ((0.3, 0.1, 0.1), 1))
     assert names_of(found, readings) == ["positioning X", "scale X", "backlash X", "volume"]
     assert "straightness Y in X" in names_of(found, readings, whole=True)
@@ -162,7 +150,7 @@ def test_where_an_accuracy_is_asked_for_what_a_plan_left_out_answers_nothing() -
 
 
 def test_a_wanted_row_without_a_line_of_its_own_takes_that_of_its_axis_unread() -> None:
-    found = described(("laser", "X", "x"), target='wants = ["pitch X", "straightness Y in Z"]\n')
+    found = described(("laser", "X", "x"), wants=["pitch X", "straightness Y in Z"])
     readings = at("laser", ((0.1, 0.1, 0.1), 1), ((0.3, 0.1, 0.1), -1))
     pitch, straight = asked_rows(found, readings)
     assert [(line.setup, line.read) for line in pitch.lines] == [("", 0)]
@@ -192,33 +180,3 @@ def test_a_row_is_measured_at_half_of_what_it_was_and_reached_at_its_limit() -> 
     assert [row(known=known).settled for known in (5e-6, 5.1e-6)] == [True, False]
     described_by = ((0.0, None), (2e-12, None), (0.0, 1e-6))
     assert [row(before=before, limit=limit).described for before, limit in described_by] == [False, True, True]
-
-
-def test_the_same_reading_once_more_comes_from_the_other_side_ten_seconds_later() -> None:
-    (setup,) = described(("laser", "X", "x")).setups
-    taken = at("laser", ((0.1, 0.0, 0.0), 1), ((0.3, 0.0, 0.0), 1))
-    readings = [replace(each, time=60.0 * i) for i, each in enumerate(taken)]
-    line = line_of(setup, readings, described(("laser", "X", "x")).machine)
-    after = [*readings, Reading("other", (0.0, 0.0, 0.0), (1, 1, 1), 0.0)]
-    assert _turned(after, line) == replace(readings[1], approach=(-1, 1, 1), time=70.0, accepted=True)
-    assert _turned([replace(readings[1], time=None)], line).time is None
-
-
-def test_what_is_known_of_rows_before_and_after_readings() -> None:
-    """Backlash is one number: U is that of a t of its variance by scipy; nothing beyond type B is left for ever."""
-    known = concluded(CASE, read(machine(3), 24))
-    rows = {each.row.name: each for each in known_rows(known.case, known.printed, known.readings)}
-    before = {each.row.name: each for each in known_rows(CASE, CASE.knowledge, ())}
-    assert list(rows) == ["positioning X", "scale X", "backlash X", "volume"]
-    backlash, own = rows["backlash X"], known.case.errors.names["EXX_reversal"].columns
-    std = float(np.linalg.norm(known.printed.belief.factor[own]))
-    degrees = known.printed.belief.degrees
-    assert backlash.known == pytest.approx(t.ppf(0.975, degrees) * np.sqrt(1 - 2 / degrees) * std, rel=1e-5)
-    assert before["backlash X"].known == pytest.approx(1.959964 * 3e-6, rel=1e-5)
-    assert [each.measured for each in before.values()] == [False] * 4
-    assert [each.measured for each in rows.values()] == [True] * 4
-    assert all(each.known < each.before for each in rows.values())
-    assert backlash.floor < 0.01 * backlash.known  # endless readings tell it
-    (asked,) = (each for each in asked_rows(CASE.description, ()) if each.map is None)
-    assert known_row(asked, CASE, CASE.prior, read=False).before == pytest.approx(before["volume"].known)
-    assert [each.row.kind for each in rows.values() if each.angular] == ["scale"]

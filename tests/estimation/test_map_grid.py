@@ -48,14 +48,6 @@ def test_a_grid_is_what_has_three_columns_and_rows_and_half_of_its_nodes(
         assert (found[0].tolist(), found[1].tolist()) == (x, y)
 
 
-DIAGONAL = [(0.1, 0.1), (0.2, 0.2), (0.3, 0.3), (0.4, 0.4), (0.1, 0.4), (0.4, 0.1), (0.2, 0.3), (0.3, 0.2)]
-
-
-@pytest.mark.parametrize(("places", "grid"), [(DIAGONAL, True), (DIAGONAL[:-1], False), (DIAGONAL[:4], False)])
-def test_half_of_the_nodes_are_enough_and_one_fewer_is_not(places: list[tuple[float, float]], grid: bool) -> None:
-    assert (map_grid(MACHINE, [probing()], at(places)) is not None) == grid
-
-
 @pytest.mark.parametrize(
     ("columns", "grid"),
     [

@@ -12,23 +12,19 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.usual import sizes_of
 from axiscal.estimation.case import Case, Timed, elapsed, timed
 from axiscal.estimation.promise.passing import (
-    drift_functions,
-    growing,
-    growth_functions,
     passing_columns,
     turning,
 )
 from axiscal.machine import load_machine
-from axiscal.measurement.cells import wandering
-from axiscal.measurement.reading import Places, Reading
+from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of
 from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.laser_axis import CASE, machine, read
+from tests.generators.texts import campaign_text, setup_text
 
 AT = (0.1, 0.3, 0.45, 0.2, 0.15, 0.2, 0.2)
 SIDES = (1, 1, 1, 1, -1, -1, -1)
@@ -36,34 +32,20 @@ SIDES = (1, 1, 1, 1, -1, -1, -1)
 
 def axis(approach: str = "both", usual: str = "on") -> Case:
     """Return an axis with a reversal of 4 um under a laser."""
-    text = f"""machine = "m"
-usual = "{usual}"
-[target]
-readings = 20
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-approach = "{approach}"
-noise = "0.5 um"
-"""
+    laser = setup_text("laser", "interferometer", direction="x", approach=approach, noise="0.5 um")
+    text = campaign_text("m", laser, target={"readings": 20}, usual=usual)
     return Case(campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis"))
 
 
-def columns(case: Case) -> dict[str, Array]:
-    """Return the columns of what passes by the kind of their size."""
-    places = Places.of_setup(0, np.array(AT)[:, None], np.array(SIDES, dtype=float)[:, None])
-    readings = [
-        Reading("laser", (at,), (side,), 0.0, time=60.0 * n) for n, (at, side) in enumerate(zip(AT, SIDES, strict=True))
-    ]
-    found = passing_columns(case.observation, readings, places, np.arange(len(AT)), case.sizes, case.description.usual)
-    kinds = np.array([case.sizes.of[number].kind for number in found.size_at])
-    return {kind: found.columns[:, kinds == kind] for kind in np.unique(kinds)}
+OUT_AND_BACK = [
+    Reading("laser", (at,), (side,), 0.0, time=60.0 * n) for n, (at, side) in enumerate(zip(AT, SIDES, strict=True))
+]
 
 
 def test_it_is_there_where_both_sides_are_read_and_what_usually_goes_wrong_counts() -> None:
     assert "way" in {size.kind for size in axis().sizes.of}
-    assert "way" not in columns(axis(approach="+"))
+    assert "way" in _by_kind(axis(), OUT_AND_BACK)
+    assert "way" not in _by_kind(axis(approach="+"), OUT_AND_BACK)
     assert "way" not in {size.kind for size in axis(usual="off").sizes.of}
 
 
@@ -74,16 +56,6 @@ def test_readings_in_another_order_have_turned_elsewhere() -> None:
     there = turning(case.observation, 0, poses[order], np.array(SIDES, dtype=float)[order, None])[0]
     assert one.missing(poses, order)[:, order] == pytest.approx(there.missing(poses[order], np.arange(7)))
     assert not np.allclose(one.missing(poses, order), one.missing(poses, np.arange(7)))
-
-
-def test_rotary_axes_have_none() -> None:
-    machine = load_machine("dmu60")
-    reversing = {entry.name for entry in machine.errors if entry.kind == "reversal"}
-    found = sizes_of(machine, (), "roughly", usual=True, inherited=False)
-    (owners,) = (set(size.owners) for size in found.of if size.kind == "way")
-    assert owners < reversing
-    assert {machine.axis(name[2]).rotary for name in owners} == {False}
-    assert {machine.axis(name[2]).rotary for name in reversing - owners} == {True}
 
 
 def _by_kind(case: Case, readings: Sequence[Reading]) -> dict[str, Array]:
@@ -104,37 +76,6 @@ def test_readings_of_a_long_day_and_many_of_them_have_no_cycle() -> None:
         assert ("cycle" in _by_kind(case, readings)) == there
 
 
-@pytest.mark.parametrize("count", [2, 7, 20, 40])
-def test_a_set_up_has_no_more_columns_than_readings_and_they_vary_alike(count: int) -> None:
-    """Of each cause Z Zᵀ of the functions as they stand; of many set-ups with few readings all would be too many."""
-    case = axis()
-    readings = [Reading("laser", (0.1 + 0.5 * n / count,), (1,), 0.0, time=60.0 * n**1.5) for n in range(count)]
-    times = np.array([reading.time for reading in readings])
-    columns, setup = _by_kind(case, readings), case.observation.setups[0]
-    (shown,) = growing(case.observation, 0, np.array([reading.pose for reading in readings]))
-    every = {"drift": drift_functions(setup, times), "growth": shown[0][:, None] * growth_functions(setup, times)}
-    for kind, functions in every.items():
-        covariance = functions @ functions.T
-        assert columns[kind].shape[1] == min(functions.shape)
-        np.testing.assert_allclose(columns[kind] @ columns[kind].T, covariance, atol=1e-12 * covariance.max())
-
-
-def test_without_what_usually_goes_wrong_a_zero_wanders_as_stated_and_nothing_else_does() -> None:
-    case = mixed('usual = "off"')
-    readings = drawn(case, 12)
-    (columns_of_all,) = (each for kind, each in _by_kind(case, readings).items() if kind in ("", "drift"))
-    nest = [each for each in readings if each.setup == "nest"]
-    times = [float(each.time or 0.0) - float(nest[0].time or 0.0) for each in nest]
-    at = np.array([each.setup == "nest" for each in readings for _ in each.values])
-    number = np.array([k for each in readings for k in range(len(each.values))])[at]
-    assert not columns_of_all[~at].any()
-    own = columns_of_all[at] @ columns_of_all[at].T
-    for k in range(3):
-        np.testing.assert_allclose(own[np.ix_(number == k, number == k)], wandering(3e-6 / 3600, times), rtol=0.05,
-                                   atol=1e-3 * own.max())  # fmt: skip
-        assert not own[np.ix_(number == k, number != k)].any()
-
-
 CASES = {
     "set-ups in turn": (mixed(), drawn(mixed())),
     "one set-up after the other": (mixed(), sorted(drawn(mixed()), key=lambda reading: reading.setup)),
@@ -144,18 +85,17 @@ CASES = {
 
 def _one_by_one(case: Case, readings: list[Reading]) -> list[float]:
     """Return when each reading ended, way after way: the naive way."""
-    now, ends, last = 0.0, list[float](), None
-    for reading in readings:
-        setup = case.description.setup(reading.setup)
+    seconds = list[float]()
+    for last, reading in zip([None, *readings], readings, strict=False):
+        setup, way = case.description.setup(reading.setup), 0.0
         if last is None or last.setup != reading.setup:
-            now += setup.setup_time + reading_seconds(setup)
+            way = setup.setup_time
         else:
+            sides = np.array(reading.approach or np.zeros(len(reading.pose)), dtype=float)
             here, there = np.array(last.pose), np.array(reading.pose)
-            sides = np.array(reading.approach or np.zeros(len(there)), dtype=float)
-            now += float(way_seconds(case.description.machine, setup, here, there, sides)) + reading_seconds(setup)
-        ends.append(now)
-        last = reading
-    return ends
+            way = float(way_seconds(case.description.machine, setup, here, there, sides))
+        seconds.append(way + reading_seconds(setup))
+    return [float(end) for end in np.cumsum(seconds)]
 
 
 @pytest.mark.parametrize("name", CASES)

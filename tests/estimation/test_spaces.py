@@ -21,12 +21,10 @@ from axiscal_core.spaces import Given, parts_of
 from axiscal_core.theta import Sizes
 from axiscal_core.unknowns import Space, Unknowns, space_of
 from tests.generators.dense_posterior import Dense
-from tests.generators.problems import KINDS, asked, case_of, inherited, plain, plain_case, readings_of
+from tests.generators.problems import KINDS, asked, plain, plain_case, readings_of
 
 COUNTS = {"axis": 14, "plate": 12, "five axes": 4, "two set-ups": 8}
 _STEP = 1e-4
-_COARSE = 1e-3
-"""Of log L, whose rounding an open zero of 1 mm makes 1e-7."""
 
 
 @cache
@@ -93,20 +91,6 @@ def test_value_gradient_and_information_are_those_of_the_equations(kind: str, da
         assert slope.value == pytest.approx(dense.log_likelihood(theta), abs=1e-5)
         _close(slope.gradient, gradient, 1e-5)
         _close(slope.information, information, 1e-5)
-
-
-@settings(max_examples=10)
-@given(problems())
-def test_gradient_is_the_slope_of_the_value(drawn: tuple[Problem, Array]) -> None:
-    """Central differences of each room's own value."""
-    problem, theta = drawn
-    for space in _both(problem):
-        differences = [
-            (_given(space, theta + step).value - _given(space, theta - step).value) / (2 * _COARSE)
-            for step in _COARSE * np.eye(len(theta))
-        ]
-        gradient = _given(space, theta).slope().gradient
-        np.testing.assert_allclose(gradient, differences, rtol=1e-3, atol=1e-3 * (1 + np.max(np.abs(gradient))))
 
 
 @settings(max_examples=20)
@@ -192,15 +176,3 @@ def test_curves_have_the_prior_of_matern(smoothness: float, seed: int) -> None:
     _close(root[0] @ root[0].T, covariance(0.0), 1e-8)
     slope = (covariance(1e-4) - covariance(-1e-4)) / 2e-4
     _close(root[0] @ curves.bends(theta, root)[0] @ root[0].T, slope, 1e-5)
-
-
-def test_an_inherited_prior_is_what_no_reading_changes() -> None:
-    """Without a number that sees anything the answer is the inherited one."""
-    problem = _problem("plate", 1, False, True)
-    left = inherited(case_of("plate"), 1)
-    blind = problem.only(np.zeros(len(problem.values), dtype=bool))
-    for space in _both(blind):
-        answer = _given(space, np.zeros(len(problem.sizes))).posterior()
-        size = len(left.mean)
-        _close(answer.mean[:size], left.mean, 1e-9)
-        _close(answer.covariance[:size, :size], left.covariance, 1e-9)

@@ -27,7 +27,6 @@ from axiscal.measurement.reading_rows import numbers_of_setups, places_of
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 from axiscal_core.numbers import Numbers
-from axiscal_core.problem import Problem
 from axiscal_core.theta import Sizes
 from axiscal_core.unknowns import Space, Unknowns
 from tests.generators.texts import setup_text
@@ -99,15 +98,6 @@ def along(observation: Observation) -> Array:
     return shape
 
 
-def dense(observation: Observation, places: Array, columns: Array) -> tuple[Array, Array, Array]:
-    """Return covariance, gain and rows of all unknowns with K as it stands."""
-    rows = observation.rows(0, places[:, None], np.ones((len(places), 1))).rows
-    prior = observation.prior_covariance()
-    noise = observation.setups[0].noise ** 2 * np.eye(len(places))
-    gain = prior @ rows.T @ np.linalg.inv(rows @ prior @ rows.T + noise + columns @ columns.T)
-    return prior - gain @ rows @ prior, gain, rows
-
-
 def _shown(row: TypeB) -> str:
     """Return a row as the page has it."""
     unit = row.unit if row.unit != "mm/m" else "%"
@@ -123,13 +113,9 @@ def _shown(row: TypeB) -> str:
 def test_the_page_has_every_row_with_its_source(row: TypeB) -> None:
     page = (Path(__file__).parents[2] / "docs" / "promise.md").read_text(encoding="utf-8")
     assert _shown(row) in page
-    assert set(row.instruments) <= set(INSTRUMENTS)
     assert len(row.source) > 5
     assert row.size > 0
-
-
-def test_no_instrument_is_perfect() -> None:
-    assert {kind for row in TYPE_B for kind in row.instruments} == set(INSTRUMENTS)
+    assert {kind for each in TYPE_B for kind in each.instruments} == set(INSTRUMENTS)  # none of them is perfect
 
 
 def test_columns_of_a_laser_are_strains_of_the_way_from_the_middle_of_what_it_read() -> None:
@@ -183,20 +169,6 @@ def test_what_is_stated_counts_where_nothing_usual_does() -> None:
     assert causes(observed(described(LASER)), readings, usual=False) == {}
 
 
-@pytest.mark.parametrize(
-    ("setup", "refers"),
-    [
-        ('instrument = "interferometer"\ndirection = "x"', True),
-        ('instrument = "tracer"\nstation = ["0 mm", "0 mm", "-300 mm"]', True),
-        ('instrument = "probe"\ndirection = "x"', False),
-        ('instrument = "indicator"\ndirection = "x"', False),
-    ],
-)
-def test_what_compares_with_a_length_refers_to_twenty_degrees(setup: str, refers: bool) -> None:
-    observation = observed(described(f'[[setups]]\nname = "s"\n{setup}'))
-    assert ("temperature" in causes(observation, read_at(np.array([0.0, 1.0]), setup="s"))) == refers
-
-
 BEDSIDE = """[[setups]]
 name = "s"
 moves = ["X"]
@@ -219,18 +191,21 @@ def test_columns_by_hand(setup: str, name: str, expected: Array) -> None:
     readings = read_at(np.array([0.0, 0.5, 1.0]), np.array([0.0, 25e-6, 50e-6]), "s")
     found = causes(observed(described(BEDSIDE + setup)), readings)
     assert found[name].column == pytest.approx(np.asarray(expected), abs=1e-15)
+    assert "temperature" not in found  # it compares with no length
 
 
 MILL, FIVE = "three-axis-mill", "dmu60"
 POSES = [(0.1, 0.2, 0.3), (0.4, 0.1, 0.2), (0.5, 0.3, 0.1)]
 
 
-def in_space(setup: str, artefact: str = "") -> tuple[dict[str, Met], Observation]:
-    text = f'machine = "{MILL}"\nusual = "off"\n[target]\nreadings = 20\n{artefact}\n[[setups]]\nname = "s"\n{setup}'
-    machine = load_machine(MILL)
-    observation = observed(campaign_from_texts(text, "c.toml", machine.text, MILL))
+def in_space(
+    setup: str, artefact: str = "", machine: str = MILL, poses: Sequence[tuple[float, ...]] = POSES
+) -> tuple[dict[str, Met], Observation]:
+    """Return the causes of one set-up at poses, and what it sees."""
+    text = f'machine = "{machine}"\nusual = "off"\n[target]\nreadings = 20\n{artefact}[[setups]]\nname = "s"\n{setup}'
+    observation = observed(campaign_from_texts(text, "c.toml", load_machine(machine).text, machine))
     numbers = int(numbers_of_setups(observation.setups)[0])
-    readings = [Reading("s", pose, (1, 1, 1), 0.0, others=(0.0,) * (numbers - 1)) for pose in POSES]
+    readings = [Reading("s", pose, (1,) * len(pose), 0.0, others=(0.0,) * (numbers - 1)) for pose in poses]
     return causes(observation, readings), observation
 
 
@@ -271,29 +246,15 @@ def test_a_leg_of_a_square_is_off_by_half_of_the_variance_of_its_angle() -> None
 
 def test_a_sphere_in_the_mean_of_opposite_sides_shows_its_size_at_the_pole() -> None:
     """The pole goes with the tool, as touch_frames says; a size that is an unknown holds what three touches show."""
-    text = f'''machine = "{FIVE}"
-usual = "off"
-[target]
-readings = 20
-[[artefacts]]
-name = "one"
-balls = {{ one = ["100 mm", "0 mm", "100 mm"] }}
-[[setups]]
-name = "s"
-instrument = "sphere"
-artefact = "one"
-'''
-    machine = load_machine(FIVE)
-    observation = observed(campaign_from_texts(text, "c.toml", machine.text, FIVE))
     poses = np.zeros((3, 5))
-    poses[:, [axis.rotary for axis in machine.axes]] = np.radians([[0, 0], [30, 0], [30, 90]])
-    readings = [Reading("s", tuple(pose.tolist()), (1,) * 5, 0.0, others=(0.0, 0.0)) for pose in poses]
-    found = causes(observation, readings)
+    poses[:, [axis.rotary for axis in load_machine(FIVE).axes]] = np.radians([[0, 0], [30, 0], [30, 90]])
+    ball = '[[artefacts]]\nname = "one"\nballs = { one = ["100 mm", "0 mm", "100 mm"] }\n'
+    setup, visited = 'instrument = "sphere"\nartefact = "one"\n', [tuple(pose) for pose in poses.tolist()]
+    found, observation = in_space(setup, ball, FIVE, visited)
     assert set(found) == {"radius"}
-    pole = frames(machine, poses).stem
+    pole = frames(observation.machine, poses).stem
     assert found["radius"].column.reshape(3, 3) == pytest.approx(-1e-6 * pole, abs=1e-15)
-    touched = text.replace('artefact = "one"', 'artefact = "one"\ntouches = 3')
-    assert causes(observed(campaign_from_texts(touched, "c.toml", machine.text, FIVE)), readings) == {}
+    assert in_space(f"{setup}touches = 3\n", ball, FIVE, visited)[0] == {}
 
 
 def test_one_laser_has_one_scale_in_all_its_set_ups_and_lies_anew_in_each() -> None:
@@ -312,27 +273,23 @@ def test_one_laser_has_one_scale_in_all_its_set_ups_and_lies_anew_in_each() -> N
     ]
 
 
-def _problem(count: int) -> Problem:
-    observation = observed(described(LASER + STATED))
-    _, readings = drawn(observation, np.linspace(0.02, 0.98, count), 0.0, 0)
-    return problem(observation, readings, NOBODY, usual=False)
-
-
 @pytest.mark.parametrize("room", [Numbers, Unknowns])
 def test_the_mean_is_that_without_the_columns_and_the_covariance_has_what_they_do_to_it(room: type[Space]) -> None:
     """Dense: G of K without B, C + G B (G B)ᵀ; readings are judged by the inverse of K + B Bᵀ as it stands."""
     observation, places = observed(described(LASER + STATED)), np.linspace(0.02, 0.98, 9)
     _, readings = drawn(observation, places, 0.0, 1)
     columns = np.array([each.column for each in causes(observation, readings, usual=False).values()]).T
-    covariance, gained, rows = dense(observation, places, np.zeros((9, 0)))
+    rows = observation.rows(0, places[:, None], np.ones((9, 1))).rows
+    prior, noise = observation.prior_covariance(), observation.setups[0].noise
+    kept = rows @ prior @ rows.T + noise**2 * np.eye(9)
+    gained = prior @ rows.T @ np.linalg.inv(kept)
     made = problem(observation, readings, NOBODY, usual=False)
     found, moved = room(made).given(np.zeros(0)), gained @ columns
     assert found is not None
     values = np.array([each.value for each in readings])
     assert found.posterior().mean == pytest.approx(gained @ values, rel=1e-6, abs=1e-12)
-    assert found.posterior().covariance == pytest.approx(covariance + moved @ moved.T, rel=1e-4, abs=1e-16)
-    noise = observation.setups[0].noise
-    kept = rows @ observation.prior_covariance() @ rows.T + noise**2 * np.eye(9)
+    covariance = prior - gained @ rows @ prior + moved @ moved.T
+    assert found.posterior().covariance == pytest.approx(covariance, rel=1e-4, abs=1e-16)
     inverse = np.linalg.inv((kept + columns @ columns.T) / noise**2)
     assert found.judged(np.eye(9)) == pytest.approx(inverse, rel=1e-6, abs=1e-9)
     assert found.misfit == pytest.approx(made.values @ inverse @ made.values, rel=1e-6)
@@ -344,41 +301,13 @@ def test_the_mean_is_that_without_the_columns_and_the_covariance_has_what_they_d
     assert found.density - found.value == pytest.approx(0.5 * (gained_squares + dets), rel=1e-5)
 
 
-def test_two_lasers_that_differ_by_their_scales_agree() -> None:
-    """Without noise of their own they differ by 3 ppm, of which each may have 1.5: it is no contradiction."""
-    again = LASER.replace('name = "laser"', 'name = "again"').replace('"interferometer"', '"tracker"')
-    again = again.replace('direction = "x"', 'station = ["-1 m", "0 mm", "0 mm"]')
-    observation = observed(described(LASER + again))
-    places = np.linspace(0.02, 0.98, 12)
-    _, one = drawn(observation, places, 0.0, 4)
-    other = [replace(r, setup="again", value=r.value + 3e-6 * (r.pose[0] - 0.5), others=(0.0, 0.0)) for r in one]
-    with_b = sorted_out(problem(observation, [*one, *other], NOBODY)).posterior()
-    assert not with_b.agreement.contradicts
-
-
-def test_the_gain_is_by_what_the_mean_moves() -> None:
-    made = _problem(8)
-    column = np.random.default_rng(2).standard_normal((len(made.values), 1))
-    for room in (Numbers, Unknowns):
-        given = room(made).given(np.zeros(0))
-        assert given is not None
-        moved = room(_moved(made, column[:, 0])).given(np.zeros(0))
-        assert moved is not None
-        assert given.gain(column)[:, 0] == pytest.approx(moved.posterior().mean - given.posterior().mean, abs=1e-12)
-
-
-def _moved(made: Problem, by: Array) -> Problem:
-    return replace(made, values=made.values + by)
-
-
 def test_a_gain_moves_no_mean_and_teaches_no_size() -> None:
     """Its column is like the readings: in K it would explain a curve whatever it is, with no noise at all."""
     dial = described(BEDSIDE + 'instrument = "indicator"\ndirection = "x"\nunknowns = { zero = "1 mm" }')
     observation, places = observed(dial), np.linspace(0.01, 0.99, 40)
-    curve = 20e-6 * np.sin(6 * places)
-    noise = 1e-6 * np.random.default_rng(1).standard_normal(40)
+    shown = 20e-6 * np.sin(6 * places) + 1e-6 * np.random.default_rng(1).standard_normal(40)
     sizes = sizes_of(dial.machine, dial.setups, "roughly", usual=True, inherited=False)
-    made = problem(observation, read_at(places, curve + noise, "s"), sizes)
+    made = problem(observation, read_at(places, shown, "s"), sizes)
     assert made.type_b.shape == (40, 1)
     found, without = (
         sorted_out(made).posterior(),
@@ -386,28 +315,9 @@ def test_a_gain_moves_no_mean_and_teaches_no_size() -> None:
     )
     assert found.sizes == without.sizes
     np.testing.assert_array_equal(found.mean, without.mean)
-    shape = along(observation)
-    seen = shape @ found.mean[: shape.shape[1]]
-    at = np.linspace(0.0, 1.0, 101)
-    right = 20e-6 * (np.sin(6 * at) - np.mean(np.sin(6 * at)))
-    assert np.sqrt(np.mean((seen - right) ** 2)) < 1.5e-6
-    grown = found.covariance - without.covariance
-    own = shape @ grown[: shape.shape[1], : shape.shape[1]] @ shape.T
-    share = np.sqrt(np.mean(np.diagonal(own)) / np.mean(right**2))
-    assert share == pytest.approx(1e-6 / np.ptp(curve + noise), rel=0.1)  # 1 um of all that it shows, more than 1 %
-
-
-def test_no_number_of_readings_brings_u_below_what_they_have_in_common() -> None:
-    """A strain of 5.85 ppm of 0.5 K, hypot with 2, 1, 1.15 and 0.5, over 1 m: 6.4 ppm of 0.289 m RMS, shrunk by P."""
-    observation, found = observed(described(LASER)), list[float]()
-    root = along(observation)
-    for count in (5, 50, 500):
-        covariance = sorted_out(_problem(count)).posterior().covariance[: root.shape[1], : root.shape[1]]
-        found.append(float(np.sqrt(np.mean(np.einsum("ij,jk,ik->i", root, covariance, root)))))
-    strain = float(np.linalg.norm([5.85, 2.0, 1.0, 2.0 / np.sqrt(3.0), 0.5])) * PPM
-    floor = strain * np.sqrt(1 / 12)
-    assert found[2] == pytest.approx(floor, rel=0.05)
-    assert found[0] > found[1] > found[2]
+    grown = np.diagonal(found.covariance - without.covariance)
+    assert np.all(grown >= 0.0)
+    assert grown.max() > 0.0
 
 
 def _inside(strains: Sequence[float], said: str = "", target: str = "", usual: bool = True) -> float:
@@ -424,7 +334,7 @@ def _inside(strains: Sequence[float], said: str = "", target: str = "", usual: b
     return float(np.mean(shares))
 
 
-@pytest.mark.parametrize("strain", [0.0, 5 * PPM, 11.7 * PPM])
+@pytest.mark.parametrize("strain", [0.0, 11.7 * PPM])
 def test_a_warm_machine_and_a_false_laser_are_inside_u(strain: float) -> None:
     assert _inside([strain] * 15) > 0.93
 

@@ -33,23 +33,6 @@ def test_a_curve_has_a_rough_part_besides_its_rest() -> None:
         assert after.rest == pytest.approx(np.hypot(white, ROUGH.size * before.std))
 
 
-def test_what_is_constant_stays_smooth() -> None:
-    described = plain_case("five axes").description
-    machine = described.machine
-    pairs = list(zip(machine.errors, usual_machine(machine, described.setups).errors, strict=True))
-    assert any(before.constant for before, _ in pairs)
-    assert all(before == after for before, after in pairs if before.constant)
-
-
-@pytest.mark.parametrize("kind", ["axis", "plate", "five axes", "two set-ups"])
-def test_every_size_has_an_owner_and_no_two_the_same(kind: str) -> None:
-    sizes = sizes_for(case_of(kind))
-    owned = [(size.kind, owner) for size in sizes.of for owner in size.owners]
-    assert len(owned) == len(set(owned)) > 0
-    assert all(size.owners for size in sizes.of)
-    assert all(size.spread > 0 for size in sizes.of)
-
-
 def test_each_setup_has_its_noise() -> None:
     sizes = sizes_for(case_of("two set-ups"))
     assert sizes.index("noise", "probe") != sizes.index("noise", "nest")
@@ -94,15 +77,6 @@ def test_a_size_is_lognormal_about_what_is_stated() -> None:
         wanted = lognorm(spread, scale=median)
         np.testing.assert_allclose(wanted.cdf(np.exp(theta[:, column])), norm.cdf(x), rtol=1e-9)
     assert lognorm(1.4, scale=np.exp(-(1.4**2))).moment(2) == pytest.approx(1.0)
-
-
-def test_slope_is_that_of_differences_and_far_out_nothing_overflows() -> None:
-    step, x = 1e-3, np.array([0.3, -1.0, 2.0])
-    above, below = (SEVERAL.theta(x + sign * step)[0] for sign in (1, -1))
-    np.testing.assert_allclose(SEVERAL.theta(x)[1], (above - below) / (2 * step), rtol=1e-9)
-    theta, slope = SEVERAL.theta(np.array([[40.0, -40.0, 40.0], [-40.0, 40.0, -40.0]]))
-    assert theta.tolist() == [[np.log(10.0), -7.0, np.log(30.0)], [-7.0, np.log(30.0), -7.0]]
-    assert not slope.any()
 
 
 @pytest.mark.parametrize(("sure", "found"), [("roughly", True), ("exactly", False)])

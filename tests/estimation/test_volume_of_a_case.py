@@ -42,15 +42,6 @@ def test_a_part_that_is_aligned_is_measured_at_poses_all_over_the_volume() -> No
     assert np.corrcoef(share.T) - np.eye(3) == pytest.approx(0.0, abs=0.03)
 
 
-def test_lengths_are_shown_in_micrometres_and_turns_in_microradians() -> None:
-    case = mixed()
-    shown = {
-        unknown.name: case.unit_of(setup, unknown) for setup in case.description.setups for unknown in setup.unknowns
-    }
-    assert shown
-    assert set(shown.values()) == {"um"}
-
-
 def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
     """By the gain K of all readings: V (I − KH) B with B Bᵀ the part of the prior, noise by V K of its readings."""
     case = mixed('usual = "off"\nsure = "exactly"')
@@ -87,16 +78,6 @@ def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
     assert found["prior", ""] == pytest.approx(np.sqrt(of(range(size)) ** 2 - never**2), rel=1e-4)
     assert found["unseen", ""] == pytest.approx(sized.unseen_rms)
     assert (found["temperature", ""], found["artefact", ""]) == (0.0, 0.0)
-
-
-def test_before_the_first_reading_all_is_prior_but_for_detail_and_what_nothing_sees() -> None:
-    case = mixed()
-    found = {share.kind: share.rms for share in budget(concluded(case, []))}
-    whole = case.yardstick.measure(case.prior).rms
-    rest, unseen = np.sqrt(case.yardstick.moments.rest), case.yardstick.unseen_rms
-    assert found == pytest.approx(
-        {"detail": rest, "unseen": unseen, "prior": np.sqrt(whole**2 - rest**2 - unseen**2)}, rel=1e-9
-    )
 
 
 @pytest.mark.parametrize("middle", [0, -250, 2000])

@@ -16,11 +16,8 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation, as_standard, expanded_uncertainty
-from axiscal.estimation.inheritance import drifted
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.located import _towards
 from axiscal.estimation.membership import Membership
-from axiscal_core.eigen import unique_root
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 
 
@@ -67,21 +64,6 @@ def test_a_line_that_has_turned_is_off_by_half_of_the_difference_at_its_end() ->
     assert _change(before, now, own).size == pytest.approx((moved[0] - moved[1]) / 2)
 
 
-def test_what_is_left_of_a_curve_is_a_share_of_it_and_the_rest_anew() -> None:
-    """By drawing: x' = ρ x + √(1 − ρ²) x₀ with x of what was known and x₀ of what is stated."""
-    rng, kept = np.random.default_rng(5), 0.8
-    before = known_with(3)
-    size = CASE.errors.size
-    mean, covariance = before.printed.belief.mean[:size], before.printed.belief.covariance[:size, :size]
-    stated = CASE.errors.prior_covariance()
-    found = drifted(SimpleNamespace(mean=mean, covariance=covariance), stated, kept)  # type: ignore[arg-type]
-    old = mean + rng.standard_normal((40_000, size)) @ unique_root(covariance).T
-    new = rng.standard_normal((40_000, size)) @ unique_root(stated).T
-    drawn = kept * old + np.sqrt(1 - kept**2) * new
-    assert found.mean == pytest.approx(drawn.mean(axis=0), abs=2e-7)
-    assert np.sqrt(np.diag(found.covariance)) == pytest.approx(drawn.std(axis=0), rel=0.03)
-
-
 def test_an_expanded_uncertainty_stands_for_a_standard_one_by_the_factor_of_today() -> None:
     known = concluded(CASE, read(machine(1), 24))
     now = expanded_uncertainty(known)
@@ -90,16 +72,6 @@ def test_an_expanded_uncertainty_stands_for_a_standard_one_by_the_factor_of_toda
     assert as_standard(known.case, knowledge, now.space) == pytest.approx(rms, rel=1e-6)
     assert as_standard(known.case, knowledge, 3 * now.space) == pytest.approx(3 * rms, rel=1e-6)
     assert 1.9 < now.space / rms < 3.0
-
-
-def test_a_round_goes_a_share_of_the_way_from_where_readings_are_linear() -> None:
-    count = CASE.errors.size + len(CASE.observation.unknowns)
-    mean = np.arange(count + 3.0)
-    assert _towards(CASE, mean, 1.0) == pytest.approx(mean)
-    assert _towards(CASE, mean, 0.5)[:count] == pytest.approx(0.5 * mean[:count])
-    assert _towards(CASE, mean, 0.5)[count:] == pytest.approx(mean[count:])
-    about = CASE.linear_about(np.ones(count))
-    assert _towards(about, mean, 0.25)[:count] == pytest.approx(1.0 + 0.25 * (mean[:count] - 1.0))
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import CampaignDescription
+from axiscal.estimation.case import Case
 from axiscal.evaluation.check import Taken
 from axiscal.evaluation.table_checks import Judgement
 from axiscal.measurement.reading import Places, Reading
@@ -18,6 +18,10 @@ from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.present.check_answer import check_answer, check_details
 from axiscal.tables.surface import Control, left_by
+from tests.generators.sisters import measured as read_along
+
+READINGS = 60
+"""Of a campaign that states no number."""
 
 
 def said_of(judgement: Judgement) -> str:
@@ -26,10 +30,12 @@ def said_of(judgement: Judgement) -> str:
 
 
 def measured(path: Path, description: CampaignDescription, seed: int) -> Path:
-    """Return the record of a campaign on the virtual machine of a seed."""
+    """Return the record of a virtual machine, read at places all over what a plan chooses from: it plans nothing."""
+    case, truth = Case(description), Simulator(description.machine, description.setups).drawn(seed)
+    lattice, count = case.lattice, description.target.readings or READINGS
+    places = lattice.within(np.unique(np.linspace(0, len(lattice) - 1, count).astype(int))).listed(description.setups)
     with Campaign.create(path, description) as campaign:
-        truth = Simulator(description.machine, description.setups).drawn(seed)
-        campaign.run(SimulatedSource(truth, seed), lambda _: None)
+        campaign.adopt(read_along(case, truth, places, seed))
     return path
 
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from axiscal.cli import app
 from axiscal.evaluation.standards import CircularTest, circular, evaluate, positioning_test
 from axiscal.exceptions import EvaluationError
 from axiscal.measurement.readers.files import recognised
@@ -85,12 +83,3 @@ def test_a_reading_that_the_other_runs_contradict_is_named(tmp_path: Path) -> No
         file.write_text("\n".join(["target_mm,direction,run,deviation_um", *_runs(wrong)]))
         said = " ".join(evaluate(positioning_test(recognised(file))).warnings)
         assert ("Run 3 in direction + at 260 mm is" in said) is named
-
-
-def test_the_command_knows_the_tests_by_their_columns(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    circle = [f"{np.degrees(a):.4f},{way},{3 * np.cos(2 * a):.4f}" for way in "+-" for a in AROUND]
-    (tmp_path / "c.csv").write_text("\n".join(["angle_deg,direction,deviation_um", *circle]))
-    assert app.run(["iso230", str(tmp_path / "c.csv"), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["G_b"] == pytest.approx(6.0, rel=0.01)
-    assert app.run(["iso230", str(tmp_path / "c.csv")]) == 0
-    assert "bidirectional circular deviation" in capsys.readouterr().out

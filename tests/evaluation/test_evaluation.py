@@ -8,8 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 
 from axiscal.cli.app import run
 from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate, positioning_test
@@ -39,68 +37,20 @@ def evaluated(tmp_path: Path, text: str) -> Positioning:
 @pytest.mark.parametrize("name", REAL)
 def test_every_published_iso_figure_of_a_real_test(name: str) -> None:
     expected = json.loads((GOLDEN / f"{name}.expected.json").read_text())
-    document = evaluate(positioning_test(recognised(GOLDEN / f"{name}.csv"))).as_json()
+    document = json.loads(json.dumps(evaluate(positioning_test(recognised(GOLDEN / f"{name}.csv"))).as_json()))
     published = expected["reported_by_source"]
     figures = {"A": "A", "A_up": "A_fwd", "A_down": "A_bwd", "E_up": "E_fwd", "E_down": "E_bwd"} | {
         "R_up": "R_fwd", "R_down": "R_bwd", "B": "B", "B_mean": "B_avg", "M": "M"
     }  # fmt: skip
     wanted = {ours: published[theirs] for ours, theirs in figures.items()}
-    wanted |= {"R": expected["iso_R"], "E": expected["iso_E"]}
-    for figure, value in wanted.items():
-        shown = document[figure]
-        assert isinstance(shown, float)
-        assert shown / 1e3 == pytest.approx(value, abs=ROUNDING), figure
-
-
-@pytest.mark.parametrize("name", REAL)
-def test_every_published_iso_figure_of_each_target(name: str) -> None:
-    expected = json.loads((GOLDEN / f"{name}.expected.json").read_text())
-    published = expected["reported_by_source"]
-    document = json.loads(json.dumps(evaluate(positioning_test(recognised(GOLDEN / f"{name}.csv"))).as_json()))
+    for figure, value in (wanted | {"R": expected["iso_R"], "E": expected["iso_E"]}).items():
+        assert document[figure] / 1e3 == pytest.approx(value, abs=ROUNDING), figure
     columns = {"mean": "x_avg_bi", "B_i": "B_i", "s_up": "s_fwd", "s_down": "s_bwd"} | {
         "R_up_i": "R_fwd_i", "R_down_i": "R_bwd_i", "R_i": "R_i"
     }  # fmt: skip
     assert [row["target"] for row in document["per_target"]] == expected["target_mm"]
     for ours, theirs in columns.items():
         assert [row[ours] / 1e3 for row in document["per_target"]] == pytest.approx(published[theirs], abs=ROUNDING)
-
-
-def naive(up: list[list[float]], down: list[list[float]]) -> dict[str, float]:
-    """The definitions of ISO 230-2 written out one target at a time."""
-    ups = [(statistics.mean(x), statistics.stdev(x)) for x in up]
-    downs = [(statistics.mean(x), statistics.stdev(x)) for x in down]
-    high = [m + 2 * s for m, s in ups], [m + 2 * s for m, s in downs]
-    low = [m - 2 * s for m, s in ups], [m - 2 * s for m, s in downs]
-    means = [m for m, _ in ups], [m for m, _ in downs]
-    B = [a - b for a, b in zip(*means, strict=True)]
-    R = [
-        max(2 * a[1] + 2 * b[1] + abs(c), 4 * a[1], 4 * b[1])
-        for a, b, c in zip(ups, downs, B, strict=True)
-    ]  # fmt: skip
-    centre = [(a + b) / 2 for a, b in zip(*means, strict=True)]
-    return {
-        "A": max(*high[0], *high[1]) - min(*low[0], *low[1]),
-        "A_up": max(high[0]) - min(low[0]),
-        "A_down": max(high[1]) - min(low[1]),
-        "E": max(*means[0], *means[1]) - min(*means[0], *means[1]),
-        "E_up": max(means[0]) - min(means[0]),
-        "E_down": max(means[1]) - min(means[1]),
-        "R": max(R),
-        "R_up": max(4 * s for _, s in ups),
-        "R_down": max(4 * s for _, s in downs),
-        "B": max(abs(b) for b in B),
-        "B_mean": statistics.mean(B),
-        "M": max(centre) - min(centre),
-    }
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_agrees_with_the_definitions_written_out(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    up, down = rng.normal(0, 5e-6, (2, 7, 5))
-    figures = evaluate(PositioningTest(np.arange(7.0), up, down))
-    for name, value in naive(up.tolist(), down.tolist()).items():
-        assert figures.figures[name] == pytest.approx(value, rel=1e-12), name
 
 
 def test_one_direction_leaves_the_bidirectional_figures_open(tmp_path: Path) -> None:
@@ -111,32 +61,6 @@ def test_one_direction_leaves_the_bidirectional_figures_open(tmp_path: Path) -> 
     assert set(figures.figures) == {"A_up", "E_up", "R_up"}
     assert figures.per_target[0]["B_i"] is None
     assert any("one direction" in warning for warning in figures.warnings)
-
-
-def test_rotary_axes_are_told_in_arcsec(tmp_path: Path) -> None:
-    text = GOOD.replace("target_mm", "target_deg").replace("deviation_um", "deviation_arcsec")
-    document = evaluated(tmp_path, text).as_json()
-    assert document["unit"] == "arcsec"
-    assert document["target_unit"] == "deg"
-    assert document["E_up"] == pytest.approx(1.0)
-    assert document["per_target"][1]["target"] == pytest.approx(100.0)  # type: ignore[index]
-    same = evaluated(tmp_path, text.replace("_arcsec", "_urad")).as_json()
-    assert same["E_up"] == pytest.approx(1.0 / 4.8481368, rel=1e-7)
-
-
-def test_column_order_comments_bom_and_line_ends_do_not_matter(tmp_path: Path) -> None:
-    lines = [line for line in GOOD.splitlines() if not line.startswith("#")]
-    turned = ["\ufeffrun, deviation_um ,direction,target_mm"]
-    for line in lines[1:]:
-        target, direction, run, deviation = line.split(",")
-        turned += ["", " # pause", f'"{run}",{deviation},{direction} ,{target}e0']
-    assert evaluated(tmp_path, "\r\n".join(turned)) == evaluated(tmp_path, GOOD)
-
-
-def test_what_falls_short_of_the_standard_is_said(tmp_path: Path) -> None:
-    warnings = evaluated(tmp_path, GOOD).warnings
-    assert any("5 targets" in warning and "there are 2" in warning for warning in warnings)
-    assert any("five runs" in warning and "there are 2" in warning for warning in warnings)
 
 
 def test_nothing_is_said_of_a_test_that_follows_the_standard() -> None:
@@ -188,19 +112,6 @@ def test_a_single_run_has_no_standard_deviation(tmp_path: Path) -> None:
     assert {"P_a", "U", "U_mean"} == found.vdi3441.keys()
 
 
-def test_one_run_down_withholds_its_own_figures_alone(tmp_path: Path) -> None:
-    found = evaluated(tmp_path, "".join(line for line in GOOD.splitlines(keepends=True) if "-,2," not in line))
-    assert found.figures["A_up"] == evaluated(tmp_path, GOOD).figures["A_up"]
-    assert not {"A", "A_down", "R", "R_down"} & found.figures.keys()
-
-
-def test_a_missing_reading_costs_its_target_alone(tmp_path: Path) -> None:
-    more = "".join(f"50,{way},{run},{value}\n" for way, run, value in (("+", 1, 9), ("-", 1, 9), ("+", 2, 9)))
-    found = evaluated(tmp_path, GOOD + more)
-    assert found.figures == evaluated(tmp_path, GOOD).figures
-    assert found.warnings[0] == "Left out, because a run has no reading there: 50 mm."
-
-
 def test_tests_of_the_field_give_what_they_can(capsys: pytest.CaptureFixture[str]) -> None:
     folder = FIELD / "03-single-run"
     if folder.is_dir():
@@ -219,17 +130,6 @@ def test_tests_of_the_field_give_what_they_can(capsys: pytest.CaptureFixture[str
 def test_no_direction_at_all_is_refused() -> None:
     with pytest.raises(EvaluationError, match="no readings"):
         evaluate(PositioningTest(np.zeros(2), None, None))
-
-
-@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "latin-1"])
-def test_a_table_is_read_as_spreadsheets_of_any_age_save_it(encoding: str, tmp_path: Path) -> None:
-    plain, saved = (tmp_path / name for name in ("plain.csv", "saved.csv"))
-    text = GOOD.replace("one axis", "für")
-    plain.write_bytes(text.encode())
-    saved.write_bytes(text.encode(encoding))
-    assert (
-        evaluate(positioning_test(recognised(saved))).figures == evaluate(positioning_test(recognised(plain))).figures
-    )
 
 
 def test_the_uncertainty_is_how_the_figures_scatter_when_the_test_is_repeated() -> None:
@@ -255,13 +155,6 @@ def test_the_figures_of_vdi_3441_are_their_definitions_written_out_target_by_tar
     assert found == pytest.approx(expected)
     one_sided = "\n".join(line for line in GOOD.splitlines() if ",-," not in line) + "\n"
     assert evaluated(tmp_path, one_sided).vdi3441 == {}
-
-
-@st.composite
-def readings(draw: st.DrawFn) -> tuple[Array, Array]:
-    n, up, down = draw(st.integers(1, 8)), draw(st.integers(2, 5)), draw(st.integers(2, 5))
-    value = st.floats(-1e-3, 1e-3)
-    return draw(arrays(np.float64, (n, up), elements=value)), draw(arrays(np.float64, (n, down), elements=value))
 
 
 def figures(up: Array, down: Array) -> dict[str, float]:

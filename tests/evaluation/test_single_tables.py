@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from functools import cache
 from pathlib import Path
 
@@ -10,7 +9,6 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.evaluation.check import Check, Taken
 from axiscal.evaluation.table_checks import Judgement, parts_of, shares
@@ -151,17 +149,3 @@ def test_shares_are_the_least_squares_of_the_change(folder: Path) -> None:
         False,
         True,
     ]
-
-
-def test_the_command_takes_as_many_places_as_the_tables_need(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    check, _ = checked(folder)
-    record = str(folder / "bench.axiscal")
-    capsys.readouterr()
-    assert run(["verify", record, "--json"]) == 0
-    assert len(json.loads(capsys.readouterr().out)["plan"]) == len(check.planned()) >= 12
-    assert run(["verify", record, "--points", "6", "--json"]) == 0
-    assert len(json.loads(capsys.readouterr().out)["plan"]) == 6
-    assert run(["verify", record, "--source", "sim:8", "--tolerance", "50 um", "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
-    assert said["verdict"] == "pass"
-    assert {table["table"] for table in said["tables"]} >= {"X", "Y", "Z"}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -14,22 +13,20 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.check import Check, Taken, tolerance_of
+from axiscal.evaluation.check import Check, tolerance_of
 from axiscal.evaluation.datums import GUARD
 from axiscal.evaluation.table_checks import verdict
 from axiscal.evaluation.verification import judge, plan_check, with_displacements
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
-from axiscal.present.check_answer import check_answer
 from axiscal.tables.exporter import ExportOptions
-from axiscal.tables.loaded import table_control
 from axiscal.tables.registry import export
 from axiscal.tables.surface import Control
+from tests.commands import Command
 from tests.evaluation.said import idle, measured, readings_of, said_of
 from tests.generators.reaches import reach_of
 from tests.generators.texts import campaign_text, machine_text, setup_text
@@ -159,30 +156,13 @@ def test_the_right_tables_pass_and_the_wrong_ones_fail(
     assert (good.verdict, good.believed) == ("pass", True)
     assert np.max(np.abs(good.left)) < 0.3 * np.max(np.abs(good.found))
     wrong = judge(estimate, setups, found, readings(truth, places, lambda p, a: -control(p, a), 2), control, 6e-6)
-    assert (wrong.verdict, wrong.believed) == ("fail", False)
+    missing = judge(estimate, setups, found, readings(truth, places, idle, 2), control, 6e-6)
+    for other, share, cause in ((wrong, -1.0, "loaded with the wrong sign"), (missing, 0.0, "were not loaded")):
+        assert (other.verdict, other.believed, other.loaded) == ("fail", False, False)
+        assert other.share == pytest.approx(share, abs=0.1)
+        assert cause in said_of(other)
     near = float(np.max(np.abs(good.left)))
     assert judge(estimate, setups, found, readings(truth, places, control, 2), control, near).verdict == "undecided"
-
-
-@pytest.mark.parametrize(
-    ("share", "verdict", "said"),
-    [(1.0, "UNDECIDED: all tables", "work as exported"), (0.0, "FAIL: ", "not loaded"), (-1.0, "FAIL: ", "wrong sign")],
-)
-def test_without_a_tolerance_it_is_said_whether_tables_work_and_which_way(
-    record: Path, share: float, verdict: str, said: str
-) -> None:
-    with Campaign.open(record, write=False) as campaign:
-        check = Check.from_campaign(campaign, "csv")
-    places, control = check.planned(12), check.tables.control
-    found, left = (
-        readings(simulator().drawn(SEED), places, loaded, number)
-        for number, loaded in ((1, idle), (2, lambda poses, sides: share * control(poses, sides)))
-    )
-    judged = judge(check.estimate, description().setups, found, left, control, 0.0, check.parts)
-    words = said_of(judged)
-    assert words.startswith(verdict)
-    assert said in words.partition("As found")[0] + words.partition("WARNING")[2]
-    assert (judged.proved, check_answer(judged, 12, 1e-6, Taken()).tolerance_um) == ("undecided", None)
 
 
 def test_an_instrument_that_does_not_move_decides_nothing(
@@ -230,7 +210,7 @@ def test_checks_are_as_far_off_as_they_say(state: tuple[Estimate, tuple[Reading,
     setups = description().setups
     places = plan_check(estimate, setups, candidates(), used, control, 8)
     rng = np.random.default_rng(5)
-    draws = estimate.mean[:, None] + estimate.factor @ rng.standard_normal((estimate.factor.shape[1], 300))
+    draws = estimate.mean[:, None] + estimate.factor @ rng.standard_normal((estimate.factor.shape[1], 150))
     found = []
     for seed, coefficients in enumerate(draws.T):
         curves = tuple(
@@ -272,52 +252,27 @@ def test_readings_of_other_places_are_refused(state: tuple[Estimate, tuple[Readi
         judge(estimate, setups, found[:1], found[:1], control, 1e-6)
 
 
-def filled(plan: Path, values: list[float], out: Path) -> Path:
-    head, *lines = plan.read_text().splitlines()
-    rows = [line + f"{value * 1e6:.3f}" for line, value in zip(lines, values, strict=True)]
-    out.write_text("\n".join([head, *rows]) + "\n")
-    return out
-
-
-def test_the_command_plans_and_judges(record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_plans_a_sheet_and_judges_what_is_filled_in(record: Path, tmp_path: Path, command: Command) -> None:
+    """What the estimate expects there is filled in; without a tolerance the target says what is allowed."""
     plan = tmp_path / "check.csv"
-    assert run(["verify", str(record), "--points", "8", "--plan", str(plan), "--json"]) == 0
-    planned = json.loads(capsys.readouterr().out)["plan"]
-    assert len(planned) == 8
-    names = [s.name for s in description().setups]
-    places = Places(
-        np.array([names.index(p["setup"]) for p in planned]),
-        np.array([[p["position"]["X"], p["position"]["Y"]] for p in planned]) * 1e-3,
-        np.array([[1.0 if f"{axis}+" in p["approach"] else -1.0 for axis in "XY"] for p in planned]),
-    )
-    assert run(["verify", str(record), "--points", "8", "--plan", str(plan)]) == 0
-    shown = capsys.readouterr().out
+    planned = command("verify", record, "--points", 8, "--plan", plan, "--json").document["plan"]
+    head, *lines = plan.read_text().splitlines()
+    for name in ("found", "left"):
+        rows = [f"{line}{place[f'{name}_um']:.3f}" for line, place in zip(lines, planned, strict=True)]
+        (tmp_path / f"{name}.csv").write_text("\n".join([head, *rows]) + "\n")
+    filled = ("verify", record, "--found", tmp_path / "found.csv", "--left", tmp_path / "left.csv")
+    assert "PASS at 6 um" in command(*filled, "--tolerance", "6 um").printed
+    assert command(*filled, "--json").document["tolerance_um"] == pytest.approx(3.0)
+    shown = command("verify", record, "--points", 8, "--plan", plan).printed
     assert shown.startswith("8 PLACES TO CHECK\n")
-    assert all(p["setup"] in shown for p in planned)
-    assert f"copy {plan} to found.csv and left.csv fill in value_um: found.csv without" in " ".join(shown.split())
     assert shown.endswith("--found found.csv --left left.csv\n")
-    truth = simulator().drawn(SEED)
-    with Campaign.open(record, write=False) as campaign:
-        estimate = campaign.estimate(ended=True).estimate()
-    control = table_control(estimate.machine, export(estimate, "linuxcnc", ExportOptions()).tables)
-    files = [
-        filled(plan, [r.value for r in readings(truth, places, c, 3)], tmp_path / name)
-        for c, name in ((idle, "found.csv"), (control, "left.csv"))
-    ]
-    arguments = ["verify", str(record), "--found", str(files[0]), "--left", str(files[1]), "--to", "linuxcnc"]
-    assert run([*arguments, "--tolerance", "6 um"]) == 0
-    assert "PASS at 6 um" in capsys.readouterr().out
-    assert run([*arguments, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["tolerance_um"] == pytest.approx(3.0)
-    assert run([*arguments, "--tolerance", "6 deg"]) == 1
-    assert run(["verify", str(record), "--source", f"sim:{SEED}", "--tolerance", "6 um"]) == 0
-    assert "PASS" in capsys.readouterr().out
-    assert run(["verify", str(record), "--source", "sim:99", "--tolerance", "6 um"]) == 0
-    assert "do not agree with the estimate" in capsys.readouterr().out
+
+
+def test_the_command_refuses_what_is_no_machine_and_no_tolerance(record: Path, command: Command) -> None:
+    asked = ("verify", record, "--points", 8, "--source")
+    command(*asked, f"sim:{SEED}", "--tolerance", "6 deg").refused()
     for source in ("csv:x.csv", "sim:x", "exec:true"):
-        assert run(["verify", str(record), "--source", source]) == 1
-    assert run([*arguments, "--source", "sim:1"]) == 2
-    assert run(arguments[:4]) == 2
+        command(*asked, source).refused()
 
 
 @pytest.mark.parametrize(

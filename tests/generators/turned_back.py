@@ -10,7 +10,6 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Place
-from axiscal.record.events import Asked
 from tests.generators.texts import FOUR_READINGS
 
 OUT = 10
@@ -35,9 +34,6 @@ def begun_out_and_back(record: Path, count: int, step: float) -> Path:
         record, described, lambda case, known, readings, *_: tuple(PLACES[len(readings) :])
     ) as campaign:
         for place in PLACES[:count]:
-            asked = campaign.next()
-            assert isinstance(asked, Asked)
-            assert asked.place == place
-            campaign.record(value_at(place, step))
+            campaign.record(value_at(place, step), at=place)
         campaign.next()
     return record

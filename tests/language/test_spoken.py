@@ -92,51 +92,27 @@ def test_the_language_is_the_one_named_or_that_of_the_computer(monkeypatch: pyte
 ENGLISH = re.compile(r"\b(the|is|are|not|and|or|of|give|write|there|this|that|with|it|no|such|was)\b", re.IGNORECASE)
 REFUSED = {
     "no record": "step next none.axiscal",
-    "a folder": "step next .",
-    "no question": "step record m.axiscal '1 um'",
-    "two records": "step start campaign.toml m.axiscal",
     "an unknown unit": "step record asked.axiscal '1 parsec'",
-    "a comma": "step record asked.axiscal '1,5 um'",
-    "no number": "step record asked.axiscal 'much um'",
-    "another quantity": "step record asked.axiscal '1 deg'",
     "an absurd reading": "step record asked.axiscal '5 km'",
-    "an absurd std": "step record asked.axiscal '1 um' --std '0 um'",
-    "nothing to take back": "step undo asked.axiscal",
-    "a plan without an end": "plan endless.toml",
-    "an option alone": "plan campaign.toml --gap 2",
-    "no accuracy": "plan campaign.toml --target '0 um'",
-    "no campaign": "step start none.toml",
-    "a broken campaign": "step start broken.toml",
-    "a source without a file": "step run campaign.toml --source csv:none.csv --out out",
-    "a source of nothing": "step run campaign.toml --source exec: --out out",
     "a misspelt key": "plan misspelt.toml",
-    "a bare number": "plan bare.toml",
-    "an unknown machine": "plan unknown.toml",
-    "a plan of too many": "plan campaign.toml --readings 5000",
-    "programs for no control": "plan campaign.toml --readings 3 --gcode klingon --out programs",
-    "tables for no control": "export m.axiscal --to klingon --out tables",
+    "an option alone": "plan campaign.toml --gap 2",
+    "tables for no control": "export asked.axiscal --to klingon --out tables",
     "no built-in machine": "init first --machine mill7 --instrument interferometer --target '5 um'",
     "a line cut short": "data iso230 short.csv",
-    "no readings": "data estimate campaign.toml none.csv --out estimated",
-    "no store": "shop sync m.axiscal",
+    "no store": "shop sync asked.axiscal",
 }
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A record nobody has asked of, one with a question, and campaigns that are none."""
+    """A record with a question, and files that are none."""
     made = tmp_path_factory.mktemp("refused")
     texts = {
         "campaign.toml": FOUR_READINGS,
-        "endless.toml": FOUR_READINGS.replace("readings = 4", ""),
-        "broken.toml": FOUR_READINGS.replace("[target]", "[target"),
         "misspelt.toml": FOUR_READINGS.replace("readings = 4", "readings = 4\nbudgte = '3 min'"),
-        "bare.toml": FOUR_READINGS.replace("0.5 um", "0.5"),
-        "unknown.toml": FOUR_READINGS.replace("one-axis", "one-axes"),
         "short.csv": "target_mm,direction,run,deviation_um\n10,+,1\n",
     }
-    started = (("step", "start", "campaign.toml", f"{name}.axiscal") for name in ("m", "asked"))
-    begun(made, texts, *started, ("step", "next", "asked.axiscal"))
+    begun(made, texts, ("step", "start", "campaign.toml", "asked.axiscal"), ("step", "next", "asked.axiscal"))
     return made
 
 

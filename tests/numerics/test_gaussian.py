@@ -39,20 +39,6 @@ def test_a_root_multiplies_to_the_covariance(size: int, rank: int, decades: floa
     assert rank < size or np.array_equal(root, np.triu(root))
 
 
-def test_variables_that_are_known_exactly_stay_so() -> None:
-    matrix = np.zeros((4, 4))
-    matrix[np.ix_([0, 2], [0, 2])] = covariance(2, 2, 0.0, 1)
-    root = gaussian.root_of(matrix)
-    assert np.abs(product(root) - matrix).max() < 1e-15
-    _, mean = one_by_one(root, np.zeros(4), np.ones((1, 4)), np.ones(1), np.array([1e-3]))
-    assert np.array_equal(mean[[1, 3]], np.zeros(2))
-
-
-def test_no_variables_at_all() -> None:
-    assert gaussian.root_of(np.zeros((0, 0))).shape == (0, 0)
-    assert np.array_equal(gaussian.root_of(np.zeros((3, 3))), np.zeros((3, 3)))
-
-
 def test_variances_down_to_the_smallest_numbers() -> None:
     matrix = np.diag([1e-320, 1e-300, 1e-150, 1.0, 1e150, 1e300])
     root = gaussian.root_of(matrix)

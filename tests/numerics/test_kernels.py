@@ -32,31 +32,6 @@ for name, machine in {"dmu60": load_machine("dmu60"), "bed": bed(), "table": tab
         found[f"shapes of {plane.name} of {name}"] = scaled(plane.rows(plane.coordinates(poses)))
 found["a sister"] = scaled(VirtualType(slide(), Imagined(), 1).drawn(2)[1])
 """
-_CAMPAIGN = """
-from pathlib import Path
-from tempfile import TemporaryDirectory
-from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources.source import SimulatedSource
-from axiscal.description.campaign import campaign_from_texts
-from axiscal.machine import load_machine
-from axiscal.measurement.simulation import Simulator
-
-laser = '''machine = "one-axis"
-[target]
-rms = "4 um"
-readings = 40
-[[setups]]
-name = "laser along X"
-instrument = "interferometer"
-direction = "x"
-approach = "both"
-'''
-described = campaign_from_texts(laser, "campaign.toml", load_machine("one-axis").text, "one-axis")
-truth = Simulator(described.machine, described.setups).drawn(7)
-with TemporaryDirectory() as folder, Campaign.create(Path(folder) / "c.axiscal", described) as campaign:
-    campaign.run(SimulatedSource(truth, 7), lambda milestone: None)
-    found = [[*reading.pose, *reading.approach] for reading in campaign.state.readings]
-"""
 _ROUNDING = 1e-6
 """Share of the largest value. Of a singular covariance an eigenvalue is rounding, some 1e-16 of the variance, and its
 root some 1e-8 of the deviation; the slowest directions of a type lie as close to one another as to lose ten times that.
@@ -72,14 +47,6 @@ def test_a_seed_draws_the_same_machine_under_every_kernel() -> None:
         assert found.keys() == first.keys()
         apart = {name: np.max(np.abs(np.subtract(found[name], first[name]))) for name in first}
         assert {name: gap for name, gap in apart.items() if gap > _ROUNDING} == {}, kernel
-
-
-@pytest.mark.long
-def test_a_simulated_campaign_reads_the_same_places_under_every_kernel() -> None:
-    """The zero of a laser is open by a millimetre: six digits of what a first reading brings cancel."""
-    first, *others = (under(kernel, _CAMPAIGN)[1] for kernel in kernels())
-    for found in others:
-        np.testing.assert_allclose(found, first, atol=1e-9)
 
 
 def test_other_eigenvectors_of_the_same_covariance_are_settled_alike() -> None:

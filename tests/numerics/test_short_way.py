@@ -1,8 +1,6 @@
-"""Short ways, against the exact shortest by dynamic programming, and against OR-tools where that takes too long."""
+"""Short ways against OR-tools, which finds the shortest of few places and bounds that of many."""
 
 from __future__ import annotations
-
-import itertools
 
 import numpy as np
 import pytest
@@ -11,7 +9,7 @@ from ortools.sat.python import cp_model
 from axiscal.machine import load_machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
-from axiscal.machine.motion import approach_seconds, travel_seconds
+from axiscal.machine.motion import approach_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.short_way import _GAIN, _moved_segment, route, route_seconds
 
@@ -19,19 +17,6 @@ TICK = 1e-4
 """Seconds in which OR-tools counts: it wants whole numbers."""
 
 MILL = Machine("m", tuple(Axis.named(n, False, (0.0, 0.6)) for n in "XYZ"), 0.1, (), "", "")
-
-
-def shortest(table: Array, first: Array) -> float:
-    """Return the time of the shortest way through all places (Held and Karp 1962)."""
-    count = len(table)
-    best = {(1 << i, i): float(first[i]) for i in range(count)}
-    for size in range(2, count + 1):
-        for places in itertools.combinations(range(count), size):
-            mask = sum(1 << i for i in places)
-            for last in places:
-                before = mask & ~(1 << last)
-                best[mask, last] = min(best[before, i] + table[i, last] for i in places if i != last)
-    return min(best[(1 << count) - 1, i] for i in range(count))
 
 
 def shortest_by_or_tools(table: Array, first: Array) -> tuple[float, float]:
@@ -49,49 +34,22 @@ def shortest_by_or_tools(table: Array, first: Array) -> tuple[float, float]:
     return solver.objective_value * TICK, solver.best_objective_bound * TICK
 
 
-@pytest.mark.parametrize("seed", range(6))
-@pytest.mark.parametrize("sided", [False, True])
 @pytest.mark.parametrize("begun", [False, True])
-def test_within_three_percent_of_the_shortest(seed: int, sided: bool, begun: bool) -> None:
-    generator = np.random.default_rng(seed)
-    poses = generator.uniform(0, 0.6, (int(generator.integers(2, 10)), 3))
-    approaches = generator.choice([-1.0, 1.0], poses.shape) * sided
-    table = approach_seconds(MILL, poses[:, None], poses[None], approaches[None])
-    first = approach_seconds(MILL, np.zeros(3), poses, approaches) if begun else np.zeros(len(poses))
-    order = route(table, first if begun else None)
-    assert sorted(order) == list(range(len(poses)))
-    way = float(first[order[0]]) + route_seconds([int(i) for i in order], table)
-    assert way <= 1.03 * shortest(table, first)
-
-
-@pytest.mark.parametrize("seed", [0, 1, 4])
+@pytest.mark.parametrize("count", [2, 3, 7, 15, 27])
 @pytest.mark.parametrize("machine", [MILL, load_machine("dmu60")], ids=["three axes", "five axes"])
-def test_within_three_percent_of_what_or_tools_finds(machine: Machine, seed: int) -> None:
-    generator = np.random.default_rng(seed)
+def test_within_three_percent_of_what_or_tools_finds(machine: Machine, count: int, begun: bool) -> None:
+    generator = np.random.default_rng(count)
     low, high = np.array([axis.travel for axis in machine.axes]).T
-    poses = generator.uniform(low, high, (12 + 3 * seed, len(low)))
-    approaches = generator.choice([-1.0, 0.0, 1.0], poses.shape) * (seed % 2)
+    poses = generator.uniform(low, high, (count, len(low)))
+    approaches = generator.choice([-1.0, 0.0, 1.0], poses.shape) * (count % 2)
     table = approach_seconds(machine, poses[:, None], poses[None], approaches[None])
-    first = approach_seconds(machine, low, poses, approaches)
-    order = [int(i) for i in route(table, first)]
+    first = approach_seconds(machine, low, poses, approaches) if begun else np.zeros(count)
+    order = [int(i) for i in route(table, first if begun else None)]
+    assert sorted(order) == list(range(count))
     way = float(first[order[0]]) + route_seconds(order, table)
     found, bound = shortest_by_or_tools(table, first)
     assert way <= 1.03 * found
     assert way >= bound - len(poses) * TICK
-
-
-def test_the_wrong_side_costs_the_overrun() -> None:
-    start, stop = np.array([0.1, 0.1, 0.1]), np.array([0.3, 0.1, 0.1])
-    any_side, right, wrong = (approach_seconds(MILL, start, stop, np.array([s, 0.0, 0.0])) for s in (0.0, 1.0, -1.0))
-    assert any_side == right == travel_seconds(MILL, start, stop)
-    past = stop + np.array([MILL.axes[0].overrun, 0.0, 0.0])
-    assert wrong == travel_seconds(MILL, start, past) + travel_seconds(MILL, past, stop)
-
-
-def test_a_standing_axis_still_has_to_arrive() -> None:
-    here = np.array([0.2, 0.2, 0.2])
-    assert approach_seconds(MILL, here, here, np.array([1.0, 0.0, 0.0])) > 0
-    assert approach_seconds(MILL, here, here, np.zeros(3)) == 0
 
 
 def moved_one_by_one(order: list[int], table: Array) -> list[int] | None:

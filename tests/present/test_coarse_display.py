@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from typer.testing import CliRunner
 
-from axiscal.cli.app import app
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
@@ -124,33 +119,3 @@ def test_what_is_stated_is_not_asked_for() -> None:
     assert list(coarse_displays(taken(shown(curve(3, 26), 10.0), 3e-6), setups(""))) == []
     (finer,) = coarse_displays(readings, setups('resolution = "1 um"'))
     assert 'State resolution = "10 um"' in finer.text
-
-
-def estimated(folder: Path, step: float, campaign: str) -> tuple[str, list[str]]:
-    """Return what `estimate` prints of readings that a display shows, and the codes of the warnings in result.json."""
-    (folder / "machine.toml").write_text(MACHINE)
-    (folder / "campaign.toml").write_text(campaign)
-    values = np.round(curve(4, 24) / step) * step
-    rows = [f"laser along x,{x:.3f},{y:.2f}" for x, y in zip(np.linspace(0, 1000, 24), values, strict=True)]
-    (folder / "readings.csv").write_text("\n".join(["setup,X_mm,value_um", *rows]) + "\n")
-    files = [str(folder / name) for name in ("campaign.toml", "readings.csv", "out")]
-    printed = CliRunner().invoke(app, ["estimate", *files[:2], "--out", files[2], "--details"]).stdout
-    document = json.loads((folder / "out" / "result.json").read_text())
-    return " ".join(printed.split()), [warning["code"] for warning in document["warnings"]]
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("learnt", [False, True])
-def test_estimate_says_it_until_it_is_stated(tmp_path: Path, learnt: bool) -> None:
-    said = "move in steps of 10 um, 20 times its noise"
-    for name, step, more, warned in [
-        ("coarse", 10.0, "", True),
-        ("stated", 10.0, 'resolution = "10 um"\n', False),
-        ("fine", 0.01, "", False),
-    ]:
-        folder = tmp_path / name
-        folder.mkdir()
-        scales = 'scales = "estimate"\n' if learnt else ""
-        printed, codes = estimated(folder, step, f"{scales}{CAMPAIGN}{more}")
-        assert (said in printed) == warned
-        assert ("resolution" in codes) == warned

@@ -8,13 +8,10 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimation.estimate import concluded
 from axiscal.evaluation.standards import PositioningTest, evaluate
 from axiscal.measurement.reading import Reading
 from axiscal.present.sentences import left_out_words
 from axiscal.present.summarising import iso230_blocks
-from axiscal.present.volume_error import volume_error
-from tests.generators.campaigns import drawn, mixed
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 
 REPORT = '[report]\noperator = "R. Turner"\ncountry = "DE"\n'
@@ -29,17 +26,6 @@ def test_who_measured_with_what_is_read() -> None:
     said = _described(text).particulars
     assert (said.operator, said.country, said.serial, said.customer) == ("R. Turner", "DE", "M-1", "")
     assert (said.setups["laser"].serial, said.setups["laser"].certificate) == ("4711", "K 8")
-
-
-def test_the_error_of_the_volume_is_that_of_the_estimate() -> None:
-    case = mixed()
-    known = concluded(case, drawn(case))
-    volume = volume_error(known)
-    found, half = np.array(volume.found_um), np.array(volume.half_um)
-    assert found.shape == half.shape == np.array(volume.tcp_mm).shape
-    np.testing.assert_allclose(found.mean(axis=0), 0, atol=1e-9)
-    assert np.all(half > 0)
-    assert volume.left_um == ()
 
 
 def _test_readings(skip: int | None = None) -> tuple[list[Reading], PositioningTest]:

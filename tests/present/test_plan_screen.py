@@ -121,28 +121,11 @@ def test_a_bound_says_what_its_j_is() -> None:
     )
 
 
-PLANS = {
-    "ball_bar": "campaign.toml --readings 3",
-    "densities": "campaign.toml --readings 3 --candidates 100",
-    "drift": "campaign.toml --readings 3 --candidates 100",
-    "five_axes": "campaign.toml --readings 2 --candidates 100",
-    "level": "campaign.toml --readings 3 --candidates 60",
-    "mill": 'campaign.toml --budget "90 min" --readings 4 --candidates 100',
-    "one_spline": "campaign.toml",
-    "plane_map": "campaign.toml --readings 3 --candidates 100",
-    "programs": "campaign.toml --candidates 40",
-    "rotary": "campaign.toml --readings 3 --candidates 100",
-    "shapes": "campaign.toml --readings 3 --candidates 40",
-    "square": "campaign.toml --readings 3 --candidates 60",
-    "tracker": "campaign.toml --readings 3 --candidates 100",
-}
-"""Of golden campaigns whose plan takes no more than two seconds."""
-QUICK = ("square", "programs")
+PLANS = {"square": "campaign.toml --readings 3 --candidates 60", "programs": "campaign.toml --candidates 40"}
+"""Of golden campaigns whose plan takes a moment."""
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.long) for name in PLANS]
-)
+@pytest.mark.parametrize("name", PLANS)
 def test_the_screen_shows_the_figures_of_the_document(
     name: str, tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -74,12 +74,3 @@ def test_the_twist_is_found_with_the_sign_of_the_table(folder: Path) -> None:
     assert np.all(std < np.array(plane["prior_std"]) * 1.001)
     assert plane["from_readings"] > 0.9
     np.testing.assert_allclose(np.array(plane["whole_std"])[15, 15], 0, atol=4)
-
-
-def test_the_report_shows_the_plane_its_band_and_what_no_sum_holds(folder: Path) -> None:
-    page = (folder / "report.html").read_text()
-    assert "What two axes do together" in page
-    assert "Displacement in z that X and Y make together" in page
-    assert page.count("data:image/png") >= 6  # three maps, each with the bar of its colours
-    assert "of the 3 errors that are described" in page
-    assert all(f"<td>{name}</td>" in page for name in ("EZX", "EZY", "EZXY"))

@@ -12,44 +12,20 @@ from hypothesis import strategies as st
 from axiscal.exceptions import SummaryError
 from axiscal.present.result_document import result_json
 from axiscal.present.summary import (
-    ConstantSummary,
     CurveSummary,
-    Finding,
     HistoryRow,
-    Summary,
-    Uncertainty,
 )
-from tests.generators.answers import answer
+from tests.present.test_edges import _bare
 
 CURVE = CurveSummary(
     "EXX", "X", "words", [0.0, 1 / 3], [1.23456789, -0.0], [2.0, 2.5], [1.0, 1.0], [9.0, 9.0], "mm", "um"
 )
-ROWS = [
-    HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0),
-    HistoryRow(1, "laser", {"X": 120.0}, 1.5, 0.1, 0.2, 9.1, 20.0, 31.2, reason="too far off"),
-]
-SUMMARY = Summary(
-    title="t",
-    machine="m",
-    chain="w-b-X-t",
-    campaign_file="c.toml",
-    date="",
-    setups=[],
-    stopped_because="rms target reached",
-    readings=1,
-    minutes=31.2,
-    rms_um=9.1,
-    worst_um=20.0,
+READ = HistoryRow(1, "laser", {"X": 120.0}, 1.5, 0.1, 0.2, 9.1, 20.0, 31.2, reason="too far off")
+SUMMARY = _bare(
     unseen_rms_um=0.5,
-    history=ROWS,
-    expanded=Uncertainty(15.6, (9.0, 8.0, 7.0), 33.0, 1.71, "for a tool of 120 mm"),
-    answer=answer(),
+    history=[*_bare().history, READ],
     curves=[CURVE],
     reversals=[replace(CURVE, name="EXX_reversal")],
-    constants=[ConstantSummary("C0Y", "squareness of Y to X", 12.1, 1.1, 30.0, "urad")],
-    observability=["one sentence"],
-    warnings=[Finding("lack-of-fit", "EXX", "finer than this model")],
-    versions={"numpy": "2", "axiscal": "0.1.0"},
 )
 
 
@@ -60,7 +36,7 @@ def test_the_document_is_what_the_contract_says() -> None:
     assert document["errors"]["EXX"]["std"] == [2.0, 2.5]  # the whole standard deviation, not the part that is seen
     assert [row["position"] for row in document["history"]] == [None, {"X": 120.0}]
     assert document["unseen_rms_um"] == 0.5
-    assert (document["U_um"], document["k"], document["U_axis_um"]) == (15.6, 1.71, {"x": 9.0, "y": 8.0, "z": 7.0})
+    assert (document["U_um"], document["k"], document["U_axis_um"]) == (23.4, 1.65, {"x": 11.0, "y": 12.0, "z": 13.0})
 
 
 def test_numbers_keep_six_digits_and_zero_has_no_sign() -> None:

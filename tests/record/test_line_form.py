@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -47,27 +46,6 @@ def test_the_name_is_the_chain_of_kinds_and_contents(path: Path) -> None:
         name = hashlib.sha256(f"{name} {kind} {payload}".encode()).hexdigest()
     with Record.open(path, write=False) as record:
         assert record.name == name
-
-
-def test_the_file_alone_holds_every_acknowledged_event_at_once(path: Path, tmp_path: Path) -> None:
-    alone = tmp_path / "alone" / "alone.axiscal"
-    alone.parent.mkdir()
-    with Record.open(path) as record:
-        for number in range(20):
-            record.append(recorded(1e-6 * number))
-            assert [file.name for file in tmp_path.glob("[!.]*.axiscal*")] == ["trial.axiscal"]
-            shutil.copyfile(path, alone)
-            assert events(alone) == record.events()
-
-
-@pytest.mark.parametrize("suffix", ["-wal", "-shm", "-journal"])
-def test_a_log_beside_the_file_adds_nothing(path: Path, suffix: str) -> None:
-    whole = events(path)
-    path.with_name(path.name + suffix).write_bytes(path.read_bytes())
-    assert events(path) == whole
-    with Record.open(path) as record:
-        record.append(recorded(9e-6))
-    assert len(events(path)) == len(whole) + 1
 
 
 def test_several_events_are_there_together_or_not_at_all(path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
@@ -16,6 +15,7 @@ from axiscal.record.copies import write_copy
 from axiscal.record.events import Newer, Noted
 from axiscal.record.line_form import EventText
 from axiscal.record.store import Record
+from tests.commands import Command
 from tests.generators.begun import begun
 from tests.reliability.salvaged import CAMPAIGN, MACHINE
 
@@ -72,23 +72,15 @@ def test_the_state_goes_on_without_what_says_nothing_of_readings(path: Path, row
 
 
 @of(*HARMLESS)
-def test_people_are_told_of_it(path: Path, row: EventText, capsys: pytest.CaptureFixture[str]) -> None:
-    written(path, row)
-    assert run(["status", str(path)]) == 0
-    assert f"An entry of a newer version: {row.kind}" in capsys.readouterr().out
-    assert run(["status", str(path), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["newer"] == [row.kind]
-
-
-@of(*HARMLESS)
-def test_nothing_is_written_behind_it(path: Path, row: EventText, capsys: pytest.CaptureFixture[str]) -> None:
+def test_people_are_told_of_it_and_nothing_is_written_behind_it(path: Path, row: EventText, command: Command) -> None:
     written(path, row)
     before = path.read_bytes()
+    assert f"An entry of a newer version: {row.kind}" in command("status", path).printed
+    assert command("status", path, "--json").document["newer"] == [row.kind]
     with Record.open(path) as record, pytest.raises(NewerError, match=f"newer version of axiscal.*{row.kind}"):
         record.append(Noted("by this version"))
-    for words in (["note", str(path), "warm"], ["undo", str(path)], ["finish", str(path), "--out", "out"]):
-        assert run(words) == 1
-        assert "Install that version" in capsys.readouterr().err
+    for words in (["note", path, "warm"], ["undo", path], ["finish", path, "--out", "out"]):
+        assert "Install that version" in command(*words).refusal
     assert path.read_bytes() == before
 
 

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 import time
 import zlib
 from collections.abc import Callable
@@ -16,7 +13,6 @@ from threading import Event, Thread
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.document.durable import is_running
 from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
 from axiscal.measurement.reading import Reading
 from axiscal.ports.postgres import database as database_module
@@ -30,7 +26,7 @@ from axiscal.record.log import ChainedText, chained_texts, rows_of
 from axiscal.record.store import Record
 from tests.commands import Command
 from tests.generators.sisters import CAMPAIGN, MACHINE
-from tests.record.postgres_server import END_SESSIONS, RunningServer, cut_off, programs, running_server
+from tests.record.postgres_server import END_SESSIONS, RunningServer, cut_off, running_server
 
 ROOT = Path(__file__).resolve().parents[2]
 CREATED = Created("name = 'mill'", "machine = 'mill'", "machine.toml", "campaign.toml", {})
@@ -343,25 +339,6 @@ def test_what_is_put_back_is_said_by_the_one_question_too(log: ServerLog) -> Non
     unguarded(log, "DELETE FROM axiscal.events WHERE number = 3")
     with pytest.raises(RecordError, match="an older state of the store"):
         log.append(READING)
-
-
-def test_a_server_of_the_tests_ends_with_what_began_it() -> None:
-    programs()
-    begun = (
-        "import sys, time; from tests.record.postgres_server import running_server\n"
-        "with running_server() as server: print(server.folder, flush=True); time.sleep(600)"
-    )
-    command = [sys.executable, "-c", begun]
-    paths = {"PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
-    with subprocess.Popen(command, env=os.environ | paths, stdout=subprocess.PIPE, text=True) as head:
-        assert head.stdout is not None
-        folder = Path(head.stdout.readline().strip())
-        process = int((folder / "data" / "postmaster.pid").read_text().split()[0])
-        head.kill()
-    until = time.monotonic() + 60
-    while folder.exists() or is_running(process):
-        assert time.monotonic() < until
-        time.sleep(0.05)
 
 
 @pytest.mark.parametrize(

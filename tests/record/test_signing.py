@@ -23,7 +23,6 @@ from axiscal.record.signing import KEY, PERSON, key_file
 from axiscal.record.store import Record
 from tests.commands import Command
 from tests.generators.begun import begun
-from tests.reliability.forged import signed_record
 from tests.reliability.salvaged import CAMPAIGN, MACHINE
 from tools.check_record import checked, main
 
@@ -186,16 +185,6 @@ def test_a_copy_and_a_salvaged_record_keep_their_signature(path: Path, key: Path
         found = signed_until(record.texts())
     assert found is not None
     assert (found.number, found.holds) == (7, True)
-
-
-def test_a_signature_of_other_events_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with signed_record(tmp_path / "mill.axiscal") as record:
-        rows = [text.row for text in record.texts()]
-    rows[3] = rows[3]._replace(at="2026-03-01T13:00:00.000+00:00")
-    with Record.made(tmp_path / "changed.axiscal", rows) as record:
-        found = signed_until(record.texts())
-    assert found is not None
-    assert not found.holds
 
 
 def forged(path: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import fcntl
-import os
 import re
 import subprocess
 import sys
@@ -87,16 +86,6 @@ def test_a_newer_record_is_refused(record: Record) -> None:
         Record.open(record.path)
 
 
-def test_damaged_lines_are_noticed(record: Record) -> None:
-    for _ in range(30):
-        record.append(recorded(1e-6))
-    content = bytearray(record.path.read_bytes())
-    content[-3000:-2000] = os.urandom(1000)
-    record.path.write_bytes(content)
-    with pytest.raises(RecordError, match=r"damaged: event \d+ is not as it was written"):
-        Record.open(record.path)
-
-
 READING = '{"setup":"a","position":[0],"approach":[1],"value":%s,"std":%s}'
 
 
@@ -158,16 +147,6 @@ def test_a_mark_of_another_record_is_damage(record: Record) -> None:
     record.path.write_bytes(content)
     with pytest.raises(RecordError, match="damaged: the mark of its end is not that of event 2"):
         Record.open(record.path)
-
-
-def test_a_folder_is_no_record(tmp_path: Path) -> None:
-    with pytest.raises(RecordError, match="This is a folder"):
-        Record.open(tmp_path)
-
-
-def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
-    with pytest.raises(RecordError, match=r"cannot be written.*[Ff]older"):
-        Record.create(tmp_path / "none" / "r.axiscal", CREATED)
 
 
 def test_a_locked_record_says_so(record: Record, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,9 +5,6 @@ from __future__ import annotations
 import http.client
 import io
 import re
-import subprocess
-import sys
-import threading
 import time
 import zipfile
 from collections.abc import Iterator
@@ -42,13 +39,6 @@ def kept(page: Served) -> list[float]:
     """Return the readings on the disk, um."""
     with Campaign.open(page.record, write=False) as campaign:
         return [round(reading.value * 1e6, 6) for reading in campaign.state.readings]
-
-
-def command(page: Served, *words: str) -> None:
-    """Do another command on the same record."""
-    subprocess.run(
-        [sys.executable, "-m", "axiscal.cli", *words], cwd=page.record.parent, check=True, capture_output=True
-    )
 
 
 def test_a_whole_campaign_over_the_api(page: Served) -> None:
@@ -99,73 +89,24 @@ def test_the_tables_of_a_control_are_one_file_and_made_anew_once_its_sign_is_mea
     assert tables("linuxcnc").status == 422  # no readings, no tables anew
 
 
-def test_an_answer_to_a_question_that_has_been_answered_is_refused_and_nothing_is_lost(page: Served) -> None:
+def test_what_is_late_surprising_or_empty_is_refused_and_nothing_is_lost(page: Served) -> None:
     seen = page.state()["last"]
     assert page.call("readings", after=seen, text="1.5").status == 200
     late = page.call("readings", after=seen, text="2.5")
     assert (late.status, late.document["problem"]) == (409, "overtaken")
-    assert kept(page) == [1.5]
     for path in ("undo", "next", "finish"):
         assert page.call(path, after=seen).status == 409
     assert page.call("skips", after=seen, reason="late").status == 409
-
-
-@pytest.mark.long
-def test_of_many_answers_at_once_one_is_kept(page: Served) -> None:
-    seen, answers = page.state()["last"], []
-
-    def send(text: str) -> None:
-        answers.append((page.call("readings", after=seen, text=text).status, text))
-
-    senders = [threading.Thread(target=send, args=(f"{n}",)) for n in range(8)]
-    for sender in senders:
-        sender.start()
-    for sender in senders:
-        sender.join()
-    won = [float(text) for status, text in answers if status == 200]
-    assert [status for status, _ in answers if status != 200] == [409] * 7
-    assert kept(page) == won
-
-
-@pytest.mark.long
-def test_who_waits_is_told_of_a_reading_from_another_program(page: Served) -> None:
-    first = page.state()
-    version = first["version"]
-    told: list[dict[str, Any]] = []
-
-    def wait() -> None:
-        seen = version
-        while not told or not told[-1]["readings"]:
-            told.append(page.call(f"state?seen={seen}&wait=20").document)
-            seen = told[-1]["version"]
-
-    waiter = threading.Thread(target=wait)
-    waiter.start()
-    command(page, "record", "mill.axiscal", "2.5 um")
-    waiter.join(timeout=60)
-    assert told[-1]["readings"][0]["values"] == [2.5]
-    assert told[-1]["question"]["number"] == 2
-    assert page.call("readings", after=first["last"], text="1").document["problem"] == "overtaken"
-    assert page.call("readings", after=told[-1]["last"], text="1").status == 200
-    assert kept(page) == [2.5, 1.0]
-
-
-def test_a_surprising_reading_is_kept_only_when_it_is_confirmed(page: Served) -> None:
-    page.call("readings", after=page.state()["last"], text="1")
-    last = page.state()["last"]
+    assert kept(page) == [1.5]
+    last, place = page.state()["last"], page.state()["question"]["places"]
     asked = page.call("readings", after=last, text="400")
     assert (asked.status, asked.document["problem"]) == (409, "surprising")
     assert asked.document["surprise"] > 4
-    assert kept(page) == [1.0]
+    assert kept(page) == [1.5]
     assert page.call("readings", after=last, text="400", cause="really").status == 200
-    assert kept(page) == [1.0, 400.0]
-
-
-def test_undo_and_skip_go_back_and_around(page: Served) -> None:
-    place = page.state()["question"]["places"]
-    page.call("readings", after=page.state()["last"], text="1")
+    assert kept(page) == [1.5, 400.0]
     assert page.call("undo", after=page.state()["last"]).status == 200
-    assert (kept(page), page.state()["question"]["places"]) == ([], place)
+    assert (kept(page), page.state()["question"]["places"]) == ([1.5], place)
     assert page.call("skips", after=page.state()["last"], reason=" ").document["problem"] == "refused"
     assert page.call("skips", after=page.state()["last"], reason="the beam is blocked").status == 200
     assert page.state()["question"]["places"] != place
@@ -176,15 +117,6 @@ def test_what_is_typed_is_understood_before_it_is_sent(still: Served) -> None:
     assert (meant["values"], meant["surprising"], meant["sentence"]) == ([pytest.approx(2.1)], False, "")
     assert still.call("typed?text=99%20mm").document["surprising"]
     assert "no word known here" in still.call("typed?text=twelve").document["sentence"]
-
-
-@pytest.mark.long
-def test_a_set_up_is_left_by_a_skip_of_the_rest(page: Served) -> None:
-    done = page.call("skips", after=page.state()["last"], reason="the beam is lost", rest=True)
-    assert done.document["sentence"].startswith('Left "laser"')
-    assert (page.state()["question"], page.state()["ended"]) == (None, "nothing is left to measure")
-    assert page.call("undo", after=page.state()["last"]).status == 200
-    assert page.state()["question"]["number"] == 1
 
 
 @pytest.mark.long
@@ -221,20 +153,10 @@ NAMES = (
 """Of all paths."""
 
 
-@pytest.mark.long
-def test_the_description_names_every_document_and_every_answer(page: Served) -> None:
-    described = page.call("openapi.json").document
+def test_the_description_names_every_document(still: Served) -> None:
+    described = still.call("openapi.json").document
     assert set(described["paths"]) == {f"/api/1/{name}" for name in NAMES.split()}
-    schemas = described["components"]["schemas"]
-    assert set(page.state()) == set(schemas["StateShape"]["required"]) | {"document"}
-    for path, methods in described["paths"].items():
-        for method, operation in methods.items():
-            body = None if method == "get" else b"{}"
-            answer = page.ask(method.upper(), path, body, Authorization=f"Bearer {page.token}")
-            assert str(answer.status) in operation["responses"], (path, answer.status)
-            said = operation["responses"][str(answer.status)]["content"]["application/json"]["schema"]["$ref"]
-            shape = schemas[said.rpartition("/")[2]]
-            assert set(shape.get("required", [])) <= set(answer.document) <= set(shape["properties"])
+    assert set(still.state()) == set(described["components"]["schemas"]["StateShape"]["required"]) | {"document"}
 
 
 def test_a_record_that_went_away_is_said(page: Served) -> None:
@@ -273,8 +195,7 @@ def asked(page: Served, state: dict[str, Any]) -> dict[str, Any]:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("answer", ["jump", "backlash"])
-def test_a_page_asks_once_whether_a_step_where_the_axis_turned_is_backlash(tmp_path: Path, answer: str) -> None:
+def test_a_page_asks_once_whether_a_step_where_the_axis_turned_is_backlash(tmp_path: Path) -> None:
     record = begun_out_and_back(tmp_path / "mill.axiscal", OUT + 1, 30e-6)
     with served(record) as page:
         assert page.call("readings", after=page.state()["last"], text="-13").status == 200
@@ -282,11 +203,11 @@ def test_a_page_asks_once_whether_a_step_where_the_axis_turned_is_backlash(tmp_p
         assert state["asks"] == '"laser" shows a step before reading 11, where X turned: zero set anew, or backlash?'
         assert state["choices"] == {"jump": "zero set anew", "backlash": "backlash"}
         assert page.call("zeros", after=state["last"], answer="stuck").status != 200
-        done = page.call("zeros", after=state["last"], answer=answer)
-        assert ("is backlash" in done.document["sentence"]) is (answer == "backlash")
+        done = page.call("zeros", after=state["last"], answer="backlash")
+        assert "is backlash" in done.document["sentence"]
         assert (page.state()["asks"], page.state()["choices"]) == ("", {})
     with Campaign.open(record, write=False) as campaign:
-        assert [each.mistake for each in campaign.state.accepted] == [answer]
+        assert [each.mistake for each in campaign.state.accepted] == ["backlash"]
 
 
 def test_a_page_asks_whether_a_zero_was_set_anew_and_keeps_that_it_was(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 
@@ -237,10 +236,6 @@ def test_the_page_speaks_german_and_so_do_its_answers(browser: Browser, tmp_path
         assert server.state()["question"]["sign"].startswith("+ wo das Werkzeug")
         refused = server.call("typed?text=zwei").document["sentence"]
         assert refused.startswith("„zwei“ ist ")
-        tab_to(page, "stop")
-        page.press("Enter")
-        page.until("document.getElementById('stop-words').textContent.startsWith('Jetzt ')")
-        looked_at(page)
         assert page.complaints() == []
 
 
@@ -281,53 +276,6 @@ def test_two_windows_see_each_other_and_none_answers_for_the_other(browser: Brow
         looked_at(two)
         assert one.complaints() + two.complaints() == []
     assert kept(record) == [-1.7, 0.5]
-
-
-def hostile_texts() -> list[str]:
-    """Return 1,000 texts that would be markup or script where a page took them for that."""
-    begins = ["", "\"'>", "</textarea>", "</title>", "-->", "'-", "${", "\\", "]]>", "\u202e"]
-    tags = [
-        "img src=x",
-        "svg",
-        "iframe src=javascript:0",
-        "body",
-        "details open",
-        "video src=x",
-        "math",
-        "a href=data:,",
-        "b",
-    ]
-    handlers = ["onerror", "onload", "ontoggle", "onfocus autofocus", "onpointerover"]
-    ends = ["=hit()>", "=`hit()`//"]
-    marked = [f"{a}<{b} {c}{d}" for a in begins for b in tags for c in handlers for d in ends]
-    scripts = [f"{a}<script>hit({n})</script>" for a in begins for n in range(10)]
-    return [*marked, *scripts][:1000]
-
-
-@pytest.mark.long
-@pytest.mark.chromium
-def test_a_thousand_hostile_texts_stay_text_in_every_field(browser: Browser, tmp_path: Path) -> None:
-    texts = hostile_texts()
-    assert len(set(texts)) == 1000
-    record = started(tmp_path)
-    page = browser.page(390, 844)
-    with served(record) as server:
-        arrived(page, server)
-        page.value("window.hit = () => { window.struck = true; }; 0")
-        stand(page)
-        for at in range(0, 1000, 40):
-            text = " ".join(texts[at : at + 40])
-            assert server.call("notes", text=text).status == 200
-            shown = "[...document.getElementById('notes').children].some(e => e.textContent.includes(%s))"
-            page.until(shown % json.dumps(text[:40] + text[40:80]))
-            page.value("document.getElementById('field').select()")
-            page.type(text[:200])
-            page.press("Enter")
-            page.until("document.getElementById('heard').className === 'alarm'")
-        assert page.value("window.struck") is None
-        kinds = f"{STRANGE}, script, iframe, video, math, body, b"
-        assert page.value(f"document.querySelectorAll(`main :is({kinds})`).length") == 0
-        assert page.complaints() == []
 
 
 @pytest.mark.long

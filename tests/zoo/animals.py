@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -53,17 +53,20 @@ class Slope:
         return abs(self.table - self.read) <= (1 - KEPT) * abs(self.read) + 0.5 * self.std
 
 
-class Truth(Protocol):
+class Truth(ABC):
     """What is true of a machine."""
 
+    @abstractmethod
     def left(self, answer: Answer) -> Array:
         """Return how far off the tool is where the answer is put to use, (p,) um, all places counting alike."""
 
     def promised(self, answer: Answer) -> float:
-        """Return the U that is printed for it, um."""
+        """Return the U that is printed for it, um: with the tables, unless said otherwise."""
+        return answer.expanded_with_tables()
 
-    def kept(self, answer: Answer) -> Slope | None:
+    def kept(self, _: Answer) -> Slope | None:
         """Return what the table keeps of the slope that was read; None without a slope."""
+        return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +85,6 @@ class Animal:
     name : with its kind before the colon
     meet : from a seed to readings and truth
     cause : what an answer says that names the cause or asks for it; "" where only right figures will do
-    quick : part of the quick tests
     asked : nothing but the name of the cause will do
     """
 
@@ -90,7 +92,6 @@ class Animal:
     job: Job
     meet: Callable[[int], Met]
     cause: str = ""
-    quick: bool = False
     asked: bool = False
 
     @property

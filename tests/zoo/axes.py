@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.numerics import Array
-from tests.zoo.animals import Job, Met, Slope
+from tests.zoo.animals import Job, Met, Slope, Truth
 from tests.zoo.answers import Answer
 from tests.zoo.running import planned, rows_of
 
@@ -64,30 +64,25 @@ def line(x: Array, values: Array, noise: float) -> Line:
     return Line(float(np.polyfit(x, values, 1)[0]), noise / float(np.std(x) * np.sqrt(len(x))))
 
 
-@dataclass(frozen=True, slots=True)
-class AxisTruth:
-    """curve : at 20 degC; read : the straight line through the readings, None where the truth has no slope"""
+@dataclass(frozen=True)
+class AxisTruth(Truth):
+    """curve : at 20 degC; read : the straight line through the readings, None where the truth has no slope
+
+    end : of the travel, mm
+    """
 
     curve: Curve
     read: Line | None = None
+    end: float = LENGTH
 
     def left(self, answer: Answer) -> Array:
         """Return what the table leaves at a thousand places from both sides, its mean taken off, um."""
         where, values = answer.axis_table("X")
-        x = np.linspace(0.0, LENGTH, 1001)
-        sides = np.array([1.0, -1.0])
-        left = np.array(
-            [
-                self.curve(x, side + 0 * x) - np.interp(x, where, column)
-                for side, column in zip(sides, values, strict=True)
-            ]
-        )
-        found: Array = left.ravel() - left.mean()
+        x, sides = np.linspace(0.0, self.end, 1001), (1.0, -1.0)
+        ways = zip(sides, values, strict=True)
+        left = np.concatenate([self.curve(x, side + 0 * x) - np.interp(x, where, column) for side, column in ways])
+        found: Array = left - left.mean()
         return found
-
-    def promised(self, answer: Answer) -> float:
-        """Return U with the table, um."""
-        return answer.expanded_with_tables()
 
     def kept(self, answer: Answer) -> Slope | None:
         """Return what the table keeps of the slope that was read."""

@@ -44,16 +44,6 @@ def pitch(x: Array, side: Array) -> Array:
     return 3 * np.sin(2 * np.pi * x / 10 + 0.7) - side
 
 
-def growing_pitch(x: Array, side: Array) -> Array:
-    """Return a screw's error of each turn that grows from nothing to 6 um."""
-    return 6 * x / LENGTH * np.sin(2 * np.pi * x / 10 + 0.7) - side
-
-
-def half_inch(x: Array, side: Array) -> Array:
-    """Return a screw's error of 5 um in each turn of half an inch."""
-    return 5 * np.sin(2 * np.pi * x / 12.7) - side
-
-
 def sawtooth(x: Array, side: Array) -> Array:
     """Return a scale put together from pieces of 100 mm, 8 um off at each joint."""
     found: Array = 8 * ((x / 100 + 0.3) % 1 - 0.5) - side
@@ -123,7 +113,6 @@ LEADS = (
             f"lead error: {slope} um/m by {rule.name}",
             rule.job,
             read(straight(slope), rule, _iso, slope=True),
-            quick=slope == 20 or (rule is LASER and slope in (5, 100)),
         )
         for rule in (LASER, SCALE, TAPE)
         for slope in _SLOPES
@@ -134,7 +123,6 @@ WARM = tuple(
         f"scale or part not at 20 degC: {kelvin:+g} K, by laser",
         LASER.job,
         read(straight(40), LASER, _iso, warm(kelvin), slope=True),
-        quick=kelvin < 0,
     )
     for kelvin in (0.5, -1.0, 1.5)  # as the usual 1 K scatters
 )
@@ -149,10 +137,10 @@ class Foreign:
     beside: Shown = nothing
     cause: str = ""
 
-    def animal(self, places: str, *, quick: bool = False) -> Animal:
+    def animal(self, places: str) -> Animal:
         """Return it as an animal of the zoo."""
         met = read(self.curve, LASER, _PLACES[places], self.beside)
-        return Animal(f"{self.kind}: {places}", LASER.job, met, self.cause, quick=quick)
+        return Animal(f"{self.kind}: {places}", LASER.job, met, self.cause)
 
 
 _PLACES = everywhere(21, 2, LASER.job)
@@ -160,8 +148,8 @@ _TURN = r"multiples? of|period"
 _WAY = r"since it turned|way after"
 FOREIGN = (
     Foreign("pitch", pitch, cause=_TURN),
-    Foreign("growing pitch", growing_pitch, cause=_TURN),
-    Foreign("pitch of half an inch", half_inch, cause=_TURN),
+    Foreign("growing pitch", lambda x, side: 2 * x / LENGTH * (pitch(x, side) + side) - side, cause=_TURN),
+    Foreign("pitch of half an inch", lambda x, side: 5 * np.sin(2 * np.pi * x / 12.7) - side, cause=_TURN),
     Foreign("sawtooth of 100 mm", sawtooth, cause=_TURN),
     Foreign("air conditioning", bowed, air, _TURN),
     Foreign("steps of a rack", rack),
@@ -169,16 +157,14 @@ FOREIGN = (
     Foreign("backlash with a way of 300 mm", backlash, winding(300), _WAY),
     Foreign("thermal front", heated, front, r"warm(s|ed|ing) (up|while)|\bdrift"),
 )
-_QUICK = ("pitch: even", "steps of a rack: planned", "backlash with a way of 300 mm: even", "thermal front: even")
-NOTHING_WRONG = Animal("nothing wrong: random", LASER.job, read(bowed, LASER, _PLACES["random"]), quick=True)
+NOTHING_WRONG = Animal("nothing wrong: random", LASER.job, read(bowed, LASER, _PLACES["random"]))
 CURVES = (
     NOTHING_WRONG,
-    *(each.animal(places, quick=f"{each.kind}: {places}" in _QUICK) for each in FOREIGN for places in _PLACES),
+    *(each.animal(places) for each in FOREIGN for places in _PLACES),
     Animal(
         "half-read axis: 0 to 500 mm",
         LASER.job,
         read(wavy, LASER, lambda _: even(11, 2, LENGTH / 2)),
         r"not read|0 to 500|500 to 1000",
-        quick=True,
     ),
 )

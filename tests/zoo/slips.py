@@ -10,8 +10,13 @@ from axiscal.numerics import Array
 from tests.zoo.animals import Animal, Met
 from tests.zoo.axes import LASER, SCALE, AxisTruth, Meet, Rule, Visits, even, written
 
-Slip = Callable[[Visits, Array], tuple[Visits, Array]]
-"""From what should stand in the file to what stands there."""
+Slip = Callable[[Array], Array]
+"""From the values that should stand in the file to those that stand there."""
+Wrong = Callable[[Visits, Array], tuple[Visits, Array]]
+"""The same of places and values."""
+VISITS = even(14, 1)
+N = np.arange(28)
+"""Numbers of the readings, from 0."""
 
 
 def axis(x: Array, side: Array) -> Array:
@@ -20,43 +25,20 @@ def axis(x: Array, side: Array) -> Array:
     return found
 
 
-def made(slip: Slip, rule: Rule = LASER) -> Meet:
+def slipped(wrong: Wrong, rule: Rule = LASER) -> Meet:
     """Return how the axis is met when a person slips."""
 
     def met(seed: int) -> Met:
         rng = np.random.default_rng((seed, 2))
-        visits = even(14, 1)
-        right = axis(visits.x, visits.sides) + rng.normal(0, rule.noise, len(visits.x))
-        return Met(written(rule, *slip(visits, right - right[0])), AxisTruth(axis))
+        right = axis(VISITS.x, VISITS.sides) + rng.normal(0, rule.noise, len(N))
+        return Met(written(rule, *wrong(VISITS, right - right[0])), AxisTruth(axis))
 
     return met
 
 
-def unit(visits: Visits, values: Array) -> tuple[Visits, Array]:
-    """Write millimetres in the column of micrometres."""
-    return visits, values / 1000
-
-
-def sign(visits: Visits, values: Array) -> tuple[Visits, Array]:
-    """Turn the sign of one reading."""
-    return visits, np.where(np.arange(len(values)) == 9, -values, values)
-
-
-def swapped(visits: Visits, values: Array) -> tuple[Visits, Array]:
-    """Exchange two readings."""
-    order = np.arange(len(values))
-    order[[5, 8]] = order[[8, 5]]
-    return visits, values[order]
-
-
-def rounded(visits: Visits, values: Array) -> tuple[Visits, Array]:
-    """Write down tens of micrometres."""
-    return visits, np.round(values, -1)
-
-
-def zeroed_again(visits: Visits, values: Array) -> tuple[Visits, Array]:
-    """Set the dial anew before the ninth reading."""
-    return visits, np.where(np.arange(len(values)) >= 8, values - 140, values)
+def misread(slip: Slip, rule: Rule = LASER) -> Meet:
+    """Return the same where places are right."""
+    return slipped(lambda visits, values: (visits, slip(values)), rule)
 
 
 def missed(visits: Visits, values: Array) -> tuple[Visits, Array]:
@@ -64,39 +46,27 @@ def missed(visits: Visits, values: Array) -> tuple[Visits, Array]:
     return Visits(visits.x[:-1], visits.sides[:-1]), np.delete(values, 6)
 
 
-def wrong_row(visits: Visits, values: Array) -> tuple[Visits, Array]:
+def misplaced(visits: Visits, values: Array) -> tuple[Visits, Array]:
     """Write one position that is 200 mm off."""
-    x = visits.x.copy()
-    x[4] += 200
-    return Visits(x, visits.sides), values
+    return Visits(visits.x + 200.0 * (N == 4), visits.sides), values
 
 
-def stuck(visits: Visits, values: Array) -> tuple[Visits, Array]:
-    """Read by a laser that shows the same from the ninth reading on."""
-    return visits, np.where(np.arange(len(values)) >= 8, values[8], values)
-
-
-def repeating(visits: Visits, values: Array) -> tuple[Visits, Array]:
-    """Read by a laser that shows its last value again at each third reading."""
-    shown = np.arange(len(values))
-    return visits, values[np.where(shown % 3 == 2, shown - 1, shown)]
-
+STUCK = misread(lambda values: np.where(N >= 8, values[8], values))
+REPEATING = misread(lambda values: values[np.where(N % 3 == 2, N - 1, N)])
+IN_MM = misread(lambda values: values / 1000)
+TURNED = misread(lambda values: np.where(N == 9, -values, values))
+SWAPPED = misread(lambda values: values[np.where(N == 5, 8, np.where(N == 8, 5, N))])
+ROUNDED = misread(lambda values: np.round(values, -1))
+SET_ANEW = misread(lambda values: np.where(N >= 8, values - 140, values), SCALE)
 
 SLIPS = (
-    Animal("slip: stuck", LASER.job, made(stuck), r"\bstuck", quick=True, asked=True),
-    Animal("slip: repeating", LASER.job, made(repeating), r"\bstuck|repeat", asked=True),
-    Animal("slip: unit, mm for um", LASER.job, made(unit), r"\bunit|in mm|1000 times", quick=True, asked=True),
-    Animal("slip: sign of one reading", LASER.job, made(sign), r"left out|does not agree|\bsign\b", quick=True),
-    Animal("slip: two readings swapped", LASER.job, made(swapped), r"left out|does not agree|swapped|exchanged"),
-    Animal("slip: rounded to 10 um", LASER.job, made(rounded), r"round|resolution|steps of", quick=True),
-    Animal(
-        "slip: dial set anew",
-        SCALE.job,
-        made(zeroed_again, SCALE),
-        r"set anew|jump|\bstep of",
-        quick=True,
-        asked=True,
-    ),
-    Animal("slip: one reading missed", LASER.job, made(missed), r"missed|one row|shifted|left out", quick=True),
-    Animal("slip: wrong row", LASER.job, made(wrong_row), r"left out|does not agree|place of reading"),
+    Animal("slip: stuck", LASER.job, STUCK, r"\bstuck", asked=True),
+    Animal("slip: repeating", LASER.job, REPEATING, r"\bstuck|repeat", asked=True),
+    Animal("slip: unit, mm for um", LASER.job, IN_MM, r"\bunit|in mm|1000 times", asked=True),
+    Animal("slip: sign of one reading", LASER.job, TURNED, r"left out|does not agree|\bsign\b"),
+    Animal("slip: two readings swapped", LASER.job, SWAPPED, r"left out|does not agree|swapped|exchanged"),
+    Animal("slip: rounded to 10 um", LASER.job, ROUNDED, r"round|resolution|steps of"),
+    Animal("slip: dial set anew", SCALE.job, SET_ANEW, r"set anew|jump|\bstep of", asked=True),
+    Animal("slip: one reading missed", LASER.job, slipped(missed), r"missed|one row|shifted|left out"),
+    Animal("slip: wrong row", LASER.job, slipped(misplaced), r"left out|does not agree|place of reading"),
 )

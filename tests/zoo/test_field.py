@@ -16,22 +16,12 @@ from tests.zoo.running import given
 
 FOLDER = FIELD / "01-lead-error-eaten"
 BESIDE = pytest.mark.skipif(not FIELD.is_dir(), reason="needs the files of the field beside the checkout")
-FAILS_TODAY: set[str] = set()
-"""Campaigns and readings whose slope the program eats; goes when there are none."""
-
-
-def _files() -> list[object]:
-    wrong = pytest.mark.xfail(strict=True, reason="answered wrongly so far")
-    return [
-        pytest.param(campaign, readings, slope, id=name, marks=[wrong] if name in FAILS_TODAY else [])
-        for campaign in ("lb", "asread")
-        for readings, slope in (("iso20", 0.02), ("iso60", 0.06), ("S11", 0.02))
-        for name in [f"{campaign} {readings}"]
-    ]
 
 
 @BESIDE
-@pytest.mark.parametrize(("campaign", "readings", "slope"), _files())
+@pytest.mark.parametrize(
+    ("campaign", "readings", "slope"), [("lb", "iso20", 0.02), ("asread", "iso60", 0.06), ("asread", "S11", 0.02)]
+)
 def test_a_straight_line_that_was_read_is_in_the_table(
     tmp_path: Path, campaign: str, readings: str, slope: float
 ) -> None:
@@ -85,14 +75,10 @@ MAPS = {
     "candle.map": "a Candle height map, 25 of 25 cells, in mm",
     "moonraker.json": "a Moonraker mesh, 25 of 25 cells",
 }
-QUICK = {"ubl.txt", "m420.txt"}
-"""One with coordinates and holes, and one without."""
 
 
 @BESIDE
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.long]) for name in MAPS]
-)
+@pytest.mark.parametrize("name", ["ubl.txt", *(pytest.param(n, marks=pytest.mark.long) for n in MAPS if n[0] != "u")])
 def test_maps_of_the_field_hold_the_bed_that_they_were_made_of(tmp_path: Path, name: str) -> None:
     campaign, file = FIELD / "12-marlin-maps" / "campaign.toml", FIELD / "12-marlin-maps" / name
     if name.startswith("m"):

@@ -48,12 +48,14 @@ def test_a_smaller_u_is_red(as_it_is: list[str], monkeypatch: pytest.MonkeyPatch
     assert _red(_found(WARM))
 
 
+@pytest.mark.long
 def test_u_of_the_first_tenth_is_red(as_it_is: list[str]) -> None:
     job = WARM[0].job
     assert as_it_is == []
     assert _red(_found(_of(replace(job, stated=(*job.stated, TENTH)))))
 
 
+@pytest.mark.long
 def test_u_without_type_b_is_red(as_it_is: list[str]) -> None:
     assert as_it_is == []
     assert _red(_found(_of(PERFECT)))
