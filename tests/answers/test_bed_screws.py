@@ -75,19 +75,3 @@ def test_a_bed_without_screws_has_none_and_says_that_half_of_it_was_probed(tmp_p
     assert "no reading tests U beyond X 20 to 140." in answer.outcome.out
     assert "screws" not in answer.result["answer"]
     assert "Bed screws" not in answer.text
-
-
-@pytest.mark.parametrize(
-    ("screws", "says"),
-    [
-        ('thread = "M4"\nplaces = { a = ["0 mm", "0 mm"] }', "no thread of a bed screw"),
-        (
-            'thread = "CW-M4"\nplaces = { a = ["0 mm", "0 mm"], b = ["9 mm", "9 mm"], c = ["18 mm", "18 mm"] }',
-            "no plane",
-        ),
-        ('thread = "CW-M4"\nplaces = { a = ["0 mm"] }', "no place on the bed"),
-    ],
-)
-def test_screws_that_hold_no_bed_are_refused(tmp_path: Path, screws: str, says: str) -> None:
-    campaign = f"{begun(tmp_path, '')}\n[screws]\n{screws}\n"
-    answer_of_map(tmp_path, campaign, 0.0, 0.0, PLACES).outcome.refused(says, "campaign.toml, line")

@@ -5,15 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from axiscal.answers.answer_of_campaign import AnsweredRow, answered, best_control, standing_answer
-from axiscal.answers.answer_words import answer_text
-from axiscal.campaign.campaign import Campaign
-from axiscal.description.campaign import campaign_from_texts
+from axiscal.answers.answer_of_campaign import AnsweredRow, answered, best_control
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -21,7 +17,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine
+from tests.generators.laser_axis import CASE, machine
 
 DRAWN = machine(5)
 SETUP = CASE.description.setups[0]
@@ -104,27 +100,3 @@ def test_the_control_that_leaves_least_is_advised_and_the_first_of_equals() -> N
     assert best_control(rows, ["a", "b", "c"]) == "b"
     assert best_control(rows, ["c", "b", "a"]) == "c"
     assert best_control(rows, []) == ""
-
-
-@pytest.mark.parametrize(
-    ("wants", "both", "begins"),
-    [
-        (["positioning X", "backlash X"], False, "NOT ALL MEASURED"),
-        (["positioning X", "straightness X in Y"], True, "NOT ALL MEASURED"),
-        (["positioning X", "backlash X"], True, "MEASURED"),
-        (["positioning X 30 um", "backlash X"], False, "1 MORE READING, 1 MIN"),
-        (["positioning X 30 um", "backlash X"], True, "TARGET REACHED"),
-    ],
-)
-def test_the_first_line_says_where_a_wanted_row_without_a_limit_is_not_measured(
-    tmp_path: Path, wants: list[str], both: bool, begins: str
-) -> None:
-    machine_text = MACHINE + 'EYX = { std = "5 um", length = "200 mm" }\n'
-    text = CAMPAIGN.replace('rms = "3 um"', f"readings = 60\nwants = {wants}")
-    with Campaign.create(tmp_path / "c.axiscal", campaign_from_texts(text, "c.toml", machine_text, "m")) as campaign:
-        campaign.adopt(tuple(_readings(BOTH if both else ONE_SIDE)))
-        answer = standing_answer(campaign)
-    assert answer_text(answer, "", "c.axiscal").first.verdict == begins
-    assert [row.row for row in answer.rows] == [want.removesuffix(" 30 um") for want in wants]
-    assert all(row.measured for row in answer.rows) is (begins in ("MEASURED", "TARGET REACHED"))
-    assert [step.code for step in answer.steps] == ["measure" if "MORE" in begins else "finish"]

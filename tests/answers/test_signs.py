@@ -8,14 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from axiscal.answers.answer_of_campaign import standing_answer
-from axiscal.answers.row_words import signed_text
-from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.setup_of_reading import setup_of
 from axiscal.estimation.functionals.asked import asked_rows
@@ -161,25 +157,6 @@ def read(machine: Machine, setup: Setup) -> list[Reading]:
         approach = tuple(side if k == x else 0 for k in range(len(machine.axes)))
         taken.append(Reading("laser", tuple(pose[0].tolist()), approach, value, time=10.0 * len(taken)))
     return taken
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(("stands", "reversed_axes"), [({"C": 180}, ()), ({"C": 90}, ("X",))])
-def test_a_campaign_with_a_turned_table_says_the_lead_error_with_its_sign(
-    tmp_path: Path, stands: Mapping[str, float], reversed_axes: tuple[str, ...]
-) -> None:
-    machine = five(*reversed_axes)
-    campaign = described(machine, laser(machine, stands, against=False), "scale X", "backlash X")
-    readings = read(machine, campaign.setups[0])
-    with Campaign.create(tmp_path / "c.axiscal", campaign) as record:
-        record.adopt(tuple(readings))
-        scale, backlash = standing_answer(record).rows
-    assert scale.signed[0].value == pytest.approx(TOO_FAR * 1e6, abs=scale.signed[0].U)
-    assert scale.signed[0].U < TOO_FAR * 1e6
-    assert scale.kelvin is not None
-    assert scale.kelvin > 0
-    assert backlash.signed[0].value == pytest.approx(-LAGS * 1e6, abs=0.5)
-    assert signed_text([backlash]).startswith("−6")
 
 
 @pytest.mark.parametrize("against", [False, True])

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,7 +17,6 @@ import numpy as np
 from axiscal.numerics import Array
 from axiscal.units import from_unit, to_unit
 from tests.controls.fetched import built, run
-from tests.controls.marlin import words_of
 
 VERSION = "fc1cd16c"
 _ARCHIVE, _MAIN = "reprapfirmware-bedprobing.tar.xz", "duet_grid.cpp"
@@ -57,3 +57,9 @@ def added(files: Mapping[str, str], poses: Array, ways: Array) -> Array:
     for k, axis in enumerate("XYZ"):
         moved[:, k] -= words_of(code, "M425").get(axis, 0.0) * (ways[:, k] < 0)
     return np.asarray(from_unit(moved - at, "mm"))
+
+
+def words_of(code: str, command: str) -> dict[str, float]:
+    """Return the numbers of a command by their letters."""
+    (found,) = re.findall(rf"^{command} (.*)$", code, re.MULTILINE) or [""]
+    return {word[0]: float(word[1:]) for word in found.split()}

@@ -5,17 +5,13 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from axiscal.numerics import Array
-from axiscal.tables.surface import Mesh
-from tests.certify.gcode import interpreted, random_plan
-from tests.certify.gcode_traces import interpreter
-from tests.controls import duet, klipper_host, live_printer, marlin
+from tests.controls import duet, klipper_host, live_printer
 from tests.controls.fetched import MissingError, run
-from tests.controls.known import BED, OWN, PLANE, SQUARE, STRAIGHT, TRAVELS, TURNS, Known, Row, known
+from tests.controls.known import BED, OWN, PLANE, SQUARE, STRAIGHT, TURNS, Known, Row, known
 from tests.controls.samples import counted
 from tests.linuxcnc.lab import available, can_load
 from tests.linuxcnc.virtual import LinuxcncMachine
@@ -66,17 +62,6 @@ def reprapfirmware() -> Row:
     return machine.row("RepRapFirmware", duet.VERSION, ran, export, added, sides=True)
 
 
-def marlin_row() -> Row:
-    """Its mesh, skew and backlash as formulas."""
-    machine = known(BED, SQUARE, LOST)
-    export = machine.exported("marlin", mesh=25)
-    x, y = (np.linspace(*TRAVELS[axis], 25) * 1e-3 for axis in "XY")
-    built = Mesh(x, y, np.zeros((25, 25)))
-    added = by_name(machine, lambda poses, ways: marlin.added(export.files["axiscal.gcode"], built, poses, ways))
-    ran = "M421, M852, M425 by their formulas"
-    return machine.row("Marlin", marlin.VERSION, ran, export, added, sides=True)
-
-
 def moonraker() -> Row:
     """A bed and balls that `run --source moonraker:` probes, a mesh of `export --load`, the extra after a restart."""
     machine = known(OWN, STRAIGHT, SQUARE, BED)
@@ -93,17 +78,6 @@ def moonraker() -> Row:
     seen.append((added, said))
     off = max(100 * float(np.max(np.abs(a - b)) / np.ptp(b)) for a, b in seen)
     return Row("Moonraker", "0.11.0", "--source moonraker:, --load, FIRMWARE_RESTART", off)
-
-
-def rs274() -> Row:
-    """Measuring programs as LinuxCNC's interpreter understands them, judged by the plan that they are of."""
-    if interpreter() is None:
-        raise MissingError("linuxcnc-uspace is not installed")
-    with TemporaryDirectory() as folder:
-        plans = (random_plan(np.random.default_rng(seed)) for seed in range(20))
-        found = [verdict for plan in plans for verdict in interpreted(plan, Path(folder))]
-    moves, faults = sum(each for each, _ in found), sum(bool(wrong) for _, wrong in found)
-    return Row("rs274", debian(), f"20 measuring programs, {moves} moves", 100 * faults / len(found))
 
 
 def linuxcnc() -> Row:
@@ -149,10 +123,8 @@ CONTROLS: Mapping[str, Callable[[], Row]] = {
     "linuxcnc": linuxcnc,
     "linuxcnc-volumetric": linuxcnc_volumetric,
     "linuxcnc-samples": linuxcnc_samples,
-    "rs274": rs274,
     "klipper": klipper,
     "klipper-volumetric": klipper_volumetric,
     "moonraker": moonraker,
     "reprapfirmware": reprapfirmware,
-    "marlin": marlin_row,
 }

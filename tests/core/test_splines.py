@@ -121,14 +121,6 @@ def test_turns_count_modulo_the_turn() -> None:
     np.testing.assert_allclose(spline.rows(-1e-300), spline.rows(0.0), atol=1e-15)
 
 
-def test_cyclic_spline_of_two_values() -> None:
-    """The smallest cyclic spline: between its two values it is the cubic step 3 s² - 2 s³."""
-    s = np.linspace(0, 0.999, 7)
-    np.testing.assert_allclose(
-        CyclicSpline(np.array([0.0, 1.0, 2.0])).rows(s) @ [0.0, 1.0], 3 * s**2 - 2 * s**3, atol=1e-15
-    )
-
-
 def test_constant_is_one_everywhere() -> None:
     constant = Constant(-1.0, 3.0)
     np.testing.assert_array_equal(constant.rows([-9.0, 0.0, 8.0]), np.ones((3, 1)))

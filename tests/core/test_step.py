@@ -14,8 +14,8 @@ from axiscal_core.criterion import Goal
 from axiscal_core.roots import largest, node_count, nodes
 from axiscal_core.state import State, joint_gains
 from tests.certify.machines import random_case, shortfall
-from tests.certify.one_joint import SLACK, GainPolynomials, Problem, certified_best_gain
-from tests.certify.one_joint_cases import best_position, judged, random_problem
+from tests.certify.one_joint import GainPolynomials, Problem
+from tests.certify.one_joint_cases import judged, random_problem
 from tests.core.strangers import Arm, Probe
 
 CASES, LIMIT = 150, 1e-9
@@ -82,17 +82,6 @@ def test_the_step_reaches_the_certified_gain(record_property: Callable[[str, obj
 def _problem(seed: int) -> Problem:
     """Return the random joint of this seed."""
     return random_problem(np.random.default_rng(seed))
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_the_certifier_needs_no_hint(seed: int) -> None:
-    """From nothing it encloses the same best gain, and its own position reaches it."""
-    polynomials = GainPolynomials(_problem(seed))
-    hinted = certified_best_gain(polynomials, best_position(_problem(seed))[0])
-    alone = certified_best_gain(polynomials)
-    assert hinted.lower <= alone.lower * (1 + SLACK)
-    assert alone.lower <= hinted.lower * (1 + SLACK)
-    assert polynomials.gain(*alone.position).overlaps(alone.lower)
 
 
 def test_the_certifier_computes_the_gain_that_dense_algebra_gives() -> None:

@@ -6,11 +6,8 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.case import Case
-from axiscal.estimation.estimate import concluded
-from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
-from tests.generators.one_axis import MACHINE, observed
+from tests.generators.one_axis import observed
 from tests.generators.texts import machine_text
 
 
@@ -57,16 +54,3 @@ def test_a_dead_band_across_a_way_that_a_table_has_turned_is_a_bound() -> None:
     machine = machine_text("w-C'-b-X-Y-t", {"X": (0, 300), "Y": (0, 300), "C": (0, 180)}, {"EXX EYX": "5 um"})
     across = campaign_from_texts(text, "c", machine, "m").setups[0]
     assert (across.bound, across.lag) == (3e-6, 0.0)
-
-
-def test_a_lag_and_a_reversal_are_told_apart_only_in_their_sum() -> None:
-    machine = MACHINE + 'EXX_reversal = { std = "6 um" }\n'
-    text = 'machine = "m"\nusual = "off"\nsure = "exactly"\n[target]\nreadings = 9\n'
-    text += '[[setups]]\nname = "it"\ninstrument = "indicator"\ndirection = "x"\n'
-    text += 'approach = "both"\nnoise = "0.5 um"\nunknowns = {}\ndead_band = "3 um"\n'
-    case = Case(campaign_from_texts(text, "c", machine, "m"))
-    readings = [Reading("it", (x,), (s,), s * 5e-6) for x in np.linspace(0, 1, 6).tolist() for s in (1, -1)]
-    band = concluded(case, readings).estimate().curve("EXX_reversal", np.array([0.5]))
-    # half the reversal and the lag share 5 um as their variances do, 9 to 9
-    assert band.mean == pytest.approx([5e-6], rel=0.02)
-    assert band.std == pytest.approx([2 * 3e-6 / np.sqrt(2)], rel=0.02)

@@ -5,16 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import spread
 from axiscal.numerics import Array
-from axiscal.planning.next_readings import placed
-from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import proposed
 from tests.generators.kinematics import in_travel, tip
 
 STATION = np.array([0.9, -0.9, 0.3])
@@ -48,31 +43,6 @@ def seen(campaign: CampaignDescription, pose: Array) -> tuple[float, float]:
     towards = STATION - tip(campaign.machine, pose)
     far = float(np.linalg.norm(towards))
     return far, math.degrees(math.acos(towards[0] / far))
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("instrument", ["tracker", "tracer"])
-def test_a_reading_is_asked_for_only_where_it_is_seen(instrument: str) -> None:
-    campaign = described('range = ["1.2 m", "1.5 m"]\nfaces = "x"\nsight = "50 deg"', instrument)
-    candidates = spread(campaign.machine, campaign.setups, 300)
-    assert len(candidates) > 100
-    found = np.array([seen(campaign, pose) for pose in candidates.poses])
-    assert found[:, 0].min() >= 1.2
-    assert found[:, 0].max() <= 1.5
-    assert found[:, 1].max() <= 50 + 1e-6
-    case = Case(campaign)
-    for place in placed(case, proposed(case, Limits(readings=3), 200).plan):
-        far, off = seen(campaign, np.array(place.pose))
-        assert 1.2 <= far <= 1.5
-        assert off <= 50 + 1e-6
-
-
-def test_a_reflector_that_turns_to_the_station_is_seen_from_everywhere_in_range() -> None:
-    campaign = described('range = ["0.1 m", "8 m"]')
-    candidates = spread(campaign.machine, campaign.setups, 400)
-    off = [seen(campaign, pose)[1] for pose in candidates.poses]
-    assert min(off) < 30
-    assert max(off) > 60
 
 
 def test_a_reflector_that_does_not_turn_is_seen_within_sixty_degrees_unless_said() -> None:

@@ -109,7 +109,7 @@ def test_a_reach_is_what_a_reading_is_asked_for_in() -> None:
     assert setup.span(machine.axis("X"), machine.index("X")) == pytest.approx((0.15, 0.45))
 
 
-@pytest.mark.parametrize("length", ["150 mm", "200 mm", "237 mm", "251 mm"])
+@pytest.mark.parametrize("length", ["150 mm", "237 mm"])
 @pytest.mark.parametrize("plane", ["zx", "yz"])
 def test_the_arc_that_a_refusal_names_can_be_gone_round(length: str, plane: str) -> None:
     """Its ends were rounded to the nearest degree, beyond what is reached: the same refusal came again."""

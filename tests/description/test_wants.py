@@ -49,17 +49,6 @@ def test_a_plane_is_named_in_any_order_and_case(written: str) -> None:
     assert (want.row.name, want.limit) == ("squareness XZ", 1e-5)
 
 
-def test_a_rotary_axis_has_a_centre_and_is_positioned_by_angles() -> None:
-    text = CAMPAIGN.format(line='wants = ["centre of C 3 um", "tilt of B 9 urad", "positioning C 4 urad"]')
-    text = text.replace('moves = ["X"]', 'moves = ["X"]\npark = { Y = "0 mm", Z = "250 mm" }')
-    wants = campaign_from_texts(text, "c.toml", FIVE.text, "m").target.wants
-    assert [(want.row.kind, want.row.axes, want.limit) for want in wants] == [
-        ("centre", ("C",), 3e-6),
-        ("tilt", ("B",), 9e-6),
-        ("positioning", ("C",), 4e-6),
-    ]
-
-
 def test_every_row_is_understood_by_its_own_name() -> None:
     names = [row.name for row in rows_of(MILL)]
     assert len(names) == len(set(names)) == 3 + 3 + 3 + 6 + 9 + 3 + 1

@@ -10,6 +10,7 @@ import ast
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -77,6 +78,7 @@ def cited(docstring: str) -> set[int]:
     return numbers
 
 
+@cache
 def citations(folder: str, tests: bool) -> dict[int, list[Citation]]:
     """Return per equation the functions, classes and methods below a folder that cite it, in order of their names.
 

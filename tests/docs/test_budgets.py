@@ -8,17 +8,14 @@ import math
 import shutil
 import subprocess
 import sys
-from collections import Counter, defaultdict
-from collections.abc import Iterator
-from functools import cache
+from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
-import axiscal
+from tests.docs.sources import PACKAGE, nodes, trees
 
-PACKAGE = Path(axiscal.__path__[0])
 CAMPAIGN = Path(__file__).parents[1] / "golden" / "campaigns" / "mill" / "campaign.toml"
 
 
@@ -53,29 +50,8 @@ REMEMBERING = {"cached_property", "cache", "lru_cache", "Memo"}
 CHANGING = {"append", "extend", "insert", "add", "update", "setdefault", "pop", "remove", "discard", "clear"}
 
 
-@cache
-def _trees() -> dict[str, ast.Module]:
-    """Return the syntax tree of each file by its path in the package."""
-    paths = sorted(PACKAGE.rglob("*.py"))
-    return {path.relative_to(PACKAGE).as_posix(): ast.parse(path.read_text(encoding="utf-8")) for path in paths}
-
-
-@cache
-def _by_kind() -> dict[type[ast.AST], list[tuple[str, ast.AST]]]:
-    """Return all nodes of the trees with their files, by their class."""
-    found = defaultdict[type[ast.AST], list[tuple[str, ast.AST]]](list)
-    for file, tree in _trees().items():
-        for node in ast.walk(tree):
-            found[type(node)].append((file, node))
-    return found
-
-
-def _nodes(kind: type[ast.AST]) -> Iterator[tuple[str, ast.AST]]:
-    return iter(_by_kind()[kind])
-
-
 def _lines() -> int:
-    return sum(len((PACKAGE / file).read_text(encoding="utf-8").splitlines()) for file in _trees())
+    return sum(len((PACKAGE / file).read_text(encoding="utf-8").splitlines()) for file in trees())
 
 
 def _of_self(node: ast.AST) -> bool:
@@ -102,8 +78,7 @@ def _changing() -> list[str]:
     """Return the classes whose objects change after they were made."""
     return [
         f"{file}: {node.name}"
-        for file, node in _nodes(ast.ClassDef)
-        if isinstance(node, ast.ClassDef)
+        for file, node in nodes(ast.ClassDef)
         for each in node.body
         if isinstance(each, ast.FunctionDef) and each.name not in ("__init__", "__post_init__")
         if any(_changes(inner) for inner in ast.walk(each))
@@ -113,7 +88,7 @@ def _changing() -> list[str]:
 def _kept_by_hand() -> set[str]:
     """Return the functions that look into a dictionary of their object, and keep there what is not in it."""
     found = set[str]()
-    for file, node in _nodes(ast.If):
+    for file, node in nodes(ast.If):
         match node:
             case ast.If(test=ast.Compare(ops=[ast.NotIn()], comparators=[held])) if _of_self(held):
                 stores = (each for part in node.body for each in ast.walk(part) if isinstance(each, ast.Subscript))
@@ -123,20 +98,20 @@ def _kept_by_hand() -> set[str]:
 
 
 def _remembering() -> list[str]:
-    names = {node.id for _, node in _nodes(ast.Name) if isinstance(node, ast.Name)}
+    names = {node.id for _, node in nodes(ast.Name)}
     return sorted(names & REMEMBERING) + sorted(_kept_by_hand())
 
 
 def _often() -> list[str]:
     """Return the public names that more than five functions have, methods included."""
-    named = Counter(node.name for _, node in _nodes(ast.FunctionDef) if isinstance(node, ast.FunctionDef))
+    named = Counter(node.name for _, node in nodes(ast.FunctionDef))
     return [name for name, count in named.items() if count > 5 and not name.startswith("_")]
 
 
 def test_the_house_stays_within_its_budgets() -> None:
     found = {
         "lines of src": _lines(),
-        "files of src": len(_trees()),
+        "files of src": len(trees()),
         "mechanisms that remember": len(_remembering()),
         "classes that change": len(set(_changing())),
         "public names of more than five functions": len(_often()),

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.docs.sources import PACKAGE, trees
+
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGE = ROOT / "src" / "axiscal"
 PAGE = (ROOT / "docs" / "evidence" / "constants.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^- `([\w.]+)` ([^:]+): ([^;]+); (.+)$", PAGE, flags=re.MULTILINE)
 NAMED = {name for name, *_ in ROWS}
@@ -45,10 +46,9 @@ def _says_why(tree: ast.Module, place: int, lines: list[str]) -> bool:
 
 
 def _silent() -> Iterator[str]:
-    for path in sorted(PACKAGE.rglob("*.py")):
-        text = path.read_text(encoding="utf-8")
-        tree, lines = ast.parse(text), text.splitlines()
-        module = ".".join(path.relative_to(PACKAGE).with_suffix("").parts).removesuffix(".__init__")
+    for file, tree in trees().items():
+        lines = (PACKAGE / file).read_text(encoding="utf-8").splitlines()
+        module = file.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
         for place, names, value in _assigned(tree):
             known = any(f"{module}.{name}" in NAMED for name in names)
             if _has_numbers(value) and not known and not _says_why(tree, place, lines):

@@ -14,9 +14,9 @@ import pytest
 
 import axiscal
 from axiscal.document.ports import all_of, names, part
+from tests.docs.sources import PACKAGE, nodes
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGE = ROOT / "src" / "axiscal"
 LINES = 400
 WORDS = {"README.md": 450, "CHANGELOG.md": 1500}
 """What somebody reads before deciding to stay, and before deciding to update."""
@@ -48,13 +48,6 @@ def _rooms() -> list[str]:
     modules = [path.stem for path in PACKAGE.glob("*.py") if path.stem not in {"__init__", "__main__"}]
     packages = [path.parent.name for path in PACKAGE.glob("*/__init__.py")]
     return sorted(modules + packages)
-
-
-def _sources(word: str) -> Iterator[tuple[str, ast.Module]]:
-    """Yield the path in the package and the syntax tree of every file in which a word stands."""
-    for path in sorted(PACKAGE.rglob("*.py")):
-        if word in (text := path.read_text(encoding="utf-8")):
-            yield path.relative_to(PACKAGE).as_posix(), ast.parse(text)
 
 
 def _more_than_once(homes: dict[str, list[str]], may: set[str]) -> dict[str, list[str]]:
@@ -94,10 +87,8 @@ def test_the_drawn_order_is_the_order_that_is_held() -> None:
 
 def test_a_class_has_a_name_of_its_own() -> None:
     homes = defaultdict(list)
-    for file, tree in _sources("class "):
-        for node in ast.walk(tree):
-            if isinstance(node, ast.ClassDef):
-                homes[node.name].append(file)
+    for file, node in nodes(ast.ClassDef):
+        homes[node.name].append(file)
     assert _more_than_once(homes, set(CLASSES_THAT_MAY)) == {}
 
 
@@ -130,10 +121,8 @@ def test_a_cache_is_asked_with_numbers_and_texts_only() -> None:
     """What else is asked with is kept alive by the cache, a model of a machine with all its readings: `remembered`."""
     asked = [
         (file, function.name, ast.unparse(argument.annotation or ast.Constant(None)))
-        for file, tree in _sources("cache")
-        for function in ast.walk(tree)
-        if isinstance(function, ast.FunctionDef)
-        and any(re.search(r"\b(lru_)?cache\b", ast.unparse(each)) for each in function.decorator_list)
+        for file, function in nodes(ast.FunctionDef)
+        if any(re.search(r"\b(lru_)?cache\b", ast.unparse(each)) for each in function.decorator_list)
         for argument in function.args.args
     ]
     assert asked

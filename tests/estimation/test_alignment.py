@@ -7,8 +7,10 @@ import pytest
 
 from axiscal.description.target import PartVolume
 from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import Counted, whole_travel
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
 from axiscal.machine import load_machine
+from axiscal_core.points import even_points
 from tests.generators.kinematics import in_travel, tip
 
 DMU = load_machine("dmu60")
@@ -26,20 +28,24 @@ def test_poses_of_a_part_have_the_tool_point_in_it_and_spread_over_it() -> None:
     assert np.ptp(tips, axis=0) == pytest.approx([0.4, 0.4, 0.2], rel=0.1)
 
 
-def test_what_is_left_is_what_the_best_rigid_motion_of_each_machine_leaves() -> None:
-    poses, rng = PART.poses(DMU, 150), np.random.default_rng(1)
-    alignment = Alignment(MODEL, poses)
-    weight = sampled_moments(MODEL, poses, alignment).gram
-    tips = np.array([tip(DMU, pose) for pose in poses])
+@pytest.mark.parametrize("counted", [(True, True, True), (False, False, True)], ids=["part", "bed"])
+def test_what_is_left_is_what_the_best_rigid_motion_of_each_machine_leaves(counted: Counted) -> None:
+    """Of a bed the height alone counts: it is levelled by a plane."""
+    model = MODEL if all(counted) else ErrorModel(load_machine("printer-gantry"))
+    low, high = np.array(whole_travel(model)).T
+    poses = PART.poses(DMU, 150) if all(counted) else low + (high - low) * even_points(150, len(low))
+    rng, alignment = np.random.default_rng(1), Alignment(model, poses, counted)
+    weight = sampled_moments(model, poses, alignment, counted).gram
+    tips = np.array([tip(model.machine, pose) for pose in poses])
+    motions = [np.tile(way, (len(poses), 1)) for way in np.eye(3)] + [np.cross(way, tips) for way in np.eye(3)]
+    columns = np.array([motion[:, counted].ravel() for motion in motions]).T
     for _ in range(3):
-        drawn = MODEL.prior_root() @ rng.standard_normal(MODEL.size)
-        for function in MODEL.functions:
+        drawn = model.prior_root() @ rng.standard_normal(model.size)
+        for function in model.functions:
             if function.kind == "reversal":
                 drawn[function.columns] = 0.0
-        deviations = MODEL.rows(poses, np.zeros_like(poses)) @ drawn
-        columns = [np.tile(way, (len(poses), 1)).ravel() for way in np.eye(3)]
-        columns += [np.cross(way, tips).ravel() for way in np.eye(3)]
-        fitted, residuals, *_ = np.linalg.lstsq(np.array(columns).T, deviations.ravel(), rcond=None)
-        assert drawn @ weight @ drawn == pytest.approx(float(residuals[0]) / len(poses), rel=1e-8)
-        left = deviations.ravel() - np.array(columns).T @ fitted
-        np.testing.assert_allclose(alignment.left(poses, deviations).ravel(), left, atol=1e-12)
+        deviations = model.rows(poses, np.zeros_like(poses)) @ drawn
+        shown = deviations[:, counted].ravel()
+        left = shown - columns @ np.linalg.lstsq(columns, shown, rcond=None)[0]
+        assert drawn @ weight @ drawn == pytest.approx(float(left @ left) / len(poses), rel=1e-6)
+        np.testing.assert_allclose(alignment.left(poses, deviations)[:, counted].ravel(), left, atol=1e-9)

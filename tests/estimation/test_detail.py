@@ -72,24 +72,11 @@ def test_detail_that_was_read_is_followed(count: int) -> None:
     assert u[1] < u[0]
 
 
-def test_what_follows_is_of_the_knots_that_were_found() -> None:
-    known = in_detail(FREE, read(detailed, 80))
-    assert known.stated.errors.size == known.case.errors.size == len(known.estimate().mean)
-    again = concluded(known.stated, known.readings)
-    np.testing.assert_allclose(again.printed.belief.mean, known.printed.belief.mean, rtol=1e-9, atol=1e-12)
-
-
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("count", [12, 120])
 def test_a_smooth_axis_keeps_its_knots(count: int, seed: int) -> None:
     readings = read(smooth, count, seed)
     assert knots(in_detail(FREE, readings)) == knots(concluded(FREE, readings))
-
-
-def test_a_right_machine_is_known_better_with_more_readings() -> None:
-    every = [in_detail(FREE, read(smooth, count)) for count in (15, 45, 135)]
-    u = [expanded(each.case.yardstick, each.printed.belief).space for each in every]
-    assert u[0] >= u[1] >= u[2]
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from axiscal.numerics import Array
 from axiscal_core.draws import draws, mode, weighed
 from axiscal_core.problem import Problem
 from axiscal_core.theta import Kind
-from axiscal_core.unknowns import Space, Unknowns, space_of
+from axiscal_core.unknowns import Space, space_of
 from tests.generators.problems import asked, case_of, readings_of, sized, stated
 
 
@@ -44,23 +44,6 @@ def test_the_mode_is_the_highest_of_several_climbs(kinds: tuple[str, ...]) -> No
     found = [minimize(lost, np.asarray(start), method="Nelder-Mead", tol=1e-6) for start in starts]
     highest = -min(float(each.fun) for each in found)
     assert highest - 0.05 < best.value <= highest + 1e-6
-
-
-def test_covariance_of_the_mode_is_that_of_information() -> None:
-    """From the curvature that differences of the density show, where the information is near it: many readings."""
-    space = Unknowns(_problem(("std", "noise"), 120))
-    best, step = mode(space), 0.02
-    axes = step * np.eye(2)
-    curvature = np.array(
-        [
-            [
-                sum(i * j * _density(space, best.x + i * a + j * b) for i in (1, -1) for j in (1, -1)) / (4 * step**2)
-                for a in axes
-            ]
-            for b in axes
-        ]
-    )
-    np.testing.assert_allclose(best.covariance, -np.linalg.inv(curvature), rtol=0.3, atol=0.02)
 
 
 def _by_grid(space: Space, taught: NDArray[np.intp]) -> tuple[Array, Array]:

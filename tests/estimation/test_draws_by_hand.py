@@ -1,4 +1,4 @@
-"""Draws and weights piece by piece: halves, proposal, weights, and what is said of sizes, by their definitions."""
+"""What draws come to piece by piece: weights, readings left out, mixtures and details, by their definitions."""
 
 from __future__ import annotations
 
@@ -11,11 +11,9 @@ import pytest
 
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise.posterior import (
-    _half_and_half,
     _judged,
     _may_be_a_detail,
     _moments,
-    _sizes,
     _surely,
     sorted_out,
 )
@@ -26,7 +24,7 @@ from axiscal_core.draws import Mode, Weighed, draws, mode, weighed
 from axiscal_core.left_out import LeftOut, left_out
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
-from axiscal_core.theta import Kind, Sizes
+from axiscal_core.theta import Sizes
 from axiscal_core.unknowns import Space, space_of
 from tests.generators.dense_posterior import Dense, mixture
 from tests.generators.problems import asked, case_of, readings_of, sized, stated
@@ -100,21 +98,6 @@ def test_of_many_readings_the_heaviest_draw_judges_and_all_of_them_those_that_it
         np.testing.assert_allclose(each.covariance, covariance, rtol=1e-3)
         np.testing.assert_allclose(each.residual, problem.values[problem.reading == index] - mean, rtol=1e-3, atol=1e-3)
         assert each.z == pytest.approx(abs(each.residual[0]) / each.covariance[0, 0] ** 0.5)
-
-
-def test_sizes_are_root_mean_squares_and_lengths_geometric_means() -> None:
-    found = _sizes(*_told())
-    square = float(WEIGHTS @ np.array([0.25, 1.0, 16.0])) ** 0.5
-    assert found == pytest.approx({
-        ("std", "EXX"): square,
-        ("std", "EYX"): square,
-        ("noise", "laser"): float(WEIGHTS @ np.array([1.0, 4.0, 9.0])) ** 0.5,
-        ("length", "EXX"): 2.0**0.505,
-    })  # fmt: skip
-    one: dict[tuple[Kind, str], float] = {("std", "EXX"): 1.0, ("length", "EXX"): 12.0}
-    other: dict[tuple[Kind, str], float] = {("std", "EXX"): 2.0, ("length", "EXX"): 3.0}
-    half = _half_and_half(one, other)
-    assert half == pytest.approx({("std", "EXX"): 2.5**0.5, ("length", "EXX"): 6.0})
 
 
 def test_of_an_error_so_much_is_there_with_99_percent() -> None:

@@ -1,83 +1,65 @@
-"""Last year's campaign as this year's prior: beliefs carried over, curves that have changed, words on sisters."""
+"""Last year's campaign as this year's prior: beliefs carried over, curves that have changed."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from types import SimpleNamespace
-from typing import cast
 
 import numpy as np
 import pytest
 
 from axiscal.answers.changes import changes
-from axiscal.campaign.agreement_words import membership_words
 from axiscal.campaign.campaign import Campaign
-from axiscal.description.campaign import read_campaign
+from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.belief import Belief
-from axiscal.estimation.case import Rival
-from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.membership import Membership
-from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import carried_over
 from axiscal.machine import machine_from_text
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.present.findings import findings
+from tests.generators.sisters import write_record
+from tests.generators.texts import Said, Std, campaign_text, machine_text, setup_text
 
-SETUP = '[[setups]]\nname = "laser"\ninstrument = "interferometer"\ndirection = "x"\n'
 POSITIONS = np.linspace(0.02, 0.98, 15)
 
 
-def _campaign(folder: Path, head: str = "") -> Path:
-    path = folder / f"campaign{len(list(folder.iterdir()))}.toml"
-    path.write_text(f'machine = "one-axis"\n{head}\n{SETUP}')
-    return path
+def _described(folder: Path, **first: Said) -> CampaignDescription:
+    """Return a campaign of a laser in a folder.  first : keys at its top"""
+    laser = setup_text("laser", "interferometer", direction="x")
+    (folder / "campaign.toml").write_text(campaign_text("one-axis", laser, target=None, **first))
+    return read_campaign(folder / "campaign.toml", target_needed=False)
 
 
-def _record(folder: Path, values: np.ndarray[tuple[int], np.dtype[np.float64]], head: str, name: str) -> Path:
+def _record(folder: Path, name: str, size: float, **first: Said) -> Path:
+    """Return the record of a sine of a size, m."""
+    values = size * np.sin(5 * POSITIONS) + 0.3e-6 * np.random.default_rng(0).standard_normal(len(POSITIONS))
     readings = [Reading("laser", (float(x),), (1,), float(v)) for x, v in zip(POSITIONS, values, strict=True)]
-    path = folder / name
-    with Campaign.create(path, read_campaign(_campaign(folder, head), target_needed=False)) as campaign:
-        campaign.adopt(tuple(readings))
-    return path
+    return write_record(folder / name, _described(folder, **first), readings)
 
 
-def _curve(size: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    noise = 0.3e-6 * np.random.default_rng(0).standard_normal(len(POSITIONS))
-    return size * np.sin(5 * POSITIONS) + noise
-
-
-def test_the_result_of_one_campaign_is_the_prior_of_the_next(tmp_path: Path) -> None:
-    last = _record(tmp_path, _curve(8e-6), "", "last.axiscal")
+def test_the_result_of_one_campaign_is_the_prior_of_the_next_which_needs_no_other_file(tmp_path: Path) -> None:
+    last, news = _record(tmp_path, "last.axiscal", 8e-6), dict[float, Path]()
+    for kept in (1.0, 0.8):
+        described = _described(tmp_path, prior="last.axiscal", kept=kept)
+        news[kept] = write_record(tmp_path / f"new{kept}.axiscal", described, [])
     with Campaign.open(last) as campaign:
         old = campaign.estimate(ended=True)
-    for kept in (1.0, 0.8):
-        description = read_campaign(_campaign(tmp_path, f'prior = "last.axiscal"\nkept = {kept}'), target_needed=False)
-        with Campaign.create(tmp_path / f"new{kept}.axiscal", description) as campaign:
-            new, size, before = campaign.estimate(ended=True), old.case.errors.size, old.printed.belief
-            rest = old.case.errors.functions[0].rest ** 2 * np.eye(size)
-            rest[old.case.errors.names["EXX_reversal"].columns] = 0.0
-            expected = kept**2 * (before.covariance[:size, :size] + rest)
-            expected += (1 - kept**2) * old.stated.errors.prior_covariance()
-            assert new.knowledge.belief.mean[:size] == pytest.approx(kept * before.mean[:size], abs=1e-12)
-            assert np.abs(new.knowledge.belief.covariance[:size, :size] - expected).max() < 1e-17
-
-
-def test_the_record_needs_no_other_file(tmp_path: Path) -> None:
-    last = _record(tmp_path, _curve(8e-6), "", "last.axiscal")
-    new = _record(tmp_path, _curve(8e-6), 'prior = "last.axiscal"', "new.axiscal")
-    with Campaign.open(new) as campaign:
-        before = campaign.estimate(ended=True).knowledge.belief.mean
     last.unlink()
-    with Campaign.open(new) as campaign:
-        assert campaign.estimate(ended=True).knowledge.belief.mean == pytest.approx(before)
+    for kept, file in news.items():
+        with Campaign.open(file) as campaign:
+            new, size, before = campaign.estimate(ended=True), old.case.errors.size, old.printed.belief
+        rest = old.case.errors.functions[0].rest ** 2 * np.eye(size)
+        rest[old.case.errors.names["EXX_reversal"].columns] = 0.0
+        expected = kept**2 * (before.covariance[:size, :size] + rest)
+        expected += (1 - kept**2) * old.stated.errors.prior_covariance()
+        assert new.knowledge.belief.mean[:size] == pytest.approx(kept * before.mean[:size], abs=1e-12)
+        assert np.abs(new.knowledge.belief.covariance[:size, :size] - expected).max() < 1e-17
 
 
 def test_a_curve_that_has_changed_is_named_and_one_that_has_not_is_not(tmp_path: Path) -> None:
-    _record(tmp_path, _curve(8e-6), "", "last.axiscal")
+    _record(tmp_path, "last.axiscal", 8e-6)
     for size, expected in ((8e-6, []), (-8e-6, ["EXX"])):
-        path = _record(tmp_path, _curve(size), 'prior = "last.axiscal"', f"new{expected}.axiscal")
+        path = _record(tmp_path, f"new{expected}.axiscal", size, prior="last.axiscal")
         with Campaign.open(path) as campaign:
             estimation = campaign.estimate(ended=True)
             assert [change.name for change in changes(estimation)] == expected
@@ -85,19 +67,14 @@ def test_a_curve_that_has_changed_is_named_and_one_that_has_not_is_not(tmp_path:
             assert [finding.error for finding in said] == expected
 
 
-TEXT = """
-chain = "w-b-X-t"
-[axes.X]
-travel = ["0 mm", "400 mm"]
-[errors]
-EXX = {{ std = "10 um", length = "150 mm", knots = {knots}, rest = "{rest}" }}
-"""
-PITCH = 'EBX = {{ std = "{std}", length = "150 mm", knots = 4 }}\n'
+NOTHING: Mapping[str, Std] = {}
+PITCH: Mapping[str, Std] = {"EBX": ("3 urad", 4, 150)}
 
 
-def model(knots: int, more: str = "", rest: str = "0.5 um") -> ErrorModel:
+def model(knots: int, more: Mapping[str, Std] = NOTHING, rest: str = "0.5 um") -> ErrorModel:
     """Return the errors of one axis."""
-    return ErrorModel(machine_from_text(TEXT.format(knots=knots, rest=rest) + more))
+    own = f'std = "10 um", length = "150 mm", knots = {knots}, rest = "{rest}"'
+    return ErrorModel(machine_from_text(machine_text("w-b-X-t", {"X": (0, 400)}, {"EXX": own, **more})))
 
 
 def curve(errors: ErrorModel, name: str, unknowns: Array, at: Array) -> Array:
@@ -109,7 +86,7 @@ def curve(errors: ErrorModel, name: str, unknowns: Array, at: Array) -> Array:
 @pytest.mark.parametrize(("before", "today"), [(9, 5), (5, 9)])
 def test_at_the_knots_of_today_the_curve_is_the_one_of_before(before: int, today: int) -> None:
     """Its rest is that of before; an error that is new is as stated and of nothing else."""
-    old, new = model(before, rest="2 um"), model(today, PITCH.format(std="3 urad"))
+    old, new = model(before, rest="2 um"), model(today, PITCH)
     across, unknowns = carried_over(old, new), np.random.default_rng(2).standard_normal(old.size)
     knots, columns = new.names["EXX"].basis.control_positions, new.names["EXX"].columns
     taken = across.matrix @ unknowns
@@ -125,7 +102,7 @@ def test_at_the_knots_of_today_the_curve_is_the_one_of_before(before: int, today
 
 
 def test_what_finer_knots_hold_beyond_those_of_before_is_the_part_that_they_cannot_reach() -> None:
-    old, new = model(4), model(9, PITCH.format(std="3 urad"))
+    old, new = model(4), model(9, PITCH)
     across = carried_over(old, new)
     columns, beyond = new.names["EXX"].columns, across.beyond()
     held = across.matrix[columns]
@@ -137,49 +114,3 @@ def test_what_finer_knots_hold_beyond_those_of_before_is_the_part_that_they_cann
     assert np.abs(held.T @ beyond[columns]).max() < 1e-9 * np.sqrt(prior.max())
     assert np.trace(expected) > 1e-3 * np.trace(prior)
     assert carried_over(new, old).beyond().shape[1] == 0
-
-
-def sister(chance: float, count: int, away: float = 0.0, told: float = 0.49) -> Estimation:
-    """Return an estimation of a machine that is a sister with a chance.
-
-    away : of its EXX, in standard deviations of its sisters; told : what is left of their variance
-    """
-    errors = model(4, PITCH.format(std="3 urad"))
-    covariance = np.diag(np.full(errors.size, 4e-12))
-    mean, now = np.full(errors.size, 1e-6), covariance.copy()
-    own = errors.names["EXX"].columns
-    now[own, own] *= told
-    mean[own.start + 1] += away * 2e-6
-    beside = np.full(errors.size, 1e-6)
-    beside[errors.names["EBX"].columns] += 50e-6  # far off, and not told
-    mean[errors.names["EBX"].columns] = beside[errors.names["EBX"].columns]
-    like, strange = (Inherited(np.full(errors.size, at), covariance) for at in (1e-6, 80e-6))
-    rivals = Rival("like its sisters", 0.9, like), Rival("as stated", 0.1, strange)
-    belief = Belief(mean, now)
-    member = Membership(rivals, np.array([0.7 * chance, 0.3 * chance, 1 - chance]), count, belief)
-    known = SimpleNamespace(
-        membership=member,
-        case=SimpleNamespace(errors=errors),
-        printed=SimpleNamespace(belief=belief),
-    )
-    return cast("Estimation", known)
-
-
-@pytest.mark.parametrize(
-    ("known", "words"),
-    [
-        (sister(0.9, 0), ""),
-        (sister(0.9, 1), "the first reading fits the sisters (P = 0.9)"),
-        (sister(0.9, 2), "readings up to 2 fit the sisters (P = 0.9)"),
-        (sister(0.5, 7), "readings up to 7 fit the sisters (P = 0.5)"),
-        (sister(0.49, 7), "this machine is not like its sisters (P = 0.49)"),
-        (sister(0.01, 7, 2.49), "this machine is not like its sisters (P = 0.01)"),
-        (
-            sister(0.01, 7, -2.51),
-            "this machine is not like its sisters (P = 0.01): EXX is 2.5 of their standard deviations away",
-        ),
-        (sister(0.01, 7, 9.0, told=0.51), "this machine is not like its sisters (P = 0.01)"),
-    ],
-)
-def test_what_is_said_of_a_machine_with_sisters(known: Estimation, words: str) -> None:
-    assert membership_words(known) == words

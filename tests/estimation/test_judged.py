@@ -18,25 +18,17 @@ from axiscal.estimation.machine_estimate import Estimate, rest_means
 from axiscal.estimation.membership import membership
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.measurement.cells import wandering
-from axiscal.measurement.reading import Reading
 from tests.generators.campaigns import mixed
+from tests.generators.dense_posterior import mixture
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
-
-
-def case_with(laser: str = "", head: str = "") -> Case:
-    """Return the axis with more said of its laser, or of the campaign."""
-    return Case(campaign_from_texts(f"{head}\n{CAMPAIGN}{laser}", "c.toml", MACHINE, "m"))
-
-
-def with_slips(count: int, slips: dict[int, float]) -> list[Reading]:
-    """Return readings of a machine, some off by so much, m."""
-    return [replace(r, value=r.value + slips.get(i, 0.0)) for i, r in enumerate(read(machine(2), count))]
 
 
 def test_errors_that_are_to_be_learnt_may_be_four_times_as_large() -> None:
     """A reading 40 of their stds away: no error of the stated size makes it, one that is four times as large does."""
-    readings = with_slips(20, {11: 400e-6})
-    assert list(judged(case_with(head='sure = "well"'), readings)) == [11]
+    readings = read(machine(2), 20)
+    readings[11] = replace(readings[11], value=readings[11].value + 400e-6)
+    well = Case(campaign_from_texts(f'sure = "well"\n{CAMPAIGN}', "c.toml", MACHINE, "m"))
+    assert list(judged(well, readings)) == [11]
     assert judged(CASE, readings) == {}
 
 
@@ -49,11 +41,7 @@ def test_a_mixture_has_the_moments_of_its_parts() -> None:
     case = replace(CASE, rivals=rivals, inherited=rivals[0].belief)
     parts = [absorbed(side, readings, {}).knowledge.belief for side in case.sides]
     found = membership(case, absorbed(case.sides[0], readings, {}), readings, {})
-    mean = sum(share * part.mean for share, part in zip(found.shares, parts, strict=True))
-    covariance = sum(
-        share * (part.covariance + np.outer(part.mean - mean, part.mean - mean))
-        for share, part in zip(found.shares, parts, strict=True)
-    )
+    mean, covariance = mixture([(part.mean, part.covariance) for part in parts], np.array(found.shares))
     assert sum(found.shares) == pytest.approx(1.0)
     assert min(found.shares) > 1e-6
     assert found.belief.mean == pytest.approx(mean, abs=1e-12)

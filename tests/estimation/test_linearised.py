@@ -26,6 +26,7 @@ from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from benchmarks.nonlinear.stations import tracers
 from tests.generators import laser_axis
+from tests.generators.problems import readings_of
 from tests.generators.texts import campaign_text, setup_text
 
 
@@ -114,16 +115,9 @@ def _case(offset: str, tilt: str, zero: str = "") -> Case:
     return Case(campaign_from_texts(_CAMPAIGN, "c.toml", re.sub(r", rest = [^}]*", " ", text), "m"))
 
 
-def _read(case: Case, seed: int, count: int = 50) -> tuple[VirtualMachine, list[Reading]]:
-    rng, setup = np.random.default_rng(seed), case.description.setups[0]
+def _read(case: Case, seed: int) -> tuple[VirtualMachine, list[Reading]]:
     machine = Simulator(case.description.machine, case.description.setups).drawn(seed)
-    low, high = np.array([axis.travel for axis in case.description.machine.axes]).T
-    readings = []
-    for _ in range(count):
-        pose, side = tuple(rng.uniform(low, high).tolist()), tuple(int(s) for s in rng.choice([-1, 1], len(low)))
-        value, *others = machine.read_all(setup, pose, side, rng)
-        readings.append(Reading(setup.name, pose, side, value, others=tuple(others), time=0.0))
-    return machine, readings
+    return machine, readings_of(case, 50, seed)
 
 
 def _truth(case: Case, machine: VirtualMachine) -> Array:

@@ -8,17 +8,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import t
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.target import RowName
-from axiscal.estimation.estimate import concluded
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.functionals.functional import PLACES, line_of, seen_by, through_the_volume
-from axiscal.estimation.known_rows import KnownRow, known_row, known_rows
+from axiscal.estimation.known_rows import KnownRow
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
-from tests.generators.laser_axis import CASE, machine, read
 from tests.generators.texts import Said, campaign_text, setup_text
 
 
@@ -183,23 +180,3 @@ def test_a_row_is_measured_at_half_of_what_it_was_and_reached_at_its_limit() -> 
     assert [row(known=known).settled for known in (5e-6, 5.1e-6)] == [True, False]
     described_by = ((0.0, None), (2e-12, None), (0.0, 1e-6))
     assert [row(before=before, limit=limit).described for before, limit in described_by] == [False, True, True]
-
-
-def test_what_is_known_of_rows_before_and_after_readings() -> None:
-    """Backlash is one number: U is that of a t of its variance by scipy; nothing beyond type B is left for ever."""
-    known = concluded(CASE, read(machine(3), 24))
-    rows = {each.row.name: each for each in known_rows(known.case, known.printed, known.readings)}
-    before = {each.row.name: each for each in known_rows(CASE, CASE.knowledge, ())}
-    assert list(rows) == ["positioning X", "scale X", "backlash X", "volume"]
-    backlash, own = rows["backlash X"], known.case.errors.names["EXX_reversal"].columns
-    std = float(np.linalg.norm(known.printed.belief.factor[own]))
-    degrees = known.printed.belief.degrees
-    assert backlash.known == pytest.approx(t.ppf(0.975, degrees) * np.sqrt(1 - 2 / degrees) * std, rel=1e-5)
-    assert before["backlash X"].known == pytest.approx(1.959964 * 3e-6, rel=1e-5)
-    assert [each.measured for each in before.values()] == [False] * 4
-    assert [each.measured for each in rows.values()] == [True] * 4
-    assert all(each.known < each.before for each in rows.values())
-    assert backlash.floor < 0.01 * backlash.known  # endless readings tell it
-    (asked,) = (each for each in asked_rows(CASE.description, ()) if each.map is None)
-    assert known_row(asked, CASE, CASE.prior, read=False).before == pytest.approx(before["volume"].known)
-    assert [each.row.kind for each in rows.values() if each.angular] == ["scale"]

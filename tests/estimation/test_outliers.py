@@ -16,7 +16,6 @@ from axiscal.estimation.judged import unit_guess
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
-from axiscal.present.curves import curves
 from axiscal.present.findings import findings
 from tests.generators.texts import campaign_text, setup_text
 
@@ -72,14 +71,6 @@ def _moves_little(before: Estimation, after: Estimation, function: ErrorFunction
     std = np.sqrt(np.sum((rows @ after.knowledge.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)
     moved = rows @ (after.knowledge.belief.mean[:size] - before.knowledge.belief.mean[:size])[function.columns]
     return bool(np.all(np.abs(moved) <= 0.5 * std))
-
-
-def test_a_bad_reading_is_marked_in_the_pictures_of_the_curves() -> None:
-    readings = _readings(1)
-    readings[7] = replace(readings[7], value=readings[7].value - 80e-6)
-    drawn = curves(_estimated(readings), readings, None)
-    assert {point.reading for curve in drawn for point in curve.points if point.rejected} == {8}
-    assert {point.reading for curve in drawn for point in curve.points if not point.rejected} >= {7, 9}
 
 
 def test_values_a_thousand_times_too_small_are_not_as_stated() -> None:

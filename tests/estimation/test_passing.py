@@ -14,14 +14,10 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case, Timed, elapsed, timed
 from axiscal.estimation.promise.passing import (
-    drift_functions,
-    growing,
-    growth_functions,
     passing_columns,
     turning,
 )
 from axiscal.machine import load_machine
-from axiscal.measurement.cells import wandering
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of
 from axiscal.measurement.travel import reading_seconds, way_seconds
@@ -78,37 +74,6 @@ def test_readings_of_a_long_day_and_many_of_them_have_no_cycle() -> None:
         times = np.linspace(0, seconds, count)
         readings = [Reading("laser", (0.2,), (1,), 0.0, time=float(time)) for time in times]
         assert ("cycle" in _by_kind(case, readings)) == there
-
-
-@pytest.mark.parametrize("count", [2, 7, 20, 40])
-def test_a_set_up_has_no_more_columns_than_readings_and_they_vary_alike(count: int) -> None:
-    """Of each cause Z Zᵀ of the functions as they stand; of many set-ups with few readings all would be too many."""
-    case = axis()
-    readings = [Reading("laser", (0.1 + 0.5 * n / count,), (1,), 0.0, time=60.0 * n**1.5) for n in range(count)]
-    times = np.array([reading.time for reading in readings])
-    columns, setup = _by_kind(case, readings), case.observation.setups[0]
-    (shown,) = growing(case.observation, 0, np.array([reading.pose for reading in readings]))
-    every = {"drift": drift_functions(setup, times), "growth": shown[0][:, None] * growth_functions(setup, times)}
-    for kind, functions in every.items():
-        covariance = functions @ functions.T
-        assert columns[kind].shape[1] == min(functions.shape)
-        np.testing.assert_allclose(columns[kind] @ columns[kind].T, covariance, atol=1e-12 * covariance.max())
-
-
-def test_without_what_usually_goes_wrong_a_zero_wanders_as_stated_and_nothing_else_does() -> None:
-    case = mixed('usual = "off"')
-    readings = drawn(case, 12)
-    (columns_of_all,) = (each for kind, each in _by_kind(case, readings).items() if kind in ("", "drift"))
-    nest = [each for each in readings if each.setup == "nest"]
-    times = [float(each.time or 0.0) - float(nest[0].time or 0.0) for each in nest]
-    at = np.array([each.setup == "nest" for each in readings for _ in each.values])
-    number = np.array([k for each in readings for k in range(len(each.values))])[at]
-    assert not columns_of_all[~at].any()
-    own = columns_of_all[at] @ columns_of_all[at].T
-    for k in range(3):
-        np.testing.assert_allclose(own[np.ix_(number == k, number == k)], wandering(3e-6 / 3600, times), rtol=0.05,
-                                   atol=1e-3 * own.max())  # fmt: skip
-        assert not own[np.ix_(number == k, number != k)].any()
 
 
 CASES = {

@@ -24,6 +24,8 @@ from benchmarks.nonlinear.stations import at_once, tracers
 from benchmarks.trust.virtual import described, read_evenly
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, read
+from tests.generators.problems import readings_of
+from tests.generators.texts import campaign_text, setup_text
 
 
 def _dense(
@@ -74,15 +76,12 @@ def test_a_zero_that_drifts_is_less_sure_the_farther_in_time_from_the_first_one_
     assert found == pytest.approx(_dense(case, untimed, [0.0] * 10), rel=1e-6)
 
 
-TRACKER = """machine = "m"
-[target]
-readings = 1
-[[setups]]
-name = "tracker"
-instrument = "tracker"
-station = ["-2 m", "0.3 m", "0.1 m"]
-unknowns = { turn_x = "3 mrad", turn_y = "4 mrad", zero_x = "1 mm", zero_y = "1 mm", zero_z = "1 mm" }
-"""
+OPEN = {"turn_x": "3 mrad", "turn_y": "4 mrad"} | {f"zero_{axis}": "1 mm" for axis in "xyz"}
+TRACKER = campaign_text(
+    "m",
+    setup_text("tracker", "tracker", station=["-2 m", "0.3 m", "0.1 m"], unknowns=OPEN),
+    target={"readings": 1},
+)
 
 
 @pytest.mark.parametrize("case", [tracers("300 mm", "100 mm"), at_once("300 mm", "100 mm")], ids=["alone", "at once"])
@@ -172,10 +171,8 @@ def test_most_of_a_file_has_to_be_implausible(monkeypatch: pytest.MonkeyPatch) -
 
 def test_a_dial_that_shows_the_same_six_times_is_not_taken_for_another_unit() -> None:
     """Its zero takes the figure up, in whichever unit."""
-    text = (
-        'machine = "three-axis-mill"\n[target]\nreadings = 6\n[[setups]]\nname = "dial"\ninstrument = "indicator"\n'
-        'direction = "z"\nmoves = ["X"]\n'
-    )
+    dial = setup_text("dial", "indicator", direction="z", moves=["X"])
+    text = campaign_text("three-axis-mill", dial, target={"readings": 6})
     mill = load_machine("three-axis-mill")
     description = campaign_from_texts(text, "campaign.toml", mill.text, "three-axis-mill")
     park = description.setups[0].park[1:]
@@ -184,14 +181,8 @@ def test_a_dial_that_shows_the_same_six_times_is_not_taken_for_another_unit() ->
 
 
 def test_stations_that_are_decimetres_off_are_no_other_unit() -> None:
-    description = at_once("300 mm", "100 mm").description
-    machine, rng = Simulator(description.machine, description.setups).drawn(3), np.random.default_rng(3)
-    low, high = np.array([axis.travel for axis in description.machine.axes]).T
-    readings = []
-    for number in range(40):
-        setup, pose = description.setups[number % len(description.setups)], tuple(rng.uniform(low, high).tolist())
-        value, *others = machine.read_all(setup, pose, (1,) * len(low), rng)
-        readings.append(Reading(setup.name, pose, (1,) * len(low), value, others=tuple(others)))
+    case = at_once("300 mm", "100 mm")
+    description, readings = case.description, readings_of(case, 40, 3)
     refuse_implausible(readings, description, "r.csv")
     other = [replace(_times([r], 1000.0)[0], others=tuple(1000 * v for v in r.others)) for r in readings]
     with pytest.raises(ReadingError, match="unit"):

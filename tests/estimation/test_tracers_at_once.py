@@ -13,29 +13,17 @@ from axiscal.estimation.located import absorbed
 from axiscal.estimation.stations import BentReadings, Optimum, closed_form, mode
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.simulation import Simulator, VirtualMachine
+from axiscal.measurement.simulation import Simulator
 from benchmarks.nonlinear.stations import at_once, read, tracers
-
-
-def read_at_once(case: Case, seed: int, points: int, flat: float | None = None) -> tuple[VirtualMachine, list[Reading]]:
-    """Return a machine and readings at random poses; flat : all of them at one height, m."""
-    machine, rng = Simulator(case.description.machine, case.description.setups).drawn(seed), np.random.default_rng(seed)
-    low, high = np.array([axis.travel for axis in case.description.machine.axes]).T
-    setup, readings = case.description.setups[0], []
-    for _ in range(points):
-        pose, side = rng.uniform(low, high), tuple(int(s) for s in rng.choice([-1, 1], len(low)))
-        pose[2] = pose[2] if flat is None else flat
-        value, *others = machine.read_all(setup, tuple(pose.tolist()), side, rng)
-        readings.append(Reading(setup.name, tuple(pose.tolist()), side, value, others=tuple(others), time=0.0))
-    return machine, readings
+from tests.generators.problems import readings_of
 
 
 @pytest.mark.long
 def test_the_estimate_is_that_of_four_set_ups_with_the_same_distances() -> None:
     case, apart = at_once("5 mm", "10 mm"), tracers("5 mm", "10 mm")
-    _, readings = read_at_once(case, 2, 12)
+    readings = readings_of(case, 12, 2)
     same = [
-        Reading(setup.name, r.pose, r.approach, r.values[number], time=0.0)
+        Reading(setup.name, r.pose, r.approach, r.values[number], time=r.time)
         for r in readings
         for number, setup in enumerate(apart.description.setups)
     ]
@@ -55,7 +43,7 @@ def test_the_estimate_is_that_of_four_set_ups_with_the_same_distances() -> None:
 @pytest.mark.long
 def test_four_stations_anywhere_within_300_mm_are_found() -> None:
     case = at_once("300 mm", "100 mm")
-    machine, readings = read_at_once(case, 0, 25)
+    machine, readings = Simulator(case.description.machine, case.description.setups).drawn(0), readings_of(case, 25, 0)
     belief = concluded(case, readings).knowledge.belief
     names = [unknown.name for unknown in case.description.setups[0].unknowns]
     truth = np.array([machine.offsets["beams"][name] for name in names])

@@ -62,44 +62,6 @@ def test_every_published_iso_figure_of_each_target(name: str) -> None:
         assert [row[ours] / 1e3 for row in document["per_target"]] == pytest.approx(published[theirs], abs=ROUNDING)
 
 
-def naive(up: list[list[float]], down: list[list[float]]) -> dict[str, float]:
-    """The definitions of ISO 230-2 written out one target at a time."""
-    ups = [(statistics.mean(x), statistics.stdev(x)) for x in up]
-    downs = [(statistics.mean(x), statistics.stdev(x)) for x in down]
-    high = [m + 2 * s for m, s in ups], [m + 2 * s for m, s in downs]
-    low = [m - 2 * s for m, s in ups], [m - 2 * s for m, s in downs]
-    means = [m for m, _ in ups], [m for m, _ in downs]
-    B = [a - b for a, b in zip(*means, strict=True)]
-    R = [
-        max(2 * a[1] + 2 * b[1] + abs(c), 4 * a[1], 4 * b[1])
-        for a, b, c in zip(ups, downs, B, strict=True)
-    ]  # fmt: skip
-    centre = [(a + b) / 2 for a, b in zip(*means, strict=True)]
-    return {
-        "A": max(*high[0], *high[1]) - min(*low[0], *low[1]),
-        "A_up": max(high[0]) - min(low[0]),
-        "A_down": max(high[1]) - min(low[1]),
-        "E": max(*means[0], *means[1]) - min(*means[0], *means[1]),
-        "E_up": max(means[0]) - min(means[0]),
-        "E_down": max(means[1]) - min(means[1]),
-        "R": max(R),
-        "R_up": max(4 * s for _, s in ups),
-        "R_down": max(4 * s for _, s in downs),
-        "B": max(abs(b) for b in B),
-        "B_mean": statistics.mean(B),
-        "M": max(centre) - min(centre),
-    }
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_agrees_with_the_definitions_written_out(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    up, down = rng.normal(0, 5e-6, (2, 7, 5))
-    figures = evaluate(PositioningTest(np.arange(7.0), up, down))
-    for name, value in naive(up.tolist(), down.tolist()).items():
-        assert figures.figures[name] == pytest.approx(value, rel=1e-12), name
-
-
 def test_one_direction_leaves_the_bidirectional_figures_open(tmp_path: Path) -> None:
     text = "".join(line for line in GOOD.splitlines(keepends=True) if ",-," not in line)
     figures = evaluated(tmp_path, text)
@@ -108,17 +70,6 @@ def test_one_direction_leaves_the_bidirectional_figures_open(tmp_path: Path) -> 
     assert set(figures.figures) == {"A_up", "E_up", "R_up"}
     assert figures.per_target[0]["B_i"] is None
     assert any("one direction" in warning for warning in figures.warnings)
-
-
-def test_rotary_axes_are_told_in_arcsec(tmp_path: Path) -> None:
-    text = GOOD.replace("target_mm", "target_deg").replace("deviation_um", "deviation_arcsec")
-    document = evaluated(tmp_path, text).as_json()
-    assert document["unit"] == "arcsec"
-    assert document["target_unit"] == "deg"
-    assert document["E_up"] == pytest.approx(1.0)
-    assert document["per_target"][1]["target"] == pytest.approx(100.0)  # type: ignore[index]
-    same = evaluated(tmp_path, text.replace("_arcsec", "_urad")).as_json()
-    assert same["E_up"] == pytest.approx(1.0 / 4.8481368, rel=1e-7)
 
 
 def test_nothing_is_said_of_a_test_that_follows_the_standard() -> None:
@@ -170,13 +121,6 @@ def test_a_single_run_has_no_standard_deviation(tmp_path: Path) -> None:
     assert {"P_a", "U", "U_mean"} == found.vdi3441.keys()
 
 
-def test_a_missing_reading_costs_its_target_alone(tmp_path: Path) -> None:
-    more = "".join(f"50,{way},{run},{value}\n" for way, run, value in (("+", 1, 9), ("-", 1, 9), ("+", 2, 9)))
-    found = evaluated(tmp_path, GOOD + more)
-    assert found.figures == evaluated(tmp_path, GOOD).figures
-    assert found.warnings[0] == "Left out, because a run has no reading there: 50 mm."
-
-
 def test_tests_of_the_field_give_what_they_can(capsys: pytest.CaptureFixture[str]) -> None:
     folder = FIELD / "03-single-run"
     if folder.is_dir():
@@ -190,17 +134,6 @@ def test_tests_of_the_field_give_what_they_can(capsys: pytest.CaptureFixture[str
         for name in ("single.rtl", "missing.csv"):
             assert run(["data", "iso230", str(folder / name)]) == 0
         assert "withheld" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "latin-1"])
-def test_a_table_is_read_as_spreadsheets_of_any_age_save_it(encoding: str, tmp_path: Path) -> None:
-    plain, saved = (tmp_path / name for name in ("plain.csv", "saved.csv"))
-    text = GOOD.replace("one axis", "für")
-    plain.write_bytes(text.encode())
-    saved.write_bytes(text.encode(encoding))
-    assert (
-        evaluate(positioning_test(recognised(saved))).figures == evaluate(positioning_test(recognised(plain))).figures
-    )
 
 
 def test_the_uncertainty_is_how_the_figures_scatter_when_the_test_is_repeated() -> None:

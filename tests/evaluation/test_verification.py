@@ -156,7 +156,11 @@ def test_the_right_tables_pass_and_the_wrong_ones_fail(
     assert (good.verdict, good.believed) == ("pass", True)
     assert np.max(np.abs(good.left)) < 0.3 * np.max(np.abs(good.found))
     wrong = judge(estimate, setups, found, readings(truth, places, lambda p, a: -control(p, a), 2), control, 6e-6)
-    assert (wrong.verdict, wrong.believed) == ("fail", False)
+    missing = judge(estimate, setups, found, readings(truth, places, idle, 2), control, 6e-6)
+    for other, share, cause in ((wrong, -1.0, "loaded with the wrong sign"), (missing, 0.0, "were not loaded")):
+        assert (other.verdict, other.believed, other.loaded) == ("fail", False, False)
+        assert other.share == pytest.approx(share, abs=0.1)
+        assert cause in said_of(other)
     near = float(np.max(np.abs(good.left)))
     assert judge(estimate, setups, found, readings(truth, places, control, 2), control, near).verdict == "undecided"
 

@@ -101,17 +101,6 @@ def test_a_line_that_is_taken_off_has_to_be_one_that_was_foreseen() -> None:
     assert 'the slope of "laser" would have to be far larger' in said_of(judgement)
 
 
-@pytest.mark.parametrize(
-    ("tables", "share", "cause"),
-    [(0.0, 0.0, "were not loaded"), (-1.0, -1.0, "loaded with the wrong sign"), (2.0, 2.0, "wrong sign or unit")],
-)
-def test_tables_that_are_not_those_are_noticed(tables: float, share: float, cause: str) -> None:
-    judgement = judged(readings(2), readings(3, tables=tables))
-    assert (judgement.verdict, judgement.loaded) == ("fail", False)
-    assert judgement.share == pytest.approx(share, abs=0.1)
-    assert cause in said_of(judgement)
-
-
 @pytest.mark.parametrize("factor", [-1.0, 0.0, 1000.0, 1e-3])
 def test_as_found_values_that_are_nonsense_do_not_pass(factor: float) -> None:
     judgement = judged(readings(2, factor=factor), readings(3, tables=1.0))

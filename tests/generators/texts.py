@@ -52,11 +52,13 @@ def machine_text(
     curve: tuple[int, int] = (5, 200),
     tool: float | None = None,
     name: str = "",
+    origins: Mapping[str, tuple[float, float, float]] | None = None,
 ) -> str:
     """Return the text of machine.toml.
 
     travels : of each axis, mm or deg; errors : the std of each, of several if the key names several
     curve : knots and length, mm or deg, of the errors that vary along an axis; tool : mm
+    origins : where rotary axes lie, mm
     """
     lines = [f'name = "{name}"'] if name else []
     lines.append(f'chain = "{chain}"')
@@ -65,6 +67,8 @@ def machine_text(
     for axis, (low, high) in travels.items():
         unit = "deg" if axis in "ABC" else "mm"
         lines += [f"[axes.{axis}]", f'travel = ["{low:g} {unit}", "{high:g} {unit}"]']
+        if origins and axis in origins:
+            lines.append(f"origin = {_toml([f'{at:g} mm' for at in origins[axis]])}")
     lines.append("[errors]")
     lines += [f"{error} = {{ {_prior(error, std, curve)} }}" for key, std in errors.items() for error in key.split()]
     return "\n".join(lines) + "\n"

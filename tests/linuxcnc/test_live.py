@@ -274,19 +274,6 @@ def test_somebody_who_stops_or_moves_the_machine_ends_the_run(bench: Bench) -> N
     assert bench.stands()
 
 
-def test_overrides_are_turned_and_probing_heeds_offsets(bench: Bench) -> None:
-    bench.says("c.mdi('G10 L2 P1 X3 Y4 Z50'); c.wait_complete(5); c.mdi('G92 Z7'); c.wait_complete(5)")
-    line = Connection(bench.words())
-    line.line("G53 G1 Z199 F9000")
-    hand = threading.Timer(0.1, lambda: bench.says("c.feedrate(0.5); time.sleep(0.1); c.feedrate(0.6)"))
-    hand.start()
-    assert not line.line("G38.3 X2 Z180 F1500")["tripped"]
-    hand.join()
-    assert bench.says("print(*(round(each, 6) for each in s.position[0:3:2]))").split() == ["2.0", "180.0"]
-    line.close()
-    bench.says("c.mdi('G92.1'); c.wait_complete(5)")
-
-
 def test_a_line_that_says_nothing_more_stops_the_machine(bench: Bench, tmp_path: Path) -> None:
     agent = tmp_path / "agent.py"
     agent.write_text(agent.read_text().replace("SILENCE = 5.0", "SILENCE = 2.0"))

@@ -65,11 +65,6 @@ def test_an_axis_that_counts_against_iso_841_moves_the_tool_the_other_way() -> N
     assert stated.axis("X") == plain.axis("X")
 
 
-def test_machine_zero_is_within_the_travel() -> None:
-    machine = machine_from_text(TEXT.replace('["0 deg", "360 deg"]', '["10 deg", "370 deg"]'))
-    assert machine.zero == pytest.approx((0.0, 0.0, math.radians(10)))
-
-
 def test_priors_are_read_in_si_units() -> None:
     errors = {entry.name: entry for entry in machine_from_text(TEXT).errors}
     assert list(errors) == [
@@ -90,22 +85,6 @@ def test_priors_are_read_in_si_units() -> None:
     assert errors["EXY"] == ErrorEntry("EXY", 5e-6, length=0.09, rest_estimated=True, fine=True)
     assert errors["ECC"].std == pytest.approx(math.radians(5 / 3600))
     assert (errors["ECC"].axis, errors["ECC"].kind, errors["ECC"].component) == ("C", "motion", 5)
-
-
-def test_knots_follow_the_stated_rule() -> None:
-    machine = machine_from_text(TEXT)
-    counts = {entry.name: entry.knot_count(machine.axis(entry.axis)) for entry in machine.errors}
-    assert counts == {
-        "EXX": 13,
-        "EZX": 13,
-        "C0Y": 1,
-        "EXX_reversal": 1,
-        "EYX": 13,
-        "EXY": 19,  # 400 mm by at most 22.5 mm
-        "ECC": 7,
-        "ECC_reversal": 4,
-        "X0C": 1,
-    }
 
 
 def test_knots_stand_twice_as_far_apart_where_there_would_be_many() -> None:
@@ -187,35 +166,6 @@ def sizes(machine: Machine) -> dict[str, int]:
         axis = machine.axis(entry.axis)
         counts[entry.name] = entry.knot_count(axis) - (axis.cyclic and not entry.constant)
     return counts
-
-
-def motions(axis: str) -> set[str]:
-    """Return the six error motions of an axis and its reversal value."""
-    return {f"E{component}{axis}" for component in "XYZABC"} | {f"E{axis}{axis}_reversal"}
-
-
-def test_the_names() -> None:
-    named = "dmu60 lathe one-axis paper-three-stacked portal-mill printer-gantry router three-axis-mill"
-    assert builtin_names() == tuple(named.split())
-
-
-@pytest.mark.parametrize("name", ["three-axis-mill", "portal-mill", "printer-gantry", "router"])
-def test_three_linear_axes_have_the_21_errors_of_iso_230_and_reversal(name: str) -> None:
-    expected = motions("X") | motions("Y") | motions("Z") | {"C0Y", "B0Z", "A0Z"}
-    assert set(sizes(load_machine(name))) == expected
-
-
-def test_the_five_axis_machine_is_of_the_dmu_60_class() -> None:
-    machine = load_machine("dmu60")
-    assert [axis.name for axis in machine.axes] == ["C", "B", "Y", "X", "Z"]
-    assert [axis.workpiece_side for axis in machine.axes] == [True, True, False, False, False]
-    assert [machine.axis(name).length for name in "XYZ"] == pytest.approx([0.6, 0.5, 0.5])
-    assert [machine.axis(name).cyclic for name in "BC"] == [False, True]
-    counts = sizes(machine)
-    linear = {"EXX_reversal", "EYY_reversal", "EZZ_reversal", "EBB_reversal", "ECC_reversal"}
-    assert {name for name in counts if name.startswith("E")} == set().union(*map(motions, "XYZBC")) | linear
-    assert sum(counts.values()) == 316
-    assert all(entry.length for entry in machine.errors if not entry.constant)
 
 
 @pytest.mark.parametrize("name", builtin_names())

@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import SmallMotions, frames, tool_motion
-from axiscal.numerics import Array
-from axiscal_core import rigid
 from tests.generators.machines import random_machine, random_poses, twin_tool
 
 
@@ -17,7 +14,7 @@ def _still(axes: int, poses: int) -> SmallMotions:
     return SmallMotions(*(np.zeros((axes, poses, 3)) for _ in range(3)))
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(15))
 def test_the_exact_motion_agrees_with_the_second_writing(seed: int) -> None:
     """Errors of a hundredth, so that every product of errors counts."""
     machine, rng = random_machine(seed), np.random.default_rng(seed)
@@ -30,7 +27,7 @@ def test_the_exact_motion_agrees_with_the_second_writing(seed: int) -> None:
         assert np.abs(found.rotation[i] - expected[:3, :3]).max() < 1e-14
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(15))
 def test_the_nominal_tool_is_where_the_frames_say(seed: int) -> None:
     machine = random_machine(seed)
     poses, _ = random_poses(machine, 5, np.random.default_rng(seed))
@@ -55,19 +52,3 @@ def test_the_table_of_a_five_axis_machine_turns_as_worked_out_on_paper() -> None
     pose[0, machine.index("C")] = np.pi / 2
     pose[0, machine.index("X")] = 0.1
     assert np.abs(frames(machine, pose).tcp[0] - [0.0, 0.1, -0.12]).max() < 1e-15
-
-
-def test_a_quarter_turn_about_z_takes_x_to_y() -> None:
-    turn: Array = rigid.rotation(np.array([[0.0, 0.0, np.pi / 2]]))
-    assert np.abs(turn[0] @ [1, 0, 0] - [0, 1, 0]).max() < 1e-15
-    moved = rigid.Motion(turn, np.array([[5.0, 0.0, 0.0]]))
-    assert np.abs(moved.apply(np.array([1.0, 0.0, 0.0])) - [[5.0, 1.0, 0.0]]).max() < 1e-15
-    assert np.abs(moved.shifted(np.array([1.0, 0.0, 0.0])).translation - [[5.0, 1.0, 0.0]]).max() < 1e-15
-
-
-def test_a_model_without_errors_is_empty() -> None:
-    machine = load_machine("one-axis")
-    bare = type(machine)(machine.name, machine.axes, machine.tool, (), machine.chain, "")
-    model = ErrorModel(bare)
-    assert model.size == 0
-    assert model.rows(np.zeros((2, 1)), np.zeros((2, 1))).shape == (2, 3, 0)

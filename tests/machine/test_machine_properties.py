@@ -7,7 +7,6 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.document import Document
 from axiscal.exceptions import AxiscalError, ChainError, InputError
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.description import parse_chain
@@ -81,46 +80,3 @@ def test_a_damaged_file_is_a_machine_or_a_failure_of_ours(text: str) -> None:
         assert all(math.isfinite(entry.std) and entry.std > 0 for entry in machine.errors)
         assert all(2 <= entry.knot_count(machine.axis(entry.axis)) <= 400 or entry.constant for entry in machine.errors)
     assert message.replace("\n- ", " ").replace("\nAnd ", " ").isprintable()
-
-
-keys = st.text(min_size=1, max_size=5)
-values = st.recursive(
-    st.integers(-9, 9) | st.booleans() | st.text(max_size=5),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(keys, inner, max_size=3),
-    max_leaves=8,
-)
-
-
-def _toml(value: object) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        return '"' + "".join(f"\\U{ord(c):08x}" for c in value) + '"'
-    if isinstance(value, list):
-        return "[\n" + ",\n".join(map(_toml, value)) + "\n]"
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{_toml(key)} = {_toml(inner)}" for key, inner in value.items()) + "}"
-    return str(value)
-
-
-@given(st.dictionaries(keys, values, max_size=4))
-def test_every_key_of_a_generated_document_stands_in_its_line(data: dict[str, object]) -> None:
-    """The writer counts the lines; the reader must find the same."""
-    expected, line, text = {}, 1, ""
-    for key, value in data.items():
-        expected[key] = line
-        text += f"{_toml(key)} = {_toml(value)}\n"
-        line = text.count("\n") + 1
-    document = Document.parse(text, "x.toml")
-    assert document.data == data
-    assert {key: document.line(key) for key in data} == expected
-    assert _paths(data) == set(document.lines)
-
-
-def _paths(value: object, above: tuple[str | int, ...] = ()) -> set[tuple[str | int, ...]]:
-    """Return every key path of nested dictionaries and lists."""
-    pairs = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    found: set[tuple[str | int, ...]] = set()
-    for key, inner in pairs:
-        found |= {(*above, key)} | _paths(inner, (*above, key))
-    return found

@@ -8,21 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.campaign.campaign import Campaign
-from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.case import Case
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.charts.kinds import Sight
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.readers.files import read_any
-from axiscal.measurement.reading import Place, columns_of
+from axiscal.measurement.reading import columns_of
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Unknown
-from tests.commands import Command
 
 PLACES = ('["-900 mm", "-700 mm", "-500 mm"]', '["900 mm", "-600 mm", "-100 mm"]', '["100 mm", "100 mm", "700 mm"]')
 UNKNOWNS = 'unknowns = { zero = "10 mm", station_x = "5 mm", station_y = "5 mm", station_z = "5 mm", tool_x = "1 mm" }'
@@ -69,16 +65,6 @@ def test_each_number_is_that_of_a_tracer_alone(located: bool) -> None:
         np.testing.assert_allclose(beyond[:, number], single.nonlinear_part(0, poses, sides)[:, 0], rtol=1e-14)
 
 
-def test_a_reading_of_all_takes_the_time_of_one() -> None:
-    places = [(0.0, 0.0, 0.0), (0.2, 0.1, 0.1)]
-    seconds = []
-    for texts in (TOGETHER, one(0)):
-        case = Case(described(texts))
-        setup = case.description.setups[0].name
-        seconds.append(case.seconds_along(None, [Place(setup, pose, (0, 0, 0)) for pose in places]).tolist())
-    assert seconds[0] == seconds[1]
-
-
 def test_all_of_them_have_to_see_the_tool() -> None:
     sight = 'range = ["0.4 m", "1.45 m"]\n'
     chart = described(TOGETHER + sight).setups[0].chart
@@ -115,20 +101,6 @@ def test_readings_of_another_form_are_refused(tmp_path: Path, line: str, said: s
     with pytest.raises(ReadingError, match=said) as failure:
         placed_readings(read_any(path), described(TOGETHER), path)
     assert failure.value.line == 2
-
-
-@pytest.mark.long
-def test_one_question_one_answer_with_a_value_from_each(tmp_path: Path, command: Command) -> None:
-    file, record = tmp_path / "c.toml", tmp_path / "c.axiscal"
-    file.write_text(f'machine = "three-axis-mill"\n[target]\nreadings = 4\n{TOGETHER}')
-    assert run(["start", str(file), str(record)]) == 0
-    said = command("next", record).printed
-    assert '"1 um, 2 um, 3 um"' in said
-    assert "reads the distances from its 3 stations, in their order" in said
-    assert "Type each of 1 um, 2 um, 3 um" in command("record", record, "1 um, 2 um").refusal
-    assert run(["record", str(record), "1 um, 2 um, -3 um"]) == 0
-    with Campaign.open(record) as campaign:
-        assert campaign.state.readings[0].values == pytest.approx((1e-6, 2e-6, -3e-6))
 
 
 def test_what_nobody_says_is_that_of_each_tracer() -> None:

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from axiscal.campaign.agreement_words import acceptance, agreement_words, mistake_words
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
@@ -17,27 +16,12 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Owned
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.record.accepted import put_right
-from axiscal.record.events import Mounted
 from axiscal_core.rigid import rotation
-from tests.generators.texts import setup_text
+from tests.generators.texts import machine_text, setup_text
 
-MACHINE = """
-chain = "w-b-X-Y-Z-t"
-[tool]
-length = "80 mm"
-stylus = "6 mm"
-[axes.X]
-travel = ["0 mm", "600 mm"]
-[axes.Y]
-travel = ["0 mm", "400 mm"]
-[axes.Z]
-travel = ["-150 mm", "0 mm"]
-[errors]
-C0Y = { std = "100 urad" }
-B0Z = { std = "100 urad" }
-A0Z = { std = "100 urad" }
-"""
+MACHINE = machine_text(
+    "w-b-X-Y-Z-t", {"X": (0, 600), "Y": (0, 400), "Z": (-150, 0)}, {"C0Y B0Z A0Z": "100 urad"}, tool=80
+).replace("[tool]", '[tool]\nstylus = "6 mm"')
 BALLS = {"one": (-120, -110, 0), "two": (120, -120, 60), "three": (115, 120, 10), "four": (-120, 120, 50)}
 PLACED = ((300, 200, 45), (300, 200, 135), (150, 150, 0), (450, 250, 90), (450, 150, 180))
 BOARD = """
@@ -158,38 +142,3 @@ def test_columns_are_those_of_where_balls_stand(number: int) -> None:
     for one in names:
         slope = (stands(**{one: step}) - stands(**{one: -step})) / (2 * step)
         np.testing.assert_allclose(setup.artefact.moves(one, balls), slope, atol=1e-8)
-
-
-def moved(values: Array, first: int, last: int, by: Array) -> Array:
-    """Return values as if the board had moved before the first of these readings."""
-    return np.concatenate([values[:first], values[first:last] - by, values[last:]])
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("by", [(40e-6, -25e-6, 0.0), (1e-3, 0.0, 0.0), (-6e-3, 8e-3, 0.0)])
-def test_a_board_that_moves_between_two_touches_is_named(by: tuple[float, float, float]) -> None:
-    touched, rng = Touched(), np.random.default_rng(7)
-    truth = 0.3 * rng.standard_normal(len(touched.stds)) * touched.stds
-    values = touched.values(truth) + NOISE * rng.standard_normal((len(touched.order), 3))
-    assert not estimated(described(board()), values).agreement.contradicts
-    known = estimated(described(board()), moved(values, 18, 24, np.array(by)))
-    (named,) = known.agreement.explained
-    assert (named.mistake, named.setups, named.reading) == ("jump", (1,), 18)
-    assert mistake_words(named, known).startswith('"board" moved in "2" before reading 19')
-    right = put_right(known.readings, acceptance(named, known))
-    description = with_mounted(known.stated.description, [Mounted("2", acceptance(named, known).name, "")])
-    again = concluded(Case(description), right)
-    assert not again.agreement.contradicts
-    assert abs(again.knowledge.belief.mean[0] - truth[0]) < 4 * 3e-6
-
-
-@pytest.mark.long
-def test_a_board_that_never_stood_where_the_campaign_says_is_named() -> None:
-    touched, rng = Touched(), np.random.default_rng(7)
-    truth = 0.3 * rng.standard_normal(len(touched.stds)) * touched.stds
-    values = touched.values(truth) + NOISE * rng.standard_normal((len(touched.order), 3))
-    mine = [index for index, (placement, _) in enumerate(touched.order) if placement == 1]
-    values[mine] -= np.array([0.02, 0.0, 0.0])
-    known = estimated(described(board()), values)
-    assert not known.agreement.explained
-    assert '"2" does not stand where the campaign says' in agreement_words(known)

@@ -12,7 +12,6 @@ from axiscal.measurement.readers.csv_table import parse_table
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.readers.text_file import MOST_LINES
 from tests.measurement.test_instrument_files import MESH
-from tests.measurement.test_level_survey import SURVEY
 
 
 def test_a_file_without_end_is_refused(tmp_path: Path) -> None:
@@ -30,17 +29,6 @@ def test_what_stands_around_a_mesh_does_not_count(tmp_path: Path) -> None:
     assert [(each.position, each.value) for each in read_any(path)] == [(each.position, each.value) for each in plain]
     path.write_text(MESH + "[gcode_macro]\n")
     assert read_any(path) == plain
-
-
-def test_remarks_of_a_survey_may_be_apart_and_alone(tmp_path: Path) -> None:
-    path = tmp_path / "survey.txt"
-    path.write_text(SURVEY)
-    plain = read_any(path)
-    path.write_text(SURVEY.replace("# base", "\n# base"))
-    assert [each.value for each in read_any(path)] == [each.value for each in plain]
-    path.write_text("# level survey\n# base = 100 mm\n")
-    with pytest.raises(ReadingError):
-        read_any(path)
 
 
 @pytest.mark.parametrize(

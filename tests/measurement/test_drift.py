@@ -11,30 +11,24 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources import open_source
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import Estimation, paths
-from axiscal.estimation.promise.problem import problem as posed_of
+from axiscal.estimation.estimation import paths
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.cells import MEMORY, STEP, Course, wandering
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place, Reading
-from axiscal.measurement.reading_rows import places_of, seen, times_of, visited
-from axiscal.measurement.simulation import Simulator, VirtualMachine
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.planning.other_readings import planned_with_markers, with_markers, without_markers
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import EVERY
-from axiscal.present.curves import constants
-from axiscal.present.findings import findings, untimed
+from axiscal.present.findings import untimed
 from axiscal.record.events import Recorded
 from axiscal.record.payload import decode, encode
-from axiscal_core.theta import Sizes
-from tests.generators.dense_posterior import Dense
 
 RATE = 6e-6 / 3600
 STILL = 'drift = "0"'
@@ -52,11 +46,8 @@ reading_time = "2 min"
 """
 
 
-_AS_STATED = 'usual = "off"\nsure = "exactly"\n'
-
-
-def _description(drift: str = 'drift = "6 um/h"', readings: int = 40, head: str = "") -> CampaignDescription:
-    text = head + CAMPAIGN.format(drift=drift, readings=readings)
+def _description(drift: str = 'drift = "6 um/h"', readings: int = 40) -> CampaignDescription:
+    text = CAMPAIGN.format(drift=drift, readings=readings)
     return campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis")
 
 
@@ -92,73 +83,6 @@ def test_a_course_has_that_covariance_at_its_nodes_and_nearly_so_between_them() 
     assert row @ row == pytest.approx(expected, rel=0.02)
 
 
-def _readings(
-    machine: VirtualMachine, description: CampaignDescription, seed: int, gap: float = 120.0
-) -> list[Reading]:
-    """Forty readings in random order, every eighth at the first place again."""
-    rng, setup = np.random.default_rng(seed), description.setups[0]
-    places = rng.permutation((np.arange(40) + 0.5) / 40)
-
-    def taken(i: int) -> Reading:
-        x, sign = (places[0], -1) if i % 8 == 0 else (places[i], 1 if i % 2 else -1)
-        value = machine.read_all(setup, (float(x),), (sign,), rng, gap * i)[0]
-        return Reading("laser", (float(x),), (sign,), value, time=gap * i)
-
-    return [taken(i) for i in range(40)]
-
-
-def _estimated(description: CampaignDescription, readings: list[Reading]) -> Estimation:
-    return concluded(Case(description), readings)
-
-
-def _covered(estimation: Estimation, machine: VirtualMachine) -> float:
-    held = []
-    for function, curve in zip(estimation.case.errors.functions, machine.curves, strict=True):
-        positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)
-        mean, std = estimation.estimate().curve(function.name, positions)
-        held.append(np.abs(curve(positions) - mean) <= 1.96 * std)
-    return float(np.mean(np.concatenate(held)))
-
-
-@pytest.mark.long
-def test_a_stated_drift_is_found_and_the_bands_hold_without_it_because_readings_disagree() -> None:
-    """By what is stated alone; with what usually goes wrong a drift that nobody stated is part of it."""
-    drifting, shares, silent, disagreed, usual, beyond = _description(head=_AS_STATED), [], [], [], [], []
-    still = _description(STILL, head=_AS_STATED)
-    for seed in range(12):
-        machine = Simulator(drifting.machine, drifting.setups).drawn(seed)
-        readings = _readings(machine, drifting, seed)
-        known = _estimated(drifting, readings)
-        shares.append(_covered(known, machine))
-        without = _estimated(still, readings)
-        silent.append(_covered(without, machine))
-        disagreed.append(without.agreement.inflation > 1)
-        usual.append(_covered(_estimated(_description(STILL), readings), machine))
-        (path,) = paths(known, drifting.setups[0])
-        truth = np.array([machine.drifts["laser"](float(time))[0] for time in path.times])
-        assert path.prior[0] == 0.0 < path.prior[1]
-        beyond.append((path.mean - truth + truth[0])[1:] / path.std[1:])
-    assert np.mean(shares) > 0.91
-    assert np.mean(silent) > 0.91
-    assert np.mean(disagreed) > 0.8
-    assert np.mean(usual) > 0.91
-    assert 0.7 < np.std(np.concatenate(beyond)) < 1.3
-
-
-def test_the_report_says_how_large_a_stated_drift_was() -> None:
-    description = _description()
-    machine = Simulator(description.machine, description.setups).drawn(1)
-    readings = _readings(machine, description, 1)
-    estimation = _estimated(description, readings)
-    (said,) = [finding.text for finding in findings(estimation) if finding.code == "drift"]
-    assert 'The zero of "laser" had moved by' in said
-    drift = next(c for c in constants(estimation) if c.name == "laser: drift")
-    times = [reading.time or 0.0 for reading in readings]
-    first, last = (float(machine.drifts["laser"](at)[0]) for at in (min(times), max(times)))
-    assert abs(drift.mean - 1e6 * (last - first)) < 4 * drift.std
-    assert drift.std < drift.prior_std / 3
-
-
 def test_readings_that_do_not_tell_their_times_are_named_where_the_zero_may_drift() -> None:
     drifting, still = _description().setups, _description(STILL).setups
     timed = Reading("laser", (0.1,), (1,), 0.0, time=5.0)
@@ -166,19 +90,6 @@ def test_readings_that_do_not_tell_their_times_are_named_where_the_zero_may_drif
     assert found.code == "drift"
     assert "add a column time" in found.text
     assert untimed([timed], drifting) == untimed([replace(timed, time=None)], still) == []
-
-
-def test_the_likelihood_of_the_readings_counts_the_drift_as_the_belief_does() -> None:
-    description = _description()
-    problem = Case(description)
-    readings = _readings(Simulator(description.machine, description.setups).drawn(5), description, 5, gap=400.0)
-    observation = problem.observation
-    observation = visited(observation, places_of(observation.setups, readings), times_of(readings))
-    rows, variances, _, _ = seen(observation, readings)
-    expected = rows @ observation.prior_covariance() @ rows.T + np.diag(variances)
-    posed = posed_of(problem.observation, readings, Sizes(()), usual=False)
-    found = Dense(posed).covariance(np.zeros(0)) * np.outer(posed.noise, posed.noise)
-    assert found == pytest.approx(expected, rel=1e-9)
 
 
 def test_every_number_of_an_rtest_drifts_on_its_own() -> None:
@@ -227,22 +138,6 @@ def test_markers_are_counted_from_what_is_left_and_anew_where_a_plan_has_more(le
     assert len(asked) == searches
 
 
-@pytest.mark.long
-def test_the_loop_reads_markers_within_its_readings_and_finds_the_drift_of_a_virtual_machine(tmp_path: Path) -> None:
-    description = _description(readings=30)
-    simulator = Simulator(description.machine, description.setups)
-    with Campaign.create(tmp_path / "c.axiscal", description) as campaign:
-        campaign.run(open_source("sim:4", simulator), lambda _: None)
-        readings, estimation = campaign.state.readings, campaign.estimate(ended=True)
-    assert len(readings) == 30
-    assert sum(reading.pose == readings[0].pose for reading in readings) >= 3
-    assert all(reading.time is None for reading in readings)  # no clock: what is planned counts
-    (path,) = paths(estimation, description.setups[0])
-    moved = simulator.drawn(4).drifts["laser"]
-    truth = moved(float(path.times[-1]))[0] - moved(float(path.times[0]))[0]
-    assert abs(path.mean[-1] - truth) < 4 * path.std[-1]
-
-
 def test_a_reading_that_a_person_records_keeps_the_clock_and_old_records_have_none(tmp_path: Path) -> None:
     with Campaign.create(tmp_path / "c.axiscal", _description(readings=4)) as campaign:
         campaign.next()
@@ -276,23 +171,9 @@ def test_a_table_of_readings_may_say_when_they_were_taken(
     assert [reading.time for reading in placed] == pytest.approx(seconds)
 
 
-@pytest.mark.parametrize("wrong", ["", "soon", "09:59", "25:00", "12 um", "2026-11-20T11:00:00"])
-def test_a_time_that_is_none_is_named_with_its_line(tmp_path: Path, wrong: str) -> None:
-    file = tmp_path / "readings.csv"
-    file.write_text(f"setup,X_mm,value_um,time\nlaser,1,1,10:00\nlaser,2,1,{wrong}\n")
-    with pytest.raises(ReadingError) as caught:
-        read_any(file)
-    assert caught.value.line == 3
-
-
 @pytest.mark.parametrize("day", ["2026-11-20", "20261120", "2026-W47-5"])
 def test_a_day_is_no_time_for_all_its_readings_would_be_taken_at_once(tmp_path: Path, day: str) -> None:
     file = tmp_path / "readings.csv"
     file.write_text(f"setup,X_mm,value_um,time\nlaser,1,1,{day}\nlaser,2,1,{day}\n")
     with pytest.raises(ReadingError, match="without a time of day"):
         read_any(file)
-
-
-@pytest.mark.parametrize("said", ['"0"', '"0 um/h"'])
-def test_no_drift_at_all_needs_no_unit(said: str) -> None:
-    assert _description(f"drift = {said}").setups[0].drift == 0.0

@@ -11,7 +11,6 @@ from axiscal.description.placed_readings import placed_readings
 from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.files import read_any, recognised
-from tests.commands import Command
 from tests.generators.texts import machine_text
 
 RTL = """HEADER::
@@ -115,24 +114,9 @@ def test_the_flags_can_say_that_all_runs_go_up(tmp_path: Path) -> None:
     assert directions == {(1,)}
 
 
-def test_a_zero_that_was_not_probed_is_no_reading(tmp_path: Path) -> None:
-    found = read_any(_file(tmp_path, MAP))
-    assert [(r.position["X"], r.position["Y"], r.value) for r in found] == [
-        pytest.approx(node)
-        for node in ((0.04, 0.02, 41e-6), (0.07, 0.02, 0.0), (0.01, 0.05, -2e-5), (0.04, 0.05, -3e-5))
-    ]
-
-
 def test_a_height_map_of_version_one_has_one_spacing(tmp_path: Path) -> None:
     old = MAP.replace("v2", "v1").replace("xspacing,yspacing", "spacing").replace("30.00,30.00,3", "30.00,3")
     assert len(read_any(_file(tmp_path, old))) == 4
-
-
-def test_a_klipper_mesh_has_all_its_nodes(tmp_path: Path) -> None:
-    found = read_any(_file(tmp_path, MESH))
-    assert len(found) == 6
-    assert (found[4].position["X"], found[4].position["Y"]) == pytest.approx((0.04, 0.05))
-    assert found[4].value == pytest.approx(-112.5e-6)  # where the bed is high the tool is too low over it
 
 
 def test_maps_find_their_set_up(tmp_path: Path) -> None:
@@ -142,11 +126,3 @@ def test_maps_find_their_set_up(tmp_path: Path) -> None:
     assert nodes[0].value == pytest.approx(-41e-6)  # the bed is low, the tool too high over it
     with pytest.raises(ReadingError, match=r"line 4: no set-up reads a length along z while X, Y moves"):
         placed_readings(read_any(_file(tmp_path, MAP)), _campaign('direction = "x"'), "map")
-
-
-def test_estimate_takes_a_bed_map(tmp_path: Path, command: Command) -> None:
-    (tmp_path / "bed.toml").write_text(BED)
-    text = 'machine = "bed.toml"\n[[setups]]\nname = "probe"\ninstrument = "probe"\ndirection = "z"\n'
-    text += 'noise = "50 um"\n'  # nodes of a printed bed are no better: with less they contradict every explanation
-    campaign = _file(tmp_path, text, name="campaign.toml")
-    assert "6 readings" in command("estimate", campaign, _file(tmp_path, MESH), "--out", tmp_path / "out").printed

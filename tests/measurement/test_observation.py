@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
-from numpy.polynomial.chebyshev import chebfit, chebval
 
 import axiscal_core as ac
 from axiscal.errors.model import ErrorFunction, ErrorModel
@@ -15,7 +13,7 @@ from axiscal.estimation.belief import Belief
 from axiscal.machine import Machine, load_machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry
-from axiscal.measurement.candidates import breaks_along, smoothness_along
+from axiscal.measurement.candidates import breaks_along
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.observation import Observation
@@ -24,9 +22,8 @@ from axiscal.measurement.reading_rows import seen, visited
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.simulation import Curve, VirtualMachine
 from axiscal.numerics import Array
-from axiscal_core.roots import node_count, nodes
 from tests.core.beside import instrument_of, machine_of
-from tests.generators.forms import gain_forms
+from tests.generators.forms import apart_from_series
 from tests.generators.machines import random_machine, random_poses
 
 
@@ -91,18 +88,6 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(instrument: st
         assert np.abs((up - down) / (2 * step) - rows @ towards).max() < 1e-8
 
 
-def test_columns_are_errors_then_set_ups_then_cells() -> None:
-    model = ErrorModel(load_machine("one-axis"))
-    setup = zeroed(model.machine, "interferometer")
-    observation = visited(Observation(model, (setup, replace(setup, name="second"))), at(0.5))
-    assert observation.unknowns_of(0).tolist() == [22, 23]
-    assert observation.unknowns_of(1).tolist() == [24, 25]
-    assert observation.size == 27
-    expected = [1e-8, 1e-8, 1e-8, 1e-8, 0.3e-6**2]
-    assert np.diagonal(observation.prior_covariance())[22:] == pytest.approx(expected)
-    assert observation.prior_covariance()[:22, 22:].any() is np.False_
-
-
 def test_the_slope_is_counted_from_the_middle_of_the_travel() -> None:
     model = ErrorModel(load_machine("one-axis"))
     observation = Observation(model, (zeroed(model.machine, "straightedge"),))
@@ -160,31 +145,6 @@ def test_an_untold_side_widens_a_reading_by_half_the_reversal() -> None:
     assert untold - told == pytest.approx((reversal.covariance[0, 0] + reversal.rest**2) / 4)
 
 
-def test_repeating_at_one_position_does_not_average_the_rest_away() -> None:
-    model = ErrorModel(load_machine("one-axis"))
-    setup = replace(mounted(model.machine, "interferometer", (1.0, 0.0, 0.0)), unknowns=())
-    poses = np.full((2000, 1), 0.5)
-    belief, observation = _fed(Observation(model, (setup,)), poses, np.ones((2000, 1)), np.zeros(2000))
-    curve = np.zeros(belief.size)
-    curve[:22] = model.rows(poses[:1], np.ones((1, 1)))[0, 0]
-    assert belief.predict(curve).std[0] == pytest.approx(0.3e-6, rel=0.01)
-    assert len(observation.cells) == 1
-
-
-def test_a_reading_in_a_visited_cell_is_promised_less_noise_and_less_news() -> None:
-    model = ErrorModel(load_machine("one-axis"))
-    setup = mounted(model.machine, "interferometer", (1.0, 0.0, 0.0))
-    before = Observation(model, (setup,))
-    after = visited(before, at(0.5))
-    poses = np.array([[0.5], [0.504], [0.51], [0.499]])
-    assert before.rows(0, poses, np.ones((4, 1))).variances == pytest.approx(np.full(4, 0.18e-12))
-    assert after.rows(0, poses, np.ones((4, 1))).variances == pytest.approx([0.09e-12, 0.09e-12, 0.18e-12, 0.18e-12])
-    assert after.rows(0, poses, np.ones((4, 1))).rows[:, -1].tolist() == [1.0, 1.0, 0.0, 0.0]
-    assert visited(after, at(0.504)) is after
-    assert before.rest_variances(after).tolist() == [0.3e-6**2]
-    assert after.rest_variances(after).tolist() == []
-
-
 @pytest.mark.parametrize("position", [0.0, 1.0])
 def test_the_ends_of_the_travel_lie_in_its_cells(position: float) -> None:
     model = ErrorModel(load_machine("one-axis"))
@@ -192,14 +152,6 @@ def test_the_ends_of_the_travel_lie_in_its_cells(position: float) -> None:
     ((_, cell),) = observation.cells
     assert cell == round(position * 159)
     assert observation.rows(0, np.array([[position]]), np.zeros((1, 1))).rows[0, -1] == 1.0
-
-
-def test_a_rest_that_a_set_up_does_not_feel_gets_no_column() -> None:
-    model = ErrorModel(load_machine("three-axis-mill"))
-    laser = mounted(model.machine, "interferometer", (1.0, 0.0, 0.0))
-    shown = {model.functions[i].name for i, _ in visited(Observation(model, (laser,)), at(0.3, 0.2, 0.1)).cells}
-    assert shown == {"EXX", "EXY", "EXZ"}
-    assert sum(function.rest > 0 for function in model.functions) == 9
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -213,19 +165,10 @@ def test_the_forms_are_followed_between_the_breaks(seed: int, instrument: str) -
     observation = visited(observation, Places.of_setup(0, poses, approaches))
     factor = np.sqrt(np.diagonal(observation.prior_covariance()))[:, None] * rng.standard_normal((observation.size, 4))
     weighted = rng.standard_normal((3, 4))
-    inside = rng.uniform(-1, 1, 7)
     for axis in range(len(machine.axes)):
-        count, breaks = node_count(*smoothness_along(observation, axis, 0)), breaks_along(observation, axis, 0)
-        assert breaks[0] == machine.axes[axis].travel[0]
-        assert breaks[-1] == machine.axes[axis].travel[1]
-        for left, right in pairwise(breaks):
-            x = np.concatenate([nodes(count), inside])
-            at = np.tile(poses[0], (len(x), 1))
-            at[:, axis] = left * (1 - x) / 2 + right * (1 + x) / 2
-            seen = observation.rows(0, at, np.tile(approaches[0], (len(x), 1)))
-            for form in gain_forms(seen.rows, factor, weighted, seen.variances):
-                series = chebval(inside, chebfit(nodes(count), form[:count], count - 1))
-                assert np.abs(series - form[count:]).max() < 1e-12 * np.abs(form).max()
+        breaks = breaks_along(observation, axis, 0)
+        assert (breaks[0], breaks[-1]) == machine.axes[axis].travel
+        assert apart_from_series(observation, axis, poses[0], approaches[0], factor, weighted) < 1e-12
 
 
 def test_the_forms_are_followed_over_a_third_of_a_turn_without_a_knot() -> None:
@@ -237,13 +180,7 @@ def test_the_forms_are_followed_over_a_third_of_a_turn_without_a_knot() -> None:
         (Setup("s", "probe", (0.6, 0.8, 0.0), (0,), (0.0,), 1e-6, (), 0.0, 0.0, 0.0, (0.0,), "both"),),
     )
     factor = np.random.default_rng(1).standard_normal((16, 4))
-    count, inside = node_count(*smoothness_along(observation, 0, 0)), np.linspace(-1, 1, 101)
-    for left, right in pairwise(breaks_along(observation, 0, 0)):
-        at = left + (right - left) * (1 + np.concatenate([nodes(count), inside])[:, None]) / 2
-        seen = observation.rows(0, at, np.zeros_like(at))
-        form, _ = gain_forms(seen.rows, factor, np.ones((1, 4)), seen.variances)
-        series = chebval(inside, chebfit(nodes(count), form[:count], count - 1))
-        assert np.abs(series - form[count:]).max() < 1e-12 * np.abs(form).max()
+    assert apart_from_series(observation, 0, np.zeros(1), np.zeros(1), factor, np.ones((1, 4))) < 1e-12
 
 
 def test_breaks_are_knots_and_edges_of_visited_cells() -> None:

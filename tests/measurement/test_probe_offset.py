@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from axiscal.description.campaign import read_campaign
 from axiscal.measurement.readers.probe_offset import offset_in
+from axiscal.present.plan_words import open_questions
 from tests.zoo.animals import Job
 from tests.zoo.beds import JOB, rolled
 from tests.zoo.running import described, given
@@ -31,32 +33,19 @@ def test_reads_what_each_firmware_calls_it(text: str, beside: tuple[float, float
     assert found is beside or found == pytest.approx([1e-3 * each for each in beside or ()])
 
 
-@pytest.mark.parametrize(
-    ("stated", "mesh", "says"),
-    [
-        (None, MESH, "looks 29 mm beside the tool point"),
-        ('"7.5 mm", "-28 mm", "-1 mm"', MESH, "looks 29 mm beside the tool point"),
-        ('"7.5 mm", "28 mm", "0 mm"', MESH, 'along x and y by this file, and 7.5 mm 28 mm by "probe"'),
-        (None, MESH.replace("_offset", ""), "How far does the probe"),
-    ],
-)
-def test_a_bed_map_brings_its_own(tmp_path: Path, stated: str | None, mesh: str, says: str) -> None:
-    campaign, cfg = described(JOB, tmp_path / "job"), tmp_path / "printer.cfg"
-    if stated is not None:
-        text = campaign.read_text().replace('moves = ["X", "Y"]', f'moves = ["X", "Y"]\noffset = [{stated}]')
-        campaign.write_text(text)
-    cfg.write_text(mesh)
-    found = given("data", "estimate", campaign, cfg, "--out", tmp_path / "out")
-    assert says in " ".join((found.out + found.err).split())
-    assert found.status == (1 if "by this file" in says else 0)
-
-
-def test_the_record_says_where_the_probe_stood(tmp_path: Path) -> None:
-    campaign, cfg = described(JOB, tmp_path / "job"), tmp_path / "printer.cfg"
+def test_a_bed_map_brings_its_own_and_the_record_says_it(tmp_path: Path) -> None:
+    campaign, cfg, out = described(JOB, tmp_path / "job"), tmp_path / "printer.cfg", tmp_path / "out"
     cfg.write_text(MESH)
-    assert given("data", "estimate", campaign, cfg, "--out", tmp_path / "out").status == 0
-    record = (tmp_path / "out" / "campaign.axiscal").read_text(errors="replace")
-    assert r"offset = [\"7.5 mm\", \"-28 mm\", \"0 mm\"]" in record
+    assert any(each.startswith("How far does the probe") for each in open_questions(read_campaign(campaign)))
+    found = given("data", "estimate", campaign, cfg, "--out", out)
+    assert found.status == 0
+    assert "looks 29 mm beside the tool point" in " ".join((found.out + found.err).split())
+    assert r"offset = [\"7.5 mm\", \"-28 mm\", \"0 mm\"]" in (out / "campaign.axiscal").read_text(errors="replace")
+    stated = 'moves = ["X", "Y"]\noffset = ["7.5 mm", "28 mm", "0 mm"]'
+    campaign.write_text(campaign.read_text().replace('moves = ["X", "Y"]', stated))
+    refused = given("data", "estimate", campaign, cfg, "--out", tmp_path / "other")
+    assert refused.status == 1
+    assert 'along x and y by this file, and 7.5 mm 28 mm by "probe"' in " ".join(refused.err.split())
 
 
 @pytest.mark.parametrize(

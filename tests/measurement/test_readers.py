@@ -72,11 +72,6 @@ def test_readings_of_a_rotary_iso_230_2_test(tmp_path: Path) -> None:
     assert reading.dimension == "angle"
 
 
-def test_the_micro_sign_is_a_micro(tmp_path: Path) -> None:
-    (reading,) = read_any(written(tmp_path, "setup,X_mm,value_µm\ns,1,2\n"))
-    assert reading.value == pytest.approx(2e-6)
-
-
 @pytest.mark.parametrize("approach", ["X+ Y-", "X+;Y-", " X+ ;  Y- ", '"X+ Y-"'])
 def test_spellings_of_an_approach(approach: str, tmp_path: Path) -> None:
     (reading,) = read_any(written(tmp_path, f"setup,approach,value_um\ns,{approach},2\n"))
@@ -170,12 +165,6 @@ def test_numbers_are_left_alone(number: str) -> None:
 @given(st.lists(st.lists(st.text(st.characters(exclude_characters="\r\n")), min_size=1), min_size=1))
 def test_every_text_comes_back(rows: list[list[str]]) -> None:
     assert back(csv_text(rows)) == rows
-
-
-@given(st.lists(st.lists(st.text(st.characters(exclude_characters="\r\n")), min_size=2), min_size=1))
-def test_written_read_and_written_again_it_is_the_same_to_the_byte(rows: list[list[str]]) -> None:
-    text = csv_text(rows)
-    assert csv_text(back(text)) == text
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import numpy as np
 
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, place_text, reading_text
-from axiscal.measurement.reading_rows import places_of, rows_at, seen, times_of, visited
+from axiscal.measurement.reading_rows import places_of, seen, times_of, visited
 from tests.generators.campaigns import drawn, mixed
 from tests.planning.test_out_and_back import one_axis
 
@@ -49,33 +49,6 @@ def test_numbers_of_all_readings_are_those_of_each_in_order() -> None:
             np.testing.assert_allclose(together.rows[mine], alone.rows, rtol=1e-12, atol=1e-15)
             np.testing.assert_allclose(together.variances[mine], alone.variances, rtol=1e-12)
             np.testing.assert_allclose(together.values[mine], alone.values, rtol=1e-12)
-
-
-def test_a_row_times_the_unknowns_is_what_each_set_up_sees_alone() -> None:
-    """Filled in by hand: number after number, set-up after set-up."""
-    readings, observation = _readings(), mixed().observation
-    together = rows_at(observation, places_of(observation.setups, readings), times_of(readings))
-    at = 0
-    for reading in readings:
-        setup = [s.name for s in observation.setups].index(reading.setup)
-        poses, approaches = np.array([reading.pose]), np.array([reading.approach], dtype=float)
-        for row, variance in zip(
-            observation.numbers(setup, poses, approaches).rows[0],
-            np.diagonal(observation.numbers(setup, poses, approaches).covariances[0]),
-            strict=True,
-        ):
-            np.testing.assert_allclose(together.rows[at], row, rtol=1e-12, atol=1e-15)
-            assert abs(together.variances[at] - variance) <= 1e-12 * variance
-            at += 1
-    assert at == len(together.rows)
-
-
-def test_no_readings_have_no_rows() -> None:
-    observation = mixed().observation
-    nothing = seen(observation, [])
-    assert nothing.rows.shape == (0, observation.size)
-    assert len(nothing.variances) == len(nothing.values) == len(nothing.reading) == 0
-    assert visited_by(observation, []) is observation
 
 
 def test_a_sentence_names_a_place_to_the_micrometre_and_an_answer_to_where_it_is_all_of_it() -> None:

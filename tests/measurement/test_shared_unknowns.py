@@ -8,16 +8,12 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
-from axiscal.estimation.promise.posterior import sorted_out
-from axiscal.estimation.promise.problem import problem
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import Deviation
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal_core.instrument import TOOL
-from axiscal_core.theta import Sizes
 from tests.generators.kinematics import stem, tip
 from tests.generators.texts import setup_text
 
@@ -119,16 +115,6 @@ def test_a_sphere_touched_from_both_sides_does_not_show_the_reversal_of_a_linear
                 assert np.all(seen.rows[:, function.columns] == 0)
         rests = sum(f.rest**2 for f in observation.errors.functions) * 3
         assert setup.noise**2 <= seen.variances[0] <= setup.noise**2 + rests
-
-
-def test_the_prior_of_the_readings_counts_what_is_shared_once() -> None:
-    observation = Observation(ErrorModel(DMU), described(SPHERES + TOUCHED + NEST).setups)
-    place = tuple(sum(axis.travel) / 2 for axis in DMU.axes)
-    reading = Reading("nest", place, (1,) * len(place), 0.0, others=(0.0, 0.0))
-    size = observation.prior_covariance().shape[0]
-    found = sorted_out(problem(observation, [reading], Sizes(()), usual=False), never=(0,)).posterior()
-    assert found.covariance == pytest.approx(observation.prior_covariance())
-    assert len(found.mean) == size == observation.errors.size + len(observation.unknowns)
 
 
 def test_a_bar_is_looked_at_again_about_where_its_ball_is_found_and_what_touches_is_not() -> None:

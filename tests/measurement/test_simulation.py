@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import binom, chi2
 
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.belief import Belief
@@ -18,8 +17,6 @@ from axiscal.measurement.simulation import Simulator, TruthCurve
 from axiscal.numerics import Array
 from tests.generators.machines import random_machine, random_poses
 from tests.generators.one_axis import observed
-
-MACHINES = 200
 
 
 def _setup(machine: Machine, noise: float = 0.3e-6, unknowns: tuple[Unknown, ...] = ()) -> Setup:
@@ -51,16 +48,7 @@ def test_drawn_curves_scatter_as_the_prior_says_rests_included() -> None:
     assert np.abs(drawn.mean(axis=0)).max() < 5 * np.sqrt(expected.max() / 3000)
 
 
-@pytest.mark.long
-def test_errors_of_one_machine_are_independent_of_each_other() -> None:
-    machine = load_machine("dmu60")
-    simulator, middle = Simulator(machine, ()), np.array([[0.1, 0.1, 0.1, 0.1, 0.1]])
-    drawn = np.array([simulator.drawn(seed).values(middle)[:, 0] for seed in range(600)])
-    correlation = np.corrcoef(drawn.T) - np.eye(drawn.shape[1])
-    assert np.abs(correlation).max() < 5 / np.sqrt(600)
-
-
-@pytest.mark.parametrize("readings", [0, 3, 60])
+@pytest.mark.parametrize("readings", [0, 60])
 def test_samples_of_a_belief_scatter_as_its_covariance(readings: int) -> None:
     model, rng = ErrorModel(load_machine("one-axis")), np.random.default_rng(readings)
     poses, approaches = random_poses(model.machine, readings, rng)
@@ -95,7 +83,7 @@ def test_a_reading_is_the_deviation_along_the_direction_with_the_set_ups_own_and
     assert drawn.std() == pytest.approx(2e-6, rel=0.1)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_the_turn_that_is_read_is_the_turn_of_the_tool(seed: int) -> None:
     machine, rng = random_machine(seed), np.random.default_rng(seed)
     virtual, model = Simulator(machine, ()).drawn(seed), ErrorModel(machine)
@@ -119,36 +107,6 @@ def test_a_curve_of_an_axis_that_is_not_there_is_refused() -> None:
     curve = TruthCurve(np.array([0.0, 1.0]), np.array([0.0, 0.0]))
     with pytest.raises(ReadingError, match="error of axis Y"):
         Simulator(load_machine("one-axis"), ()).with_curves({"EYY": curve}, seed=1)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(("name", "readings"), [("three-axis-mill", 40), ("dmu60", 60), ("printer-gantry", 30)])
-def test_the_plus_minus_holds_on_virtual_machines(name: str, readings: int) -> None:
-    """200 machines from the prior, read through their full kinematics: NEES and the share inside 95 % bands.
-
-    Without rests, which `make trust` takes in.
-    """
-    whole = load_machine(name)
-    loose = tuple(replace(e, rest=None) for e in whole.errors), tuple(replace(p, rest=None) for p in whole.planes)
-    machine = replace(whole, errors=loose[0], planes=loose[1])
-    model, rng, noise = ErrorModel(machine), np.random.default_rng(7), 1e-6
-    poses, approaches = random_poses(machine, readings, rng)
-    probes, sides = random_poses(machine, 4, rng)
-    rows = model.rows(poses, approaches).reshape(-1, model.size)
-    belief, wanted = Belief(np.zeros(model.size), model.prior_covariance()), model.rows(probes, sides).reshape(12, -1)
-    after = belief.update(rows, np.zeros(len(rows)), noise**2).covariance
-    covariance, gain = wanted @ after @ wanted.T, wanted @ after @ rows.T / noise**2
-    nees: list[float] = []
-    inside = 0
-    for seed in range(MACHINES):
-        virtual = Simulator(machine, ()).drawn(seed)
-        values = virtual.deviation(poses, approaches).ravel() + noise * rng.standard_normal(len(rows))
-        wrong = gain @ values - virtual.deviation(probes, sides).ravel()
-        nees.append(float(wrong @ np.linalg.solve(covariance, wrong)))
-        inside += bool(abs(wrong[seed % 12]) < 1.96 * np.sqrt(covariance[seed % 12, seed % 12]))
-    assert gain @ values == pytest.approx(wanted @ belief.update(rows, values, noise**2).mean, abs=1e-12)
-    assert 5e-4 < chi2.cdf(sum(nees), 12 * MACHINES) < 1 - 5e-4
-    assert binom.ppf(5e-4, MACHINES, 0.95) <= inside <= binom.ppf(1 - 5e-4, MACHINES, 0.95)
 
 
 def test_what_a_display_rounds_off_counts_at_once() -> None:

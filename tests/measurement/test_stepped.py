@@ -5,11 +5,9 @@ steps, what it cannot see, and the set-ups that are refused.
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
-from numpy.polynomial.chebyshev import chebfit, chebval
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_pose
@@ -17,25 +15,21 @@ from axiscal.errors.model import ErrorFunction, ErrorModel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.exceptions import DescriptionError, ReadingError
+from axiscal.exceptions import ReadingError
 from axiscal.machine import Machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.candidates import breaks_along, smoothness_along
+from axiscal.measurement.candidates import breaks_along
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Setup, Unknown
-from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine
+from axiscal.measurement.simulation import Curve, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import proposed
-from axiscal.planning.unseen import hidden_of
 from axiscal.present.curves import curves
-from axiscal_core.roots import node_count, nodes
 from tests.generators.designs import problem
-from tests.generators.forms import gain_forms
+from tests.generators.forms import apart_from_series
 from tests.generators.machines import random_machine, random_poses
 
 ZERO = (Unknown("zero", 1e-3),)
@@ -123,13 +117,7 @@ def test_the_forms_are_followed_between_the_breaks() -> None:
     observation = Observation(model, (stepped(model.machine, 0, 0.13),))
     observation = visited(observation, along([0.2, 0.5, 0.77]))
     factor, weighted = rng.standard_normal((observation.size, 4)), rng.standard_normal((3, 4))
-    count, inside = node_count(*smoothness_along(observation, 0, 0)), np.linspace(-0.99, 0.99, 9)
-    for left, right in pairwise(breaks_along(observation, 0, 0)):
-        at = left + (right - left) * (1 + np.concatenate([nodes(count), inside])[:, None]) / 2
-        seen = observation.rows(0, at, np.ones_like(at))
-        for form in gain_forms(seen.rows, factor, weighted, seen.variances):
-            series = chebval(inside, chebfit(nodes(count), form[:count], count - 1))
-            assert np.abs(series - form[count:]).max() < 1e-9 * np.abs(form).max()
+    assert apart_from_series(observation, 0, np.zeros(1), np.ones(1), factor, weighted) < 1e-9
 
 
 def _read(observation: Observation, places: Array) -> tuple[Observation, Belief]:
@@ -197,19 +185,6 @@ def _described(setup: str) -> CampaignDescription:
     return campaign_from_texts(text, "campaign.toml", MACHINE, "bed.toml")
 
 
-def test_a_rotary_axis_has_no_way() -> None:
-    text = f'machine = "five-axis-mill"\n[target]\nreadings = 1\n[[setups]]\nname = "s"\n{LEVEL}'.replace("X", "C")
-    with pytest.raises(DescriptionError, match="a base is stepped along one straight way"):
-        campaign_from_texts(text, "c.toml", _five_axes(), "five-axis-mill")
-
-
-def _five_axes() -> str:
-    from axiscal.machine import builtin_names, load_machine
-
-    name = next(n for n in builtin_names() if any(axis.name == "C" for axis in load_machine(n).axes))
-    return load_machine(name).text
-
-
 def test_a_foot_beyond_the_travel_is_refused() -> None:
     description = _described(LEVEL)
     with pytest.raises(ReadingError, match="a foot of the level stands outside the travel"):
@@ -217,41 +192,6 @@ def test_a_foot_beyond_the_travel_is_refused() -> None:
     assert placed_pose(description.setups[0], description.machine, {"X": 0.0499995})[0] == 0.05  # as rounded to um
     with pytest.raises(ReadingError, match="X = 900 mm is outside the travel"):
         placed_pose(description.setups[0], description.machine, {"X": 0.9})
-
-
-def test_it_sees_neither_offset_nor_inclination_of_a_way() -> None:
-    hidden = hidden_of(Case(_described(LEVEL)))
-    told = [one.text for one in hidden if "EZX" in one.names]
-    assert any("slope" in text for text in told)
-
-
-def test_a_survey_gives_the_straightness_back() -> None:
-    description = _described(LEVEL)
-    machine, rng = Simulator(description.machine, description.setups).drawn(4), np.random.default_rng(4)
-    setup, readings = description.setups[0], list[Reading]()
-    for place in np.linspace(0.05, 0.75, 15):
-        pose = (float(place), 0.15)
-        readings.append(Reading("survey", pose, (1, 0), machine.read_all(setup, pose, (1, 0), rng)[0]))
-    estimation = concluded(Case(description), readings)
-    belief, function = estimation.knowledge.belief, estimation.case.errors.names["EZX"]
-    places = np.linspace(0.0, 0.8, 81)
-    rows = np.zeros((81, len(belief.mean)))
-    rows[:, function.columns] = function.basis.rows(places)
-    line = np.stack([np.ones(81), places - 0.4], axis=1)
-    free = np.eye(81) - line @ np.linalg.pinv(line)
-    index = [f.name for f in machine.model.functions].index("EZX")
-    truth = free @ machine.curves[index](places)
-    left, std = truth - free @ rows @ belief.mean, np.linalg.norm(free @ rows @ belief.factor, axis=1)
-    assert np.sqrt(np.mean(truth**2)) > 3e-6
-    assert np.all(np.abs(left) < 4 * std + 1e-6)
-    assert np.sqrt(np.mean(std**2)) < 1e-6
-
-
-def test_a_level_is_planned_on_a_way_that_has_no_rest() -> None:
-    text = f'machine = "bed.toml"\nusual = "off"\n[target]\nreadings = 4\n[[setups]]\nname = "survey"\n{LEVEL}'
-    bed = MACHINE.replace(', rest = "0.2 um"', "")
-    case = Case(campaign_from_texts(text, "campaign.toml", bed, "bed.toml"))
-    assert len(proposed(case, Limits(4), 100).plan.places) == 4
 
 
 def test_a_slope_between_two_feet_is_no_point_of_a_curve() -> None:

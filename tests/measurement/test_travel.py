@@ -33,19 +33,6 @@ def test_a_way_in_touch_takes_as_long_as_counted_elsewhere() -> None:
     assert apart[0] == pytest.approx(1.51, abs=0.006)
 
 
-def test_no_axis_exceeds_its_speed_or_acceleration_in_the_time_of_a_way_in_touch() -> None:
-    chart, rng = held(), np.random.default_rng(1)
-    for _ in range(5):
-        start, stop = rng.uniform([0, -0.3], [3, 1.0], (2, 2))
-        seconds = float(held_seconds(DMU, chart, start[None], stop[None])[0])
-        # a profile of the shortest time: s from rest to rest with the rate and acceleration that the time stands for
-        shares = np.linspace(0, 1, 2001)
-        poses = chart.poses(start + shares[:, None] * (stop - start))
-        slopes = np.abs(np.gradient(poses, shares, axis=0)).max(axis=0)
-        limits = np.array([axis.speed for axis in DMU.axes])
-        assert seconds >= float(np.max(slopes / limits)) - 1e-9
-
-
 def test_nothing_takes_no_time_and_a_sphere_is_left_and_come_back_to() -> None:
     poses = held().poses(places((10, 5), (100, 20)))
     free = np.zeros_like(poses)

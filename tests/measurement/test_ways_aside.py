@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.measurement.charts.kinds import Held
-from axiscal.measurement.travel import held_seconds, short_way, way_seconds
+from axiscal.measurement.travel import short_way, way_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.short_way import route_seconds
 from tests.generators.kinematics import in_travel, stem, tip
@@ -44,25 +44,6 @@ def test_a_way_in_touch_can_be_gone_at_every_place(ball: str) -> None:
                 assert math.degrees(math.acos(np.clip(stem(DMU, pose)[2], -1, 1))) <= 100 + 1e-6
     assert gone >= 12  # between the others the tool goes off and comes back
     assert aside >= 1 or ball != "low"  # of the others all that are tried go straight, or not at all
-
-
-@pytest.mark.long
-def test_a_way_aside_takes_the_time_of_its_legs() -> None:
-    chart = held()
-    places = reachable(chart, 40)
-    found = 0
-    for start, stop in pairwise(places):
-        legs = chart.between(start, stop)
-        if legs is None or len(legs) < 3:
-            continue
-        found += 1
-        poses = chart.poses(np.stack([start, stop]))
-        seconds = float(way_seconds(DMU, NEST, poses[0], poses[1], np.zeros(5)))
-        assert seconds == pytest.approx(
-            sum(float(held_seconds(DMU, chart, a[None], b[None])[0]) for a, b in pairwise(legs))
-        )
-        assert seconds > float(held_seconds(DMU, chart, start[None], stop[None])[0])
-    assert found >= 1
 
 
 def test_an_order_counts_what_ways_really_take() -> None:

@@ -13,9 +13,8 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.charts.kinds import Bar, Held, Line
 from axiscal.measurement.charts.room import Coordinate, Room, turns
 from axiscal.measurement.charts.ways import Slides, SmoothChart, clear, stem_rate
-from axiscal.numerics import Array
 from tests.generators.kinematics import in_travel, stem, tip
-from tests.measurement.test_charts import DMU, HOME, UP, circle, held
+from tests.measurement.test_charts import DMU, UP, circle, held
 
 _TRAVELS = {"X": ("-400 mm", "400 mm"), "Y": ("-300 mm", "300 mm"), "Z": ("-200 mm", "400 mm")}
 _TURNS = {"B": ("-100 deg", "100 deg", (30, 10, -120)), "C": ("0 deg", "360 deg", (-20, 40, 0))}
@@ -128,10 +127,3 @@ def test_a_circle_whose_side_bulges_out_of_a_travel_by_a_tenth_of_a_micrometre_i
         ways = np.array([[-0.3], [0.3]])
         assert clear(short, ways) == gone
         assert in_travel(short.room.machine, short.poses(ways)[0])
-
-
-def test_where_nothing_turns_the_bound_of_a_line_is_nought() -> None:
-    line = Line.between_ends(Room.empty(DMU), np.array([[-0.2, -0.2, 0.0], [0.2, 0.2, 0.1]]), HOME, 0.0, 1e-3)
-    start, stop = np.array([0.0]), np.array([0.3])
-    bends: Array = Slides(DMU, line.swing(start, stop)).bends(frames(DMU, line.poses(start[None])), np.ones(1))
-    assert bends[0] == 0.0

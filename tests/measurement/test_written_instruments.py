@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
@@ -16,14 +15,13 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.description.placed_readings import placed_readings
 from axiscal.document import ports
 from axiscal.estimation.estimate import concluded, estimated
-from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.promise.causes import contributions
 from axiscal.exceptions import DescriptionError, SourceError
 from axiscal.machine import load_machine
 from axiscal.measurement.readers.files import read_any
-from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import places_of
+from axiscal.measurement.reading import Place, Reading
+from axiscal.measurement.reading_rows import blank_readings, places_of
 from axiscal.measurement.simulation import Simulator, by_number
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
@@ -67,14 +65,6 @@ class Laser(ac.Instrument):
     def sees(self, at, u):
         return [at.moved[:, 0] + u["zero"]]
 
-class Bar(ac.Instrument):
-    noise, unknowns = "0.5 um", {"zero": "1 mm"} | {f"station_{axis}": "0.1 mm" for axis in "xyz"}
-
-    def sees(self, at, u):
-        line = at.tcp - np.array([0.3, 0.2, -0.1])
-        off = np.array([u[f"station_{axis}"] for axis in "xyz"])
-        return [ac.length(line + at.moved - off) - ac.length(line) + u["zero"]]
-
 class Tracker(ac.Instrument):
     names, units, noise = ("x", "y", "z"), ("m",) * 3, "10 um"
     unknowns = {f"zero_{axis}": "1 mm" for axis in "xyz"} | {f"turn_{axis}": "1 mrad" for axis in "xyz"}
@@ -100,11 +90,11 @@ def plate(folder: Path) -> Path:
     return campaign
 
 
-def drawn(description: CampaignDescription, seed: int = 3) -> tuple[Reading, ...]:
+def drawn(description: CampaignDescription, count: int = 8) -> tuple[Reading, ...]:
     """Return readings of a virtual machine at the places of a plan."""
-    places = placed(case_of(description), proposed(case_of(description), Limits(COUNT), 300).plan)
-    machine = Simulator(description.machine, description.setups).drawn(seed)
-    return machine.measured(description.setups, places, [10.0 * n for n in range(len(places))], by_number(seed))
+    places = placed(case_of(description), proposed(case_of(description), Limits(count), 300).plan)
+    machine = Simulator(description.machine, description.setups).drawn(3)
+    return machine.measured(description.setups, places, [10.0 * n for n in range(len(places))], by_number(3))
 
 
 def test_a_grid_goes_from_its_file_to_a_report_by_the_command_line(tmp_path: Path, command: Command) -> None:
@@ -144,50 +134,38 @@ def test_numbers_that_are_not_equally_noisy_are_weighed_as_they_are(tmp_path: Pa
     before[:-6, :-6], before[-6:, -6:] = errors.prior_covariance(), 1e-6 * np.eye(6)
     gain = before @ rows.T @ np.linalg.inv(rows @ before @ rows.T + np.diag(noise**2))
     values = np.concatenate([reading.values for reading in readings])
-    after, found = before - gain @ rows @ before, known(six, readings).printed.belief
+    after, found = before - gain @ rows @ before, concluded(case_of(six), readings).printed.belief
     scale = np.sqrt(np.diag(after))[: errors.size]
     assert np.abs((found.mean[: errors.size] - (gain @ values)[: errors.size]) / scale).max() < 1e-6
     theirs = np.sum(found.factor[: errors.size] ** 2, axis=1)
     assert np.allclose(theirs, scale**2, rtol=1e-6)
 
 
-def known(description: CampaignDescription, readings: tuple[Reading, ...]) -> Estimation:
-    """Return what readings make known."""
-    return concluded(case_of(description), readings)
-
-
-COUNT = 16
 KEYS = 'name = "s"\nmoves = [{moves}]\nsetup_time = "1 min"\nsettle = "0 s"\nreading_time = "5 s"\ndrift = "0"\n'
 PAIRS = {
     "Laser": ('instrument = "interferometer"\ndirection = "x"\n', '"X"'),
-    "Bar": ('instrument = "ballbar"\nstation = ["300 mm", "200 mm", "-100 mm"]\n', '"X", "Y", "Z"'),
     "Tracker": ('instrument = "tracker"\nstation = ["300 mm", "-1000 mm", "300 mm"]\n', '"X", "Y", "Z"'),
 }
 
 
-SLOW = [pytest.param(name, marks=pytest.mark.long) for name in ("Bar", "Tracker")]
-
-
-@pytest.mark.parametrize("name", ["Laser", *SLOW])
-def test_one_of_ours_written_again_gives_plan_posterior_and_tables_of_ours(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize(("name", "count"), [("Laser", 8), pytest.param("Tracker", 16, marks=pytest.mark.long)])
+def test_one_of_ours_written_again_gives_what_ours_gives(tmp_path: Path, name: str, count: int) -> None:
     own, moves = PAIRS[name]
     keys = KEYS.format(moves=moves)
     ours = described(tmp_path, STRANGERS, keys + own)
     ours = replace(ours, setups=tuple(replace(setup, lacks=None) for setup in ours.setups))
     theirs = described(tmp_path, STRANGERS, f'{keys}approach = "+"\ninstrument = "own.py:{name}"\n')
-    readings = drawn(ours)
-    plan = proposed(case_of(theirs), Limits(COUNT), 300).plan
+    readings = drawn(ours, count)
+    plan = proposed(case_of(theirs), Limits(count), 300).plan
     assert placed(case_of(theirs), plan) == tuple(reading.place for reading in readings)
-    # from six readings on ours begins from where the station is in closed form, and ends at the same place but rounding
-    for some, most in ((readings[:5], 1e-12), (readings, 1e-5 if name == "Bar" else 1e-12)):
+    for some in (readings[:5], readings):
         mine, other = (estimated(case_of(each), some).printed.belief for each in (ours, theirs))
         scale = np.linalg.norm(mine.factor, axis=1)
-        assert np.abs((mine.mean - other.mean) / scale).max() < most
+        assert np.abs((mine.mean - other.mean) / scale).max() < 1e-12
         one, two = (each.factor @ each.factor.T / np.outer(scale, scale) for each in (mine, other))
-        assert np.abs(one - two).max() < most
-    if name != "Laser":
-        files, same = (offered(known(each, readings), "csv").files for each in (ours, theirs))
-        assert files == same
+        assert np.abs(one - two).max() < 1e-12
+    files, same = (offered(concluded(case_of(each), readings), "csv").files for each in (ours, theirs))
+    assert files == same
 
 
 BROKEN = """
@@ -197,20 +175,11 @@ import axiscal_core as ac
 class Norm(ac.Instrument):
     def sees(self, at, u): return [np.abs(at.moved[:, 0])]
 
-class Undeclared(ac.Instrument):
-    def sees(self, at, u): return [at.moved[:, 0] + u["zero"]]
-
-class Slip(ac.Instrument):
-    def sees(self, at, u): return [at.moved[:, 7]]
-
 class Far(ac.Instrument):
     def sees(self, at, u): return [at.moved[:, 0] + np.where(at.poses[:, 0] > 0.4, np.nan, 0.0)]
 
 class Needs(ac.Instrument):
     def __init__(self, name, moves, station): super().__init__(name, moves)
-
-class Twice(ac.Instrument):
-    names, units = ("a", "a"), ("m", "m")
 
 class Column(ac.Instrument):
     names = ("setup",)
@@ -222,11 +191,8 @@ number = 3
 """
 REFUSED = {
     "own.py:Norm": "Norm.sees: result, pose 0 is not analytic in at.moved[:, 0]: a complex step gives 0,",
-    "own.py:Undeclared": "Undeclared.sees: u['zero'] is not there",
-    "own.py:Slip": "Slip.sees: result cannot be computed (IndexError: index 7 is out of bounds",
     "own.py:Far": "Far.sees: result, pose 1",
     "own.py:Needs": "the instrument cannot be mounted (TypeError",
-    "own.py:Twice": "Twice: names hold 'a'",
     "own.py:Column": "Column: names hold 'setup'",
     "own.py:Drifting": "Drifting: drift is one for unlike numbers",
     "own.py:number": '"own.py:number" is no class that is derived from axiscal_core.Instrument',
@@ -295,11 +261,10 @@ def test_its_figures_hold_where_the_campaign_says_nothing(tmp_path: Path) -> Non
 def test_its_causes_that_no_reading_shows_widen_what_is_known(tmp_path: Path) -> None:
     keys = 'name = "s"\nmoves = ["X"]\ninstrument = "own.py:Dial"\n'
     dial = described(tmp_path, FIGURES, keys)
-    dial = replace(dial, usual=True)
-    readings = drawn(dial)
-    observation = case_of(dial).observation
-    found = {each.row.name: each for each in contributions(observation, places_of(dial.setups, readings))}
-    at = np.array([reading.pose[0] for reading in readings])
+    dial, at = replace(dial, usual=True), np.array([0.1, 0.25, 0.5])
+    places = [Place("s", (x, *dial.setups[0].park[1:]), (-1, 0, 0)) for x in at.tolist()]
+    readings = blank_readings(dial.setups, places)
+    found = {each.row.name: each for each in contributions(case_of(dial).observation, places_of(dial.setups, readings))}
     assert np.allclose(found["gain"].effects, 2e-3 * at, rtol=1e-9)
     assert np.allclose(found["offset"].effects, 3e-6, rtol=1e-9)
 
@@ -312,32 +277,6 @@ def test_a_first_campaign_offers_an_instrument_of_ones_own(tmp_path: Path, comma
     assert (own.name, own.instrument, len(own.moves)) == ("Grid", "grid.py:Grid", 3)
     assert {setup.instrument for setup in others} == {"level"}
     command("init", tmp_path / "elsewhere", *begun).refused("grid.py cannot be loaded", "Put the file there")
-
-
-@pytest.mark.parametrize("language", ["en", "de"])
-@pytest.mark.long
-def test_six_numbers_of_two_kinds_go_from_the_prompt_to_the_report(
-    tmp_path: Path, command: Command, language: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("AXISCAL_LANGUAGE", language)
-    (tmp_path / "own.py").write_text(SIX)
-    campaign, record = tmp_path / "six.toml", tmp_path / "six.axiscal"
-    campaign.write_text(f'{HEAD}name = "six"\ninstrument = "own.py:SixDegrees"\nmoves = ["X"]\n')
-    monkeypatch.chdir(tmp_path)
-    assert command("step", "start", campaign.name).status == 0
-    (tmp_path / "elsewhere").mkdir()
-    monkeypatch.chdir(tmp_path / "elsewhere")
-    asked = command("step", "next", record).said
-    assert f'record {record} "x um, y um, z um, a urad, b urad, c urad"' in asked
-    assert {"en": "reads x, y, z, a, b, c", "de": "misst x, y, z, a, b, c"}[language] in asked
-    command("step", "record", record, "1 um").refused("1 um", "x um, y um, z um, a urad, b urad, c urad")
-    assert command("step", "record", record, "1 um, 2 um, 3 um, 4 urad, 5 urad, 6 urad").status == 0
-    assert command("finish", record, "--out", tmp_path / "out").status == 0
-    text = (tmp_path / "out" / "report.html").read_text()
-    assert "SixDegrees" in text
-    assert re.search({"en": r"0\.5\s*µm, 1\s*µrad", "de": r"0,5\s*µm, 1\s*µrad"}[language], text)
-    row = (tmp_path / "out" / "data" / "readings.csv").read_text().splitlines()[1]
-    assert ",1,2,3,4,5,6," in row
 
 
 def test_a_file_and_a_command_answer_with_all_of_its_numbers(tmp_path: Path) -> None:

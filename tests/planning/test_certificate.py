@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import replace
 from itertools import islice
 
@@ -64,19 +63,6 @@ def test_nothing_is_weyl_and_everything_is_the_equivalence_theorem() -> None:
     assert dual.whole - 7 * float(slopes.max()) == pytest.approx(by_hand, rel=1e-6)
 
 
-def test_both_together_prove_more_than_either() -> None:
-    asked = levered(300)
-    pool, count = Pool(asked.observation, asked.lattice), 8
-    relaxation = Relaxation(pool, asked.state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), float(count))
-    for _ in range(30):
-        dual = relaxation.solved()
-        slopes = relaxation.slopes(dual)
-        if not relaxation.grow(slopes):
-            break
-    most = count * float(slopes.max())
-    assert dual.floor(most, count) > 1.02 * max(rank_bound(asked.state, count), dual.whole - most)
-
-
 @pytest.mark.parametrize("readings", [1, 4, 9])
 def test_rests_are_not_averaged_away(readings: int) -> None:
     """Readings at one place share their rest: the bound knows it, and stays below what greedy picks reach."""
@@ -93,17 +79,6 @@ def test_rests_are_not_averaged_away(readings: int) -> None:
     for each in (known, shared):
         each.begin_everywhere()
     assert shared.solved().value > known.solved().value
-
-
-def test_one_reading_is_bounded_by_the_best_one() -> None:
-    asked = levered(100)
-    pool = Pool(asked.observation, asked.lattice)
-    best = asked.state.value - float(Scores(pool, asked.state).gains.max())
-    assert (
-        0.5 * best
-        < lower_bound(pool, asked.state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), 1.0).value
-        <= best
-    )
 
 
 def test_turns_end_at_the_optimum_of_the_second_derivatives() -> None:
@@ -137,18 +112,6 @@ def test_bounds_from_weights_of_all_hold_and_are_hardly_looser(given: bool, monk
     assert closely - found < 0.15 * (plan.value - closely)
 
 
-def test_candidates_that_may_want_weight_get_it_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = levered(300)
-    pool, state = Pool(asked.observation, asked.lattice), asked.state
-    places = pool.lattice.within(np.arange(0, len(pool), 25))
-    sought = Relaxation(pool, state, places, np.ones(len(pool) + len(places)), 12.0)
-    slopes = sought.slopes(sought.solved())
-    monkeypatch.setattr(relaxation, "_MOST", 30)
-    turn = next(sought.over_all(slopes))
-    assert len(np.unique(sought.support)) == len(sought.support) == len(turn.slopes) <= len(places) + 30
-    np.testing.assert_allclose(turn.slopes, sought.slopes(turn.dual)[sought.support], rtol=1e-6)
-
-
 @pytest.mark.parametrize("seen", [(1e2, 1e2), (1e3, 1e3), (1e4, 1e3), (1e5, 1e5)])
 def test_readings_that_say_the_same_share_their_weight(seen: tuple[float, float]) -> None:
     """Two set-ups at one place, and a third reading that begins with hardly any weight.
@@ -172,26 +135,6 @@ def with_zeros(std: float, candidates: int, instrument: str = "indicator") -> Ta
     first = replace(first, instrument=instrument, unknowns=tuple(Unknown(name, std) for name in names))
     second = replace(second, unknowns=(Unknown("zero", 2 * std),))
     return problem(asked.observation.machine, (first, second), candidates)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("std", [1e-6, 1e-3])
-@pytest.mark.parametrize("instrument", ["indicator", "rtest"])
-def test_no_plan_of_all_that_there_are_is_below(std: float, instrument: str) -> None:
-    asked, readings = with_zeros(std, 10, instrument), 3
-    pool, state = Pool(asked.observation, asked.lattice), asked.state
-    bound = lower_bound(pool, state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), float(readings)).value
-    plans = itertools.combinations_with_replacement(range(len(pool)), readings)
-    best = min(state.after_readings(pool.lattice.within(np.array(plan))).value for plan in plans)
-    assert 0 < bound <= best * (1 + 1e-12)
-
-
-def test_a_first_reading_tells_little_but_its_zero() -> None:
-    asked = with_zeros(1e-3, 100)
-    pool = Pool(asked.observation, asked.lattice)
-    best = asked.state.value - float(Scores(pool, asked.state).gains.max())
-    bound = lower_bound(pool, asked.state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), 1.0).value
-    assert 0.999 * best < bound <= best
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(-6.0, -3.0), st.integers(2, 6))
@@ -222,13 +165,6 @@ def test_which_zeros_count() -> None:
     assert one.stiffness > both.stiffness
     size = asked.observation.errors.size
     np.testing.assert_array_equal(np.sort(both.columns), np.arange(size, size + 4))
-
-
-def test_a_zero_that_is_known_with_other_things_does_not_count() -> None:
-    asked = with_zeros(1e-4, 30)
-    state = asked.state
-    place = Pool(asked.observation, asked.lattice).lattice.single(3)
-    assert zeros_of(zeros_each(state.after_readings(place), asked.lattice), (int(place.setups[0]),)) is None
 
 
 def test_a_set_up_that_shows_nothing_but_its_zero_is_bounded_by_what_is_there() -> None:

@@ -9,17 +9,14 @@ import pytest
 
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
-from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
-from axiscal.planning.gains import candidate_rows
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.running_gains import ReadingColumns, Scores
+from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Task
 from tests.generators import dense_gains as dense
 from tests.generators.designs import levered, random_poses, read
 from tests.generators.forms import gains_of
-from tests.planning.test_three_values import mixed
 
 ZEROS = tuple(Unknown(f"zero_{axis}", 1e-4) for axis in "xyz")
 
@@ -56,19 +53,6 @@ def test_the_gain_of_one_number_is_the_ratio_of_the_paper() -> None:
     assert dense.gain(_known(asked), asked.root.weights, place) == pytest.approx(expected, rel=1e-12)
     after = dense.value(dense.after_readings(_known(asked), place), asked.root.weights)
     assert dense.value(_known(asked), asked.root.weights) - after == pytest.approx(expected, rel=1e-6)
-
-
-@pytest.mark.parametrize("nest", [False, True])
-def test_readings_together_bring_what_they_bring_one_after_another(nest: bool) -> None:
-    asked = _asked(0, nest)
-    places, known, total = asked.lattice.within(np.array([1, 1, 20, 41, 7])), _known(asked), 0.0
-    for i in range(len(places)):
-        total += dense.gain(known, asked.root.weights, places.single(i))
-        known = dense.after_readings(known, places.single(i))
-    assert dense.gain(_known(asked), asked.root.weights, places) == pytest.approx(total, rel=1e-6)
-    np.testing.assert_allclose(
-        known.covariance, dense.after_readings(_known(asked), places).covariance, atol=1e-9 * known.covariance.max()
-    )
 
 
 @pytest.mark.parametrize("nest", [False, True])
@@ -110,72 +94,3 @@ def test_the_state_after_readings_is_the_dense_one() -> None:
     np.testing.assert_allclose(
         state.factor @ state.factor.T, expected.covariance, atol=1e-9 * float(expected.covariance.max())
     )
-
-
-CANDIDATES, READINGS, WIDTH = 40, 6, 2
-
-
-class _Plain:
-    """The same tables, everything taken off at once.  cross, reach : (N, w, w, M), columns of a reading first"""
-
-    def __init__(self, cross: Array, reach: Array) -> None:
-        self.cross, self.reach = cross.copy(), reach.copy()
-
-    def change(self, scaled: Array, half: Array, cross: Array) -> None:
-        def product(mine: Array, other: Array) -> Array:
-            found: Array = np.einsum("kbn,kim->nbim", mine[:, :, CANDIDATES:], other[:, :, :CANDIDATES])
-            return found
-
-        self.cross -= product(cross, scaled)
-        self.reach -= product(half, scaled) + product(scaled, half)
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_columns_are_those_of_tables_from_which_everything_is_taken_off_at_once(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    tables = rng.normal(size=(2, READINGS, WIDTH, WIDTH, CANDIDATES))
-    found, plain = ReadingColumns(*tables), _Plain(*tables)
-    for step in range(60):
-        slot = int(rng.integers(READINGS))
-        if rng.integers(3) == 0:
-            columns = rng.normal(size=(2, WIDTH, WIDTH, CANDIDATES))
-            found.put(slot, *columns)
-            plain.cross[slot], plain.reach[slot] = columns
-        else:
-            count = 30 if step % 10 == 9 else int(rng.integers(1, 4))
-            parts = rng.normal(size=(3, count, WIDTH, CANDIDATES + READINGS))
-            found.change(*parts)
-            plain.change(*parts)
-        there = found.copy() if step % 7 == 0 else found
-        for slot in range(READINGS):
-            cross, reach = there.against(slot)
-            np.testing.assert_allclose(cross, plain.cross[slot], atol=1e-11)
-            np.testing.assert_allclose(reach, plain.reach[slot], atol=1e-11)
-
-
-def test_a_candidate_opens_the_cells_that_a_reading_there_opens() -> None:
-    task = mixed(60)
-    pool, observation = Pool(task.observation, task.lattice), task.observation
-    for index in range(0, len(pool), 5):
-        opened = pool.opened(observation, index)
-        assert dict(opened.cells) == dict(visited(observation, pool.lattice.single(index)).cells)
-        observation = opened
-    assert len(observation.cells) > 0
-    assert pool.opened(observation, 0) is observation
-
-
-@pytest.mark.parametrize("memory", [1e9, 0.0])
-def test_products_with_visited_cells_are_those_of_whole_rows(memory: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a lattice that takes too much memory they are made of pieces, and of whole rows otherwise."""
-    monkeypatch.setattr(candidate_rows, "_MEMORY", memory)
-    task, rng = mixed(60), np.random.default_rng(5)
-    pool, observation = Pool(task.observation, task.lattice), task.observation
-    for index in range(0, len(pool), 7):
-        observation = pool.opened(observation, index)
-    for count in (1, 3, 9):
-        vectors = rng.normal(size=(observation.size, count))
-        products = pool.products(observation, vectors)
-        for index in range(len(pool)):
-            rows = pool.rows(observation, index)
-            np.testing.assert_allclose(products[:, : len(rows), index], (rows @ vectors).T, atol=1e-12)
-            assert not products[:, len(rows) :, index].any()

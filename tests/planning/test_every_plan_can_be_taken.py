@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import tomllib
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +20,6 @@ from axiscal.planning.next_readings import next_places, placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from axiscal.programs import Program, controllers, dialect, programs
-from tests.generators.kinematics import in_travel, tip
 from tests.generators.printed_machine import printed_machine
 from tests.generators.said_places import Said
 from tests.generators.ways_said import WaysSaid
@@ -93,7 +91,6 @@ def test_every_reading_of_an_example_can_be_taken(name: str, text: str) -> None:
         assert places
         for place in places:
             said.holds(place)
-        _ways_hold(campaign, places)
         _programs_hold(campaign, said, places, controllers()[len(name) % len(controllers())])
 
 
@@ -113,18 +110,3 @@ def _programs_hold(campaign: CampaignDescription, said: Said, places: tuple[Plac
         setup = program.readings[0].setup.name
         planned = {k: np.array(place.pose) for k, place in enumerate(places, start=1) if place.setup == setup}
         assert WaysSaid(said, setup, controller).holds(program.text, planned) == len(planned) - 1
-
-
-def _ways_hold(campaign: CampaignDescription, places: tuple[Place, ...]) -> None:
-    """Assert that ways in touch stay in the travels, and as near to the ball or centre as the places."""
-    for before, after in pairwise(places):
-        setup = campaign.setup(after.setup)
-        if setup.chart is None or setup.contact != "held" or before.setup != after.setup:
-            continue
-        start, stop = setup.chart.places(np.array([before.pose, after.pose]))
-        legs = setup.chart.between(start, stop)
-        centre = np.array(setup.station) if setup.length else tip(campaign.machine, np.array(after.pose))
-        for a, b in pairwise(legs if legs is not None else []):
-            for pose in setup.chart.poses(a + np.linspace(0, 1, 40)[:, None] * (b - a)):
-                assert in_travel(campaign.machine, pose)
-                assert abs(np.linalg.norm(tip(campaign.machine, pose) - centre) - (setup.length or 0.0)) < 1e-9

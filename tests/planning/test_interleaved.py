@@ -44,24 +44,6 @@ def test_j_with_what_passes_falls_by_more_than_the_time_rises() -> None:
     assert seconds_along(task, after) < 1.02 * seconds_along(task, before)
 
 
-def test_no_exchange_of_two_readings_was_taken_that_costs_more() -> None:
-    """The search has J to rounding: where it ends few of all exchanges are better, by little."""
-    _, task = one_axis()
-    after = apart(task)
-
-    def cost(places: Places) -> float:
-        return left(task, places) * seconds_along(task, places)
-
-    best, better = cost(after), list[Array]()
-    for first in range(0, 20, 2):
-        for second in range(first + 1, 20, 3):
-            turns = np.arange(20)
-            turns[[first, second]] = second, first
-            better.append(np.array(cost(after.within(turns)) / best))
-    assert np.min(better) > 0.97
-    assert np.mean(np.array(better) > 0.999) > 0.9
-
-
 def test_a_budget_is_kept() -> None:
     _, task = one_axis()
     before = planned(task)
@@ -86,19 +68,3 @@ def test_where_the_machine_stands_counts() -> None:
     after = interleaved(here, Limits(20), in_order(here, before))
     assert seconds_along(here, after) < seconds_along(task, after)
     assert left(here, after) < left(here, in_order(here, before))
-
-
-def test_growth_in_between_moves_the_estimate_less() -> None:
-    """An axis that grows by 10 um and shrinks again, taken for an error of the axis: RMS over the travel."""
-    _, task = one_axis()
-    moved = []
-    for order in (planned(task), apart(task)):
-        time = np.cumsum(seconds_each(task, order))
-        share = (time - time[0]) / np.ptp(time)
-        grown = 10e-6 * (order.poses[:, 0] - 0.5) * (1 - np.abs(2 * share - 1))
-        state, columns = task.state.opened(order), passing(task, order)
-        seen = state.rows(order)
-        rows = seen.rows @ state.factor
-        covariance = rows @ rows.T + columns @ columns.T + np.diag(seen.variances)
-        moved.append(float(np.linalg.norm(state.weighted @ rows.T @ np.linalg.solve(covariance, grown))))
-    assert moved[1] < 0.85 * moved[0]

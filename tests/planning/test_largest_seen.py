@@ -26,9 +26,7 @@ balls = { low = ["200 mm", "0 mm", "-80 mm"], high = ["-100 mm", "170 mm", "120 
 HELD = BALLS + '[[setups]]\nname = "it"\ninstrument = "rtest"\nartefact = "balls"\nball = ["low"]\n'
 CASES = {
     "one axis turns": HELD + 'moves = ["C"]\napproach = "-"\n',
-    "one value, both sides": HELD.replace("rtest", "probe") + 'direction = "y"\nmoves = ["C"]\napproach = "both"\n',
     "balls one after another": HELD.replace('ball = ["low"]\n', "") + 'moves = ["B"]\n',
-    "one of two on a raster": HELD + 'raster = { B = "30 deg" }\n',
     "all on a raster": HELD + 'raster = { B = "30 deg", C = "45 deg" }\napproach = "both"\n',
     "a bar in a plane": (
         '[[setups]]\nname = "it"\ninstrument = "ballbar"\nlength = "150 mm"\n'
@@ -69,7 +67,7 @@ def test_no_reading_is_above_the_bound_and_one_is_near_it(name: str) -> None:
     observation, (setup,) = found.observation, found.description.setups
     assert setup.chart is not None
     reach = along(observation, 3)
-    poses, approaches = chart_candidates(observation.machine, setup, setup.chart, 4000)
+    poses, approaches = chart_candidates(observation.machine, setup, setup.chart, 2000)
     best = float(lengths(observation, poses, approaches, reach).max())
     each = [largest_seen(observation, 0, region, reach, 0.3 * best, gap) for region in regions(observation, 0)]
     places, upper = Places.joined([one.places for one in each]), max(one.upper for one in each)

@@ -10,20 +10,14 @@ from scipy.optimize import approx_fprime
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.machine import load_machine
-from axiscal.measurement.candidates import spread
-from axiscal.measurement.charts.room import has_room
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Unknown
-from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
-from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.plan.exchange import _Beside, _free, _value, relocated
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.proposal import proposed
 from tests.generators.designs import levered, problem, random_poses, splines
-from tests.generators.kinematics import in_travel, tip
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
 TABLE = machine_text(
@@ -101,33 +95,3 @@ def test_what_stands_on_a_raster_stays() -> None:
     asked = replace(asked, observation=Observation(asked.observation.errors, setups))
     places = drawn(asked, 0, 5)
     assert relocated(asked.state, places) is places
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("instrument", ["rtest", "sphere"])
-def test_readings_on_a_chart_move_along_its_coordinates_and_can_still_be_taken(instrument: str) -> None:
-    text = f'''
-machine = "dmu60"
-[[artefacts]]
-name = "ball"
-balls = {{ low = ["200 mm", "0 mm", "-80 mm"] }}
-[[setups]]
-name = "it"
-instrument = "{instrument}"
-artefact = "ball"
-approach = "both"
-'''
-    case = Case(campaign_from_texts(text, "c.toml", load_machine("dmu60").text, "dmu60"))
-    machine, (setup,) = case.description.machine, case.description.setups
-    lattice = spread(machine, case.description.setups, 60)
-    places = lattice.within(np.arange(0, len(lattice), max(1, len(lattice) // 6))[:6])
-    state = Covariance.from_factor(case.observation, case.prior.factor, case.yardstick.root)
-    found = relocated(state, places)
-    assert state.after_readings(found).value < 0.999 * state.after_readings(places).value
-    assert setup.chart is not None
-    assert np.abs(found.poses - places.poses).max() > 1e-3
-    for pose in found.poses:
-        assert in_travel(machine, pose)
-        assert np.linalg.norm(tip(machine, pose) - [0.2, 0.0, -0.08]) < 1e-9
-    at = setup.chart.places(found.poses)
-    assert np.all(has_room(setup.chart, at, sides_of(setup.chart, at, found.approaches)))

@@ -12,19 +12,16 @@ from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Places
-from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import posed
-from axiscal.planning.plan.beginnings import best_of_random, evenly_spaced, plain_designs, space_filling
-from axiscal.planning.plan.exchange import exchange
+from axiscal.planning.plan.beginnings import best_of_random, evenly_spaced, space_filling
 from axiscal.planning.plan.greedy import chosen_setups, filled, scores_among
 from axiscal.planning.plan.minutes import grown
 from axiscal.planning.plan.order import seconds_along
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task, clock
-from axiscal.present.demo import description
-from tests.generators.designs import levered, problem, read, read_at, rms_of, splines
+from tests.generators.designs import levered, problem, read, rms_of, splines
 from tests.generators.texts import Said, setup_text
 
 OPEN = {"zero": "100 mm", "station_x": "300 mm", "station_y": "300 mm", "station_z": "300 mm"}
@@ -47,17 +44,9 @@ def test_seven_readings_on_seven_knots_together() -> None:
     assert [r.value for r in plan.readings] == sorted((r.value for r in plan.readings), reverse=True)
 
 
-def test_plain_designs_that_are_one_are_tried_once() -> None:
-    asked, charted = splines(2, 5, 0.1, 100), posed(case := Case(description()), case.knowledge)
-    assert [len(each) for each in plain_designs(asked, [(0, 6)])] == [6, 6]
-    on_spheres = [(s, 4) for s, setup in enumerate(charted.observation.setups) if setup.chart is not None]
-    (once,) = plain_designs(charted, on_spheres)
-    assert once.same_as(space_filling(charted, on_spheres))
-
-
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_never_worse_than_designs_that_need_no_thought(seed: int) -> None:
-    asked = read(levered(300), np.random.default_rng(seed), 3 * seed)
+    asked = read(levered(150), np.random.default_rng(seed), 3 * seed)
     plan = make_plan(asked, Limits(readings=9), bounded=False, patience=0.0)
     counts = [(s, int(np.sum(plan.places.setups == s))) for s in (0, 1)]
     assert len(plan.readings) == 9
@@ -68,11 +57,11 @@ def test_never_worse_than_designs_that_need_no_thought(seed: int) -> None:
 
 
 def test_an_accuracy_out_of_reach_is_given_up_and_one_within_reach_is_not() -> None:
-    asked = levered(200)
+    asked = levered(60)
     before = asked.yardstick.measure(asked.belief)
     none = Places.none(3)
     assert grown(asked, Limits(), (0, 1), none, rms_of(asked, 1.0001 * before.floor), np.inf) is None
-    for share in (0.3, 0.6, 0.9):
+    for share in (0.3, 0.9):
         goal = rms_of(asked, before.floor + share * (before.rms - before.floor))
         found = grown(asked, Limits(), (0, 1), none, goal, np.inf)
         assert found is not None
@@ -80,39 +69,8 @@ def test_an_accuracy_out_of_reach_is_given_up_and_one_within_reach_is_not() -> N
         assert grown(asked, Limits(), (0, 1), none, goal, 0.5 * seconds_along(asked, found)) is None
 
 
-class Falling(Scores):
-    """Scores that note by how much J falls with each exchange."""
-
-    falls: list[float]
-
-    def exchange(self, slot: int, what: int | Places) -> float:
-        before = self.state.value
-        gain = super().exchange(slot, what)
-        self.falls.append(before / self.state.value - 1)
-        return gain
-
-
-def test_readings_that_hold_next_to_nothing_are_not_exchanged_for_one_another() -> None:
-    asked = splines(3, 7, 0.01, 500)
-    scores = Falling(Pool(asked.observation, asked.lattice), asked.state)
-    scores.falls = []
-    scores.enter_all(space_filling(asked, [(0, 40)]))
-    exchange(scores, lambda scores, _: np.ones(len(scores.pool), dtype=bool))
-    assert len(scores.falls) > 20
-    assert min(scores.falls) > 0
-
-
-def test_the_accuracy_after_each_reading_is_that_of_the_belief() -> None:
-    asked = levered(200)
-    plan = make_plan(asked, Limits(readings=5), bounded=False, patience=0.0)
-    observation, belief = asked.observation, asked.belief
-    for i, reading in enumerate(plan.readings):
-        observation, belief = read_at(observation, belief, plan.places.single(i))
-        np.testing.assert_allclose(reading.accuracy, asked.yardstick.measure(belief), rtol=1e-6)
-
-
 def test_a_budget_is_kept_and_used() -> None:
-    asked = levered(200)
+    asked = levered(100)
     plan = make_plan(asked, Limits(budget=720.0), bounded=False, patience=0.0)
     reading = float(clock(asked).reading(range(len(asked.observation.setups))).max())
     assert 720.0 - 2 * reading < plan.seconds <= 720.0
@@ -122,11 +80,10 @@ def test_a_budget_is_kept_and_used() -> None:
     assert longer.value < plan.value
 
 
-@pytest.mark.parametrize("share", [0.4, 0.6])
-def test_a_target_is_just_reached(share: float) -> None:
-    asked = levered(200)
+def test_a_target_is_just_reached() -> None:
+    asked = levered(100)
     before = asked.yardstick.measure(asked.belief)
-    target = before.floor + share * (before.rms - before.floor)
+    target = before.floor + 0.6 * (before.rms - before.floor)
     plan = make_plan(asked, Limits(rms=target), goal=rms_of(asked, target), bounded=False, patience=0.0)
     assert plan.accuracy.rms <= target
     assert plan.readings[-2].accuracy.rms > target or len(plan.readings) == 1
@@ -134,17 +91,8 @@ def test_a_target_is_just_reached(share: float) -> None:
     assert less.accuracy.rms > target
 
 
-def test_the_mounted_setup_goes_on_from_where_the_machine_stands() -> None:
-    asked = levered(200)
-    here = Places.one(1, np.array([0.5, 0.3, 0.2]), np.zeros(3))
-    plan = make_plan(replace(asked, here=here), Limits(readings=6), bounded=False, patience=0.0)
-    if 1 in plan.places.setups:
-        assert plan.places.setups[0] == 1
-        assert plan.readings[0].seconds < 60.0
-
-
 def test_the_bound_is_below_the_plan_in_every_kind_of_limit() -> None:
-    asked = levered(200)
+    asked = levered(50)
     for limits, goal in ((Limits(6), None), (Limits(budget=1500.0), None), (Limits(rms=8e-6), rms_of(asked, 8e-6))):
         plan = make_plan(asked, limits, goal=goal, patience=0.0)
         assert plan.bound is not None
@@ -167,40 +115,6 @@ def test_no_candidate_is_an_error() -> None:
         make_plan(replace(asked, lattice=nothing), Limits(readings=3))
 
 
-def plainly(asked: Task, readings: int, rng: np.random.Generator) -> float:
-    """Return J after one random start: coordinates move one by one to the best of 51 positions until none does."""
-    axes, noise = len(asked.observation.machine.axes), asked.observation.setups[0].noise ** 2
-    weights, prior = asked.root.matrix.T @ asked.root.matrix, np.linalg.inv(asked.belief.covariance)
-    poses = np.repeat(np.linspace(0.0, 10.0, 51)[:, None], axes, axis=1)
-    along = asked.observation.rows(0, poses, np.ones_like(poses)).rows.reshape(51, axes, -1)
-
-    def covariance(rows: Array) -> Array:
-        seen = rows.reshape(len(rows), -1)
-        return np.asarray(np.linalg.inv(prior + seen.T @ seen / noise))
-
-    rows, before = along[rng.integers(0, 51, (readings, axes)), np.arange(axes)], np.inf
-    while (value := float(np.trace(covariance(rows) @ weights))) < before * (1 - 1e-5):
-        before = value
-        for slot in range(readings):
-            c = covariance(np.delete(rows, slot, axis=0))
-            for axis in range(axes):
-                tried = np.tile(rows[slot], (51, 1, 1))
-                tried[:, axis] = along[:, axis]
-                g = tried.reshape(51, -1)
-                far = g @ c
-                gains = np.sum(far @ weights * far, axis=1) / (noise + np.sum(far * g, axis=1))
-                rows[slot] = tried[gains.argmax()]
-    return value
-
-
-@pytest.mark.long
-def test_a_plan_is_as_good_as_the_best_of_fifty_plain_random_starts() -> None:
-    asked, rng = splines(3, 7, 0.05, 1000), np.random.default_rng(3)
-    asked = replace(asked, root=asked.yardstick.root)
-    best = min(plainly(asked, 20, rng) for _ in range(50))
-    assert make_plan(asked, Limits(readings=20), bounded=False).value <= 1.002 * best
-
-
 def one_axis_each() -> Task:
     """Return levers, reversal and rests, with two set-ups in each of which one slide moves, the first by steps."""
     machine, (first, second) = levered(30).observation.machine, levered(30).observation.setups
@@ -221,21 +135,6 @@ def test_the_readings_are_as_many_as_asked_for_on_the_raster_and_from_a_side() -
     np.testing.assert_array_equal(
         found.poses[:5, [0, 2]], np.tile(np.array(asked.observation.setups[0].park)[[0, 2]], (5, 1))
     )
-
-
-def test_the_best_of_random_starts_is_better_than_readings_chosen_at_random() -> None:
-    asked, rng = one_axis_each(), np.random.default_rng(1)
-    found = best_of_random(asked, [(0, 5), (1, 7)], 1e9)
-    assert found is not None
-    of = [np.flatnonzero(asked.lattice.setups == setup) for setup in (0, 1)]
-    drawn = [np.concatenate([rng.choice(of[0], 5), rng.choice(of[1], 7)]) for _ in range(200)]
-    values = [asked.state.after_readings(asked.lattice.within(each)).value for each in drawn]
-    assert asked.state.after_readings(found).value < min(values)
-
-
-def test_there_is_no_random_start_where_rows_do_not_add_up_or_work_is_too_little() -> None:
-    assert best_of_random(levered(30), [(0, 4), (1, 4)], 1e12) is None
-    assert best_of_random(splines(3, 5, 0.1, 100), [(0, 12)], 1e5) is None
 
 
 @pytest.mark.long

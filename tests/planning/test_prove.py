@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from unittest.mock import patch
 
 import numpy as np
@@ -13,12 +12,12 @@ from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup, Unknown
-from axiscal.planning.bound.lower_bound import _everywhere, lower_bound, prove
+from axiscal.planning.bound.lower_bound import lower_bound, prove
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.plan.exchange import relocated
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
-from tests.generators.designs import levered, problem, random_poses, splines
+from tests.generators.designs import problem, random_poses, splines
 
 
 def test_seven_readings_on_seven_knots_anywhere() -> None:
@@ -34,7 +33,7 @@ def test_seven_readings_on_seven_knots_anywhere() -> None:
         assert proof.bound.value <= asked.state.after_readings(some).value
 
 
-@pytest.mark.parametrize(("knots", "readings", "most"), [(7, 3, 1.067), (15, 9, 1.098), (15, 20, 1.103)])
+@pytest.mark.parametrize(("knots", "readings", "most"), [(7, 3, 1.067), (15, 20, 1.103)])
 def test_boxes_lose_nothing_of_what_weights_prove(knots: int, readings: int, most: float) -> None:
     """Few readings leave most directions whatever they are, which boxes alone would have to find out one by one."""
     asked = splines(1, knots, 0.1 if knots == 7 else 0.03, 300)
@@ -42,14 +41,6 @@ def test_boxes_lose_nothing_of_what_weights_prove(knots: int, readings: int, mos
     with patch("axiscal.planning.bound.boxes._BOXES", 20):
         proof = prove(asked.state, asked.lattice, plan.places, 5e-3)
     assert plan.value / proof.bound.value < most
-
-
-@pytest.mark.long
-def test_three_stacked_splines_cannot_be_measured_better() -> None:
-    asked = splines(3, 7, 0.01, 500)
-    plan = make_plan(asked, Limits(readings=20), bounded=False)
-    proof = prove(asked.state, asked.lattice, plan.places)
-    assert 1.0 <= plan.value / proof.bound.value < 1.005
 
 
 def plates(rest: float = 0.0) -> Task:
@@ -66,9 +57,8 @@ def plates(rest: float = 0.0) -> Task:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("rest", [0.0, 1e-6])
-def test_no_search_beats_a_proof_with_several_set_ups_sides_and_a_raster(rest: float) -> None:
-    asked = plates(rest)
+def test_no_search_beats_a_proof_with_several_set_ups_sides_and_a_raster() -> None:
+    asked = plates(1e-6)
     plan = make_plan(asked, Limits(readings=9), bounded=False)
     bound = prove(asked.state, asked.lattice, plan.places, 0.05).bound.value
     assert bound <= plan.value
@@ -87,40 +77,6 @@ def prove_on_the_lattice(asked: Task, places: Places) -> float:
     return lower_bound(pool, asked.state, places, np.ones(len(pool) + len(places)), float(len(places))).value
 
 
-@pytest.mark.long
-def test_a_reading_of_three_values_counts_three_times() -> None:
-    asked = plates()
-    (first, second), zeros = asked.observation.setups, tuple(Unknown(f"zero_{a}", 1e-4) for a in "xyz")
-    nest = replace(first, instrument="rtest", unknowns=zeros)
-    asked = problem(asked.observation.machine, (nest, second), 300)
-    plan = make_plan(asked, Limits(readings=4), bounded=False)
-    bound = prove(asked.state, asked.lattice, plan.places, 0.05).bound.value
-    assert 0.3 * plan.value < bound <= plan.value
-
-
 def test_a_plan_without_readings_leaves_what_there_was() -> None:
     asked = splines(1, 4, 0.1, 50)
     assert prove(asked.state, asked.lattice, Places.none(1)).bound.value == pytest.approx(asked.state.value)
-
-
-@pytest.mark.long
-def test_no_random_plan_over_a_turning_table_is_below_it() -> None:
-    asked, generator = levered(100), np.random.default_rng(5)
-    plan = make_plan(asked, Limits(readings=6), bounded=False)
-    bound = prove(asked.state, asked.lattice, plan.places, 0.1).bound.value
-    assert 0.5 * plan.value < bound <= plan.value
-    for _ in range(200):
-        poses, approaches = random_poses(asked, generator, 6)
-        places = Places(generator.integers(0, 2, 6), poses, approaches)
-        assert bound <= asked.state.after_readings(places).value
-
-
-@pytest.mark.long
-def test_a_proof_that_closes_no_more_ends_with_the_gap_that_is_left() -> None:
-    asked = plates()
-    plan = make_plan(asked, Limits(readings=9), bounded=False)
-    with patch("axiscal.planning.bound.lower_bound._everywhere", wraps=_everywhere) as rounds:
-        proof = prove(asked.state, asked.lattice, plan.places, 1e-9)
-    assert 1 < rounds.call_count <= 40  # the most that there may be
-    assert 1e-9 < proof.gap < 0.2
-    assert 0 < proof.bound.value <= plan.value

@@ -11,12 +11,11 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.machine.motion import approach_seconds
-from axiscal.measurement.reading import Place, Places, Reading
+from axiscal.measurement.reading import Places
 from axiscal.planning.next_readings import next_places
 from axiscal.planning.plan.order import in_order, seconds_along
 from axiscal.planning.plan.plan import make_plan, renewed
 from axiscal.planning.plan.task import Limits, Task
-from axiscal.planning.promise import promised
 from axiscal.record.events import Asked, Gap
 from tests.generators.designs import levered, read_at, rms_of
 from tests.generators.texts import campaign_text, setup_text
@@ -61,11 +60,11 @@ def way(asked: Task, places: Places) -> float:
     return seconds
 
 
-ASKED = levered(300)
+ASKED = levered(150)
 PLAN = make_plan(ASKED, Limits(readings=14), patience=0.0, bounded=False).places
 
 
-@pytest.mark.parametrize("done", [1, 4, 9])
+@pytest.mark.parametrize("done", [1, 9])
 def test_readings_taken_as_planned_leave_the_plan_as_it_is(done: int) -> None:
     after = taken(ASKED, part(PLAN, 0, done))
     rest = renewed(after, Limits(readings=14 - done), part(PLAN, done))
@@ -74,17 +73,7 @@ def test_readings_taken_as_planned_leave_the_plan_as_it_is(done: int) -> None:
     assert way(after, rest) <= way(after, part(PLAN, done)) * 1.05
 
 
-def test_a_plan_that_no_exchange_improves_stays_in_its_order() -> None:
-    settled = part(PLAN, 2)
-    after = taken(ASKED, part(PLAN, 0, 2))
-    for _ in range(5):
-        settled = renewed(after, Limits(readings=12), settled)
-    again = renewed(after, Limits(readings=12), settled)
-    assert same(again, settled)
-    assert way(after, again) <= way(after, settled)
-
-
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_after_a_reading_elsewhere_no_worse_than_what_was_left_and_about_as_good_as_a_new_plan(seed: int) -> None:
     pose = np.random.default_rng(seed).uniform([-1.0, 0.0, 0.0], [2.0, 0.6, 0.4])
     after = taken(ASKED, replace(part(PLAN, 0, 4), poses=np.vstack([PLAN.poses[:3], pose])))
@@ -130,21 +119,6 @@ def test_what_may_yet_be_needed_stays_while_sizes_are_unsure() -> None:
     assert sure < less <= 10
 
 
-def test_a_target_beyond_many_readings_more_is_left_to_other_set_ups() -> None:
-    two = replace(ASKED, here=Places.one(0, np.array([0.5, 0.3, 0.2]), np.zeros(3)))
-    left = ASKED.lattice.within(ASKED.lattice.setups == 0).within(slice(0, 8))
-    alone, both = ASKED.lattice.within(ASKED.lattice.setups == 0), ASKED.lattice
-    of_one, of_all, known = (two.yardstick.measure(taken(two, each).belief) for each in (alone, both, left))
-    assert of_all.rms < 0.8 * of_one.rms
-
-    def rest(rms: float, readings: int | None = None) -> Places:
-        return renewed(two, Limits(readings, rms=rms), left, goal=rms_of(two, rms))
-
-    assert len(rest(0.9 * of_one.rms)) == 0
-    assert len(rest(known.floor, 9)) > 0  # which these do not bring within nine
-    assert len(rest(known.rms, 9)) > 0
-
-
 def test_a_set_up_that_has_come_to_be_needless_is_not_mounted() -> None:
     here = replace(ASKED, here=Places.one(0, np.array([0.5, 0.3, 0.2]), np.zeros(3)))
     mine = ASKED.lattice.within(ASKED.lattice.setups == 0)
@@ -159,7 +133,7 @@ def test_a_set_up_that_has_come_to_be_needless_is_not_mounted() -> None:
     assert set(renewed(here, Limits(rms=harder), left, goal=rms_of(here, harder)).setups) != {0}
 
 
-@pytest.mark.parametrize("share", [0.6, 0.95, 1.3])
+@pytest.mark.parametrize("share", [0.6, 1.3])
 def test_a_budget_is_kept(share: float) -> None:
     after = taken(ASKED, part(PLAN, 0, 4))
     whole = seconds_along(after, in_order(after, part(PLAN, 4)))
@@ -194,45 +168,8 @@ def case() -> Case:
     return Case(campaign_from_texts(TEXT, "c.toml", load_machine("one-axis").text, "one-axis"))
 
 
-def reading(x: float) -> Reading:
-    """Return a reading; its value says nothing of where the next one should be."""
-    return Reading("laser", (x,), (1,), 0.0, time=0.0)
-
-
-@pytest.mark.long
-def test_what_is_known_decides_where_to_read(case: Case) -> None:
-    """Where the left half has been read often, the plan goes to the right one; unread, to both."""
-    taken = [reading(0.05 * n) for n in range(9) for _ in range(4)]
-    known = case.knowledge.read(taken)
-    fresh = [place.pose[0] for place in next_places(case, case.knowledge, ())]
-    after = [place.pose[0] for place in next_places(case, known, taken[:1])]
-    assert len(fresh) == 8
-    assert len(after) == 7
-    assert min(fresh) < 0.3
-    assert min(after) > 0.4
-
-
 def test_nothing_is_planned_in_a_gap(case: Case) -> None:
     (first, *_) = next_places(case, case.knowledge, ())
     places = next_places(case, case.knowledge, (), gaps=[Gap(Asked(1, first), "blocked")])
     assert len(places) >= 7
     assert all(abs(place.pose[0] - first.pose[0]) >= 0.01 for place in places)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("usual", ["on", "off"])
-def test_what_is_left_of_a_plan_is_kept_where_it_is_best(usual: str) -> None:
-    """All places are kept; of a plan that was shaken one may go for a better one."""
-    text = f'usual = "{usual}"\n{TEXT}'
-    case = Case(campaign_from_texts(text, "c.toml", load_machine("one-axis").text, "one-axis"))
-    (here, *left) = next_places(case, case.knowledge, ())
-    taken = [reading(here.pose[0])]
-    known = case.knowledge.read(taken)
-    after = next_places(case, known, taken, left=left)
-    assert all(isinstance(place, Place) for place in after)
-    stood, stands = (np.sort([place.pose[0] for place in places]) for places in (left, after))
-    # Climbing on from a plan finds places micrometres off; far below what a plan of other places differs by.
-    kept = np.min(np.abs(stood[:, None] - stands), axis=1) < 1e-4
-    assert len(stands) == len(stood)
-    assert np.sum(~kept) <= (usual == "on")
-    assert promised(case, known, after).rms <= 1.001 * promised(case, known, left).rms

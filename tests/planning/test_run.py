@@ -44,15 +44,6 @@ def test_a_run_takes_what_its_order_takes_and_knows_what_each_change_would(mount
             assert run.seconds == pytest.approx(seconds_along(asked, run.places))
 
 
-def test_a_copy_goes_its_own_way() -> None:
-    asked, run = beginning(mounted=False)
-    for slot in range(3):
-        run.insert(slot, slot, 5 * slot)
-    shorter, before = run.without(1), run.seconds
-    shorter.insert(0, 2, 11)
-    assert run.seconds == before == pytest.approx(seconds_along(asked, run.places))
-
-
 def test_a_shorter_order_keeps_the_readings() -> None:
     asked, run = beginning(mounted=True)
     for slot in range(10):

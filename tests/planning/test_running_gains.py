@@ -5,68 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.measurement.reading import Places
-from axiscal.planning.gains import candidate_rows, covariance
+from axiscal.planning.gains import covariance
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import Covariance, ReadNumbers, RunningAccuracy, after_each
+from axiscal.planning.gains.covariance import ReadNumbers, RunningAccuracy, after_each
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Task
-from axiscal_core.state import joint_gains
-from tests.generators.designs import levered, random_poses, read, splines
+from tests.generators.designs import levered, splines
 from tests.generators.forms import gains_of
 from tests.planning.test_three_values import mixed
-
-
-def _fresh(scores: Scores, start: Covariance) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    state = start.after_readings(scores.places)
-    above, below = scores.pool.gain_forms(state.scorer())
-    return joint_gains(above.transpose(2, 0, 1), below.transpose(2, 0, 1))
-
-
-@pytest.mark.parametrize("memory", [1e9, 0.0])
-def test_entering_leaving_and_exchanging_keep_every_gain(memory: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(candidate_rows, "_MEMORY", memory)
-    asked = read(levered(400), np.random.default_rng(0), 4)
-    start = asked.state
-    scores = Scores(Pool(asked.observation, asked.lattice), start)
-    for index in (3, 300, 50, 51, 120):
-        value, gain = scores.state.value, scores.enter(index)
-        assert value - scores.state.value == pytest.approx(gain, rel=1e-9)
-    scores.enter(Places.of_setup(0, *random_poses(asked, np.random.default_rng(1), 1)))
-    np.testing.assert_allclose(scores.gains, _fresh(scores, start), rtol=1e-6)
-
-    losses = scores.losses()
-    gains, own = scores.without(2)
-    assert own == pytest.approx(losses[2], rel=1e-9)
-    fewer = scores.fork()
-    assert fewer.leave(2) == pytest.approx(own, rel=1e-9)
-    np.testing.assert_allclose(fewer.gains, gains, rtol=1e-9)
-    value, gain = scores.state.value, scores.exchange(2, 200)
-    assert value - scores.state.value == pytest.approx(gain, rel=1e-9)
-    np.testing.assert_allclose(scores.gains, _fresh(scores, start), rtol=1e-5)
-    scores.leave(0)
-    assert len(scores.places) == 5
-    np.testing.assert_allclose(scores.gains, _fresh(scores, start), rtol=1e-5)
-
-
-def test_repeating_in_one_cell_shares_its_rest() -> None:
-    asked = levered(200)
-    scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
-    scores.enter(5)
-    again = float(scores.gains[5])
-    independent = asked.state.after_readings(scores.pool.lattice.single(5))
-    assert again == pytest.approx(float(_fresh(scores, asked.state)[5]), rel=1e-8)
-    assert independent.value == pytest.approx(scores.state.value, rel=1e-10)
-
-
-def test_a_fork_goes_its_own_way() -> None:
-    asked = levered(100)
-    scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
-    scores.enter(1)
-    before = scores.gains.copy()
-    scores.fork().enter(2)
-    np.testing.assert_array_equal(scores.gains, before)
-    assert len(scores.places) == 1
 
 
 @pytest.mark.parametrize("asked", [levered(150), mixed(150)], ids=["one value", "three values"])
@@ -117,22 +63,6 @@ def test_readings_that_enter_together_are_those_that_enter_one_by_one(asked: Tas
     assert together.enter_all(places.within(slice(0, 0))) == 0.0
 
 
-@pytest.mark.parametrize("asked", [splines(1, 5, 0.1, 200), mixed(120)], ids=["one value", "three values"])
-def test_columns_that_follow_exchanges_are_those_made_anew(asked: Task) -> None:
-    kept = Scores(Pool(asked.observation, asked.lattice), asked.state)
-    for index in range(0, 110, 11):
-        kept.enter(index)
-    for turn in range(40):  # more than wait
-        kept.without(turn % 10)
-        kept.exchange(turn % 10, (7 * turn) % 120)
-    anew = Scores(kept.pool, asked.state)
-    anew.enter_all(kept.places)
-    for slot in range(len(anew.places)):
-        (gains, own), (expected, same) = kept.without(slot), anew.without(slot)
-        np.testing.assert_allclose(gains, expected, rtol=1e-5, atol=1e-9 * expected.max())
-        assert own == pytest.approx(same, rel=1e-6)
-
-
 @pytest.mark.parametrize("asked", [splines(2, 5, 0.1, 200), levered(200), mixed(200)], ids=["sums", "levers", "mixed"])
 def test_gains_without_a_reading_are_those_of_what_is_known_without_it(asked: Task) -> None:
     scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
@@ -165,8 +95,3 @@ def test_the_figures_after_each_reading_are_those_of_readings_one_by_one(
         meter = meter.after(change)
         assert value == pytest.approx(state.value, rel=1e-8)
         np.testing.assert_allclose(accuracy, meter.accuracy, rtol=1e-8)
-
-
-def test_of_no_reading_there_is_nothing_to_say() -> None:
-    asked = splines(1, 5, 0.1, 50)
-    assert not list(after_each(asked.state, asked.yardstick, asked.lattice.within(slice(0, 0))))

@@ -66,18 +66,8 @@ def _falls(asked: Task, places: Places, pool: Pool, indices: Array) -> Array:
     )
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
-    ("three", "beams", "memory"),
-    [
-        ((0,), {}, 1e9),
-        ((1,), {}, 0.0),
-        ((0, 1), {}, 1e9),
-        ((0, 1), {}, 0.0),
-        ((0,), {1: 4}, 0.0),
-        ((1,), {0: 2}, 1e9),
-        ((), {0: 2, 1: 4}, 1e9),
-    ],
+    ("three", "beams", "memory"), [((), {}, 1e9), ((0, 1), {}, 0.0), ((0,), {1: 4}, 1e9), ((1,), {0: 2}, 0.0)]
 )
 def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
     three: tuple[int, ...], beams: dict[int, int], memory: float, monkeypatch: pytest.MonkeyPatch
@@ -86,7 +76,7 @@ def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
     asked = mixed(120, three, beams)
     pool = Pool(asked.observation, asked.lattice)
     scores, rng = Scores(pool, asked.state), np.random.default_rng(0)
-    looked_at = np.concatenate([np.arange(0, len(pool), 11), [3]])
+    looked_at = np.concatenate([np.arange(0, len(pool), 29), [3]])
     np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, Places.none(3), pool, looked_at), rtol=1e-6)
     for index in (3, 100, 40, 41, 90):
         value, gain = scores.state.value, scores.enter(index)
@@ -115,17 +105,6 @@ def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
     assert len(scores.places) == 5
     np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, pool, looked_at), rtol=1e-4)
     assert scores.losses()[2] > 0
-
-
-def test_an_exchange_makes_a_plan_of_three_values_better() -> None:
-    asked = mixed(200, (0, 1))
-    scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
-    for index in range(8):
-        scores.enter(index)
-    before = scores.state.value
-    exchange(scores, lambda _, __: np.ones(len(scores.pool), dtype=bool))
-    assert scores.state.value < 0.9 * before
-    assert scores.state.value == pytest.approx(dense_value(asked, scores.places), rel=1e-6)
 
 
 def test_no_plan_of_three_values_is_below_its_bound() -> None:

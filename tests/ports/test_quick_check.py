@@ -72,38 +72,29 @@ reach = { X = ["10 mm", "490 mm"] }
 """
 
 
-@pytest.mark.long
 def test_what_a_control_cannot_hold_is_no_alarm_where_its_tables_are_named() -> None:
     """A table of X holds no straightness in y: 40 um of it stay, which are no change of the machine."""
     machine = slide().machine.text.replace("EXX_rev", 'EYX = { std = "20 um", knots = 7, length = "150 mm" }\nEXX_rev')
     described = campaign_from_texts(slide().text + SQUARE, "campaign.toml", machine, "machine.toml")
-    model, rng, kept = ErrorModel(described.machine), np.random.default_rng(13), 0.98
-    root, size = model.prior_root(), model.size
-    mean = 40e-6 * np.sin(np.linspace(0.0, 6.0, size))
+    model = ErrorModel(described.machine)
+    mean = 40e-6 * np.sin(np.linspace(0.0, 6.0, model.size))
     straight = next(term.columns for term in model.terms if term.name == "EYX")
     last = Inherited(mean, 0.01 * Case(described).errors.prior_covariance())
-    held = np.ones(size)
+    held = np.ones(model.size)
     held[straight] = 0.0
 
     def control(poses: Array, approaches: Array) -> Array:
         return -model.rows(poses, approaches)[:, 0] @ (mean * held)[:, None]
 
-    named, all_away = QuickCheck(described, last, kept, control), QuickCheck(described, last, kept)
+    named, all_away = QuickCheck(described, last, 0.98, control), QuickCheck(described, last, 0.98)
     places = named.planned(12)
     assert {place.setup for place in places} == {"laser", "square"}
-    alarms, taken_for_all, found = 0, 0, 0
-    crash = np.zeros(size)
+    crash = np.zeros(model.size)
     crash[straight] = np.linspace(0.0, 150e-6, straight.stop - straight.start) ** 2 / 150e-6
-    for trial in range(TRIALS):
-        before = last.mean + 0.1 * root @ rng.standard_normal(size)
-        now = kept * before + np.sqrt(1 - kept**2) * root @ rng.standard_normal(size) - mean * held
-        readings = _read(named, now, trial, places)
-        alarms += not named.judged(readings, tables=True).in_order
-        taken_for_all += not all_away.judged(readings, tables=True).in_order
-        found += not named.judged(_read(named, now + crash, trial, places), tables=True).in_order
-    assert alarms <= 0.03 * TRIALS
-    assert taken_for_all > 0.5 * TRIALS
-    assert found >= 0.9 * TRIALS
+    readings = _read(named, mean * (1 - held), 1, places)
+    assert named.judged(readings, tables=True).in_order
+    assert not all_away.judged(readings, tables=True).in_order
+    assert not named.judged(_read(named, mean * (1 - held) + crash, 1, places), tables=True).in_order
 
 
 def test_the_command_plans_and_judges(
@@ -180,6 +171,22 @@ ECC = { std = "20 urad", knots = 12, length = "60 deg" }
 """
 
 
+@pytest.mark.parametrize(
+    ("machine", "looked_for"),
+    [
+        (MACHINE.format(serial="", travel=500).replace("-X-", "-X-U-").replace("[errors]", SECOND), ["EXU", "EXX"]),
+        (TURNING.replace("TRAVEL", '["-180 deg", "180 deg"]'), ["C0Y"]),
+        (TURNING.replace("TRAVEL", '["-100 deg", "100 deg"]'), ["C0Y", "ECC"]),
+    ],
+    ids=["two slides along one direction", "round an axis there is no scale", "a part of a turn"],
+)
+def test_a_scale_of_each_axis_is_looked_for(machine: str, looked_for: list[str]) -> None:
+    errors = ErrorModel(machine_from_text(machine))
+    columns = {term.name: term.columns for term in errors.terms}
+    shown = [name for each in crashes(errors) for name, own in columns.items() if np.any(each[own])]
+    assert sorted(shown) == looked_for
+
+
 def _loss(case: Case, places: Places) -> float:
     """Return the sum over the crashes, by a Cholesky root of the scatter of all numbers."""
     rows, variances = list[Array](), list[Array]()
@@ -221,31 +228,3 @@ def test_readings_that_would_not_show_a_scale_are_moved_until_they_do() -> None:
     assert np.ptp(after.poses[:, 0]) > 0.4
     assert _loss(case, after) < 0.5 * _loss(case, before)
     assert showing_crashes(case, Places.none(1)).poses.shape == (0, 1)
-
-
-def test_the_scale_of_a_second_slide_along_one_direction_is_looked_for_too() -> None:
-    machine = MACHINE.format(serial="", travel=500).replace("-X-", "-X-U-").replace("[errors]", SECOND)
-    errors = ErrorModel(machine_from_text(machine))
-    columns = {term.name: term.columns for term in errors.terms}
-    shown = [{name for name, own in columns.items() if np.any(each[own])} for each in crashes(errors)]
-    assert sorted(map(list, shown)) == [["EXU"], ["EXX"]]
-
-
-@pytest.mark.parametrize(
-    ("travel", "looked_for"), [('["-180 deg", "180 deg"]', ["C0Y"]), ('["-100 deg", "100 deg"]', ["C0Y", "ECC"])]
-)
-def test_around_an_axis_that_turns_round_there_is_no_scale(travel: str, looked_for: list[str]) -> None:
-    errors = ErrorModel(machine_from_text(TURNING.replace("TRAVEL", travel)))
-    columns = {term.name: term.columns for term in errors.terms}
-    shown = [name for each in crashes(errors) for name, own in columns.items() if np.any(each[own])]
-    assert sorted(shown) == looked_for
-
-
-def test_where_crashes_show_already_readings_stay_where_drifts_show_most() -> None:
-    described = slide()
-    stated = Case(described).errors.prior_covariance()
-    drifted = Case(described, Inherited(np.zeros(len(stated)), 0.19 * stated))
-    even = np.array([np.argmin(np.abs(drifted.lattice.poses[:, 0] - x)) for x in np.linspace(0.01, 0.49, 12)])
-    before = drifted.lattice.within(even)
-    assert _loss(drifted, before) < 0.02
-    assert sorted(showing_crashes(drifted, before).poses[:, 0]) == sorted(before.poses[:, 0])

@@ -20,7 +20,7 @@ from axiscal.ports.fleet.sister_records import read_records
 from axiscal.record.events import Finished
 from axiscal.record.store import Record
 from tests.commands import Command
-from tests.generators.sisters import read_on, shop, slide, write_record
+from tests.generators.sisters import read_on, slide, write_record
 
 
 def note(path: Path, text: str) -> None:
@@ -97,28 +97,6 @@ def test_what_is_wrong_with_a_record_is_a_sentence(folder: Path, command: Comman
     assert run(["fleet", str(folder / "nowhere")]) == 1
 
 
-@pytest.mark.long
-def test_a_machine_without_a_serial_number_is_one_of_its_own(tmp_path: Path) -> None:
-    shop(tmp_path, 3)
-    (tmp_path / "fork.axiscal").write_bytes((tmp_path / "slide-0.axiscal").read_bytes())
-    note(tmp_path / "fork.axiscal", "here")
-    note(tmp_path / "slide-0.axiscal", "there")
-    for number in (1, 2):
-        write_record(tmp_path / f"again-{number}.axiscal", slide(serial="7"), read_on(5, again=number))
-    found = shop_list(tmp_path)
-    assert (len(found.listed), found.machines) == (6, 4)
-
-
-def test_two_that_went_on_differently_are_both_listed_and_named(folder: Path) -> None:
-    (folder / "other.axiscal").write_bytes((folder / "A.axiscal").read_bytes())
-    note(folder / "A.axiscal", "here")
-    note(folder / "other.axiscal", "there")
-    remarks = {each.copy.file.name: each.remarks for each in shop_list(folder).listed}
-    assert remarks["A.axiscal"] == ("it and other.axiscal went on differently from event 18",)
-    assert remarks["other.axiscal"] == ("it and A.axiscal went on differently from event 18",)
-    assert remarks["B.axiscal"] == ()
-
-
 def test_whoever_learns_judges_copies_as_the_list_does(tmp_path: Path) -> None:
     mine = write_record(tmp_path / "mine.axiscal", slide(serial="9"), read_on(6)[:6])
     for name in ("early", "fork", "same"):
@@ -134,16 +112,6 @@ def test_whoever_learns_judges_copies_as_the_list_does(tmp_path: Path) -> None:
     early = "it is an earlier copy of fork.axiscal"
     assert whys == {"early.axiscal": early, "same.axiscal": "it is the same as early.axiscal"}
     assert [record.file.name for record in found] == ["fork.axiscal"]
-
-
-def test_of_the_same_readings_the_record_counts_that_holds_more(tmp_path: Path) -> None:
-    """An earlier copy, whose name comes first, does not know of the note."""
-    whole = write_record(tmp_path / "whole.axiscal", slide(serial="9"), read_on(6))
-    (tmp_path / "copy.axiscal").write_bytes(whole.read_bytes())
-    note(whole, "new ball screw X (renewed: X)")
-    found, left = read_records(tmp_path.glob("*.axiscal"))
-    assert [(record.file, record.renewed) for record in found] == [(whole, ("X",))]
-    assert [each.left_out for each in left] == ["it is an earlier copy of whole.axiscal"]
 
 
 def test_a_record_is_brought_goes_on_and_is_never_overwritten_by_less(folder: Path, tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,17 +10,15 @@ from unittest.mock import patch
 import pytest
 
 from axiscal.campaign.beginning import campaign_with_sisters
-from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.exceptions import RecordError, UnreachableError
 from axiscal.ports.fleet.shop_list import shop_list
-from axiscal.ports.fleet.sister_records import read_records
 from axiscal.ports.postgres import database
 from axiscal.ports.postgres.database import Database, store_address
 from axiscal.ports.postgres.server_log import ServerLog, insert
 from axiscal.ports.postgres.syncing import Synced, synced
 from axiscal.ports.postgres.tables import prepare
-from axiscal.record.copies import gathered, opened_log, records_of, write_copy
+from axiscal.record.copies import opened_log, records_of
 from axiscal.record.log import campaign_of
 from axiscal.record.store import Record
 from tests.commands import Command
@@ -79,19 +76,6 @@ def sent(database: Database, file: Path) -> Synced:
         return synced(database, record, file.stem)
 
 
-@pytest.mark.long
-def test_what_a_type_teaches_is_the_same_from_the_store(folder: Path, tmp_path: Path) -> None:
-    taught = []
-    for source in (str(folder), "store:"):
-        assert run(["type", "learn", source, "--of", "Slide", "--out", str(tmp_path / "t.type.json")]) == 0
-        found = json.loads((tmp_path / "t.type.json").read_text())
-        names = [each.pop("file") for each in found["records"]]
-        found.pop("digest")  # of the text, in which the files have their names
-        taught.append(found)
-    assert taught[0] == taught[1]
-    assert sorted(names) == ["store:again", "store:slide-0", "store:slide-1", "store:slide-2"]
-
-
 def test_a_campaign_names_a_type_in_the_store(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "machine.toml").write_text(MACHINE.format(serial="", travel=500))
     text = CAMPAIGN.format(first="") + '\n[sisters]\ntype = "Slide"\n'
@@ -102,55 +86,12 @@ def test_a_campaign_names_a_type_in_the_store(folder: Path, tmp_path: Path) -> N
         campaign_with_sisters(tmp_path / "campaign.toml")
 
 
-@pytest.mark.long
-def test_due_check_and_pages_are_the_same_from_the_store(folder: Path, tmp_path: Path, command: Command) -> None:
-    said = []
-    for source in (str(folder), "store:"):
-        found = command("due", source, "--target", "4 um", "--today", "2030-01-01", "--json").document
-        machines = [{**each, "record": None} for each in found["machines"]]
-        said.append((sorted(map(json.dumps, machines)), found["kept_at_once"]))
-    assert said[0] == said[1]
-    assert run(["check", "store:slide-0", "--plan", str(tmp_path / "check.csv"), "--readings", "4"]) == 0
-
-
 def test_a_store_is_listed_over_one_connection(folder: Path) -> None:
     with patch.object(database, "_connected", wraps=database._connected) as connected:
         found = shop_list(STORE)
     assert connected.call_count == 1
     assert next(each.copy.file.name for each in found.listed) == "store:again"
     assert {each.copy.chain for each in found.listed} == {each.copy.chain for each in shop_list(folder).listed}
-
-
-@pytest.mark.long
-def test_of_two_that_went_on_differently_one_counts(own: RunningServer, tmp_path: Path) -> None:
-    mine, other = tmp_path / "mine.axiscal", tmp_path / "other.axiscal"
-    write_record(mine, slide(serial="9"), read_on(6)[:6])
-    with Record.open(mine, write=False) as record:
-        write_copy(record, other)
-    for file, readings in ((mine, read_on(6)[6:7]), (other, read_on(6)[8:12])):
-        with Campaign.open(file) as campaign:
-            campaign.adopt(tuple(readings))
-    database = Database(store_address(own.address()))
-    assert [sent(database, file).case for file in (mine, other)] == ["new", "fork"]
-    branch = sent(database, other).campaign.called
-    database.close()
-    found, left = read_records(gathered([Path("store:mine"), Path(f"store:{branch}")]))
-    assert [record.file.name for record in found] == [f"store:{branch}"]
-    assert "went on differently from event 8" in left[0].left_out
-    remarks = {each.copy.file.name: each.remarks for each in shop_list(STORE).listed}
-    assert remarks["store:mine"] == (f"it and store:{branch} went on differently from event 8",)
-    assert run(["adopt", "store:mine", f"store:{branch}", "--same-mounting"]) == 0
-    found, left = read_records(gathered([Path("store:mine"), Path(f"store:{branch}")]))
-    assert [record.file.name for record in found] == ["store:mine"]
-    assert len(found[0].readings) == 6 + 1 + 4
-    assert [each.file for each in left] == [f"store:{branch}"]
-    with Campaign.open(other) as campaign:  # nothing of it is new to whoever has the whole
-        campaign.adopt(tuple(read_on(6)[12:]))
-    with Record.open(other, write=False) as record:
-        write_copy(record, tmp_path / "copy.axiscal")
-    found, left = read_records([other, Path(f"store:{branch}")])
-    assert [record.file for record in found] == [other]
-    assert left[0].left_out == "it is an earlier copy of other.axiscal"
 
 
 def test_campaigns_of_before_with_one_name_or_one_of_no_file_are_named_by_their_ids(

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import json
-import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +14,7 @@ from axiscal.description.type_text import type_prior
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.type_prior import over, rivals
+from axiscal.estimation.type_prior import over
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.machine import machine_from_text
 from axiscal.ports.fleet.rehearsal import Imagined, summary_sentences
@@ -111,18 +108,6 @@ def test_what_usually_goes_wrong_besides_is_not_of_the_type(tmp_path: Path) -> N
     assert case_of(campaign_from_texts(told.text, "c", machine, "m", prior_text=found.text())).rivals
 
 
-def test_noise_and_rests_that_are_learnt_make_no_sister_of_a_stranger(taught: str) -> None:
-    described = slide(prior=taught, usual="on")
-    known, strange = (
-        concluded(case_of(described), readings).membership
-        for readings in (read_on(20)[::3], read_on(0, Imagined(2.5, 0.1), seed=77))
-    )
-    assert known is not None
-    assert strange is not None
-    assert known.sister > 0.8
-    assert strange.sister < 0.05
-
-
 def test_a_sister_of_which_one_axis_was_hit_is_none_but_for_that_axis(taught: str) -> None:
     """A scale off by 90 um over the travel, read where a sister is read."""
     case, readings = case_of(slide(prior=taught)), read_on(22)[::3]
@@ -134,30 +119,6 @@ def test_a_sister_of_which_one_axis_was_hit_is_none_but_for_that_axis(taught: st
     strange = concluded(case, hit)
     assert strange.membership is not None
     assert strange.membership.sister < 0.5
-
-
-def test_the_beliefs_share_the_doubt(taught: str) -> None:
-    found = rivals(type_prior(taught), case_of(slide()).errors, 0.2)
-    weights = {rival.name: rival.weight for rival in found}
-    assert weights["like its sisters"] == pytest.approx(0.8)
-    assert sum(weights.values()) == pytest.approx(1.0)
-    sizes = [float(np.trace(rival.belief.covariance)) for rival in found]
-    assert max(sizes) == sizes[-1]  # by the last one readings are judged
-
-
-def test_before_the_first_reading_the_mixture_is_that_of_the_beliefs(taught: str) -> None:
-    case = case_of(slide(prior=taught))
-    known = concluded(case, [])
-    assert known.membership is not None
-    shares = np.array([rival.weight for rival in case.rivals])
-    np.testing.assert_allclose(shares.sum(), 1.0)
-    mean = sum(rival.weight * rival.belief.mean for rival in case.rivals)
-    expected = sum(
-        rival.weight * (rival.belief.covariance + np.outer(rival.belief.mean - mean, rival.belief.mean - mean))
-        for rival in case.rivals
-    )
-    size = case.errors.size
-    np.testing.assert_allclose(known.whole.covariance[:size, :size], expected, rtol=1e-6, atol=1e-18)
 
 
 def test_a_type_is_read_at_the_knots_of_todays_description(taught: str) -> None:
@@ -176,69 +137,6 @@ def test_a_type_is_read_at_the_knots_of_todays_description(taught: str) -> None:
     np.testing.assert_allclose(same.covariance, before.covariance, rtol=1e-9, atol=1e-20)
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        '{"schema": "axiscal-type/1"}',
-        '{"schema": "axiscal-type/2"}',
-        '{"schema": "axiscal-type/1", "machine": 3}',
-        "[]",
-        "{",
-    ],
-)
-def test_a_damaged_type_is_one_sentence(wrong: str) -> None:
-    with pytest.raises(RecordError, match="cannot be read"):
-        type_prior(wrong)
-
-
 def test_sisters_that_nobody_has_learnt_from_are_no_silent_stated_prior() -> None:
     with pytest.raises(DescriptionError, match=r"\[sisters\]"):
         case_of(slide(first='sisters = { records = "*.axiscal" }\n'))
-
-
-def _undigested(taught: str) -> dict[str, Any]:
-    """Return what was learnt as it was written before it had a digest."""
-    document: dict[str, Any] = json.loads(taught)
-    del document["digest"]
-    return document
-
-
-def test_what_was_learnt_before_it_had_a_digest_is_read(taught: str) -> None:
-    assert type_prior(json.dumps(_undigested(taught))).text() == taught
-
-
-def test_each_changed_number_of_what_was_learnt_is_noticed(taught: str) -> None:
-    at = taught.index('"covariance"') + 60
-    dice = np.random.default_rng(5)
-    places = [*dice.integers(len(taught), size=200), *range(at, at + 20)]
-    for place in places:
-        other = "7" if taught[place] != "7" else "5"
-        with pytest.raises(RecordError, match="what the type has taught cannot be read"):
-            type_prior(f"{taught[:place]}{other}{taught[place + 1 :]}")
-
-
-@pytest.mark.parametrize(
-    ("table", "key", "value"),
-    [
-        *(("learned", key, "x") for key in ("scale", "scale_std", "share", "share_std")),
-        *(("learned", key, math.nan) for key in ("scale", "scale_std", "share", "share_std")),
-        *(("learned", "share", value) for value in (-0.1, 1.1)),
-        *(("learned", key, -1.0) for key in ("scale", "scale_std", "share_std")),
-        *(("learned", key, math.inf) for key in ("scale", "scale_std", "share_std")),
-        *(("records", key, None) for key in ("file", "digest", "readings", "left_out")),
-        ("records", "readings", True),
-        ("records", "readings", 1.5),
-        ("", "doubt", 10**400),
-        ("", "directions", math.inf),
-        ("", "mean", [10**400]),
-        ("", "mean", [math.nan] * 8),
-        ("", "learned", None),
-        ("", "covariance", "AAAAAAAA8D8="),
-    ],
-)
-def test_what_cannot_have_been_learnt_is_refused(taught: str, table: str, key: str, value: object) -> None:
-    document = _undigested(taught)
-    at = {"learned": document["learned"]["EXX"], "records": document["records"][0], "": document}[table]
-    at[key] = value
-    with pytest.raises(RecordError, match="what the type has taught cannot be read"):
-        type_prior(json.dumps(document))

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import math
-import re
 from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
@@ -19,10 +17,10 @@ from axiscal.machine.motion import USUAL, Driving, inward
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
-from axiscal.programs import controllers, dialect, programs, write_programs
+from axiscal.programs import dialect, programs, write_programs
 from axiscal.programs.scale import AxisScale
 from tests.certify.gcode import Judge, Plan, judged
-from tests.certify.gcode_traces import READERS, Halt, Mark, Move
+from tests.certify.gcode_traces import READERS, Halt, Move
 
 TABLE = Axis.named("C", True, (0.0, math.tau), speed=math.radians(90), acceleration=math.radians(180))
 SLIDE = Axis.named("X", False, (0.0, 0.5), speed=0.1, acceleration=1.0)
@@ -176,16 +174,6 @@ def test_the_form_with_values_filled_in_is_a_file_of_readings(tmp_path: Path) ->
     assert (first.number, second.number) == (1, 2)
 
 
-def test_the_form_has_the_numbers_of_the_programs_set_up_by_set_up(tmp_path: Path) -> None:
-    other = replace(SETUP, name="laser 2")
-    places = [UP, replace(DOWN, setup=other.name), DOWN]
-    write_programs(MACHINE, [SETUP, other], places, "fanuc", tmp_path)
-    rows = list(csv.DictReader((tmp_path / "readings.csv").read_text().splitlines()))
-    assert [(row["reading"], row["setup"]) for row in rows] == [("1", "laser 1"), ("3", "laser 1"), ("2", "laser 2")]
-    marked = [re.findall(r"READING (\d+)\)", (tmp_path / f"AXISCAL_0{n}_LASER_{n}.NC").read_text()) for n in (1, 2)]
-    assert marked == [["1", "3"], ["2"]]
-
-
 def test_the_form_has_a_column_for_each_value_of_an_instrument_that_reads_three(tmp_path: Path) -> None:
     tracker = replace(SETUP, name="tracker", instrument="tracker")
     write_programs(MACHINE, [tracker], [replace(UP, setup="tracker")], "linuxcnc", tmp_path)
@@ -203,23 +191,6 @@ def test_nothing_is_written_where_one_reading_is_refused(tmp_path: Path) -> None
     with pytest.raises(ProgramError, match="laser 9"):
         write_programs(MACHINE, [SETUP], [Place("laser 9", UP.pose, UP.approach)], "linuxcnc", tmp_path / "out")
     assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize("controller", controllers())
-def test_the_last_millimetres_are_slow_in_every_dialect(controller: str) -> None:
-    """From 100 mm up to 300 mm and back over the overrun: quick until 298 mm, then at 600 mm/min, C at 600 deg/min."""
-    turned = replace(DOWN, pose=(math.radians(90), 0.3))
-    text = text_of(controller, UP, turned, driving=Driving(feed=0.01))
-    events = READERS[controller](text)
-    first, second = (k for k, event in enumerate(events) if isinstance(event, Mark))
-    moves = [(event.to, event.feed) for event in events[first:second] if isinstance(event, Move)]
-    assert moves == [
-        ({"X": 298.0}, 6000),
-        ({"X": 301.0}, 600),
-        ({"C": 88.0}, 5400),
-        ({"C": 90.0}, 600),
-        ({"X": 300.0}, 600),
-    ]
 
 
 def test_the_way_back_after_jogging_at_the_mounting_is_slow_too() -> None:

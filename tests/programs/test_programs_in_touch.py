@@ -152,13 +152,13 @@ def read(campaign: CampaignDescription, places: list[Place], controller: str) ->
 
 @pytest.mark.parametrize("controller", controllers())
 def test_rotary_axes_come_to_a_reading_from_the_side_that_was_planned(controller: str) -> None:
-    campaign = described(NEST)
-    places = places_of(campaign, 8, 0)
-    trace = read(campaign, places, controller)
+    said, places, program = made("nest", controller)
+    ways = Reader(said.machine, controller).follow(program.text)
+    trace = [(what, pose) for what, poses in ways for pose in poses]
     numbered = [(k, int(what.split()[1])) for k, (what, _) in enumerate(trace) if what.startswith("READING")]
     checked = 0
     for k, number in numbered:
-        for axis_number, axis in enumerate(campaign.machine.axes):
+        for axis_number, axis in enumerate(said.machine.axes):
             side = places[number - 1].approach[axis_number]
             if not axis.rotary or side == 0:
                 continue
@@ -232,6 +232,18 @@ def test_where_no_way_in_touch_leads_the_tool_goes_off_and_comes_back(
     asked = [re.findall(words, text) for words in ("TAKE THE BAR OFF", "PUT THE BAR ON")]
     assert len(asked[0]) == len(asked[1])
     assert (len(asked[0]) >= 2) == (kind == "bar")
+
+
+def test_over_a_clearance_the_slides_move_aside_where_it_is_clear_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    campaign = described(*KINDS["bar"])
+    (setup,) = campaign.setups
+    monkeypatch.setattr(SmoothChart, "between", lambda self, here, there: None)
+    over = replace(setup, driving=Driving(clearance=("Z", 0.35)))
+    (program,) = programs(campaign.machine, [over], places_of(campaign, 3), dialect("linuxcnc"))
+    moves = [line.split()[2:-1] for line in program.text.splitlines() if line.startswith("G53 G1")]
+    aside = [(before, words) for before, words in pairwise(moves) if words[0][0] in "XY"]
+    assert len(aside) >= 5
+    assert all(before == ["Z350.000000"] and len(words) == 2 for before, words in aside)
 
 
 def a_way_that_swings_out(machine: Machine) -> tuple[Array, Array]:

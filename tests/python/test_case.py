@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
@@ -138,12 +137,3 @@ def test_tables_are_those_of_the_command(tmp_path: Path) -> None:
     files = known.export("linuxcnc", tmp_path)
     assert sorted(file.name for file in files) == sorted(file.name for file in tmp_path.iterdir())
     assert (tmp_path / "X.comp").is_file()
-
-
-def test_the_report_is_that_of_the_command(tmp_path: Path) -> None:
-    known = ac.estimate(case(), [Reading("laser", (x, 0.1, 0.2), (1, 0, 0), 3e-4 * x) for x in (0.1, 0.2, 0.3, 0.5)])
-    assert known.report(tmp_path / "out").read_bytes().startswith(b"%PDF")
-    assert json.loads((tmp_path / "out" / "result.json").read_text())["rms_um"] == pytest.approx(
-        1e6 * known.rms, rel=1e-5
-    )
-    assert (tmp_path / "out" / "campaign.axiscal").is_file()

@@ -23,9 +23,9 @@ from axiscal.exceptions import RecordError
 from axiscal.present import rendering
 from tests.cli.test_results_are_a_set import CAMPAIGN, READINGS
 from tests.generators.texts import machine_text
-from tests.reliability.faults import HOWS, Fault, Outcome, Say, faults
+from tests.reliability.faults import HOWS, Fault, Outcome, faults
 from tests.reliability.record_faults import events
-from tests.reliability.trial import Trial, scratch
+from tests.reliability.trial import Say, Trial, scratch
 
 MACHINE = machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"})
 WRONG = """machine = "machine.toml"

@@ -13,16 +13,17 @@ import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from axiscal.document import durable
 from axiscal.exceptions import AxiscalError
 from axiscal.present import result_set
+from tests.reliability.trial import Say, forked
 
 CALLS = ("write", "fsync", "fdatasync", "replace", "rename", "link", "unlink", "mkdir", "rmdir", "ftruncate")
 KILLED = 77
-_RAISED = 66
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +35,6 @@ class Fault:
 
 
 HOWS = ("kill", "part", "full", "broken")
-Say = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,32 +65,16 @@ def faults(
 
 
 def _worked(folder: Path, work: Callable[[Path, Say], None], fault: Fault) -> Outcome:
-    reading, writing = os.pipe()
-    child = os.fork()
-    if child == 0:
-        os.close(reading)
-        _child(folder, work, fault, writing)
-    os.close(writing)
-    with os.fdopen(reading, "rb") as pipe:
-        said = pipe.read().decode().splitlines()
-    os.waitpid(child, 0)
-    met = "met" in said
-    return Outcome(tuple(line for line in said if line != "met"), met)
+    said = forked(partial(_tried, folder, work, fault)).lines()
+    return Outcome(tuple(line for line in said if line != "met"), "met" in said)
 
 
-def _child(folder: Path, work: Callable[[Path, Say], None], fault: Fault, pipe: int) -> None:
-    write = os.write
-
-    def say(line: str) -> None:
-        write(pipe, f"{line}\n".encode())
-
+def _tried(folder: Path, work: Callable[[Path, Say], None], fault: Fault, say: Say) -> None:
     try:
         with _faulty(fault, say):
             work(folder, say)
     except (OSError, AxiscalError) as failure:
         say(f"raised {type(failure).__name__}: {failure}")
-        os._exit(_RAISED)
-    os._exit(0)
 
 
 @contextmanager

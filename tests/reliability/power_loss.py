@@ -10,8 +10,9 @@ import os
 import random
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from unittest.mock import patch
 
+from axiscal.document import durable
 from axiscal.record import store
 from axiscal.record.events import Event
 from tests.reliability.record_faults import CREATED, NAME, recorded, values
@@ -44,8 +45,7 @@ def _logged(path: Path) -> tuple[bytes, Log]:
     """Write to a record, and return what it was before and what the disk was told."""
     store.Record.create(path, CREATED).close()
     before, log = path.read_bytes(), Log()
-    module: Any = store
-    write_at, sync, cut = module.write_at, module.sync, os.ftruncate
+    write_at, sync, cut = durable.write_at, durable.sync, os.ftruncate
 
     def wrote(handle: int, offset: int, content: bytes) -> None:
         log.epochs[-1].append((offset, content))
@@ -60,15 +60,12 @@ def _logged(path: Path) -> tuple[bytes, Log]:
         log.epochs[-1].append((size, None))
         cut(handle, size)
 
-    module.write_at, module.sync, os.ftruncate = wrote, waited, shortened
-    try:
-        with store.Record.open(path) as record:
-            for number in range(APPENDS):
-                batch: list[Event] = [recorded(float(number))] * (1 + number % 3)
-                record.append(*batch)
-                log.acknowledged[-1] += len(batch)
-    finally:
-        module.write_at, module.sync, os.ftruncate = write_at, sync, cut
+    logged = patch.multiple(store, write_at=wrote, sync=waited)
+    with logged, patch.object(os, "ftruncate", shortened), store.Record.open(path) as record:
+        for number in range(APPENDS):
+            batch: list[Event] = [recorded(float(number))] * (1 + number % 3)
+            record.append(*batch)
+            log.acknowledged[-1] += len(batch)
     disk = bytearray(before)
     for epoch in log.epochs:
         for offset, content in epoch:

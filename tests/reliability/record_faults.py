@@ -8,8 +8,8 @@ from axiscal.measurement.reading import Reading
 from axiscal.record.copies import write_copy
 from axiscal.record.events import Created, Recorded, Stored
 from axiscal.record.store import Record
-from tests.reliability.faults import Say, faults
-from tests.reliability.trial import Trial, scratch
+from tests.reliability.faults import faults
+from tests.reliability.trial import Say, Trial, scratch
 
 CREATED = Created("name = 'm'", "machine = 'm'", "machine.toml", "campaign.toml", {"axiscal": "0.1.0"})
 NAME = "mill.axiscal"

@@ -7,8 +7,9 @@ import random
 import signal
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from unittest.mock import patch
 from uuid import uuid4
@@ -85,39 +86,34 @@ def _client(server: RunningServer, path: Path, number: int) -> int:
         while not ended:
             value += 1
             if value % 2:
-                _appended(server, value)
+                _until_done(server, partial(_append_once, value))
                 print(value, file=said, flush=True)
                 continue
             record.append(recorded(float(value)))
             waiting.append(value)
             if len(waiting) == 5:
-                _synced(server, record, f"own {number}")
+                _until_done(server, partial(synced, record=record, name=f"own {number}"))
                 print(*waiting, file=said, flush=True)
                 waiting.clear()
     os._exit(0)
 
 
-def _appended(server: RunningServer, value: int) -> None:
-    """Append a reading until it is there: after each error it is looked for, as the message asks."""
-    while True:
+def _until_done(server: RunningServer, work: Callable[[Database], object]) -> None:
+    """Do some work over a connection until it is done: after each error anew, as the message asks."""
+    done = False
+    while not done:
         database = _opened(server)
         with suppress(RecordError):
-            log = ServerLog.open(database, SHARED)
-            if value not in _held(log):
-                log.append(recorded(float(value)))
-            database.close()
-            return
+            work(database)
+            done = True
         database.close()
 
 
-def _synced(server: RunningServer, record: Record, name: str) -> None:
-    while True:
-        database = _opened(server)
-        with suppress(RecordError):
-            synced(database, record, name)
-            database.close()
-            return
-        database.close()
+def _append_once(value: int, database: Database) -> None:
+    """Append a reading if it is not there."""
+    log = ServerLog.open(database, SHARED)
+    if value not in _held(log):
+        log.append(recorded(float(value)))
 
 
 def names() -> Trial:

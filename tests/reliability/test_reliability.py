@@ -145,6 +145,7 @@ def test_surroundings_that_give_other_bytes_are_named(monkeypatch: pytest.Monkey
     assert (trial.tried, trial.lost, trial.detail) == (21 + 3 + 3 + 2, 1, "other bytes: locale de_DE")
 
 
+@pytest.mark.long
 def test_a_language_that_is_tried_is_really_spoken(tmp_path: Path) -> None:
     if not same_bytes.installed("de_DE", tmp_path):
         pytest.skip("needs Debian's locales")

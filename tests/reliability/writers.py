@@ -6,7 +6,9 @@ import os
 import random
 import signal
 import time
+from functools import partial
 from pathlib import Path
+from unittest.mock import patch
 
 from axiscal.document import durable
 from axiscal.exceptions import RecordError
@@ -14,7 +16,7 @@ from axiscal.record import lease
 from axiscal.record.lease import lease_of
 from axiscal.record.store import PATIENCE, Record
 from tests.reliability.record_faults import CREATED, NAME, recorded, values
-from tests.reliability.trial import Trial, scratch
+from tests.reliability.trial import Say, Trial, forked, scratch
 
 
 def killed(kills: int, seed: int = 5) -> Trial:
@@ -38,21 +40,17 @@ def killed(kills: int, seed: int = 5) -> Trial:
 
 
 def _killed_after(path: Path, start: int, seconds: float) -> list[int]:
-    reading, writing = os.pipe()
-    child = os.fork()
-    if child == 0:
-        os.close(reading)
-        with Record.open(path) as record:
-            for number in range(start, start + 10_000):
-                record.append(recorded(float(number)))
-                os.write(writing, b"%d\n" % number)
-        os._exit(0)
-    os.close(writing)
+    writer = forked(partial(_all_written, path, range(start, start + 10_000)))
     time.sleep(seconds)
-    os.kill(child, signal.SIGKILL)
-    os.waitpid(child, 0)
-    with os.fdopen(reading, "rb") as pipe:
-        return [int(line) for line in pipe.read().splitlines(keepends=True) if line.endswith(b"\n")]
+    os.kill(writer.process, signal.SIGKILL)
+    return [int(line) for line in writer.lines()]
+
+
+def _all_written(path: Path, numbers: range, say: Say) -> None:
+    with Record.open(path) as record:
+        for number in numbers:
+            record.append(recorded(float(number)))
+            say(f"{number}")
 
 
 def at_once(processes: int, entries: int, folder: Path | None = None) -> Trial:
@@ -63,13 +61,10 @@ def at_once(processes: int, entries: int, folder: Path | None = None) -> Trial:
     with scratch() as top:
         path = (folder or top) / NAME
         Record.create(path, CREATED).close()
-        waits = [_writing(path, number * 1_000_000, entries) for number in range(processes)]
-        longest, told = 0.0, 0
-        for child, pipe in waits:
-            with os.fdopen(pipe, "rb") as heard:
-                wait, refused = (heard.read() or b"inf 0").split()
-            longest, told = max(longest, float(wait)), told + int(refused)
-            os.waitpid(child, 0)
+        starts = (number * 1_000_000 for number in range(processes))
+        writing = [forked(partial(_patiently, path, range(start, start + entries))) for start in starts]
+        said = [(each.lines() or ["inf 0"])[0].split() for each in writing]
+        longest, told = max(float(wait) for wait, _ in said), sum(int(refused) for _, refused in said)
         kept = sorted(int(value) for value in values(path))
     expected = sorted(number * 1_000_000 + entry for number in range(processes) for entry in range(entries))
     missed = len(set(expected) ^ set(kept)) + len(kept) - len(set(kept))
@@ -77,15 +72,11 @@ def at_once(processes: int, entries: int, folder: Path | None = None) -> Trial:
     return Trial(f"readings that {processes} processes write at once", processes * entries, missed, detail)
 
 
-def _writing(path: Path, start: int, entries: int) -> tuple[int, int]:
-    reading, writing = os.pipe()
-    child = os.fork()
-    if child:
-        os.close(writing)
-        return child, reading
+def _patiently(path: Path, numbers: range, say: Say) -> None:
+    """Write readings, and say the longest wait, and how often the record was held by another one for too long."""
     longest, told = 0.0, 0
     with Record.open(path) as record:
-        for number in range(start, start + entries):
+        for number in numbers:
             kept = False
             while not kept:
                 begin = time.monotonic()
@@ -97,42 +88,25 @@ def _writing(path: Path, start: int, entries: int) -> tuple[int, int]:
                         break
                     told += 1
                 longest = max(longest, time.monotonic() - begin)
-    os.write(writing, f"{longest} {told}".encode())
-    os._exit(0)
+    say(f"{longest} {told}")
 
 
 def on_a_share(entries: int) -> Trial:
     """Let two computers write to one record on a share whose locks do nothing; who is refused waits and tries again."""
-    taken, computer, old = durable._taken, lease._computer, lease.OLD
-    try:
-        durable._taken = lambda handle: True
-        lease.OLD = 1.0
-        with scratch() as top:
-            Record.create(top / NAME, CREATED).close()
-            pipes = [_on(f"computer {n}", top / NAME, 1_000_000 * n, entries) for n in range(2)]
-            acknowledged, refused = set[int](), 0
-            for child, pipe in pipes:
-                with os.fdopen(pipe, "rb") as heard:
-                    words = heard.read().split()
-                acknowledged |= {int(word) for word in words if word != b"-"}
-                refused += words.count(b"-")
-                os.waitpid(child, 0)
-            kept = [int(value) for value in values(top / NAME)]
-            branches = list(top.glob(f"{Path(NAME).stem}-*.axiscal"))
-    finally:
-        durable._taken, lease._computer, lease.OLD = taken, computer, old
+    with scratch() as top, patch.object(durable, "_taken", return_value=True), patch.object(lease, "OLD", 1.0):
+        Record.create(top / NAME, CREATED).close()
+        computers = [forked(partial(_on, f"computer {n}", top / NAME, 1_000_000 * n, entries)) for n in range(2)]
+        lines = [line for each in computers for line in each.lines()]
+        kept = [int(value) for value in values(top / NAME)]
+        branches = list(top.glob(f"{Path(NAME).stem}-*.axiscal"))
+    acknowledged, refused = {int(line) for line in lines if line != "-"}, lines.count("-")
     missed = len(acknowledged - set(kept)) + len(kept) - len(set(kept))
     detail = f"{len(acknowledged):,} acknowledged; refused in one sentence {refused:,} times; {len(branches)} branches"
     return Trial("entries of 2 computers on a share without locks", 2 * entries, missed, detail)
 
 
-def _on(computer: str, path: Path, start: int, entries: int) -> tuple[int, int]:
+def _on(computer: str, path: Path, start: int, entries: int, say: Say) -> None:
     """Write entries as another computer, opening the record for some at a time, as commands do."""
-    reading, writing = os.pipe()
-    child = os.fork()
-    if child:
-        os.close(writing)
-        return child, reading
     lease._computer = lambda: f"{computer} 0"
     chance, number = random.Random(start), start
     while number < start + entries:
@@ -140,9 +114,8 @@ def _on(computer: str, path: Path, start: int, entries: int) -> tuple[int, int]:
             with Record.open(path) as record:
                 for _ in range(min(chance.randrange(1, 100), start + entries - number)):
                     record.append(recorded(float(number)))
-                    os.write(writing, b"%d\n" % number)
+                    say(f"{number}")
                     number += 1
         except RecordError:
-            os.write(writing, b"-\n")
+            say("-")
             time.sleep(chance.uniform(0, 0.01))
-    os._exit(0)

@@ -164,14 +164,6 @@ def test_a_map_comes_back_as_it_went_in(controller: str, axes: str, planes: str,
     assert np.std(z - height(X, Y)) < 0.004 < 0.04 < np.std(height(X, Y))
 
 
-def test_what_is_written_is_read_by_estimate_as_the_same_bed(tmp_path: Path) -> None:
-    record = estimated(tmp_path, klipper_file(X, Y, bed(X, Y)), "printer.cfg")
-    (tmp_path / "again").mkdir()
-    second = estimated(tmp_path / "again", exported(record, "klipper")["bed_mesh.cfg"], "written.cfg")
-    x, y, z = held_by("klipper", exported(second, "klipper"))
-    assert np.corrcoef(z.ravel(), bed(x, y).ravel())[0, 1] > 0.999
-
-
 def test_a_high_bed_is_a_tool_too_low(tmp_path: Path, command: Command) -> None:
     record = estimated(tmp_path, klipper_file(X, Y, bed(X, Y)), "printer.cfg")
     poses = tmp_path / "poses.csv"

@@ -156,15 +156,6 @@ def test_nothing_is_written_when_nothing_is_known(controller: str) -> None:
         export(blank, controller, options)
 
 
-@pytest.mark.parametrize("controller", controllers())
-def test_the_note_says_what_is_left_and_who_has_tried(controller: str) -> None:
-    made, readme = draft(controller)[1], offered(controller).readme
-    assert ("NOT VERIFIED ON A CONTROL" in readme) is not made.tried
-    assert re.search(r"from \d[\d.]* um RMS to \d[\d.e-]* um\. ", readme)
-    assert "Left out: " in readme
-    assert all(text.isascii() for text in made.files.values())
-
-
 def test_what_is_expected_is_what_machines_of_the_belief_show() -> None:
     """The mean square over machines drawn from the belief, each corrected as estimated, up to its one shift.
 

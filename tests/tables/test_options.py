@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from functools import cache
 
 import pytest
@@ -15,7 +14,7 @@ from axiscal.tables.loaded import OldFile
 from axiscal.tables.registry import controllers, export, exporter, refuse_untaken
 from axiscal.tables.round_trip import drawn_and_known
 from tests.generators.texts import machine_text
-from tests.tables.test_controllers import COM, FANUC, OPTIONS, known
+from tests.tables.test_controllers import COM, FANUC, known
 
 TRAVELS = {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}
 
@@ -82,19 +81,6 @@ def test_an_option_that_a_format_takes_changes_its_files(controller: str, option
             written(controller, **given)
     else:
         assert written(controller, **given) != plain(controller)
-
-
-@pytest.mark.parametrize("controller", controllers())
-def test_the_readme_of_each_format_that_can_flip_asks_first_for_its_sign(controller: str) -> None:
-    options = OPTIONS.get(controller, ExportOptions())
-    asked, measured = (
-        export(known("small")[0], controller, each).readme.splitlines()[1]
-        for each in (options, replace(options, sign_day="2026-11-28"))
-    )
-    can = "--flip" in exporter(controller).takes
-    assert bool(re.search(r"^WHICH WAY .* (B-63980EN|K3|page 716|P-VOLC-00009)\b.* --probe-sign", asked)) is can
-    assert measured.startswith("SIGN MEASURED ON 2026-11-28: the control takes its values as supposed") is can
-    assert bool(exporter(controller).unstated) is can
 
 
 @pytest.mark.parametrize("against", ["X", "C"])

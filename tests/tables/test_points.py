@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.errors.model import ErrorModel
-from axiscal.exceptions import TableError
 from axiscal.machine import machine_from_text
 from axiscal.numerics import Array
 from axiscal.tables.sampling import SAMPLES, closest, points
@@ -56,24 +55,6 @@ def test_points_on_multiples_cover_the_travel_with_as_few_steps_as_fit(
     step, limit = round(float(steps[0])), max(min(12, most - 1), 1)
     assert step * limit >= stop - exact[0]
     assert (step - multiple) * limit < stop - exact[0]
-
-
-@given(st.integers(1, 400), st.integers(1, 400), st.integers(2, 150))
-def test_a_spacing_that_divides_the_travel_is_taken_as_far_as_its_points_fit(
-    length: int, spacing: int, most: int
-) -> None:
-    errors = model(-100, 300 + length)
-    travel = 400 + length
-    if travel % spacing == 0 and travel // spacing + 1 <= most:
-        at = points(errors, 0, spacing * 1e-3, most)
-        assert at == pytest.approx(np.arange(travel // spacing + 1) * spacing * 1e-3 - 0.1)
-        assert points(errors, 0, {"X": spacing * 1e-3}, most) == pytest.approx(at)
-    elif travel % spacing == 0:
-        with pytest.raises(TableError, match=f"makes {travel // spacing + 1} points of X, this control holds {most}"):
-            points(errors, 0, spacing * 1e-3, most)
-    else:
-        with pytest.raises(TableError, match="does not divide the"):
-            points(errors, 0, spacing * 1e-3, most)
 
 
 TURN = machine_text("w-C'-b-t", {"C": (0, 360)}, {"EXC": 'std = "10 um", knots = 12'})

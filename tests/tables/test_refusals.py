@@ -18,7 +18,6 @@ from axiscal.tables.registry import export, loaded
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.table import CompensationTable
 from tests.generators.texts import machine_text
-from tests.refusals.reading import refusals
 
 THREE = machine_from_text(
     machine_text("w-b-X-Y-Z-t", {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M")
@@ -32,12 +31,6 @@ LATHE = machine_from_text(
 def test_a_table_of_linuxcnc_is_of_the_joint_that_its_name_says(named: str) -> None:
     found = loaded("linuxcnc", THREE, ExportOptions(old_files=(OldFile(named, "0 0 0\n100 100.01 100.01\n"),)))
     assert {table.axis for table in found.tables} == {"X"}
-
-
-def test_a_table_over_another_axis_is_of_the_axis_that_it_moves() -> None:
-    old = OldFile("NC_CEC.INI", refusals("old_table").texts["sinumerik NC_CEC.INI"])
-    found = loaded("sinumerik", THREE, ExportOptions(old_files=(old,))).tables
-    assert [(one.axis, one.over) for one in found] == [("Y", "X")]
 
 
 def test_what_a_reader_trips_over_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,26 +11,18 @@ from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
 from axiscal.tables.round_trip import drawn_and_known
-
-MACHINE = """name = "M"
-chain = "w-C'-X'-b-Y-t"
-[axes.X]
-travel = ["0 mm", "400 mm"]
-[axes.Y]
-travel = ["0 mm", "300 mm"]
-[axes.C]
-travel = ["{low} deg", "{high} deg"]
-{limits}
-[errors]
-EXX = {{ std = "10 um", knots = 5, length = "150 mm" }}
-ECC = {{ std = "40 urad", knots = {knots}, length = "90 deg" }}
-ECC_reversal = {{ std = "30 urad" }}
-"""
+from tests.generators.texts import Std, machine_text
 
 
-def known(limits: str = "", knots: int = 17, low: int = -180, high: int = 180) -> Estimate:
-    text = MACHINE.format(low=low, high=high, knots=knots, limits=f"limits = {limits}" if limits else "")
-    return drawn_and_known(machine_from_text(text), 4)
+def known(limits: str = "", knots: int = 17) -> Estimate:
+    errors: dict[str, Std] = {
+        "EXX": ("10 um", 5, 150),
+        "ECC": f'std = "40 urad", knots = {knots}',
+        "ECC_reversal": "30 urad",
+    }
+    text = machine_text("w-C'-X'-b-Y-t", {"X": (0, 400), "Y": (0, 300), "C": (-180, 180)}, errors)
+    stated = f"[axes.C]\nlimits = {limits}\n" if limits else "[axes.C]\n"
+    return drawn_and_known(machine_from_text(text.replace("[axes.C]\n", stated)), 4)
 
 
 def exported(estimate: Estimate) -> Export:

@@ -25,22 +25,15 @@ from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import foreword, shifts
-from axiscal.tables.surface import CommandedMachine, Mesh, effect_of_control, planes_left
+from axiscal.tables.round_trip import drawn_and_known
+from axiscal.tables.surface import CommandedMachine, effect_of_control, planes_left
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.vcomp_applying import whole_control
-from tests.generators.known import known_to_be, sure
+from tests.generators.known import sure
 from tests.generators.planes import BED
 from tests.generators.texts import TWO_SPHERES
 from tests.tables.test_controllers import known
 from tests.tables.test_sampling import CHAINS, machine
-
-
-def estimate_of(text: str, seed: int = 1) -> Estimate:
-    """Return the belief of somebody who knows a machine that was drawn."""
-    model = ErrorModel(machine_from_text(text))
-    mean = model.prior_root() @ np.random.default_rng(seed).standard_normal(model.prior_root().shape[1])
-    return known_to_be(model, mean)
-
 
 ONE_PLANE = BED.replace("EAYZ", "#").replace('EAX = { std = "100 urad", knots = 4, length = "100 mm" }', "")
 
@@ -62,7 +55,7 @@ def plane_of(estimate: Estimate, poses: Array) -> Array:
 def test_what_files_leave_of_two_axes_is_said_below_nine_tenths_and_part_of_it_above_a_tenth(
     share: float, says: bool, part: bool
 ) -> None:
-    estimate = estimate_of(ONE_PLANE)
+    estimate = drawn_and_known(machine_from_text(ONE_PLANE))
     axes = estimate.machine.axes
     index = estimate.machine.index("Z")
     low, high = np.array(estimate.box).T
@@ -119,16 +112,6 @@ def test_points_of_a_sum_are_those_of_both_as_far_as_they_fit(
     added = np.interp(found.positions, before.positions, 3e-6 * before.positions**2)
     assert found.forward == pytest.approx(own - added, abs=1e-15)
     assert found.reverse == pytest.approx(own - added, abs=1e-15)
-
-
-def test_old_heights_are_added_at_the_points_of_the_new_mesh() -> None:
-    x, y = np.linspace(0, 0.3, 4), np.linspace(0, 0.2, 3)
-    new = Mesh(x, y, 1e-6 * np.arange(12.0).reshape(3, 4))
-    first = Mesh(np.array([0.0, 0.3]), np.array([0.0, 0.2]), 1e-6 * np.array([[0.0, 3.0], [2.0, 5.0]]))
-    found = Loaded(meshes=(first, first)).under_mesh(new)
-    plane = 10.0 * x[None, :] + 10.0 * y[:, None]
-    assert found.added == pytest.approx(new.added + 2e-6 * plane)
-    assert Loaded().under_mesh(new).added == pytest.approx(new.added)
 
 
 @pytest.mark.parametrize("control", ["linuxcnc-volumetric", "klipper-volumetric", "isg"])

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from axiscal.numerics import Array
 from tests.zoo.animals import Animal, Job, Met, Truth
@@ -36,26 +37,21 @@ class Geometry:
     def at(self, poses: Array) -> Array:
         """Return the tool point in the frame of the workpiece, (p, 3) mm.  poses : (p, 5) X Y Z mm, B C deg"""
         x, y, z, b, c = poses.T
-        tip = np.column_stack([x * (1 + self.stretch), y, z - self.tool]) - self.b
-        sin, cos = np.sin(np.radians(b)), np.cos(np.radians(b))
-        on_b = np.column_stack([cos * tip[:, 0] + sin * tip[:, 2], tip[:, 1], cos * tip[:, 2] - sin * tip[:, 0]])
-        arm = on_b + self.b - np.array(self.c)
-        return _about_z(arm, c) + self.c
+        tip = np.column_stack([x * (1 + self.stretch), y, z - self.tool])
+        on_b = _about("y", b).apply(tip - self.b) + self.b
+        return np.asarray(_about("z", c).apply(on_b - self.c) + self.c)
 
     def reaching(self, points: Array, turned: Array) -> Array:
         """Return the poses that bring the tool to points of the workpiece.  points : (p, 3) mm; turned : (p, 2) deg"""
         b, c = turned.T
-        on_b = _about_z(points - self.c, -c) + self.c - np.array(self.b)
-        sin, cos = np.sin(np.radians(b)), np.cos(np.radians(b))
-        tip = np.column_stack([cos * on_b[:, 0] - sin * on_b[:, 2], on_b[:, 1], cos * on_b[:, 2] + sin * on_b[:, 0]])
-        return np.column_stack([tip + self.b + [0.0, 0.0, self.tool], turned])
+        on_b = _about("z", -c).apply(points - self.c) + self.c
+        tip = _about("y", -b).apply(on_b - self.b) + self.b
+        return np.column_stack([tip + np.array([0.0, 0.0, self.tool]), turned])
 
 
-def _about_z(points: Array, angle: Array) -> Array:
-    """Return points turned about z.  points : (p, 3); angle : (p,) deg"""
-    sin, cos = np.sin(np.radians(angle)), np.cos(np.radians(angle))
-    x, y, z = points.T
-    return np.column_stack([cos * x - sin * y, sin * x + cos * y, z])
+def _about(axis: str, angle: Array) -> Rotation:
+    """Return turns about an axis of the frame.  angle : (p,) deg"""
+    return Rotation.from_euler(axis, angle[:, None], degrees=True)
 
 
 NOMINAL = Geometry()
