@@ -104,6 +104,9 @@ def test_what_is_late_surprising_or_empty_is_refused_and_nothing_is_lost(page: S
     assert page.call("skips", after=page.state()["last"], reason=" ").document["problem"] == "refused"
     assert page.call("skips", after=page.state()["last"], reason="the beam is blocked").status == 200
     assert page.state()["question"]["places"] != place
+    left = page.call("skips", after=page.state()["last"], reason="the beam is lost", rest=True)
+    assert left.document["sentence"].startswith('Left "laser"')
+    assert (page.state()["question"], page.state()["ended"]) == (None, "nothing is left to measure")
 
 
 def test_what_is_typed_is_understood_before_it_is_sent(still: Served) -> None:
