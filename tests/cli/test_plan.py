@@ -108,7 +108,6 @@ def test_what_half_the_minutes_these_and_twice_as_many_buy_is_shown(campaign: Pa
     assert list(bars[1]) == sorted(bars[1], reverse=True)
     assert len(bars[1]) == len(document["bought"])
     assert bars[1][0] == "█"
-    assert "What minutes buy" not in command("plan", campaign, "--readings", "4").printed
 
 
 def test_a_set_up_that_no_budget_reaches_is_named(
