@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -120,6 +120,12 @@ def test_an_end_of_the_travel_is_within_it_up_to_rounding(at: float, allowed: bo
             with pytest.raises(ReadingError, match=r"poses\.csv, line 7.*X = .* mm is outside the travel") as caught:
                 predict_poses(have, [raw({"X": 0.0}), raw({"X": end}, line=7)], FILE)
             assert "X goes from -100 mm to 300 mm" in str(caught.value)
+
+
+@pytest.mark.parametrize("pose", [raw({"Y": 0.1}, line=4), raw({"X": 0.1}, {"Y": 1}, line=4)])
+def test_an_axis_that_the_machine_has_not_is_named_with_its_line(pose: Any) -> None:
+    with pytest.raises(ReadingError, match=r'line 4.*no axis "Y".*Its axes are X, C'):
+        predict_poses(known().estimation(), [pose], FILE)
 
 
 def test_what_readings_say_of_a_rest_is_in_the_deviation_of_its_cell_alone() -> None:

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_approach, placed_pose, placed_readings
 from axiscal.exceptions import ReadingError
-from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.readers.csv_readings import RawReading
-from tests.generators.texts import setup_text
+from tests.generators.campaigns import built_in
+from tests.generators.texts import artefact_text, setup_text
 
 MILL = setup_text(
     "laser", "interferometer", direction="x", moves=["X"], park={"Y": "250 mm", "Z": "100 mm"}
@@ -23,20 +23,10 @@ LEVELS = "".join(
     f'[[setups]]\nname = "level {k}"\ninstrument = "level"\ndirection = "y"\nmoves = ["X"]\n{base}\n'
     for k, base in enumerate(("", 'base = "100 mm"'))
 )
-BALLS = """
-[[artefacts]]
-balls = { low = ["200 mm", "0 mm", "-80 mm"] }
-name = "balls"
-[[setups]]
-artefact = "balls"
-instrument = "rtest"
-name = "nest"
-"""
+BALLS = artefact_text("balls", balls={"low": ["200 mm", "0 mm", "-80 mm"]}) + setup_text(
+    "nest", "rtest", artefact="balls"
+)
 LINE = setup_text("diagonal", "interferometer", along=[["100 mm", "100 mm", "50 mm"], ["300 mm", "300 mm", "200 mm"]])
-
-
-def described(text: str, machine: str = "three-axis-mill") -> CampaignDescription:
-    return campaign_from_texts(f'machine = "{machine}"\n{text}', "c.toml", load_machine(machine).text, machine)
 
 
 def refusal(campaign: CampaignDescription, **said: Any) -> str:
@@ -59,7 +49,7 @@ def refusal(campaign: CampaignDescription, **said: Any) -> str:
     ],
 )
 def test_a_reading_that_does_not_fit_a_set_up_is_refused(said: Mapping[str, Any], why: str) -> None:
-    assert why in refusal(described(MILL), **said)
+    assert why in refusal(built_in(MILL), **said)
 
 
 def as_read(test: str, dimension: str) -> dict[str, Any]:
@@ -67,25 +57,25 @@ def as_read(test: str, dimension: str) -> dict[str, Any]:
 
 
 def test_set_ups_that_a_file_cannot_tell_apart_are_refused() -> None:
-    twice = described(MILL.replace('direction = "y"', 'direction = "x"'))
+    twice = built_in(MILL.replace('direction = "y"', 'direction = "x"'))
     assert "several set-ups read a length along x" in refusal(twice, setup="", error="EXX")
-    alone = described(MILL.rpartition("[[setups]]")[0])
+    alone = built_in(MILL.rpartition("[[setups]]")[0])
     tested = RawReading("", {"": 0.1}, {"": -1}, 1e-6, None, "length", 3, test="positioning")
     (reading,) = placed_readings((tested,), alone, "r.csv")
     assert (reading.setup, reading.pose[0], reading.approach[0]) == ("laser", 0.1, -1)
-    level = described(LEVELS.rpartition("[[setups]]")[0])
+    level = built_in(LEVELS.rpartition("[[setups]]")[0])
     for dimension in ("length", "angle"):
         assert "rotary for deg, and reads along it" in refusal(level, **as_read("positioning", dimension))
     assert "moves one linear axis and reads across it" in refusal(alone, **as_read("straightness", "length"))
     assert "needs a ball bar that reads in a plane" in refusal(alone, **as_read("circle", "length"))
     assert '"laser" reads no circle' in refusal(alone, **{**as_read("circle", "length"), "setup": "laser"})
-    both = described(LEVELS)
+    both = built_in(LEVELS)
     assert "several set-ups read what this test reads: " in refusal(both, **as_read("angular", "angle"))
 
 
 @pytest.mark.parametrize(("direction", "sign"), [("x", 1), ("-x", -1)])
 def test_a_test_says_how_far_the_axis_goes_whichever_way_its_set_up_looks(direction: str, sign: int) -> None:
-    campaign = described(setup_text("laser", "interferometer", direction=direction, moves=["X"]))
+    campaign = built_in(setup_text("laser", "interferometer", direction=direction, moves=["X"]))
     tested = RawReading("", {"": 0.1}, {"": 1}, 1e-6, None, "length", 3, test="positioning")
     (reading,) = placed_readings((tested,), campaign, "r.csv")
     assert reading.value == sign * 1e-6
@@ -94,10 +84,10 @@ def test_a_test_says_how_far_the_axis_goes_whichever_way_its_set_up_looks(direct
 def test_a_test_needs_a_set_up_that_looks_along_its_axis_where_the_table_stands() -> None:
     laser: dict[str, Any] = {"direction": "x", "moves": ["X"]}
     for turned, sign in (("0 deg", 1), ("180 deg", -1)):
-        campaign = described(setup_text("laser", "interferometer", **laser, park={"B": "0 deg", "C": turned}), "dmu60")
+        campaign = built_in(setup_text("laser", "interferometer", **laser, park={"B": "0 deg", "C": turned}), "dmu60")
         tested = RawReading("", {"": 0.1}, {"": 1}, 1e-6, None, "length", 3, test="positioning")
         assert placed_readings((tested,), campaign, "r.csv")[0].value == sign * 1e-6
-    aslant = described(setup_text("laser", "interferometer", **laser, park={"B": "45 deg", "C": "0 deg"}), "dmu60")
+    aslant = built_in(setup_text("laser", "interferometer", **laser, park={"B": "45 deg", "C": "0 deg"}), "dmu60")
     assert "reads along it" in refusal(aslant, **as_read("positioning", "length"))
 
 
@@ -109,7 +99,7 @@ def _bar(name: str, plane: str, **more: Any) -> str:
 @pytest.mark.parametrize("angle", [20.0, 130.0, 250.0])
 def test_a_circular_test_is_read_where_its_angle_is(angle: float, way: int) -> None:
     """In the plane xy the bar points along x at 0 and turns to y; the axes come from where it came."""
-    campaign, turned = described(_bar("flat", "xy")), np.radians(angle)
+    campaign, turned = built_in(_bar("flat", "xy")), np.radians(angle)
     tested = RawReading("", {"": float(turned)}, {"": way}, 1e-6, None, "length", 3, test="circle")
     (reading,) = placed_readings((tested,), campaign, "r.csv")
     machine, towards = campaign.machine, np.array([np.cos(turned), np.sin(turned), 0.0])
@@ -120,7 +110,7 @@ def test_a_circular_test_is_read_where_its_angle_is(angle: float, way: int) -> N
 
 
 def test_a_circular_test_names_its_set_up_or_its_only_one_and_stays_on_the_arc() -> None:
-    both = described(_bar("flat", "xy", arc=["0 deg", "90 deg"]) + _bar("up", "zx"))
+    both = built_in(_bar("flat", "xy", arc=["0 deg", "90 deg"]) + _bar("up", "zx"))
     assert "several set-ups read what this test reads: flat and up. Give a column" in refusal(
         both, **as_read("circle", "length")
     )
@@ -135,7 +125,7 @@ def test_a_circular_test_names_its_set_up_or_its_only_one_and_stays_on_the_arc()
 
 
 def test_levels_are_told_apart_by_their_base() -> None:
-    campaign = described(LEVELS)
+    campaign = built_in(LEVELS)
     said: dict[str, Any] = {"setup": "", "error": "slope", "dimension": "angle", "approach": {}}
     (reading,) = placed_readings(
         (RawReading("", {"X": 0.1}, {}, 1e-6, None, "angle", 3, error="slope", base=0.1),), campaign, "r.csv"
@@ -144,12 +134,12 @@ def test_levels_are_told_apart_by_their_base() -> None:
     assert "no set-up of this campaign read an angle while only X moves" in refusal(campaign, **said, base=0.2)
     assert "has a base of 100 mm" in refusal(campaign, setup="level 1", dimension="angle", base=0.2)
     assert "rides on what moves" in refusal(campaign, setup="level 0", dimension="angle", base=0.2)
-    both = described(LEVELS.replace('base = "100 mm"', ""))
+    both = built_in(LEVELS.replace('base = "100 mm"', ""))
     assert "several set-ups of this campaign read an angle" in refusal(both, **said)
 
 
 def test_where_a_ball_is_held_the_slides_follow_and_a_place_beside_it_is_named() -> None:
-    campaign = described(BALLS, "dmu60")
+    campaign = built_in(BALLS, "dmu60")
     (setup,), machine = campaign.setups, campaign.machine
     pose = placed_pose(setup, machine, {"B": 0.1, "C": 0.2})
     np.testing.assert_allclose(frames(machine, np.array([pose])).tcp[0], [0.2, 0.0, -0.08], atol=1e-12)
@@ -165,7 +155,7 @@ def test_where_a_ball_is_held_the_slides_follow_and_a_place_beside_it_is_named()
 
 
 def test_a_place_beside_a_line_is_named() -> None:
-    campaign = described(LINE)
+    campaign = built_in(LINE)
     (setup,) = campaign.setups
     assert setup.chart is not None
     (pose,) = setup.chart.poses(np.array([[0.1]])).tolist()

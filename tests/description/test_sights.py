@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.machine import load_machine
+from axiscal.description.campaign import CampaignDescription
 from axiscal.measurement.candidates import spread
 from axiscal.numerics import Array
+from tests.generators.campaigns import built_in
 from tests.generators.kinematics import in_travel, tip
 
 STATION = np.array([0.9, -0.9, 0.3])
@@ -21,7 +21,6 @@ STANDING = 'station = ["900 mm", "-900 mm", "300 mm"]'
 
 def described(keys: str, instrument: str = "tracker", standing: str = STANDING) -> CampaignDescription:
     text = f"""
-machine = "dmu60"
 [[artefacts]]
 name = "ball"
 balls = {{ one = ["0 mm", "0 mm", "0 mm"] }}
@@ -34,7 +33,7 @@ approach = "both"
 {standing}
 {keys}
 """
-    return campaign_from_texts(text, "campaign.toml", load_machine("dmu60").text, "dmu60")
+    return built_in(text, "dmu60")
 
 
 def seen(campaign: CampaignDescription, pose: Array) -> tuple[float, float]:

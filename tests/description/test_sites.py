@@ -13,6 +13,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine import load_machine
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
+from tests.generators.campaigns import built_in
 
 SPHERES = """
 [[artefacts]]
@@ -29,8 +30,7 @@ MANY += "".join(f'b{k} = ["{k} mm", "0 mm", "0 mm"]\n' for k in range(401))
 
 
 def described(text: str, machine: str = "dmu60") -> CampaignDescription:
-    source = load_machine(machine).text
-    return campaign_from_texts(f'machine = "{machine}"\n{text}', "campaign.toml", source, machine)
+    return built_in(text, machine)
 
 
 def test_spheres_are_read_at_all_their_balls_with_all_rotary_axes() -> None:

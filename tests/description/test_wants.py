@@ -10,18 +10,11 @@ from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.target import Target, rows_of
 from axiscal.machine import load_machine
+from tests.generators.texts import setup_text
 
 MILL, FIVE = load_machine("three-axis-mill"), load_machine("dmu60")
-CAMPAIGN = """machine = "m"
-[target]
-readings = 5
-{line}
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-"""
+LASER = setup_text("laser", "interferometer", direction="x", moves=["X"])
+CAMPAIGN = f'machine = "m"\n[target]\nreadings = 5\n{{line}}\n{LASER}'
 
 
 def _target(line: str, machine: str = MILL.text) -> Target:
@@ -47,6 +40,17 @@ def test_rows_with_limits_and_without() -> None:
 def test_a_plane_is_named_in_any_order_and_case(written: str) -> None:
     (want,) = _target(f'wants = ["Squareness {written} 10 urad"]').wants
     assert (want.row.name, want.limit) == ("squareness XZ", 1e-5)
+
+
+def test_a_rotary_axis_has_a_centre_and_is_positioned_by_angles() -> None:
+    text = CAMPAIGN.format(line='wants = ["centre of C 3 um", "tilt of B 9 urad", "positioning C 4 urad"]')
+    text = text.replace('moves = ["X"]', 'moves = ["X"]\npark = { Y = "0 mm", Z = "250 mm" }')
+    wants = campaign_from_texts(text, "c.toml", FIVE.text, "m").target.wants
+    assert [(want.row.kind, want.row.axes, want.limit) for want in wants] == [
+        ("centre", ("C",), 3e-6),
+        ("tilt", ("B",), 9e-6),
+        ("positioning", ("C",), 4e-6),
+    ]
 
 
 def test_every_row_is_understood_by_its_own_name() -> None:

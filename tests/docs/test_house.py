@@ -225,10 +225,3 @@ def test_files_that_pages_name_are_there() -> None:
     }
     assert "estimation/estimate.py" in named
     assert [name for name in named if not any((ROOT / where / name).exists() for where in ("", "src/axiscal"))] == []
-
-
-@pytest.mark.parametrize("path", sorted(ROOT.glob("*.md")), ids=lambda path: path.name)
-def test_links_between_pages_lead_somewhere(path: Path) -> None:
-    prose = "".join(path.read_text().split("```")[::2])
-    targets = re.findall(r"\]\((?!https?:|#|mailto:)([^)#]+)", prose)
-    assert [target for target in targets if not (path.parent / target).exists()] == []

@@ -7,18 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.errors.gauge import Hidden, hidden, undescribed, unseen_factor
+from axiscal.errors.gauge import Hidden, hidden, machine_check, undescribed, unseen_factor
 from axiscal.errors.model import ErrorModel
 from axiscal.machine import Machine, builtin_names, load_machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.numerics import Array
 from tests.generators.machines import random_poses
-
-
-def prior_root(model: ErrorModel) -> Array:
-    values, vectors = np.linalg.eigh(model.prior_covariance())
-    root: Array = vectors * np.sqrt(np.maximum(values, 0))
-    return root
 
 
 def tool_rows(model: ErrorModel, count: int = 800, directions: tuple[int, ...] = (0, 1, 2)) -> Array:
@@ -30,7 +24,7 @@ def tool_rows(model: ErrorModel, count: int = 800, directions: tuple[int, ...] =
 
 
 def said(model: ErrorModel, rows: Array) -> tuple[Hidden, ...]:
-    return hidden(model, unseen_factor(prior_root(model), rows))
+    return hidden(model, unseen_factor(model.prior_root(), rows))
 
 
 def test_what_is_unseen_is_the_posterior_after_a_million_readings() -> None:
@@ -48,6 +42,10 @@ def test_a_built_in_machine_hides_nothing_that_moves_the_tool_point(name: str) -
     assert [one.text for one in found if one.effect > 0] == []
     assert len(found) <= 12
     assert all("does not depend" in one.text or "not move" in one.text for one in found)
+
+
+def test_a_machine_without_errors_hides_nothing() -> None:
+    assert machine_check(replace(load_machine("one-axis"), errors=())) == ()
 
 
 def with_errors(*entries: ErrorEntry) -> ErrorModel:
@@ -98,7 +96,7 @@ def test_the_whole_of_what_moves_the_tool_point_is_accounted_for() -> None:
     found = said(model, np.zeros((0, model.size)))
     rng = np.random.default_rng(5)
     poses, _ = random_poses(machine, 3000, rng)
-    drawn = prior_root(model) @ rng.standard_normal((model.size, 300))
+    drawn = model.prior_root() @ rng.standard_normal((model.size, 300))
     rows = model.rows(poses, rng.choice([-1.0, 1.0], poses.shape))
     deviations = np.einsum("mci,id->mcd", rows, drawn)
     spread = np.sqrt(np.mean(np.sum((deviations - deviations.mean(axis=0)) ** 2, axis=1)))

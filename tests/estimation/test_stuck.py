@@ -105,19 +105,6 @@ def test_the_step_of_a_display_is_its_last_digit_or_what_its_values_are_multiple
     assert _step(np.array(values) * 1e-6, 1e-6) == pytest.approx(step * 1e-6)
 
 
-@pytest.mark.long
-def test_of_two_dozen_right_records_none_is_stuck() -> None:
-    """Of machines a tenth to twice as large as stated; 5 um are steps five times and more than what noise is stated."""
-    found = list[str]()
-    for seed in range(24):
-        step = (1e-7, 1e-6, 5e-6)[seed // 8]
-        setup, count = (DIAL, LASER)[seed % 2], (9, 15, 18, 28)[seed // 2 % 4]
-        size = (0.1, 0.5, 2.0)[seed % 3] * (4e-6 if setup is DIAL else 10e-6)
-        readings = _shown(foreign_readings(setup, count, 3000 + seed, size), step)
-        found += [name for name, _ in _named(setup, readings) if name == "stuck"]
-    assert found == []
-
-
 def test_readings_none_of_which_is_used_are_no_agreement_and_leave_no_uncertainty() -> None:
     """They were taken for readings that nothing contradicts, and the machine was called measured."""
     readings = [replace(each, value=0.9 + 0.1 * i) for i, each in enumerate(foreign_readings(LASER, 9, 3))]

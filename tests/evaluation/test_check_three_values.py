@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.evaluation.check import Check
 from axiscal.evaluation.datums import datums_of, upright
@@ -19,6 +17,7 @@ from axiscal.evaluation.verification import values_at
 from axiscal.exceptions import ReadingError
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Places
+from tests.commands import Command
 from tests.evaluation.said import measured
 from tests.evaluation.test_verification import MACHINE
 from tests.generators.reaches import reach_of
@@ -43,19 +42,15 @@ def _description(*setups: str, machine: str = MACHINE, readings: int = 24) -> Ca
     ids=["near", "afar"],
 )
 def test_the_right_tables_pass_and_another_machine_is_noticed(
-    setup: str, noticed: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    setup: str, noticed: str, tmp_path: Path, command: Command
 ) -> None:
     """By a tracker afar the machine is known to 4 um, about as large as its errors: another one may agree with that."""
     record = measured(tmp_path / "m.axiscal", _description(setup), SEED)
-    assert run(["verify", str(record), "--source", f"sim:{SEED}", "--tolerance", "12 um", "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
-    assert said["verdict"] == "pass"
-    assert said["tables_loaded"]
-    assert said["estimate_believed"]
+    said = command("verify", record, "--source", f"sim:{SEED}", "--tolerance", "12 um", "--json").document
+    assert (said["verdict"], said["tables_loaded"], said["estimate_believed"]) == ("pass", True, True)
     assert len(said["readings"]) >= 3 * 12
     assert len(said["readings"]) % 3 == 0
-    assert run(["verify", str(record), "--source", "sim:99", "--tolerance", "12 um"]) == 0
-    assert noticed in capsys.readouterr().out
+    assert noticed in command("verify", record, "--source", "sim:99", "--tolerance", "12 um").printed
 
 
 @pytest.fixture(scope="module")
@@ -65,12 +60,9 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return measured(tmp_path_factory.mktemp("two") / "m.axiscal", description, SEED)
 
 
-def test_the_sheet_to_fill_in_has_a_column_for_every_value(
-    two: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    record, plan = two, tmp_path / "check.csv"
-    assert run(["verify", str(record), "--points", "8", "--plan", str(plan), "--json"]) == 0
-    planned = json.loads(capsys.readouterr().out)["plan"]
+def test_the_sheet_to_fill_in_has_a_column_for_every_value(two: Path, tmp_path: Path, command: Command) -> None:
+    plan = tmp_path / "check.csv"
+    planned = command("verify", two, "--points", 8, "--plan", plan, "--json").document["plan"]
     assert {len(p["found_um"]) if isinstance(p["found_um"], list) else 1 for p in planned} == {1, 3}
     with plan.open(newline="") as file:
         lines = list(csv.DictReader(file))
@@ -84,13 +76,11 @@ def test_the_sheet_to_fill_in_has_a_column_for_every_value(
                 shown = place[key] if isinstance(place[key], list) else [place[key]]
                 names = columns[1:] if len(shown) == 3 else columns[:1]
                 sheet.writerow(line | {n: f"{v:.4f}" for n, v in zip(names, shown, strict=True)})
-    arguments = ["verify", str(record), "--found", str(tmp_path / "found.csv"), "--left", str(tmp_path / "left.csv")]
-    assert run([*arguments, "--tolerance", "12 um"]) == 0
-    assert "PASS" in capsys.readouterr().out
-    assert run(["verify", str(record), "--points", "8", "--plan", str(plan)]) == 0
-    shown_text = capsys.readouterr().out
-    assert "fill in value_um, value_x_um, value_y_um, value_z_um" in " ".join(shown_text.split())
-    assert "um as found, " in shown_text
+    filled = ("--found", tmp_path / "found.csv", "--left", tmp_path / "left.csv")
+    assert "PASS" in command("verify", two, *filled, "--tolerance", "12 um").printed
+    said = command("verify", two, "--points", 8, "--plan", plan).said
+    assert "fill in value_um, value_x_um, value_y_um, value_z_um" in said
+    assert "um as found, " in said
 
 
 def test_a_tracker_set_down_by_eye_shows_the_machine_and_not_its_turn() -> None:
@@ -148,24 +138,15 @@ THREE = machine_text(
 )
 
 
-def _board(folder: Path, seed: int) -> Path:
-    """Return the record of a board that was read as it lies three ways, each put down by eye."""
+def test_a_board_that_has_no_new_places_is_read_again_as_it_lies(tmp_path: Path, command: Command) -> None:
+    """A board put down by eye is turned by milliradians, whose squares move its balls by microns."""
     at = ((0, "100 mm", "100 mm"), (90, "200 mm", "100 mm"), (180, "150 mm", "180 mm"))
     boards = [PLACED.format(turn, [x, y, "0 mm"]) for turn, x, y in at]
-    return measured(folder / "board.axiscal", _description(BALLS, *boards, machine=THREE), seed)
-
-
-def test_a_board_that_has_no_new_places_is_read_again_as_it_lies(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """A board put down by eye is turned by milliradians, whose squares move its balls by microns."""
-    seed, record = 15, _board(tmp_path, 15)
-    assert run(["verify", str(record), "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
+    seed, record = 15, measured(tmp_path / "board.axiscal", _description(BALLS, *boards, machine=THREE), 15)
+    said = command("verify", record, "--json").document
     assert len(said["read_again"]) >= 2
     assert len(said["plan"]) == 4 * len(said["read_again"])
-    assert run(["verify", str(record), "--source", f"sim:{seed}", "--tolerance", "30 um", "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
+    said = command("verify", record, "--source", f"sim:{seed}", "--tolerance", "30 um", "--json").document
     assert (said["verdict"], said["estimate_believed"], said["against_own_line"]) == ("pass", True, [])
     assert said["left_rms_um"] < said["found_rms_um"]
     assert (said["agreement_p"] > 0.01, said["set_up_off"]) == (True, [])  # what one ball adds to many is no surprise

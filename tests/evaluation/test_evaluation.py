@@ -11,6 +11,7 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate, positioning_test
+from axiscal.exceptions import EvaluationError
 from axiscal.measurement.readers.files import recognised
 from axiscal.numerics import Array
 from tests.generators.field import FIELD
@@ -36,24 +37,14 @@ def evaluated(tmp_path: Path, text: str) -> Positioning:
 @pytest.mark.parametrize("name", REAL)
 def test_every_published_iso_figure_of_a_real_test(name: str) -> None:
     expected = json.loads((GOLDEN / f"{name}.expected.json").read_text())
-    document = evaluate(positioning_test(recognised(GOLDEN / f"{name}.csv"))).as_json()
+    document = json.loads(json.dumps(evaluate(positioning_test(recognised(GOLDEN / f"{name}.csv"))).as_json()))
     published = expected["reported_by_source"]
     figures = {"A": "A", "A_up": "A_fwd", "A_down": "A_bwd", "E_up": "E_fwd", "E_down": "E_bwd"} | {
         "R_up": "R_fwd", "R_down": "R_bwd", "B": "B", "B_mean": "B_avg", "M": "M"
     }  # fmt: skip
     wanted = {ours: published[theirs] for ours, theirs in figures.items()}
-    wanted |= {"R": expected["iso_R"], "E": expected["iso_E"]}
-    for figure, value in wanted.items():
-        shown = document[figure]
-        assert isinstance(shown, float)
-        assert shown / 1e3 == pytest.approx(value, abs=ROUNDING), figure
-
-
-@pytest.mark.parametrize("name", REAL)
-def test_every_published_iso_figure_of_each_target(name: str) -> None:
-    expected = json.loads((GOLDEN / f"{name}.expected.json").read_text())
-    published = expected["reported_by_source"]
-    document = json.loads(json.dumps(evaluate(positioning_test(recognised(GOLDEN / f"{name}.csv"))).as_json()))
+    for figure, value in (wanted | {"R": expected["iso_R"], "E": expected["iso_E"]}).items():
+        assert document[figure] / 1e3 == pytest.approx(value, abs=ROUNDING), figure
     columns = {"mean": "x_avg_bi", "B_i": "B_i", "s_up": "s_fwd", "s_down": "s_bwd"} | {
         "R_up_i": "R_fwd_i", "R_down_i": "R_bwd_i", "R_i": "R_i"
     }  # fmt: skip
@@ -70,6 +61,17 @@ def test_one_direction_leaves_the_bidirectional_figures_open(tmp_path: Path) -> 
     assert set(figures.figures) == {"A_up", "E_up", "R_up"}
     assert figures.per_target[0]["B_i"] is None
     assert any("one direction" in warning for warning in figures.warnings)
+
+
+def test_rotary_axes_are_told_in_arcsec(tmp_path: Path) -> None:
+    text = GOOD.replace("target_mm", "target_deg").replace("deviation_um", "deviation_arcsec")
+    document = evaluated(tmp_path, text).as_json()
+    assert document["unit"] == "arcsec"
+    assert document["target_unit"] == "deg"
+    assert document["E_up"] == pytest.approx(1.0)
+    assert document["per_target"][1]["target"] == pytest.approx(100.0)  # type: ignore[index]
+    same = evaluated(tmp_path, text.replace("_arcsec", "_urad")).as_json()
+    assert same["E_up"] == pytest.approx(1.0 / 4.8481368, rel=1e-7)
 
 
 def test_nothing_is_said_of_a_test_that_follows_the_standard() -> None:
@@ -121,6 +123,13 @@ def test_a_single_run_has_no_standard_deviation(tmp_path: Path) -> None:
     assert {"P_a", "U", "U_mean"} == found.vdi3441.keys()
 
 
+def test_a_missing_reading_costs_its_target_alone(tmp_path: Path) -> None:
+    more = "".join(f"50,{way},{run},{value}\n" for way, run, value in (("+", 1, 9), ("-", 1, 9), ("+", 2, 9)))
+    found = evaluated(tmp_path, GOOD + more)
+    assert found.figures == evaluated(tmp_path, GOOD).figures
+    assert found.warnings[0] == "Left out, because a run has no reading there: 50 mm."
+
+
 def test_tests_of_the_field_give_what_they_can(capsys: pytest.CaptureFixture[str]) -> None:
     folder = FIELD / "03-single-run"
     if folder.is_dir():
@@ -134,6 +143,11 @@ def test_tests_of_the_field_give_what_they_can(capsys: pytest.CaptureFixture[str
         for name in ("single.rtl", "missing.csv"):
             assert run(["data", "iso230", str(folder / name)]) == 0
         assert "withheld" in capsys.readouterr().out
+
+
+def test_no_direction_at_all_is_refused() -> None:
+    with pytest.raises(EvaluationError, match="no readings"):
+        evaluate(PositioningTest(np.zeros(2), None, None))
 
 
 def test_the_uncertainty_is_how_the_figures_scatter_when_the_test_is_repeated() -> None:

@@ -252,13 +252,24 @@ def test_readings_of_other_places_are_refused(state: tuple[Estimate, tuple[Readi
         judge(estimate, setups, found[:1], found[:1], control, 1e-6)
 
 
-def test_the_command_takes_its_tolerance_from_the_target_and_refuses_what_is_no_machine(
-    record: Path, command: Command
-) -> None:
+def test_the_command_plans_a_sheet_and_judges_what_is_filled_in(record: Path, tmp_path: Path, command: Command) -> None:
+    """What the estimate expects there is filled in; without a tolerance the target says what is allowed."""
+    plan = tmp_path / "check.csv"
+    planned = command("verify", record, "--points", 8, "--plan", plan, "--json").document["plan"]
+    head, *lines = plan.read_text().splitlines()
+    for name in ("found", "left"):
+        rows = [f"{line}{place[f'{name}_um']:.3f}" for line, place in zip(lines, planned, strict=True)]
+        (tmp_path / f"{name}.csv").write_text("\n".join([head, *rows]) + "\n")
+    filled = ("verify", record, "--found", tmp_path / "found.csv", "--left", tmp_path / "left.csv")
+    assert "PASS at 6 um" in command(*filled, "--tolerance", "6 um").printed
+    assert command(*filled, "--json").document["tolerance_um"] == pytest.approx(3.0)
+    shown = command("verify", record, "--points", 8, "--plan", plan).printed
+    assert shown.startswith("8 PLACES TO CHECK\n")
+    assert shown.endswith("--found found.csv --left left.csv\n")
+
+
+def test_the_command_refuses_what_is_no_machine_and_no_tolerance(record: Path, command: Command) -> None:
     asked = ("verify", record, "--points", 8, "--source")
-    said = command(*asked, f"sim:{SEED}", "--json").document
-    assert said["tolerance_um"] == pytest.approx(3.0)
-    assert (len(said["readings"]), said["tables_loaded"], said["estimate_believed"]) == (8, True, True)
     command(*asked, f"sim:{SEED}", "--tolerance", "6 deg").refused()
     for source in ("csv:x.csv", "sim:x", "exec:true"):
         command(*asked, source).refused()

@@ -1,10 +1,12 @@
-"""A campaign of two set-ups in turn: one value and three, a zero that drifts, sides that nobody told."""
+"""Campaigns on built-in machines; one of two set-ups in turn, of one value and three, whose zero drifts."""
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
-from axiscal.description.campaign import campaign_from_texts
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
@@ -17,6 +19,13 @@ CAMPAIGN = campaign_text(
     setup_text("nest", "rtest", station=["0 mm", "0 mm", "-300 mm"], approach="both", drift="3 um/h"),
     target={"readings": 1},
 )
+
+
+def built_in(text: str, machine: str = "three-axis-mill") -> CampaignDescription:
+    """Return a campaign on a built-in machine.  text : of campaign.toml; machine : where the text names none"""
+    named = re.match(r'machine = "(.*)"', text)
+    whole, name = (text, named[1]) if named else (f'machine = "{machine}"\n{text}', machine)
+    return campaign_from_texts(whole, "campaign.toml", load_machine(name).text, name)
 
 
 def mixed(first_line: str = "") -> Case:

@@ -22,40 +22,30 @@ BED = machine_text(
     },
     tool=40,
 )
-TABLE = """
-chain = "w-C'-b-X-Z-t"
-[tool]
-length = "80 mm"
-[axes.X]
-travel = ["0 mm", "300 mm"]
-[axes.Z]
-travel = ["0 mm", "200 mm"]
-[axes.C]
-travel = ["0 deg", "360 deg"]
-origin = ["40 mm", "0 mm", "-100 mm"]
-[errors]
-EZX = { std = "60 um", knots = 7, length = "100 mm" }
-EXC = { std = "20 um", knots = 9, length = "60 deg", rest = "1 um" }
-EXZC = { std = "8 um", knots = [4, 7], length = ["150 mm", "60 deg"], rest = "1 um" }
-EBXC = { std = "20 urad", knots = [4, 7], length = ["150 mm", "60 deg"] }
-EXX_reversal = { std = "3 um" }
-"""
+TABLE = machine_text(
+    "w-C'-b-X-Z-t",
+    {"X": (0, 300), "Z": (0, 200), "C": (0, 360)},
+    {
+        "EZX": 'std = "60 um", knots = 7, length = "100 mm"',
+        "EXC": 'std = "20 um", knots = 9, length = "60 deg", rest = "1 um"',
+        "EXZC": 'std = "8 um", knots = [4, 7], length = ["150 mm", "60 deg"], rest = "1 um"',
+        "EBXC": 'std = "20 urad", knots = [4, 7], length = ["150 mm", "60 deg"]',
+        "EXX_reversal": "3 um",
+    },
+    tool=80,
+    origins={"C": (40, 0, -100)},
+)
 
 
 def warped(knots: tuple[int, int]) -> str:
     """Return a table of two axes with heights that do not add up.  knots : along X and Y."""
     x, y = knots
-    return f"""
-chain = "w-b-X-Y-t"
-[axes.X]
-travel = ["0 mm", "300 mm"]
-[axes.Y]
-travel = ["0 mm", "200 mm"]
-[errors]
-EZX = {{ std = "40 um", knots = {x}, length = "110 mm" }}
-EZY = {{ std = "40 um", knots = {y}, length = "80 mm" }}
-EZXY = {{ std = "20 um", knots = [{x}, {y}], length = ["110 mm", "80 mm"], rest = "2 um" }}
-"""
+    errors = {
+        "EZX": f'std = "40 um", knots = {x}, length = "110 mm"',
+        "EZY": f'std = "40 um", knots = {y}, length = "80 mm"',
+        "EZXY": f'std = "20 um", knots = [{x}, {y}], length = ["110 mm", "80 mm"], rest = "2 um"',
+    }
+    return machine_text("w-b-X-Y-t", {"X": (0, 300), "Y": (0, 200)}, errors)
 
 
 def bed() -> Machine:

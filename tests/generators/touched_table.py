@@ -12,35 +12,16 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
-from tests.generators.texts import artefact_text, campaign_text, setup_text
+from tests.generators.texts import artefact_text, campaign_text, machine_text, setup_text
 
-MACHINE = """
-name = "table"
-chain = "w-C'-A'-b-X-Y-Z-t"
-
-[tool]
-length = "80 mm"
-stylus = "6 mm"
-
-[axes.X]
-travel = ["-200 mm", "200 mm"]
-[axes.Y]
-travel = ["-200 mm", "200 mm"]
-[axes.Z]
-travel = ["-200 mm", "200 mm"]
-[axes.A]
-travel = ["-60 deg", "60 deg"]
-origin = ["0 mm", "0 mm", "-120 mm"]
-[axes.C]
-travel = ["0 deg", "360 deg"]
-origin = ["0 mm", "0 mm", "-100 mm"]
-
-[errors]
-Y0A = { std = "60 um" }
-Z0A = { std = "60 um" }
-X0C = { std = "60 um" }
-Y0C = { std = "60 um" }
-"""
+MACHINE = machine_text(
+    "w-C'-A'-b-X-Y-Z-t",
+    {"X": (-200, 200), "Y": (-200, 200), "Z": (-200, 200), "A": (-60, 60), "C": (0, 360)},
+    {"Y0A Z0A X0C Y0C": "60 um"},
+    tool=80,
+    name="table",
+    origins={"A": (0, 0, -120), "C": (0, 0, -100)},
+).replace("[tool]", '[tool]\nstylus = "6 mm"')
 CAMPAIGN = campaign_text(
     "machine.toml",
     artefact_text(

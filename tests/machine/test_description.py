@@ -65,6 +65,11 @@ def test_an_axis_that_counts_against_iso_841_moves_the_tool_the_other_way() -> N
     assert stated.axis("X") == plain.axis("X")
 
 
+def test_machine_zero_is_within_the_travel() -> None:
+    machine = machine_from_text(TEXT.replace('["0 deg", "360 deg"]', '["10 deg", "370 deg"]'))
+    assert machine.zero == pytest.approx((0.0, 0.0, math.radians(10)))
+
+
 def test_priors_are_read_in_si_units() -> None:
     errors = {entry.name: entry for entry in machine_from_text(TEXT).errors}
     assert list(errors) == [

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import ReadingError
@@ -19,16 +18,12 @@ from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import columns_of
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Unknown
+from tests.generators.campaigns import built_in
 
 PLACES = ('["-900 mm", "-700 mm", "-500 mm"]', '["900 mm", "-600 mm", "-100 mm"]', '["100 mm", "100 mm", "700 mm"]')
 UNKNOWNS = 'unknowns = { zero = "10 mm", station_x = "5 mm", station_y = "5 mm", station_z = "5 mm", tool_x = "1 mm" }'
 TOGETHER = f'[[setups]]\nname = "beams"\ninstrument = "tracer"\nstations = [{", ".join(PLACES)}]\n{UNKNOWNS}\n'
 FOUND = ((0.11, -0.2, 0.05), (-0.07, 0.02, 0.13), (0.01, 0.3, -0.2))
-
-
-def described(setups: str, machine: str = "three-axis-mill") -> CampaignDescription:
-    text = f'machine = "{machine}"\n[target]\nreadings = 4\n{setups}'
-    return campaign_from_texts(text, "campaign.toml", load_machine(machine).text, machine)
 
 
 def one(number: int) -> str:
@@ -38,8 +33,8 @@ def one(number: int) -> str:
 
 @pytest.mark.parametrize("located", [False, True])
 def test_each_number_is_that_of_a_tracer_alone(located: bool) -> None:
-    together = described(TOGETHER).setups[0]
-    alone = described("".join(map(one, range(3)))).setups
+    together = built_in(TOGETHER).setups[0]
+    alone = built_in("".join(map(one, range(3)))).setups
     if located:
         together = replace(together, found=tuple(each for place in FOUND for each in place))
         alone = tuple(replace(setup, found=place) for setup, place in zip(alone, FOUND, strict=True))
@@ -67,8 +62,8 @@ def test_each_number_is_that_of_a_tracer_alone(located: bool) -> None:
 
 def test_all_of_them_have_to_see_the_tool() -> None:
     sight = 'range = ["0.4 m", "1.45 m"]\n'
-    chart = described(TOGETHER + sight).setups[0].chart
-    each = [described(one(number) + sight).setups[0].chart for number in range(3)]
+    chart = built_in(TOGETHER + sight).setups[0].chart
+    each = [built_in(one(number) + sight).setups[0].chart for number in range(3)]
     poses = np.random.default_rng(0).uniform(0.0, 0.4, (300, 3))
     assert isinstance(chart, Sight)
     seen = np.all([single.feasible(poses) for single in each if single is not None], axis=0)
@@ -77,7 +72,7 @@ def test_all_of_them_have_to_see_the_tool() -> None:
 
 
 def test_readings_of_all_are_columns_in_the_order_of_the_stations(tmp_path: Path) -> None:
-    description, path = described(TOGETHER + one(0)), tmp_path / "r.csv"
+    description, path = built_in(TOGETHER + one(0)), tmp_path / "r.csv"
     assert columns_of(description.setups) == ["value_um", "value_1_um", "value_2_um", "value_3_um"]
     path.write_text("setup,X_mm,Y_mm,Z_mm,value_1_um,value_2_um,value_3_um\nbeams,100,200,50,1,-2,3\n")
     (reading,) = placed_readings(read_any(path), description, path)
@@ -99,11 +94,11 @@ def test_readings_of_another_form_are_refused(tmp_path: Path, line: str, said: s
     path = tmp_path / "r.csv"
     path.write_text(line + "\n")
     with pytest.raises(ReadingError, match=said) as failure:
-        placed_readings(read_any(path), described(TOGETHER), path)
+        placed_readings(read_any(path), built_in(TOGETHER), path)
     assert failure.value.line == 2
 
 
 def test_what_nobody_says_is_that_of_each_tracer() -> None:
-    unknowns = described(TOGETHER.replace(UNKNOWNS, "")).setups[0].unknowns
+    unknowns = built_in(TOGETHER.replace(UNKNOWNS, "")).setups[0].unknowns
     assert Unknown("station_y_2", 5e-3) in unknowns
     assert len(unknowns) == 12

@@ -14,33 +14,12 @@ from axiscal.machine.description import machine_from_text
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
+from tests.generators.texts import Said, campaign_text, machine_text, setup_text
 
 STRAIN = 58.5e-6
 """By what the scale is longer at 25 degC."""
 MIDDLE = 0.15
-CAMPAIGN = """machine = "m.toml"
-[target]
-readings = 20
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "{direction}"
-noise = "0.5 um"
-temperature = "25 degC"
-expansion = "11.7 um/m/K"
-temperature_std = "{std}"
-"""
-
-
-MACHINE = """name = "one"
-chain = "{chain}"
-[tool]
-length = "0 mm"
-[axes.X]
-travel = ["-200 mm", "500 mm"]
-[errors]
-EXX = {{ std = "50 um", knots = 5, length = "300 mm" }}
-"""
+WARM: dict[str, Said] = {"temperature": "25 degC", "expansion": "11.7 um/m/K"}
 
 
 @pytest.mark.parametrize(
@@ -49,25 +28,17 @@ EXX = {{ std = "50 um", knots = 5, length = "300 mm" }}
 )
 def test_a_warm_scale_of_a_true_machine_leaves_no_error(direction: str, sign: float, chain: str, std: str) -> None:
     """Along −x the carriage that goes too far reads −58.5 um/m; corrected the other way it would be 41 um."""
-    text = CAMPAIGN.format(direction=direction, std=std)
-    case = Case(campaign_from_texts(text, "c.toml", MACHINE.format(chain=chain), "m.toml"))
+    laser = setup_text("laser", "interferometer", direction=direction, noise="0.5 um", **WARM, temperature_std=std)
+    text = campaign_text("m.toml", laser, target={"readings": 20})
+    case = Case(
+        campaign_from_texts(
+            text, "c.toml", machine_text(chain, {"X": (-200, 500)}, {"EXX": ("50 um", 5, 300)}, tool=0), "m.toml"
+        )
+    )
     places = np.linspace(-0.19, 0.49, 15).tolist()
     estimation = concluded(case, [Reading("laser", (x,), (1,), sign * STRAIN * (x - MIDDLE)) for x in places])
     assert np.max(np.abs(estimation.estimate().mean)) < 1e-9
     assert not estimation.outliers
-
-
-TURNED = """name = "turned"
-chain = "{chain}"
-[tool]
-length = "0 mm"
-[axes.C]
-travel = ["-180 deg", "180 deg"]
-[axes.X]
-travel = ["-200 mm", "500 mm"]
-[errors]
-EXX = {{ std = "5 um", knots = 4 }}
-"""
 
 
 @pytest.mark.parametrize(
@@ -86,7 +57,9 @@ def test_growth_shows_as_far_as_it_goes_along_the_direction(
     chain: str, angle: float, direction: tuple[float, float, float], share: float
 ) -> None:
     """A table turned by 90 degrees sees the carriage of X go along its y."""
-    machine = machine_from_text(TURNED.format(chain=chain), "t.toml")
+    machine = machine_from_text(
+        machine_text(chain, {"C": (-180, 180), "X": (-200, 500)}, {"EXX": 'std = "5 um", knots = 4'}), "t.toml"
+    )
     c, x = (next(k for k, axis in enumerate(machine.axes) if axis.name.startswith(letter)) for letter in "CX")
     poses = np.zeros((3, 2))
     poses[:, c], poses[:, x] = np.radians(angle), [-0.2, 0.15, 0.4]

@@ -11,13 +11,12 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import paths
 from axiscal.exceptions import ReadingError
-from axiscal.machine import load_machine
 from axiscal.measurement.cells import MEMORY, STEP, Course, wandering
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place, Reading
@@ -29,6 +28,7 @@ from axiscal.planning.promise import EVERY
 from axiscal.present.findings import untimed
 from axiscal.record.events import Recorded
 from axiscal.record.payload import decode, encode
+from tests.generators.campaigns import built_in
 
 RATE = 6e-6 / 3600
 STILL = 'drift = "0"'
@@ -47,8 +47,7 @@ reading_time = "2 min"
 
 
 def _description(drift: str = 'drift = "6 um/h"', readings: int = 40) -> CampaignDescription:
-    text = CAMPAIGN.format(drift=drift, readings=readings)
-    return campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis")
+    return built_in(CAMPAIGN.format(drift=drift, readings=readings))
 
 
 def _by_steps(times: Array) -> Array:
@@ -96,7 +95,7 @@ def test_every_number_of_an_rtest_drifts_on_its_own() -> None:
     text = 'machine = "three-axis-mill"\nusual = "off"\nsure = "exactly"\n[target]\nreadings = 1\n'
     text += '[[setups]]\nname = "r"\ninstrument = "rtest"\n'
     text += 'station = ["0 mm", "0 mm", "-300 mm"]\ndrift = "6 um/h"\n'
-    description = campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "mill")
+    description = built_in(text)
     machine = Simulator(description.machine, description.setups).drawn(1)
     setup, rng, readings = description.setups[0], np.random.default_rng(1), list[Reading]()
     middle = tuple(sum(axis.travel) / 2 for axis in description.machine.axes)
@@ -169,6 +168,15 @@ def test_a_table_of_readings_may_say_when_they_were_taken(
     file.write_text("setup,X_mm,value_um,time\n" + "".join(f"laser,{100 * i},1,{t}\n" for i, t in enumerate(times)))
     placed = placed_readings(read_any(file), _description(), file)
     assert [reading.time for reading in placed] == pytest.approx(seconds)
+
+
+@pytest.mark.parametrize("wrong", ["", "soon", "09:59", "25:00", "12 um", "2026-11-20T11:00:00"])
+def test_a_time_that_is_none_is_named_with_its_line(tmp_path: Path, wrong: str) -> None:
+    file = tmp_path / "readings.csv"
+    file.write_text(f"setup,X_mm,value_um,time\nlaser,1,1,10:00\nlaser,2,1,{wrong}\n")
+    with pytest.raises(ReadingError) as caught:
+        read_any(file)
+    assert caught.value.line == 3
 
 
 @pytest.mark.parametrize("day", ["2026-11-20", "20261120", "2026-W47-5"])

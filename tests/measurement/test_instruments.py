@@ -9,38 +9,32 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case
 from axiscal.exceptions import ReadingError
-from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from tests.commands import Command
+from tests.generators.campaigns import built_in
+from tests.generators.texts import setup_text
 
 STATION = 'station = ["300 mm", "-800 mm", "-300 mm"]'
-
-
-def _description(*setups: str) -> CampaignDescription:
-    tables = "".join(f'[[setups]]\nname = "{i}"\n{setup}\n' for i, setup in enumerate(setups))
-    text = f'machine = "three-axis-mill"\n[target]\nreadings = 1\n{tables}'
-    return campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "three-axis-mill")
 
 
 def test_three_values_come_from_a_file(tmp_path: Path) -> None:
     path = tmp_path / "readings.csv"
     path.write_text("setup,X_mm,Y_mm,Z_mm,value_x_um,value_y_um,value_z_um\n0,100,200,50,1,-2,3\n")
-    (reading,) = placed_readings(read_any(path), _description('instrument = "rtest"'), path)
+    (reading,) = placed_readings(read_any(path), built_in(setup_text("0", "rtest")), path)
     assert reading.values == pytest.approx((1e-6, -2e-6, 3e-6))
     with pytest.raises(ReadingError, match="gives 1 values a reading"):
-        placed_readings(read_any(path), _description('instrument = "probe"\ndirection = "x"'), path)
+        placed_readings(read_any(path), built_in(setup_text("0", "probe", direction="x")), path)
 
 
 def test_three_values_are_recorded_and_kept(tmp_path: Path, command: Command) -> None:
     record = tmp_path / "mill.axiscal"
-    Campaign.create(record, _description('instrument = "rtest"')).close()
+    Campaign.create(record, built_in(setup_text("0", "rtest"))).close()
     place = ["--at", "X=100 mm Y=200 mm Z=50 mm", "--setup", "0"]
     assert "is 2 values, and the instrument gives 3" in command("record", record, "1 um, 2 um", *place).refusal
     assert run(["record", str(record), "1 um, 2 um, -3 um", *place]) == 0
@@ -58,7 +52,10 @@ def test_three_values_are_recorded_and_kept(tmp_path: Path, command: Command) ->
 )
 def test_a_warm_machine_takes_the_tool_farther_from_the_middle(setup: str) -> None:
     """What is read of a machine at 23 degC that is right is 35.1 um/m of the way from the middle of all travels."""
-    warm, cold = (Case(_description(f"{setup}\n{text}")).observation for text in ('temperature = "23 degC"', ""))
+    warm, cold = (
+        Case(built_in(f'[[setups]]\nname = "0"\n{setup}\n{text}')).observation
+        for text in ('temperature = "23 degC"', "")
+    )
     places = np.array([[0.55, 0.35, 0.1], [0.1, 0.05, 0.3], [0.3, 0.2, 0.2]])
     if "interferometer" in setup:
         places[:, 2] = 0.2

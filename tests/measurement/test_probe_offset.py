@@ -26,6 +26,7 @@ MESH = rolled(1e-3, 2, (7.5, -28.0))(0).readings
         ("echo:; Z-Probe Offset (mm):\necho:  M851 X-44.00 Y-6.50 Z-1.78\n", (-44, -6.5)),
         ("; G31 X1 Y1\nM558 P9\nG31 P25 X2.5 Y30 Z2.1\n", (2.5, 30)),
         ("M420 S1\n", None),
+        ("[probe]\ny_offset\n  5\n", None),  # a line behind a bare key, on which Python's reader fails
     ],
 )
 def test_reads_what_each_firmware_calls_it(text: str, beside: tuple[float, float] | None) -> None:

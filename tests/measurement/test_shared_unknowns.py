@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
@@ -14,10 +15,12 @@ from axiscal.measurement.instrument import model_of
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from axiscal_core.instrument import TOOL
+from tests.generators.campaigns import built_in
 from tests.generators.kinematics import stem, tip
 from tests.generators.texts import setup_text
 
 DMU = load_machine("dmu60")
+five_axes = partial(built_in, machine="dmu60")
 SPHERES = """
 [[artefacts]]
 name = "spheres"
@@ -30,10 +33,6 @@ NEST = '[[setups]]\nname = "nest"\ninstrument = "rtest"\nartefact = "spheres"\nb
 BAR = setup_text("bar {0}", "ballbar", length="150 mm", plane="{0}", station=["0 mm", "0 mm", "100 mm"])
 
 
-def described(text: str) -> CampaignDescription:
-    return campaign_from_texts(f'machine = "dmu60"\n{text}', "campaign.toml", DMU.text, "dmu60")
-
-
 def names(observation: Observation, setup: int) -> dict[str, int]:
     columns = observation.unknowns_of(setup)
     own = observation.setups[setup].unknowns
@@ -41,7 +40,7 @@ def names(observation: Observation, setup: int) -> dict[str, int]:
 
 
 def test_set_ups_at_one_ball_share_its_place_and_those_with_one_tool_that_tool() -> None:
-    observation = Observation(ErrorModel(DMU), described(SPHERES + TOUCHED + NEST).setups)
+    observation = Observation(ErrorModel(DMU), five_axes(SPHERES + TOUCHED + NEST).setups)
     touched, nest = names(observation, 0), names(observation, 1)
     assert set(nest) == {"low_x", "low_y", "low_z", *TOOL}
     assert all(touched[name] == column for name, column in nest.items())
@@ -51,7 +50,7 @@ def test_set_ups_at_one_ball_share_its_place_and_those_with_one_tool_that_tool()
 
 
 def test_planes_of_a_bar_about_one_centre_share_it_and_the_bar_s_length() -> None:
-    observation = Observation(ErrorModel(DMU), described(BAR.format("xy") + BAR.format("zx")).setups)
+    observation = Observation(ErrorModel(DMU), five_axes(BAR.format("xy") + BAR.format("zx")).setups)
     assert names(observation, 0) == names(observation, 1)
     assert set(names(observation, 0)) == {"zero", "station_x", "station_y", "station_z", *TOOL}
 
@@ -60,7 +59,7 @@ def test_what_is_calibrated_shares_its_turn_and_scale_and_stands_anew_when_mount
     calibrated = (
         SPHERES + 'calibrated = "0.7 um"\n' + TOUCHED + TOUCHED.replace('"touched"', '"again"') + "mounted = 2\n"
     )
-    observation = Observation(ErrorModel(DMU), described(calibrated).setups)
+    observation = Observation(ErrorModel(DMU), five_axes(calibrated).setups)
     first, second = names(observation, 0), names(observation, 1)
     stands = {f"{what}_{axis}" for what in ("place", "turn") for axis in "xyz"}
     assert {name for name in first if first[name] != second[name]} == stands
@@ -69,7 +68,7 @@ def test_what_is_calibrated_shares_its_turn_and_scale_and_stands_anew_when_mount
 
 @pytest.mark.parametrize("kept", ["", 'calibrated = "0.7 um"\nscale = "0.5 um/m"\n'])
 def test_the_columns_are_what_a_small_change_of_each_unknown_does_to_what_is_shown(kept: str) -> None:
-    description = described(SPHERES + kept + TOUCHED + BAR.format("zx"))
+    description = five_axes(SPHERES + kept + TOUCHED + BAR.format("zx"))
     observation, rng = Observation(ErrorModel(DMU), description.setups), np.random.default_rng(1)
     for index, setup in enumerate(description.setups):
         assert setup.chart is not None
@@ -84,7 +83,7 @@ def test_the_columns_are_what_a_small_change_of_each_unknown_does_to_what_is_sho
 
 
 def test_a_ball_that_stands_aside_reads_like_a_machine_that_is_off_the_other_way() -> None:
-    (setup,) = described(SPHERES + TOUCHED).setups
+    (setup,) = five_axes(SPHERES + TOUCHED).setups
     assert setup.chart is not None
     poses = setup.chart.poses(np.array([[0.0, 1.0, 0.3], [1.0, 1.0, 0.3], [2.0, 4.0, 0.0]]))
     kind = model_of(setup)(setup, DMU)
@@ -103,7 +102,7 @@ def test_a_ball_that_stands_aside_reads_like_a_machine_that_is_off_the_other_way
 
 
 def test_a_sphere_touched_from_both_sides_does_not_show_the_reversal_of_a_linear_axis() -> None:
-    (setup,) = described(SPHERES + TOUCHED).setups
+    (setup,) = five_axes(SPHERES + TOUCHED).setups
     observation = Observation(ErrorModel(DMU), (setup,))
     assert setup.chart is not None
     poses = setup.chart.poses(np.array([[0.0, 1.0, 0.3]]))
@@ -121,7 +120,7 @@ def test_a_bar_is_looked_at_again_about_where_its_ball_is_found_and_what_touches
     cup = '[[artefacts]]\nname = "cup"\nballs = { centre = ["0 mm", "0 mm", "100 mm"] }\n'
     bar = BAR.format("xy").replace('station = ["0 mm", "0 mm", "100 mm"]', 'artefact = "cup"')
     for text, found in ((cup + bar, (1e-3, 0.0, 0.0)), (SPHERES + 'calibrated = "1 um"\n' + TOUCHED, None)):
-        case = Case(described(text))
+        case = Case(five_axes(text))
         mean = np.zeros(case.observation.size)
         columns = names(case.observation, 0)
         mean[columns["centre_x" if found else "turn_x"]] = 1e-3

@@ -4,40 +4,28 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.machine import load_machine
+from tests.generators.campaigns import built_in
+from tests.generators.texts import Said, setup_text
 
 SQUARE = '[[artefacts]]\nname = "square"\nturned = "1 mrad"\n'
-ALONG_X = """
-[[setups]]
-name = "leg along x"
-instrument = "straightedge"
-artefact = "square"
-direction = "y"
-moves = ["X"]
-reach = { X = ["100 mm", "400 mm"] }
-approach = "both"
-"""
-ALONG_Y = """
-[[setups]]
-name = "leg along y"
-instrument = "straightedge"
-artefact = "square"
-direction = "x"
-moves = ["Y"]
-reach = { Y = ["50 mm", "350 mm"] }
-approach = "both"
-"""
-
-
-def described(*legs: str) -> CampaignDescription:
-    text = "\n".join(['machine = "three-axis-mill"', SQUARE, *legs])
-    return campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "three-axis-mill")
+REACHES: list[tuple[str, str, Said]] = [("X", "y", ["100 mm", "400 mm"]), ("Y", "x", ["50 mm", "350 mm"])]
+LEGS = [
+    setup_text(
+        f"leg along {moving}",
+        "straightedge",
+        artefact="square",
+        direction=direction,
+        moves=[moving],
+        reach={moving: reach},
+        approach="both",
+    )
+    for moving, direction, reach in REACHES
+]
 
 
 def test_the_legs_see_the_turn_with_opposite_signs_and_it_is_one_unknown() -> None:
-    case = Case(described(ALONG_X, ALONG_Y))
+    case = Case(built_in(SQUARE + "".join(LEGS)))
     shared = [u for u in case.observation.setups[0].unknowns if u.owner == "square"]
     assert [u.name for u in shared] == ["square_x", "square_y", "square_z"]
     columns = [case.observation.unknowns_of(k) for k in (0, 1)]

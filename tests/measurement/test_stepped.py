@@ -31,6 +31,7 @@ from axiscal.present.curves import curves
 from tests.generators.designs import problem
 from tests.generators.forms import apart_from_series
 from tests.generators.machines import random_machine, random_poses
+from tests.generators.texts import machine_text
 
 ZERO = (Unknown("zero", 1e-3),)
 
@@ -160,23 +161,17 @@ def test_a_raster_stays_where_both_feet_stand_within_the_travel() -> None:
     assert asked.lattice.poses.max() == pytest.approx(0.92)
 
 
-MACHINE = """
-name = "bed"
-chain = "w-b-X-Z-t"
-[axes.X]
-travel = ["0 mm", "800 mm"]
-speed = "10 m/min"
-acceleration = "2 m/s^2"
-[axes.Z]
-travel = ["0 mm", "300 mm"]
-speed = "10 m/min"
-acceleration = "2 m/s^2"
-[errors]
-EZX = { std = "10 um", knots = 9, length = "200 mm", rest = "0.2 um" }
-EXZ = { std = "5 um", knots = 5 }
-EAX = { std = "20 urad", knots = 5 }
-B0Z = { std = "20 urad" }
-"""
+MACHINE = machine_text(
+    "w-b-X-Z-t",
+    {"X": (0, 800), "Z": (0, 300)},
+    {
+        "EZX": 'std = "10 um", knots = 9, length = "200 mm", rest = "0.2 um"',
+        "EXZ": 'std = "5 um", knots = 5',
+        "EAX": 'std = "20 urad", knots = 5',
+        "B0Z": "20 urad",
+    },
+    name="bed",
+)
 LEVEL = 'instrument = "level"\ndirection = "y"\nmoves = ["X"]\nbase = "100 mm"\n'
 
 

@@ -14,15 +14,11 @@ from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Deviation, SmallMotions, tool_motion
 from axiscal.measurement.instrument import model_of
 from axiscal.numerics import Array
-from tests.generators.texts import TWO_SPHERES
+from tests.generators.campaigns import built_in
+from tests.generators.texts import TWO_SPHERES, Said, setup_text
 
-_STATION = 'station = ["300 mm", "-800 mm", "-300 mm"]'
+_STATION: dict[str, Said] = {"station": ["300 mm", "-800 mm", "-300 mm"]}
 _LONGER = 50e-6
-
-
-def _described(machine: str, setup: str) -> CampaignDescription:
-    text = f'machine = "{machine}"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\n{setup}\n'
-    return campaign_from_texts(text, "campaign.toml", load_machine(machine).text, machine)
 
 
 def _poses(machine: Machine, count: int, seed: int) -> Array:
@@ -33,7 +29,7 @@ def _poses(machine: Machine, count: int, seed: int) -> Array:
 @pytest.mark.parametrize("instrument", ["rtest", "tracker", "tracer", "ballbar"])
 def test_it_moves_the_readings_as_another_tool_moves_the_point_of_the_chain(instrument: str) -> None:
     """The chain of a machine whose tool is longer by e is the judge: e along −z of the tool."""
-    described = _described("dmu60", f'instrument = "{instrument}"\n{"" if instrument == "rtest" else _STATION}')
+    described = built_in(setup_text("it", instrument, **({} if instrument == "rtest" else _STATION)), "dmu60")
     machine, (setup,) = described.machine, described.setups
     poses = _poses(machine, 20, 1)
     still = SmallMotions(*(np.zeros((len(machine.axes), len(poses), 3)) for _ in range(3)))
@@ -47,8 +43,8 @@ def test_it_moves_the_readings_as_another_tool_moves_the_point_of_the_chain(inst
 
 
 def test_where_nothing_turns_the_tool_is_one_with_the_zero_and_no_unknown() -> None:
-    assert not any("tool" in u.name for u in _described("three-axis-mill", 'instrument = "rtest"').setups[0].unknowns)
-    turning = _described("dmu60", 'instrument = "rtest"').setups[0].unknowns
+    assert not any("tool" in u.name for u in built_in(setup_text("it", "rtest")).setups[0].unknowns)
+    turning = built_in(setup_text("it", "rtest"), "dmu60").setups[0].unknowns
     assert {"tool_x", "tool_y", "tool_z"} < {unknown.name for unknown in turning}
 
 

@@ -37,6 +37,12 @@ def test_a_laser_shows_it_and_a_bar_whose_length_nobody_knows_does_not() -> None
     assert any(SCALE in hidden.text for hidden in hidden_of(barred))
 
 
+def test_how_a_part_lies_is_said_where_it_counts() -> None:
+    counted, aligned = case_of(0, aligned=False), case_of(0)
+    assert any("how the part lies" in hidden.text for hidden in hidden_of(counted))
+    assert not any("how the part lies" in hidden.text for hidden in hidden_of(aligned))
+
+
 def test_it_is_as_much_as_a_fit_of_seven_takes_off() -> None:
     """Three shifts, three turns and one strain fitted to what is not seen, one direction of it after the other."""
     yardstick = case_of(0, aligned=False).yardstick

@@ -8,11 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.known_rows import KnownRow, known_rows
-from axiscal.machine import load_machine
 from axiscal.measurement.reading import Place
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.gains.candidate_rows import Pool
@@ -21,33 +19,28 @@ from axiscal.planning.next_readings import placed, posed, rows_root
 from axiscal.planning.plan.greedy import openings
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
+from tests.generators.campaigns import built_in
+from tests.generators.texts import Said, campaign_text, setup_text
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "howto" / "dial-and-square.md"
 DIAL = re.findall(r'```toml title="campaign.toml"\n(.*?)```', HOW_TO.read_text(), re.S)[0]
 
 
-LASERS = """machine = "three-axis-mill"
-[target]
-TARGET
-[[setups]]
-name = "laser along X"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-raster = { X = "10 mm" }
-approach = "both"
-[[setups]]
-name = "laser along Y"
-instrument = "interferometer"
-direction = "y"
-moves = ["Y"]
-raster = { Y = "10 mm" }
-approach = "both"
-"""
+LASERS = "".join(
+    setup_text(
+        f"laser along {axis}",
+        "interferometer",
+        direction=axis.lower(),
+        moves=[axis],
+        raster={axis: "10 mm"},
+        approach="both",
+    )
+    for axis in "XY"
+)
 
 
 def case(text: str) -> Case:
-    return Case(campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "three-axis-mill"))
+    return Case(built_in(text))
 
 
 def dial(target: str) -> Case:
@@ -100,7 +93,8 @@ def test_three_readings_open_a_square() -> None:
 
 
 def test_two_places_at_least_are_read_from_both_sides_where_backlash_is_wanted() -> None:
-    of = case(LASERS.replace("TARGET", 'readings = 12\nwants = ["positioning X", "backlash X", "backlash Y"]'))
+    target: dict[str, Said] = {"readings": 12, "wants": ["positioning X", "backlash X", "backlash Y"]}
+    of = case(campaign_text("three-axis-mill", LASERS, target=target))
     places = planned(of)
     assert len(places) == 12
     found = rows(of, places)

@@ -20,21 +20,19 @@ from axiscal.planning.other_readings import checks_among, columns_of, with_check
 from axiscal.planning.plan.order import seconds_along
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
-from tests.generators.texts import machine_text
+from tests.generators.texts import machine_text, setup_text
 
 MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": 'std = "10 um", length = "200 mm"', "EXX_reversal": "3 um"})
-CAMPAIGN = """machine = "m"
-[target]
-TARGET
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-noise = "0.5 um"
-approach = "both"
-reading_time = "10 s"
-setup_time = "10 min"
-"""
+LASER = setup_text(
+    "laser",
+    "interferometer",
+    direction="x",
+    noise="0.5 um",
+    approach="both",
+    reading_time="10 s",
+    setup_time="10 min",
+)
+CAMPAIGN = f'machine = "m"\n[target]\nTARGET\n{LASER}'
 
 
 def case_of(target: str, above: str = "") -> Case:

@@ -13,7 +13,6 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.known_rows import known_rows
-from axiscal.machine import load_machine
 from axiscal.measurement.reading import Place
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.simulation import Simulator
@@ -24,6 +23,7 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import alike, blank_problem, foreseen
 from axiscal.planning.proposal import proposed
 from axiscal.present.plan_answer import PlanAnswer, plan_answer
+from tests.generators.campaigns import built_in
 from tests.generators.sisters import measured
 from tests.generators.texts import artefact_text, campaign_text, machine_text, setup_text
 
@@ -39,9 +39,7 @@ def described(target: str, axes: str = "X", more: str = "") -> CampaignDescripti
         f'raster = {{ {axis} = "10 mm" }}\n{more}'
         for axis in axes
     )
-    name = "three-axis-mill"
-    text = f'machine = "{name}"\n[target]\n{target}\n{"".join(setups)}'
-    return campaign_from_texts(text, "campaign.toml", load_machine(name).text, name)
+    return built_in(f"[target]\n{target}\n{''.join(setups)}")
 
 
 def planned(of: CampaignDescription) -> PlanAnswer:

@@ -7,16 +7,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError
-from axiscal.machine import load_machine
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.planning.bound.lower_bound import largest_seen
 from axiscal.planning.step.ground import regions
+from tests.generators.campaigns import built_in
 
 BALLS = """
 [[artefacts]]
@@ -45,8 +44,7 @@ CASES = {
 
 @cache
 def case(name: str) -> Case:
-    text = f'machine = "dmu60"\n{CASES[name]}'
-    return Case(campaign_from_texts(text, "c.toml", load_machine("dmu60").text, "dmu60"))
+    return Case(built_in(CASES[name], "dmu60"))
 
 
 def along(observation: Observation, seed: int) -> Array:
@@ -89,6 +87,6 @@ def test_a_level_that_nothing_reaches_is_what_is_said() -> None:
 
 
 def test_two_coordinates_are_refused_with_what_would_help() -> None:
-    free = Case(campaign_from_texts(f'machine = "dmu60"\n{HELD}', "c.toml", load_machine("dmu60").text, "dmu60"))
+    free = Case(built_in(HELD, "dmu60"))
     with pytest.raises(PlanError, match="2 coordinates without steps, more than 1"):
         regions(free.observation, 0)

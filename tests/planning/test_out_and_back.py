@@ -8,14 +8,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.machine import load_machine
 from axiscal.measurement.reading import Places
 from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.order import interleaved
 from axiscal.planning.plan.plan import make_plan, renewed
 from axiscal.planning.plan.task import Limits, Task
+from tests.generators.campaigns import built_in
 from tests.generators.texts import campaign_text, setup_text
 
 CAMPAIGN = campaign_text(
@@ -28,8 +27,7 @@ CAMPAIGN = campaign_text(
 @cache
 def one_axis(approach: str = "both") -> tuple[Case, Task]:
     """Return the built-in axis with a laser, and what is to be planned of it."""
-    text = CAMPAIGN.format(approach=approach)
-    case = Case(campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis"))
+    case = Case(built_in(CAMPAIGN.format(approach=approach)))
     return case, posed(case, case.knowledge)
 
 

@@ -13,18 +13,12 @@ from axiscal.machine import machine_from_text
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup
 from tests.generators.planes import centred, matern
+from tests.generators.texts import machine_text
 
-SQUARE = """
-chain = "w-b-X-Y-t"
-[axes.X]
-travel = ["0 m", "1 m"]
-[axes.Y]
-travel = ["0 m", "1 m"]
-[errors]
-EZX = { std = "1 m", knots = 7, length = "350 mm" }
-EZY = { std = "1 m", knots = 7, length = "350 mm" }
-EZXY = { std = "0.5 m", knots = 7, length = "350 mm" }
-"""
+_CURVE = 'std = "1 m", knots = 7, length = "350 mm"'
+SQUARE = machine_text(
+    "w-b-X-Y-t", {"X": (0, 1000), "Y": (0, 1000)}, {"EZX EZY": _CURVE, "EZXY": _CURVE.replace("1 m", "0.5 m")}
+)
 BEFORE = 10.851987
 GRID = 0.273907
 

@@ -16,6 +16,7 @@ from axiscal.measurement.touched import touching_sides
 from axiscal.planning.next_readings import next_places, placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
+from tests.generators.campaigns import built_in
 from tests.generators.texts import artefact_text, campaign_text, setup_text
 
 NEST = campaign_text(
@@ -32,10 +33,6 @@ COARSE = 'raster = { B = "30 deg", C = "30 deg" }\n'
 SIDES = {size: list(product((1, -1), repeat=size)) for size in (1, 2)}
 
 
-def described(text: str) -> CampaignDescription:
-    return campaign_from_texts(text, "campaign.toml", load_machine("dmu60").text, "dmu60")
-
-
 def planned(campaign: CampaignDescription, readings: int) -> tuple[Place, ...]:
     case = Case(campaign)
     return placed(case, proposed(case, Limits(readings=readings), 300).plan)
@@ -47,7 +44,7 @@ def test_a_plan_of_a_set_up_that_does_not_say_where_is_refused_with_the_keys_to_
     direction += 'unknowns = { zero = "1 mm" }\n' if instrument == "straightedge" else ""
     station = 'station = ["0 mm", "0 mm", "100 mm"]\n' if instrument == "ballbar" else ""
     text = f'machine = "dmu60"\n[[setups]]\nname = "s"\ninstrument = "{instrument}"\n{direction}{station}'
-    case = Case(described(text))
+    case = Case(built_in(text))
     with pytest.raises(PlanError, match=r"Write (artefact|length|moves)|reach = "):
         proposed(case, Limits(readings=3), 100)
 
@@ -56,7 +53,7 @@ def test_a_plan_of_a_record_of_before_is_refused_with_the_keys_of_every_set_up()
     """Descriptions that a record holds are read as they are; only what is asked for must say where."""
     nest = '[[setups]]\nname = "nest"\ninstrument = "rtest"\n'
     bar = '[[setups]]\nname = "bar"\ninstrument = "ballbar"\nstation = ["0 mm", "0 mm", "100 mm"]\n'
-    case = Case(described(f'machine = "dmu60"\n{nest}{bar}'))
+    case = Case(built_in(f'machine = "dmu60"\n{nest}{bar}'))
     said = 'In "nest": write artefact = .* In "bar": write length = "150 mm"'
     with pytest.raises(PlanError, match=said):
         next_places(case, case.knowledge, ())

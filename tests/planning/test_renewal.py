@@ -7,9 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.machine import load_machine
 from axiscal.machine.motion import approach_seconds
 from axiscal.measurement.reading import Places
 from axiscal.planning.next_readings import next_places
@@ -17,6 +15,7 @@ from axiscal.planning.plan.order import in_order, seconds_along
 from axiscal.planning.plan.plan import make_plan, renewed
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.record.events import Asked, Gap
+from tests.generators.campaigns import built_in
 from tests.generators.designs import levered, read_at, rms_of
 from tests.generators.texts import campaign_text, setup_text
 
@@ -119,6 +118,21 @@ def test_what_may_yet_be_needed_stays_while_sizes_are_unsure() -> None:
     assert sure < less <= 10
 
 
+def test_a_target_beyond_many_readings_more_is_left_to_other_set_ups() -> None:
+    two = replace(ASKED, here=Places.one(0, np.array([0.5, 0.3, 0.2]), np.zeros(3)))
+    left = ASKED.lattice.within(ASKED.lattice.setups == 0).within(slice(0, 8))
+    alone, both = ASKED.lattice.within(ASKED.lattice.setups == 0), ASKED.lattice
+    of_one, of_all, known = (two.yardstick.measure(taken(two, each).belief) for each in (alone, both, left))
+    assert of_all.rms < 0.8 * of_one.rms
+
+    def rest(rms: float, readings: int | None = None) -> Places:
+        return renewed(two, Limits(readings, rms=rms), left, goal=rms_of(two, rms))
+
+    assert len(rest(0.9 * of_one.rms)) == 0
+    assert len(rest(known.floor, 9)) > 0  # which these do not bring within nine
+    assert len(rest(known.rms, 9)) > 0
+
+
 def test_a_set_up_that_has_come_to_be_needless_is_not_mounted() -> None:
     here = replace(ASKED, here=Places.one(0, np.array([0.5, 0.3, 0.2]), np.zeros(3)))
     mine = ASKED.lattice.within(ASKED.lattice.setups == 0)
@@ -165,7 +179,7 @@ TEXT = campaign_text(
 @pytest.fixture(scope="module")
 def case() -> Case:
     """Return one axis of a metre with a laser that needs no zero."""
-    return Case(campaign_from_texts(TEXT, "c.toml", load_machine("one-axis").text, "one-axis"))
+    return Case(built_in(TEXT))
 
 
 def test_nothing_is_planned_in_a_gap(case: Case) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import spread
@@ -14,8 +13,9 @@ from axiscal.measurement.travel import sides_of
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.plan.exchange import climb_from
 from axiscal.planning.step.ground import ground_of, places_along
+from tests.generators.campaigns import built_in
 from tests.generators.kinematics import in_travel, tip
-from tests.generators.texts import artefact_text, campaign_text, setup_text
+from tests.generators.texts import artefact_text, setup_text
 
 BALL = artefact_text("ball", balls={"low": ["200 mm", "0 mm", "-80 mm"]})
 
@@ -23,8 +23,7 @@ BALL = artefact_text("ball", balls={"low": ["200 mm", "0 mm", "-80 mm"]})
 @pytest.mark.parametrize("raster", [{}, {"B": "10 deg"}])
 def test_a_climb_goes_over_pieces_that_are_all_that_can_be_taken(raster: dict[str, str]) -> None:
     probe = setup_text("it", "probe", artefact="ball", direction="y", approach="both", raster={**raster})
-    text, machine = campaign_text("dmu60", BALL, probe), load_machine("dmu60")
-    case = Case(campaign_from_texts(text, "c.toml", machine.text, "dmu60"))
+    case, machine = Case(built_in(BALL + probe, "dmu60")), load_machine("dmu60")
     (chart,) = (setup.chart for setup in case.description.setups)
     assert chart is not None
     lattice = spread(machine, case.description.setups, 120)

@@ -1,6 +1,7 @@
 """A corpus of bad files: every way to spoil a file, for every kind of file that is read.
 
-Each is read in a process of its own: one typed error, in a second of processor time and 200 MB, or it is still good.
+Right files are those of `tests/refusals`, and a record. Each bad one is read in a process of its own: one typed error,
+in a second of processor time and 200 MB, or it is still good.
 """
 
 from __future__ import annotations
@@ -10,92 +11,103 @@ import random
 import resource
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.description.campaign import read_campaign
+from axiscal.description.campaign import campaign_from_texts, read_campaign
+from axiscal.description.ini_file import read_ini
+from axiscal.description.ini_machine import machine_of
 from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import AxiscalError
-from axiscal.machine.description import load_machine
+from axiscal.machine.description import load_machine, machine_from_text
+from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.csv_table import read_poses
-from axiscal.measurement.readers.files import read_any, recognised
+from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import read_truth
 from axiscal.record.events import Created, Event, Recorded
 from axiscal.record.line_form import EventText
 from axiscal.record.payload import encode
 from axiscal.record.store import content_of
-from tests.generators.texts import campaign_text, machine_text, setup_text
-from tests.measurement.test_instrument_files import MAP, MESH, RTL
-from tests.measurement.test_level_survey import SURVEY
-from tests.measurement.test_readers import READINGS, TRUTH
-from tests.reliability.old_tables import GOOD, INI, read_machine, read_old_table
+from axiscal.tables.exporter import ExportOptions
+from axiscal.tables.loaded import read_old
+from axiscal.tables.registry import loaded
+from tests.measurement.test_readers import TRUTH
+from tests.refusals.reading import refusals
 from tests.reliability.trial import Trial, scratch
 
 SECONDS, MEGABYTES = 1.0, 200.0
-MACHINE = machine_text("w-X'-b-Y-t", {"X": (0, 300), "Y": (0, 200)}, {"EXX": "20 um", "EYX": "10 um"})
-CAMPAIGN = campaign_text(
-    "machine.toml",
-    setup_text("along x", "interferometer", direction="x", moves=["X"], park={"Y": "100 mm"}, noise="0.3 um"),
-    target={"rms": "2 um", "readings": 40},
-)
-ISO = "target_mm,direction,run,deviation_um\n" + "".join(
-    f"{target},{way},{run},{target / 100 + run}\n" for run in (1, 2, 3) for way in "+-" for target in (0, 100, 200)
-)
 POSES = "X_mm,Y_mm,approach\n10,20,X+ Y-\n30,40,\n"
 EXPLOSION = 5_000_000
 
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """A kind of file: the name it has, a good one, and what reads it."""
+    """A kind of file.  name : as a file; good : a right one; read : what reads it; titled : what is in it"""
 
     name: str
     good: bytes
     read: Callable[[Path], object]
+    titled: str = ""
+
+    def __str__(self) -> str:
+        return self.titled or self.name
 
 
-def _kind(name: str, text: str, read: Callable[[Path], object]) -> Kind:
-    return Kind(name, text.encode(), read)
+def _texts(kind: str) -> Mapping[str, str]:
+    """Return right texts of a kind by their titles, without the descriptions beside them."""
+    texts = refusals(kind).texts.items()
+    return {title: text for title, text in texts if text and not title.endswith(".toml")}
+
+
+MACHINE, CAMPAIGN = (refusals("files").texts[f"{name}.toml"] for name in ("machine", "campaign"))
+
+
+@cache
+def _around() -> Around:
+    """Return a campaign that says where the nodes of maps lie."""
+    campaign = campaign_from_texts(CAMPAIGN, "campaign.toml", MACHINE, "machine.toml")
+    return Around(campaign.machine.axes, campaign.setups)
+
+
+def _old_table(controller: str, template: str, path: Path) -> object:
+    machine = machine_from_text(refusals("old_table").texts["machine.toml"])
+    return loaded(controller, machine, ExportOptions(old_files=read_old([str(path)]), template=template))
 
 
 def _record() -> bytes:
     """Return the file of a record with two readings."""
     created = Created(MACHINE, CAMPAIGN, "machine.toml", "campaign.toml", {"axiscal": "0.1.0"})
-    readings = [Recorded(Reading("along x", (0.1 * n, 0.1), (1, 0), 1e-6 * n)) for n in (1, 2)]
+    readings = [Recorded(Reading("probe", (0.1 * n, 0.1, 0.0), (1, 0, 0), 1e-6 * n)) for n in (1, 2)]
     happened: list[Event] = [created, *readings]
     rows = [EventText("2026-01-01T00:00:00.000+00:00", *encode(event), event is happened[-1]) for event in happened]
     return content_of(rows)[0]
 
 
-def _recorded(path: Path) -> None:
-    Campaign.open(path, write=False).close()
+def _kinds() -> Iterator[Kind]:
+    yield Kind("mill.toml", refusals("machine").texts["mill"].encode(), load_machine)
+    yield Kind("campaign.toml", CAMPAIGN.encode(), partial(read_campaign, target_needed=False, asking=False))
+    yield Kind("truth.csv", TRUTH.encode(), read_truth)
+    yield Kind("poses.csv", POSES.encode(), read_poses)
+    yield Kind("mill.axiscal", _record(), lambda path: Campaign.open(path, write=False).close())
+    yield Kind("machine.ini", _texts("ini")["small"].encode(), lambda path: machine_of(read_ini(path)))
+    iso = _texts("positioning")["test"].encode()
+    yield Kind("iso.csv", iso, lambda path: evaluate(positioning_test(recognised(path))))
+    for title, text in _texts("files").items():
+        yield Kind("file.txt", text.encode(), lambda path: recognised(path, _around()), title)
+    for title, text in _texts("old_table").items():
+        controller, name = title.split()
+        yield Kind(f"{controller}/{name}", text.encode(), partial(_old_table, controller, text))
 
 
-KINDS = (
-    _kind("machine.toml", MACHINE, load_machine),
-    _kind("campaign.toml", CAMPAIGN, read_campaign),
-    _kind("readings.csv", READINGS, read_any),
-    _kind("truth.csv", TRUTH, read_truth),
-    _kind("poses.csv", POSES, read_poses),
-    _kind("iso.csv", ISO, lambda path: evaluate(positioning_test(recognised(path)))),
-    _kind("test.rtl", RTL, read_any),
-    _kind("heightmap.csv", MAP, read_any),
-    _kind("printer.cfg", MESH, read_any),
-    _kind("survey.txt", SURVEY, read_any),
-    Kind("mill.axiscal", _record(), _recorded),
-    _kind("machine.ini", INI, read_machine),
-    *(
-        _kind(f"{controller}/{name}", text, partial(read_old_table, controller))
-        for (controller, name), text in GOOD.items()
-    ),
-)
+KINDS = tuple(_kinds())
 
 
 def place(kind: Kind, folder: Path) -> Path:
-    """Return where a file of a kind is written; the good machine.toml beside it stays."""
-    path = folder / ("other.toml" if kind.name == "machine.toml" else kind.name)
+    """Return where a file of a kind is written, with a good machine.toml in the folder."""
+    (folder / "machine.toml").write_text(MACHINE, encoding="utf-8")
+    path = folder / kind.name
     path.parent.mkdir(exist_ok=True)
     return path
 
@@ -157,22 +169,13 @@ WAYS: Mapping[str, Callable[[bytes], bytes]] = {
 }
 
 
-def corpus() -> Iterator[tuple[Kind, str, bytes]]:
-    """Yield kind, way and content of every bad file."""
-    for kind in KINDS:
-        for way, spoil in WAYS.items():
-            yield kind, way, spoil(kind.good)
-
-
-def read_all(every: int = 1) -> Trial:
-    """Read every bad file, or every so manieth."""
-    files = list(corpus())[::every]
+def read_all() -> Trial:
+    """Read every kind of file spoilt in every way."""
     with scratch() as top:
-        (top / "machine.toml").write_bytes(KINDS[0].good)
-        outcomes = [_read(kind, content, top, way) for kind, way, content in files]
+        outcomes = [_read(kind, spoil(kind.good), top, way) for kind in KINDS for way, spoil in WAYS.items()]
     wrong = [outcome for outcome in outcomes if outcome not in ("refused", "read")]
     detail = f"{outcomes.count('refused')} refused, {outcomes.count('read')} still good; {'; '.join(wrong[:5])}"
-    return Trial("bad files read", len(files), len(wrong), detail.rstrip("; "))
+    return Trial("bad files read", len(outcomes), len(wrong), detail.rstrip("; "))
 
 
 def _read(kind: Kind, content: bytes, top: Path, way: str) -> str:
@@ -189,7 +192,7 @@ def _read(kind: Kind, content: bytes, top: Path, way: str) -> str:
         said = f"{used.ru_utime + used.ru_stime:.1f} s"
     if (used.ru_maxrss - before) / 1024 > MEGABYTES:
         said = f"{(used.ru_maxrss - before) / 1024:.0f} MB"
-    return said if said in ("read", "refused") else f"{kind.name}, {way}: {said}"
+    return said if said in ("read", "refused") else f"{kind}, {way}: {said}"
 
 
 def _status(kind: Kind, path: Path) -> int:
