@@ -45,3 +45,7 @@ def test_a_vector_names_its_directions_each_with_its_own_uncertainty() -> None:
     with speaking("de"):
         assert _text(CENTRE, ("Y", 12.13, 0.32), ("Z", -6.94, 0.31)) == "Y +12,1 ± 0,3, Z −6,9 ± 0,3 um"
     assert _text(CENTRE, *vector, times=2) == "Y +121, Z −69; Y +121, Z −69 um"
+
+
+def test_the_one_number_of_a_vector_that_some_error_makes_is_named() -> None:
+    assert _text(RowName("tilt", ("B",)), ("C", -9.7, 27.5)) == "C −10 urad"

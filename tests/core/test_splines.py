@@ -18,6 +18,7 @@ from axiscal_core.splines import (
     NaturalSpline,
     Spline,
     even_knots,
+    quadrature,
     spacing_limit,
 )
 from tests.generators.splines import bending
@@ -127,6 +128,21 @@ def test_constant_is_one_everywhere() -> None:
     for order in (1, 2, 3):
         assert not constant.rows([0.0], order).any()
     np.testing.assert_allclose(constant.gram(), [[4.0]], rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "spline",
+    [NaturalSpline(np.array([0, 1, 5])), CyclicSpline(np.array([0, 2, 3, 7])), Constant(2.0, 5.0)],
+    ids=["natural", "cyclic", "1"],
+)
+def test_quadrature_is_exact_to_degree_nine_per_interval(spline: Spline) -> None:
+    node, weight = quadrature(spline)
+    knots = spline.knots
+    np.testing.assert_allclose(weight.sum(), knots[-1] - knots[0], rtol=1e-14)
+    degree = 1 if isinstance(spline, Constant) else 9
+    np.testing.assert_allclose(
+        weight @ node**degree, (knots[-1] ** (degree + 1) - knots[0] ** (degree + 1)) / (degree + 1), rtol=1e-13
+    )
 
 
 def test_nothing_can_be_changed() -> None:

@@ -14,6 +14,7 @@ from scipy.stats import norm
 
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise.posterior import (
+    _half_and_half,
     _judged,
     _may_be_a_detail,
     _moments,
@@ -27,7 +28,7 @@ from axiscal_core.draws import Mode, Weighed, _halved, _wings, draws, mode, redr
 from axiscal_core.left_out import LeftOut, left_out
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
-from axiscal_core.theta import Sizes
+from axiscal_core.theta import Kind, Sizes
 from axiscal_core.unknowns import Space, space_of
 from tests.generators.dense_posterior import Dense, mixture
 from tests.generators.problems import asked, case_of, readings_of, sized, stated
@@ -173,6 +174,12 @@ def test_of_an_error_so_much_is_there_with_99_percent() -> None:
     assert _surely(problem, more) == pytest.approx(expected)  # type: ignore[arg-type]
     large = SimpleNamespace(thetas=0.0 * THETAS, weights=WEIGHTS)
     assert _surely(problem, large) == 1.0  # type: ignore[arg-type]
+
+
+def test_sizes_of_two_answers_are_in_the_middle_of_their_squares_and_lengths_of_their_logarithms() -> None:
+    one: dict[tuple[Kind, str], float] = {("std", "EXX"): 1.0, ("length", "EXX"): 12.0}
+    other: dict[tuple[Kind, str], float] = {("std", "EXX"): 2.0, ("length", "EXX"): 3.0}
+    assert _half_and_half(one, other) == pytest.approx({("std", "EXX"): 2.5**0.5, ("length", "EXX"): 6.0})
 
 
 def test_two_answers_that_count_one_half_each_are_their_mixture() -> None:

@@ -33,6 +33,9 @@ def test_over_many_places_u_is_that_of_draws_at_places_drawn_evenly(degrees: flo
     draws *= np.sqrt(1.0 if np.isinf(degrees) else (degrees - 2) / rng.chisquare(degrees, (DRAWS, 1)))
     assert found.space == pytest.approx(np.quantile(np.linalg.norm(draws, axis=1), LEVEL), rel=0.015)
     assert found.axes == pytest.approx(np.quantile(np.abs(draws), LEVEL, axis=0), rel=0.015)
+    height = expanded_of(covariances, np.ones(200, dtype=bool), (False, False, True), degrees)
+    assert height.space == pytest.approx(height.axes[2], rel=1e-9)  # a distance along one direction is a ±
+    assert height.axes == pytest.approx(found.axes, rel=1e-12)
 
 
 @given(

@@ -46,6 +46,14 @@ def _along(machine: VirtualMachine, line: AxisLine, side: float = 0.0) -> Array:
     return machine.deviation(line.poses, sides)
 
 
+def test_positioning_is_both_sides_less_their_mean() -> None:
+    rows, machine = _asked('"positioning X"')
+    (line,) = rows["positioning X"].lines
+    both = np.concatenate([_along(machine, line, 1.0)[:, 0], _along(machine, line, -1.0)[:, 0]])
+    np.testing.assert_allclose(_found(rows["positioning X"], machine), both - both.mean(), atol=1e-15)
+    assert both.std() > 1e-6
+
+
 @pytest.mark.parametrize(("other", "way"), [("Y", 1), ("Z", 2)])
 def test_straightness_is_the_residual_of_the_best_fit_line(other: str, way: int) -> None:
     name = f"straightness X in {other}"

@@ -13,7 +13,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.description.target import RowName
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.functionals.functional import PLACES, line_of, seen_by, through_the_volume
-from axiscal.estimation.known_rows import KnownRow
+from axiscal.estimation.known_rows import KnownRow, _turned
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from tests.generators.texts import Said, campaign_text, setup_text
@@ -180,3 +180,13 @@ def test_a_row_is_measured_at_half_of_what_it_was_and_reached_at_its_limit() -> 
     assert [row(known=known).settled for known in (5e-6, 5.1e-6)] == [True, False]
     described_by = ((0.0, None), (2e-12, None), (0.0, 1e-6))
     assert [row(before=before, limit=limit).described for before, limit in described_by] == [False, True, True]
+
+
+def test_the_same_reading_once_more_comes_from_the_other_side_ten_seconds_later() -> None:
+    (setup,) = described(("laser", "X", "x")).setups
+    taken = at("laser", ((0.1, 0.0, 0.0), 1), ((0.3, 0.0, 0.0), 1))
+    readings = [replace(each, time=60.0 * i) for i, each in enumerate(taken)]
+    line = line_of(setup, readings, described(("laser", "X", "x")).machine)
+    after = [*readings, Reading("other", (0.0, 0.0, 0.0), (1, 1, 1), 0.0)]
+    assert _turned(after, line) == replace(readings[1], approach=(-1, 1, 1), time=70.0, accepted=True)
+    assert _turned([replace(readings[1], time=None)], line).time is None

@@ -63,6 +63,17 @@ def test_one_direction_leaves_the_bidirectional_figures_open(tmp_path: Path) -> 
     assert any("one direction" in warning for warning in figures.warnings)
 
 
+def test_rotary_axes_are_told_in_arcsec(tmp_path: Path) -> None:
+    text = GOOD.replace("target_mm", "target_deg").replace("deviation_um", "deviation_arcsec")
+    document = evaluated(tmp_path, text).as_json()
+    assert document["unit"] == "arcsec"
+    assert document["target_unit"] == "deg"
+    assert document["E_up"] == pytest.approx(1.0)
+    assert document["per_target"][1]["target"] == pytest.approx(100.0)  # type: ignore[index]
+    same = evaluated(tmp_path, text.replace("_arcsec", "_urad")).as_json()
+    assert same["E_up"] == pytest.approx(1.0 / 4.8481368, rel=1e-7)
+
+
 def test_nothing_is_said_of_a_test_that_follows_the_standard() -> None:
     rng = np.random.default_rng(1)
     targets = np.sort(np.arange(6) * 0.2 + rng.uniform(-0.01, 0.01, 6))
@@ -110,6 +121,13 @@ def test_a_single_run_has_no_standard_deviation(tmp_path: Path) -> None:
     assert found.uncertainty == {}
     assert found.warnings[1].endswith("need repeats and are withheld.")
     assert {"P_a", "U", "U_mean"} == found.vdi3441.keys()
+
+
+def test_a_missing_reading_costs_its_target_alone(tmp_path: Path) -> None:
+    more = "".join(f"50,{way},{run},{value}\n" for way, run, value in (("+", 1, 9), ("-", 1, 9), ("+", 2, 9)))
+    found = evaluated(tmp_path, GOOD + more)
+    assert found.figures == evaluated(tmp_path, GOOD).figures
+    assert found.warnings[0] == "Left out, because a run has no reading there: 50 mm."
 
 
 def test_tests_of_the_field_give_what_they_can(capsys: pytest.CaptureFixture[str]) -> None:
