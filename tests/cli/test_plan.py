@@ -33,7 +33,6 @@ def campaign(tmp_path: Path) -> Path:
 
 def test_so_many_readings_are_planned_whatever_accuracy_the_campaign_asks_for(campaign: Path, command: Command) -> None:
     campaign.write_text(CAMPAIGN.replace("readings = 7", 'rms = "0.6 mm"'))
-    assert len(command("plan", campaign, "--json").document["points"]) < 9
     assert len(command("plan", campaign, "--readings", "9", "--json").document["points"]) == 9
 
 
