@@ -18,7 +18,6 @@ from tests.linuxcnc.lab import files as lab_files
 from tests.linuxcnc.needed import WITH_COMPONENT
 from tests.linuxcnc.test_closed_loop import known
 
-pytestmark = pytest.mark.long
 HAL = """\
 loadrt [KINS]KINEMATICS
 loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS
@@ -105,8 +104,11 @@ def test_what_is_done_to_the_files_is_said(exported: tuple[Path, Export]) -> Non
     assert "- Put axiscal.vcomp and axiscal-volumetric.hal beside" not in readme
 
 
+STARTED = [*WITH_COMPONENT, pytest.mark.long]
+
+
 class TestStarted:
-    pytestmark = WITH_COMPONENT
+    pytestmark = STARTED
 
     def test_the_patched_files_correct_every_joint(self, exported: tuple[Path, Export]) -> None:
         run_as_foretold(*exported)

@@ -11,22 +11,23 @@ from axiscal.description.campaign_schema import SetupTable
 from axiscal.description.fields import WAYS, At
 from axiscal.description.sights import (
     lack_of,
-    refuse_no_sight,
+    refuse_both,
     refuse_short_stroke,
+    refuse_stray_keys,
     refuse_unreachable,
     seen,
     stations_of,
 )
-from axiscal.description.sites import RETRACT, STROKE, Site, SiteReader, Surroundings, evened
-from axiscal.description.stated_type_b import dense, drift_of, material_of
+from axiscal.description.sites import RETRACT, STROKE, SiteReader, Surroundings, evened
+from axiscal.description.stated_type_b import dense, with_drift, with_material
 from axiscal.document import Document, meant, shown
 from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
-from axiscal.measurement.instrument import LENGTH, PRINTER_PROBE, model_of
-from axiscal.measurement.instruments.displacement import SQUARE, Displacement
+from axiscal.measurement.charts.kinds import Line
+from axiscal.measurement.instrument import model_of
+from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.instruments.distance import of_each
-from axiscal.measurement.instruments.kind import Instrument, Rotation
 from axiscal.measurement.instruments.written import Foreign
 from axiscal.measurement.setup import Nodes, Setup, Unknown, Vector
 from axiscal.units import format_quantity, to_unit
@@ -34,8 +35,6 @@ from axiscal_core.instrument import TOOL
 
 _SHORTEST_REACH = 4.0
 """A reach is longer than so many overruns."""
-_DIAGONAL = 1 / math.sqrt(3)
-"""Geometry: the space diagonal."""
 
 
 def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, ...]:
@@ -49,7 +48,9 @@ def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, 
             at = partial(document.placed, "setups", number)
             if table.choose_from is not None:
                 _refuse_choice(table, table.choose_from, at)
-            _refuse_lengths(table, at)
+            refuse_stray_keys(table, at)
+            refuse_both(table, at)
+            _refuse_no_lengths(table, at)
             setups += [_Reader(each, around, at).setup() for each in each_alone(table)]
     with faults.noted():
         _refuse_same_name(setups, document)
@@ -78,25 +79,15 @@ def each_alone(table: SetupTable) -> list[SetupTable]:
     return tables
 
 
-def _refuse_lengths(table: SetupTable, at: At) -> None:
-    """Raise DescriptionError for lengths of another instrument, and for a gauge that has none or something beside."""
-    gauge, beside = table.instrument.site == "length", ("direction", "moves", "along", "raster", "approach")
-    remedy = (
-        'Write lengths = {{ low = [["0 mm", "0 mm", "0 mm"], ["100 mm", "0 mm", "0 mm"]] }}, in the workpiece frame'
-    )
-    if gauge and not table.lengths:
+def _refuse_no_lengths(table: SetupTable, at: At) -> None:
+    """Raise DescriptionError for a gauge that has no lengths."""
+    if table.instrument.site == "length" and not table.lengths:
+        what = "it is not said between which places the {instrument} lies"
+        remedy = (
+            'Write lengths = {{ low = [["0 mm", "0 mm", "0 mm"], ["100 mm", "0 mm", "0 mm"]] }}, in the workpiece frame'
+        )
         with at("instrument"):
-            raise DescriptionError(
-                "it is not said between which places the {instrument} lies", remedy, instrument=LENGTH
-            )
-    if table.lengths and not gauge:
-        with at("lengths"):
-            raise DescriptionError("lengths are those of a {instrument}", "Take lengths out", instrument=LENGTH)
-    for key in beside if gauge else ():
-        if key in table.model_fields_set:
-            with at(key):
-                what = "a length goes from its first end to its second"
-                raise DescriptionError(what, "Take {key} out", key=key)
+            raise DescriptionError(what, remedy, instrument=table.instrument.name)
 
 
 def _refuse_choice(table: SetupTable, places: Sequence[Vector], at: At) -> None:
@@ -127,69 +118,43 @@ class _Reader(SiteReader):
     """Reads one table; every failure is placed at the key it is about."""
 
     def setup(self) -> Setup:
-        table, around = self._table, self._around
-        usual = PRINTER_PROBE if around.printer and table.instrument.name == "probe" else table.instrument
-        site = self.site()
+        table, machine, usual = self._table, self._machine, self._usual
+        setup = self.sited()
         with self._at("direction"):
-            direction = self._direction(usual, site)
+            self._refuse_direction(setup)
         with self._at("stations"):
-            stations = stations_of(table, usual)
-        noise = usual.noise if table.noise is None else table.noise
-        material = material_of(table, usual, around.machine, direction, site, self._at)
-        base = self._base(usual)
-        unknowns = self._unknowns(usual, site)
-        unknowns = of_each(unknowns, len(stations)) if stations else unknowns
-        rate, said = drift_of(table, usual, site.moves, unknowns, around.usual_doubts)
-        setup = Setup(
-            name=table.name,
-            instrument=usual.name,
-            direction=direction,
-            offset=self._offset(usual),
-            moves=site.moves,
-            park=site.park,
-            noise=math.hypot(noise, table.resolution / math.sqrt(12.0)),
-            unknowns=(*unknowns, *material.unknowns),
-            setup_time=usual.setup_time * self._mountings(site) if table.setup_time is None else table.setup_time,
-            settle=usual.settle if table.settle is None else table.settle,
-            reading_time=usual.reading_time if table.reading_time is None else table.reading_time,
-            raster=self._raster(site, base or 0.0),
-            approach=table.approach or usual.approach,
-            station=site.station or table.station,
+            stations = stations_of(table)
+        unknowns = self._unknowns(setup)
+        setup = replace(
+            setup,
+            unknowns=of_each(unknowns, len(stations)) if stations else unknowns,
+            setup_time=setup.setup_time * (self._mountings(setup) if table.setup_time is None else 1),
+            raster=self._raster(setup),
             stations=stations,
-            warmer=material.warmer,
-            expansion=material.expansion,
-            at_20=around.at_20,
-            stated=(*material.stated, *table.type_b.items()),
-            base=base,
-            drift=rate,
-            drift_said=said,
-            resolution=table.resolution,
-            reach=self._reach(site.moves),
-            nodes=self._nodes(site.moves),
-            written=usual if issubclass(usual.model, Foreign) else None,
+            reach=self._reach(setup.moves),
+            nodes=self._nodes(setup.moves),
         )
+        setup = with_drift(table, usual, setup, self._around.usual_doubts)
+        setup = with_material(table, usual, machine, setup, self._at)
         setup = self._on_square(setup)
-        setup = seen(table, around.machine, self._at, setup) if site.chart is None else self._sited(setup, site)
-        with self._at("instrument" if base is None else "base"):
-            model_of(setup).check_setup(setup, self._machine)
+        setup = seen(table, machine, self._at, setup) if setup.chart is None else self._charted(setup)
+        with self._at("instrument" if setup.base is None else "base"):
+            model_of(setup).check_setup(setup, machine)
             if issubclass(usual.model, Foreign):
-                curved = usual.model.curved_in(setup, self._machine)
-                setup = replace(setup, written=replace(usual, curved=curved))
-        return self._complete(dense(table, around.machine, self._at, setup))
+                setup = replace(setup, written=replace(usual, curved=usual.model.curved_in(setup, machine)))
+        return self._complete(dense(table, machine, self._at, setup))
 
-    def _sited(self, setup: Setup, site: Site) -> Setup:
-        """Return a set-up that is read where its site is."""
+    def _charted(self, setup: Setup) -> Setup:
+        """Return a set-up that has a chart with how its places are taken."""
         table = self._table
-        refuse_no_sight(table, self._at)
         stroke = STROKE if table.stroke is None else table.stroke
-        setup = replace(setup, chart=site.chart, artefact=site.artefact, balls=site.balls, contact=site.contact)
-        setup = replace(setup, retract=table.retract or RETRACT, mean_sides=evened(table), length=site.length)
+        setup = replace(setup, retract=table.retract or RETRACT, mean_sides=evened(table))
         setup = replace(setup, three_touches=table.touches is not None)
-        with self._at("artefact" if site.artefact else "length" if site.length else "along"):
+        with self._at("artefact" if setup.artefact else "length" if setup.length else "along"):
             refuse_unreachable(self._machine, setup)
         if setup.contact != "held":
             return setup
-        with self._at("length" if site.length else "instrument"):
+        with self._at("length" if setup.length else "instrument"):
             refuse_short_stroke(self._machine, setup, stroke)
         return replace(setup, stroke=stroke)
 
@@ -201,37 +166,19 @@ class _Reader(SiteReader):
                 raise DescriptionError(*lack)
         return replace(setup, lacks=lack)
 
-    def _mountings(self, site: Site) -> int:
+    def _mountings(self, setup: Setup) -> int:
         """Return how many times the usual time of mounting is needed: spheres are put up one by one, or on a board."""
-        apart = site.artefact is not None and site.artefact.calibrated is None
-        return len(site.balls) if apart and site.contact == "retracted" else 1
+        apart = setup.artefact is not None and setup.artefact.calibrated is None
+        return len(setup.balls) if apart and setup.contact == "retracted" else 1
 
-    def _direction(self, usual: Instrument, site: Site) -> Vector:
-        """Return the direction; of an instrument that needs none, the diagonal, along which readings are planned."""
-        given = self._table.direction
-        if site.direction is not None and usual.name == "interferometer" and given is not None:
+    def _refuse_direction(self, setup: Setup) -> None:
+        """Raise DescriptionError where a direction is lacking, or given beside that of a line."""
+        given, lined = self._table.direction, isinstance(setup.chart, Line)
+        if lined and given is not None and self._usual.name == "interferometer":
             raise DescriptionError("the direction of a laser along a line is that of the line", "Take direction out")
-        if site.direction is not None and given is None:
-            return site.direction
-        if usual.model.directed and given is None:
+        if self._usual.model.directed and given is None and not lined:
             what = '"direction" is missing: the {instrument} reads in one direction'
-            raise DescriptionError(what, WAYS, instrument=usual.name)
-        if not usual.model.directed and given is not None:
-            remedy = "Take direction out"
-            raise DescriptionError("a {instrument} has no direction of its own", remedy, instrument=usual.name)
-        return given or (_DIAGONAL, _DIAGONAL, _DIAGONAL)
-
-    def _offset(self, usual: Instrument) -> Vector | None:
-        """Return where the point stands that is looked at; only of an instrument that reads one length along a line."""
-        offset = self._table.offset
-        if offset is not None and not issubclass(usual.model, Displacement):
-            what = "an angle is the same beside the tool point"
-            remedy = "Take offset out"
-            if usual.model.reads == "length":
-                what, remedy = "a {instrument} reads the tool point itself", "State its length as that of the tool"
-            with self._at("offset"):
-                raise DescriptionError(what, remedy, instrument=usual.name)
-        return offset
+            raise DescriptionError(what, WAYS, instrument=self._usual.name)
 
     def _reach(self, moves: tuple[int, ...]) -> tuple[tuple[float, float], ...] | None:
         if not self._table.reach:
@@ -264,59 +211,51 @@ class _Reader(SiteReader):
             raise DescriptionError(what, "Take it out here, or add {axis} to moves", axis=name)
         return index
 
-    def _base(self, usual: Instrument) -> float | None:
-        base = self._table.base
-        if base is not None and not issubclass(usual.model, Rotation):
-            with self._at("base"):
-                what = "a {instrument} has no feet that are stepped along a way"
-                remedy = "Take base out; a level and the mirror of an autocollimator have one"
-                raise DescriptionError(what, remedy, instrument=usual.name)
-        return base
-
-    def _raster(self, site: Site, base: float) -> tuple[float, ...]:
+    def _raster(self, setup: Setup) -> tuple[float, ...]:
         """Return the steps of the axes; those of a chart are its own."""
-        steps = [0.0] * len(self._machine.axes)
-        for name, step in self._table.raster.items() if site.chart is None else ():
+        steps, margin = [0.0] * len(self._machine.axes), (setup.base or 0.0) / 2
+        for name, step in self._table.raster.items() if setup.chart is None else ():
             with self._at("raster", name):
-                index = self._moving(name, site.moves, "{axis} has a raster, but does not move in this set-up")
-                _refuse_no_multiple(step, self._machine.axes[index], self._table.reach.get(name), base / 2)
+                index = self._moving(name, setup.moves, "{axis} has a raster, but does not move in this set-up")
+                _refuse_no_multiple(step, self._machine.axes[index], self._table.reach.get(name), margin)
                 steps[index] = step
         return tuple(steps)
 
-    def _unknowns(self, usual: Instrument, site: Site) -> tuple[Unknown, ...]:
-        given, moves = self._table.unknowns, site.moves
-        if site.unknowns:
-            return site.unknowns if given is None else self._chosen(given, site, usual)
+    def _unknowns(self, setup: Setup) -> tuple[Unknown, ...]:
+        given, moves, usual = self._table.unknowns, setup.moves, self._usual
+        if setup.unknowns:
+            return setup.unknowns if given is None else self._chosen(given, setup.unknowns)
         if given is None:
             turns = any(self._machine.axes[index].rotary for index in moves)
             unknowns = tuple(unknown for unknown in usual.unknowns if turns or unknown.name not in TOOL)
         else:
-            unknowns = tuple(self._unknown(name, std, usual) for name, std in given.items())
+            unknowns = tuple(self._unknown(name, std) for name, std in given.items())
         if "slope" in (unknown.name for unknown in unknowns):
             with self._at(*(["moves"] if given is None else ["unknowns", "slope"])):
-                self._refuse_slope(usual, moves, given is None)
+                self._refuse_slope(moves, given is None)
         return unknowns
 
-    def _chosen(self, given: Mapping[str, float], site: Site, usual: Instrument) -> tuple[Unknown, ...]:
-        """Return the unknowns of a site that are named, with their std as given; whose they are stays."""
-        known = {unknown.name: unknown for unknown in site.unknowns}
+    def _chosen(self, given: Mapping[str, float], placed: Sequence[Unknown]) -> tuple[Unknown, ...]:
+        """Return those of the unknowns of its place that are named, with their std as given; whose they are stays."""
+        known = {unknown.name: unknown for unknown in placed}
         for name in given:
             if name not in known:
                 with self._at("unknowns", name):
                     what, remedy = "{name} is not an unknown of this {instrument}", "Known are {known}"
-                    told = {"name": shown(name), "instrument": usual.name, "known": ", ".join(known)}
+                    told = {"name": shown(name), "instrument": self._usual.name, "known": ", ".join(known)}
                     raise DescriptionError(what, remedy, None, None, **told)
         return tuple(replace(known[name], std=std) for name, std in given.items())
 
-    def _unknown(self, name: str, std: float, usual: Instrument) -> Unknown:
-        kinds = usual.model.unknown_reads
+    def _unknown(self, name: str, std: float) -> Unknown:
+        usual, kinds = self._usual, self._usual.model.unknown_reads
         if name not in kinds and not (name == "slope" and usual.model.reads == "angle"):  # refused for its own reason
             with self._at("unknowns", name):
                 what = "{name} is not an unknown of a set-up with a {instrument}"
                 raise DescriptionError(what, meant(name, kinds), name=shown(name), instrument=usual.name)
         return Unknown(name, std)
 
-    def _refuse_slope(self, usual: Instrument, moves: tuple[int, ...], by_default: bool) -> None:
+    def _refuse_slope(self, moves: tuple[int, ...], by_default: bool) -> None:
+        usual = self._usual
         if usual.model.reads == "angle":
             what = "an unknown slope turns the line of a displacement, and the {instrument} reads an angle"
             raise DescriptionError(what, "Take slope out", instrument=usual.name)

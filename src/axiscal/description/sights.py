@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +23,10 @@ from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates, chart_places
 from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Circle, Held, Sight
 from axiscal.measurement.charts.room import Chart, Coordinate, Room
-from axiscal.measurement.instrument import instrument_of
+from axiscal.measurement.instrument import LENGTH, instrument_of
+from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.instruments.kind import Instrument
+from axiscal.measurement.instruments.kind import Rotation
 from axiscal.measurement.setup import Setup, Vector
 from axiscal.numerics import Array, even_subset
 from axiscal.units import format_quantity
@@ -191,16 +193,49 @@ _CONE = math.radians(60.0)
 """A corner cube is seen within so much of its axis, as makers state for theirs."""
 
 
-def refuse_no_sight(table: SetupTable, at: At) -> None:
-    """Raise DescriptionError for keys of what is seen in a set-up whose instrument does not look."""
-    for key in _KEYS:
-        if key in table.model_fields_set and table.instrument.site != "sight":
-            with at(key):
-                raise DescriptionError("{key} belongs to a tracker or tracer", "Take {key} out", key=key)
+def _refuse_keys(table: SetupTable, at: At, keys: str, what: str, remedy: str) -> None:
+    """Raise DescriptionError where a table has one of some keys."""
+    for key in (key for key in keys.split() if key in table.model_fields_set):
+        with at(key):
+            raise DescriptionError(what, remedy, None, None, key=key, instrument=table.instrument.name)
 
 
 def refuse_stray_keys(table: SetupTable, at: At) -> None:
-    """Raise DescriptionError for keys that exclude one another, or belong to what the set-up has not."""
+    """Raise DescriptionError for keys that belong to what the set-up has not."""
+    usual, model, out = table.instrument, table.instrument.model, later("Take {key} out")
+    refuse = partial(_refuse_keys, table, at)
+    if usual.site == "length":
+        refuse("direction moves along raster approach", later("a length goes from its first end to its second"), out)
+    else:
+        refuse("lengths", said("lengths are those of a {instrument}", instrument=LENGTH), out)
+    if usual.site != "sight":
+        refuse("range sight faces", later("{key} belongs to a tracker or tracer"), out)
+    if not usual.all_round or table.sides == "mean":
+        what = "three touches are those of a sphere, and meet no side and its opposite: there is no mean of both"
+        refuse("touches", later(what), later("Take sides out, or touches"))
+    if table.artefact is None:
+        what = later("{key} belongs to an artefact, and the set-up has none")
+        refuse("at turn", what, later('Give artefact = "board", too'))
+    if table.length is None and usual.contact != "held":
+        what = later("{key} belongs to a bar, and the set-up has none")
+        refuse("plane arc turning stroke", what, later("Give its length, too"))
+    if not model.directed:
+        refuse("direction", later("a {instrument} has no direction of its own"), out)
+    if usual.name != "tracer":
+        what = "several stations are read at once by length-only tracers, and this set-up has a {instrument}"
+        refuse("stations", later(what), later('Write instrument = "tracer", or a set-up for each of the others'))
+    if model.reads == "angle":
+        refuse("offset", later("an angle is the same beside the tool point"), out)
+    elif not issubclass(model, Displacement):
+        what = later("a {instrument} reads the tool point itself")
+        refuse("offset", what, later("State its length as that of the tool"))
+    if not issubclass(model, Rotation):
+        what = later("a {instrument} has no feet that are stepped along a way")
+        refuse("base", what, later("Take base out; a level and the mirror of an autocollimator have one"))
+
+
+def refuse_both(table: SetupTable, at: At) -> None:
+    """Raise DescriptionError for keys that exclude one another."""
     given = {key for key in ("along", "length", "artefact", "reach") if getattr(table, key)}
     for pair in ({"along", "length"}, {"along", "artefact"}, {"along", "reach"}, {"artefact", "reach"}):
         if pair <= given and table.instrument.name != "straightedge":
@@ -208,20 +243,6 @@ def refuse_stray_keys(table: SetupTable, at: At) -> None:
             with at(second):
                 what = "{first} and {second} exclude one another"
                 raise DescriptionError(what, "Give one of them", first=first, second=second)
-    if table.touches and (not table.instrument.all_round or table.sides == "mean"):
-        what = "three touches are those of a sphere, and meet no side and its opposite: there is no mean of both"
-        with at("touches"):
-            raise DescriptionError(what, "Take sides out, or touches")
-    for key in ("at", "turn"):
-        if getattr(table, key) is not None and table.artefact is None:
-            with at(key):
-                remedy = 'Give artefact = "board", too'
-                raise DescriptionError("{key} belongs to an artefact, and the set-up has none", remedy, key=key)
-    for key in ("plane", "arc", "turning", "stroke"):
-        if key in table.model_fields_set and table.length is None and table.instrument.contact != "held":
-            with at(key):
-                remedy = "Give its length, too"
-                raise DescriptionError("{key} belongs to a bar, and the set-up has none", remedy, key=key)
 
 
 def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
@@ -229,7 +250,6 @@ def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
 
     Raises DescriptionError or UnitError.
     """
-    refuse_no_sight(table, at)
     said = [key for key in _KEYS if key in table.model_fields_set]
     if not said or not setup.standing:
         return setup
@@ -264,15 +284,11 @@ def _faces(table: SetupTable, at: At) -> Array | None:
     return np.array(table.faces)
 
 
-def stations_of(table: SetupTable, usual: Instrument) -> tuple[Vector, ...]:
+def stations_of(table: SetupTable) -> tuple[Vector, ...]:
     """Return where tracers stand that read at once; none where one instrument reads.  Raises DescriptionError."""
     said = table.stations
     if said is None:
         return ()
-    if usual.name != "tracer":
-        what = "several stations are read at once by length-only tracers, and this set-up has a {instrument}"
-        remedy = 'Write instrument = "tracer", or a set-up for each of the others'
-        raise DescriptionError(what, remedy, instrument=usual.name)
     if table.station is not None:
         what = "it is said twice where it stands"
         raise DescriptionError(what, "Keep station for one tracer, stations for those that read at once")

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from axiscal.description.campaign_schema import SetupTable
 from axiscal.description.fields import At
-from axiscal.description.sights import reached_arc, refuse_gap, refuse_stray_keys
+from axiscal.description.sights import reached_arc, refuse_gap
 from axiscal.document import Document, shown
 from axiscal.document.quoting import meant
 from axiscal.exceptions import DescriptionError
@@ -21,9 +21,11 @@ from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, turns
+from axiscal.measurement.instrument import PRINTER_PROBE
 from axiscal.measurement.instruments.distance import RADIUS
+from axiscal.measurement.instruments.written import Foreign
 from axiscal.measurement.observation import unknowns_at
-from axiscal.measurement.setup import Contact, Unknown, Vector
+from axiscal.measurement.setup import Setup, Unknown, Vector
 from axiscal.measurement.touched import Cycle, gone_to
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
@@ -37,6 +39,8 @@ RETRACT = 0.05
 CUP = 1e-4
 """m, how far the centre of a bar may be from its station: it is set to within a tenth of a millimetre."""
 _FREE_CONE = math.radians(100.0)
+_DIAGONAL = 1 / math.sqrt(3)
+"""Geometry: the space diagonal, along which readings are planned of an instrument that has no direction."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,22 +65,6 @@ class Surroundings:
     at_20: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Site:
-    """The place where a set-up is read, and the unknowns of that; as in `Setup`."""
-
-    chart: Chart | None
-    moves: tuple[int, ...]
-    park: tuple[float, ...]
-    contact: Contact
-    unknowns: tuple[Unknown, ...] = ()
-    artefact: Artefact | None = None
-    balls: tuple[int, ...] = ()
-    station: Vector | None = None
-    direction: Vector | None = None
-    length: float | None = None
-
-
 def evened(table: SetupTable) -> bool:
     """Return whether readings are the mean of coming from both sides: spheres touched all round are unless said."""
     all_round = table.instrument.all_round and table.touches is None
@@ -84,29 +72,55 @@ def evened(table: SetupTable) -> bool:
 
 
 class SiteReader:
-    """Reads the keys of one table that say where."""
+    """Reads the keys of one table that say where.  usual : its instrument, with what is usual of it there"""
 
     def __init__(self, table: SetupTable, around: Surroundings, at: At) -> None:
         self._table, self._around, self._machine, self._at = table, around, around.machine, at
+        printed = around.printer and table.instrument.name == "probe"
+        self._usual = PRINTER_PROBE if printed else table.instrument
         turns = any(axis.rotary for axis in around.machine.axes)
         parts = zip(TOOL, around.tool, strict=True)
         self._tool = tuple(Unknown(name, std, "tool") for name, std in parts if turns and std > 0)
 
-    def site(self) -> Site:
-        """Return where the set-up is read; without a chart where any pose of the axes that move will do.
+    def sited(self) -> Setup:
+        """Return the set-up where it is read; without a chart where any pose of the axes that move will do.
 
-        Raises DescriptionError or UnitError.
+        Its unknowns are those of the place. Raises DescriptionError or UnitError.
         """
-        refuse_stray_keys(self._table, self._at)
         if self._table.along is not None:
             return self._line(self._table.along)
-        if self._table.instrument.site == "bar":
-            return self._anywhere() if self._table.length is None else self._bar(self._table.length)
-        if self._table.instrument.contact != "free" and self._table.artefact is not None:
+        if self._usual.site == "bar" and self._table.length is not None:
+            return self._bar(self._table.length)
+        if self._usual.contact != "free" and self._table.artefact is not None:
             return self._held()
         return self._anywhere()
 
-    def _anywhere(self) -> Site:
+    def _standing(self, moves: Sequence[int], park: Sequence[float] | Array) -> Setup:
+        """Return the set-up as far as neither its place nor its unknowns matter.  moves, park : as of `Setup`"""
+        table, usual = self._table, self._usual
+        noise = usual.noise if table.noise is None else table.noise
+        return Setup(
+            name=table.name,
+            instrument=usual.name,
+            direction=table.direction or (_DIAGONAL, _DIAGONAL, _DIAGONAL),
+            offset=table.offset,
+            moves=tuple(moves),
+            park=tuple(park),
+            noise=math.hypot(noise, table.resolution / math.sqrt(12.0)),
+            unknowns=(),
+            setup_time=usual.setup_time if table.setup_time is None else table.setup_time,
+            settle=usual.settle if table.settle is None else table.settle,
+            reading_time=usual.reading_time if table.reading_time is None else table.reading_time,
+            raster=(0.0,) * len(park),
+            approach=table.approach or usual.approach,
+            station=table.station,
+            at_20=self._around.at_20,
+            base=table.base,
+            resolution=table.resolution,
+            written=usual if issubclass(usual.model, Foreign) else None,
+        )
+
+    def _anywhere(self) -> Setup:
         moves = self._table.moves
         if moves == ():
             known = ", ".join(f'"{axis.name}"' for axis in self._machine.axes)
@@ -114,12 +128,12 @@ class SiteReader:
                 remedy = "Name axes, such as moves = [{known}], or leave it out"
                 raise DescriptionError("nothing moves", remedy, known=known)
         moves = tuple(range(len(self._machine.axes))) if moves is None else moves
-        return Site(None, moves, self._parked(moves), "free")
+        return self._standing(moves, self._parked(moves))
 
-    def _line(self, ends: tuple[Vector, Vector]) -> Site:
+    def _line(self, ends: tuple[Vector, Vector]) -> Setup:
         step, park = self._table.raster.get("along", 0.0), self._park()
         # of a length nobody says how its ends are met
-        overrun = 0.0 if self._table.instrument.site == "length" else self._overrun()
+        overrun = 0.0 if self._usual.site == "length" else self._overrun()
         line = Line.between_ends(self._room(None), np.array(ends), park, step, overrun)
         poses = line.poses(np.array([[0.0], [line.coordinates[0].high]]))
         for end, there in enumerate(line.feasible(poses)):
@@ -133,26 +147,20 @@ class SiteReader:
                     lacks = lacking(self._machine, poses[end])
                     raise DescriptionError(what, "Let it end within the travels: {lacking}", lacking=lacks)
         x, y, z = line.direction.tolist()
-        return Site(line, linear_axes(self._machine), tuple(park), "free", direction=(x, y, z))
+        given = self._table.direction
+        return replace(self._standing(linear_axes(self._machine), park), chart=line, direction=given or (x, y, z))
 
-    def _bar(self, length: float) -> Site:
+    def _bar(self, length: float) -> Setup:
         centre, owned, artefact, balls = self._centre()
         owner = f"bar of {format_quantity(length, 'mm', 6)}"
         zero = Unknown("zero", OPEN_LENGTH, owner)
         plane = self._table.plane
         chart = self._circle(centre, length, artefact, plane) if plane else self._sphere(centre, length, artefact)
         moving = set(linear_axes(self._machine)) | set(self._followers(chart))
-        return Site(
-            chart,
-            tuple(sorted(moving)),
-            tuple(self._park([*moving])),
-            "held",
-            (zero, *owned, *self._tool),
-            artefact,
-            balls,
-            centre,
-            length=length,
-        )
+        setup = self._standing(sorted(moving), self._park([*moving]))
+        unknowns = (zero, *owned, *self._tool)
+        setup = replace(setup, chart=chart, contact="held", unknowns=unknowns, station=centre, length=length)
+        return replace(setup, artefact=artefact, balls=balls)
 
     def _followers(self, chart: Chart) -> Iterator[int]:
         if isinstance(chart, Bar):
@@ -225,7 +233,7 @@ class SiteReader:
             return np.array([0.0, 0.0, 1.0]), _FREE_CONE
         return np.array(artefact.free), artefact.cone
 
-    def _held(self) -> Site:
+    def _held(self) -> Setup:
         artefact, balls = self._artefact()
         turning = self._turned_by_moves(default_all=True)
         with self._at("artefact"):
@@ -234,7 +242,7 @@ class SiteReader:
         self._refuse_one_place(turning, steps)
         coordinates = turns(self._machine, turning, steps)
         park, free, at = self._park(turning), np.array(artefact.free), artefact.points
-        contact = self._table.instrument.contact
+        contact = self._usual.contact
         back = 0.0 if contact == "held" else self._table.retract or RETRACT
         even = evened(self._table)  # both sides of approach: none is come from
         coming = np.array([0.0 if axis.rotary or even else axis.overrun for axis in self._machine.axes])
@@ -246,12 +254,12 @@ class SiteReader:
         chart: Chart = each[0] if len(each) == 1 and turning else Balls(each)
         size = (Unknown(RADIUS, OPEN_RADIUS, artefact.name),) if self._table.touches else ()
         unknowns = (*unknowns_at(artefact, balls), *size, *self._tool)
-        moves = tuple(sorted({*turning, *linear_axes(self._machine)}))
-        return Site(chart, moves, tuple(park), contact, unknowns, artefact, balls)
+        setup = self._standing(sorted({*turning, *linear_axes(self._machine)}), park)
+        return replace(setup, chart=chart, contact=contact, unknowns=unknowns, artefact=artefact, balls=balls)
 
     def _touching(self, artefact: Artefact) -> Callable[[Array], Array] | None:
         """Return where the axes go to touch a ball from all sides; None where they do not, or a size is not known."""
-        all_round, size = self._table.instrument.all_round and self._table.touches is None, artefact.diameter
+        all_round, size = self._usual.all_round and self._table.touches is None, artefact.diameter
         if not all_round or size is None or self._machine.stylus <= 0:
             return None
         return partial(gone_to, self._machine, Cycle((size + self._machine.stylus) / 2))
@@ -323,7 +331,7 @@ class SiteReader:
         for k, axis in enumerate(self._machine.axes):
             if at_zero and axis.rotary and axis.travel[0] <= 0.0 <= axis.travel[1]:
                 places[k] = 0.0
-        usual = self._table.instrument.park
+        usual = self._usual.park
         own = {name: place for name, place in usual if self._machine.index(name) not in moves}
         for name, place in (own | self._table.park).items():
             index = self._machine.index(name)

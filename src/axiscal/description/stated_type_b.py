@@ -11,7 +11,6 @@ import numpy as np
 
 from axiscal.description.campaign_schema import CampaignTable, SetupTable
 from axiscal.description.fields import At
-from axiscal.description.sites import Site
 from axiscal.description.type_b import TEMPERATURE
 from axiscal.document import Document
 from axiscal.exceptions import DescriptionError
@@ -21,7 +20,7 @@ from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.instrument import instrument_of, model_of
 from axiscal.measurement.instruments.kind import CARRIED, TRUED, Instrument
-from axiscal.measurement.setup import STEEL, SaidOfDrift, Setup, Unknown, Vector
+from axiscal.measurement.setup import STEEL, Setup, Unknown
 from axiscal.units import format_quantity
 from axiscal_core.instrument import TOOL
 
@@ -67,19 +66,6 @@ def unsourced(setups: Sequence[Setup]) -> tuple[tuple[Setup, ...], tuple[Unsourc
     return tuple(kept), tuple(found.values())
 
 
-class Material(NamedTuple):
-    """What a set-up says of the measured material.
-
-    warmer : K, than 20 °C, None where nobody says; expansion : 1/K
-    unknowns : its growth, where it is stated how well that is known; stated : K and 1/K, how well by name
-    """
-
-    warmer: float | None
-    expansion: float
-    unknowns: tuple[Unknown, ...]
-    stated: tuple[tuple[str, float], ...]
-
-
 def refers_to_20(table: CampaignTable, artefacts: Mapping[str, Artefact], document: Document) -> bool:
     """Return whether what is found refers to 20 °C: as stated, else where a set-up compares positions with a length.
 
@@ -101,39 +87,42 @@ def _against_length(setup: SetupTable, artefacts: Mapping[str, Artefact]) -> boo
     return setup.instrument.against_length or (artefact is not None and artefact.calibrated is not None)
 
 
-def material_of(
-    table: SetupTable, usual: Instrument, machine: Machine, direction: Vector, site: Site, at: At
-) -> Material:
-    """Return what a set-up says of the material; raises DescriptionError."""
+def with_material(table: SetupTable, usual: Instrument, machine: Machine, setup: Setup, at: At) -> Setup:
+    """Return a set-up with what its table says of the measured material; raises DescriptionError.
+
+    Its growth is an unknown where it is stated how well that is known.
+    """
     expansion = STEEL if table.expansion is None else table.expansion
     said = {"temperature": table.temperature_std, "expansion": table.expansion_std}
-    stated = tuple((name, size) for name, size in said.items() if size is not None)
+    known = {name: size for name, size in said.items() if size is not None}
+    setup = replace(setup, expansion=expansion, stated=(*known.items(), *table.type_b.items()))
     if table.temperature is None:
-        return Material(None, expansion, (), stated)
+        return setup
     with at("temperature"):
-        if not _grows(usual, machine, direction, site.moves, site.park):
+        if not _grows(usual, machine, setup):
             what = "a temperature corrects a length along the linear axes that move, and this set-up reads none"
             raise DescriptionError(what, "Take temperature out, or name the axis in moves")
     warmer = table.temperature - REFERENCE
-    std = math.hypot(expansion * (said["temperature"] or 0.0), warmer * (said["expansion"] or 0.0))
-    unknown = std > 0 and "growth" in usual.model.unknown_reads
-    return Material(warmer, expansion, (Unknown("growth", std),) if unknown else (), stated)
+    std = math.hypot(expansion * known.get("temperature", 0.0), warmer * known.get("expansion", 0.0))
+    growth = (Unknown("growth", std),) if std > 0 and "growth" in usual.model.unknown_reads else ()
+    return replace(setup, warmer=warmer, unknowns=(*setup.unknowns, *growth))
 
 
-def _grows(usual: Instrument, machine: Machine, direction: Vector, moves: Sequence[int], park: Sequence[float]) -> bool:
+def _grows(usual: Instrument, machine: Machine, setup: Setup) -> bool:
     """Return whether an instrument reads how far a machine expands: it follows the tool, or reads along what moves."""
     if not usual.model.directed:
         return usual.light
-    linear = [
-        (machine.axes[k].direction, in_frame(machine, k, np.array(park))) for k in moves if not machine.axes[k].rotary
+    linear, park = [k for k in setup.moves if not machine.axes[k].rotary], np.array(setup.park)
+    ways = [
+        float(np.array(machine.axes[k].direction) @ in_frame(machine, k, park) @ np.array(setup.direction))
+        for k in linear
     ]
-    ways = [float(np.array(way) @ frame @ np.array(direction)) for way, frame in linear]
     return "growth" in usual.model.unknown_reads and math.hypot(*ways) >= _ALONG
 
 
 def takes_temperature(setup: Setup, machine: Machine) -> bool:
     """Return whether a temperature changes what the readings of a set-up say of the machine."""
-    return setup.at_20 and _grows(instrument_of(setup), machine, setup.direction, setup.moves, setup.park)
+    return setup.at_20 and _grows(instrument_of(setup), machine, setup)
 
 
 def lacks_temperature(setup: Setup, machine: Machine) -> bool:
@@ -169,16 +158,14 @@ def lags(setup: Setup, machine: Machine) -> bool:
     return bool(kind.own_slopes(parked, ("lag",)).any())
 
 
-def drift_of(
-    table: SetupTable, usual: Instrument, moves: Sequence[int], unknowns: Sequence[Unknown], by_default: bool
-) -> tuple[float, SaidOfDrift]:
-    """Return the rate of a set-up's zero, m/s or rad/s, and who says so.
+def with_drift(table: SetupTable, usual: Instrument, setup: Setup, by_default: bool) -> Setup:
+    """Return a set-up with the rate of its zero, and who says so.
 
     Where none is stated it is the instrument's, for one axis under a zero that is not known; else it stands still.
-    moves, unknowns : of the set-up; by_default : whether zeros wander of which nothing is stated
+    by_default : whether zeros wander of which nothing is stated
     """
     if table.drift is not None:
-        return table.drift, "stated" if table.drift > 0 else "denied"
-    wanders = by_default and len(moves) == 1 and any(unknown.name.startswith("zero") for unknown in unknowns)
-    rate = usual.wanders[table.warm] if wanders else 0.0
-    return rate, "usual" if rate > 0 else "nothing"
+        return replace(setup, drift=table.drift, drift_said="stated" if table.drift > 0 else "denied")
+    zeroed = any(unknown.name.startswith("zero") for unknown in setup.unknowns)
+    rate = usual.wanders[table.warm] if by_default and len(setup.moves) == 1 and zeroed else 0.0
+    return replace(setup, drift=rate, drift_said="usual" if rate > 0 else "nothing")
