@@ -19,20 +19,19 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.readers.csv_table import RawPose
+from tests.generators.texts import machine_text
 
-TEXT = """
-chain = "w-X'-b-C-t"
-[axes.X]
-travel = ["-100 mm", "300 mm"]
-[axes.C]
-travel = ["-30 deg", "90 deg"]
-[errors]
-EXX = { std = "10 um", length = "150 mm", knots = 4, rest = "2 um" }
-EYX = { std = "6 um", length = "150 mm", knots = 4 }
-EXX_reversal = { std = "4 um" }
-EYX_reversal = { std = "3 um" }
-EXC = { std = "5 um", length = "40 deg", knots = 4, rest = "1 um" }
-"""
+TEXT = machine_text(
+    "w-X'-b-C-t",
+    {"X": (-100, 300), "C": (-30, 90)},
+    {
+        "EXX": 'std = "10 um", length = "150 mm", knots = 4, rest = "2 um"',
+        "EYX": ("6 um", 4, 150),
+        "EXX_reversal": "4 um",
+        "EYX_reversal": "3 um",
+        "EXC": 'std = "5 um", length = "40 deg", knots = 4, rest = "1 um"',
+    },
+)
 ERRORS = ErrorModel(machine_from_text(TEXT))
 FILE = Path("poses.csv")
 

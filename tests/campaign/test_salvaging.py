@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import zlib
 from pathlib import Path
 
@@ -74,6 +75,12 @@ def test_numbers_and_bytes_of_what_is_missing_are_named_and_noted(path: Path, ne
     assert all(words in found.state.notes[-1].text for words in (*found.missing, "mill.axiscal", "6 events"))
 
 
+def test_what_is_taken_back_has_another_number_now(path: Path, new: Path) -> None:
+    made(path, recorded(1e-6), recorded(2e-6), recorded(3e-6), Undone(4), recorded(4e-6))
+    without(path, 2)
+    assert values(salvaged(path, new)) == [2e-6, 4e-6]
+
+
 def test_a_taking_back_of_what_is_missing_is_left_out(path: Path, new: Path) -> None:
     made(path, recorded(1e-6), recorded(2e-6), Undone(3), recorded(4e-6))
     without(path, 3)
@@ -123,6 +130,26 @@ def test_the_tail_and_the_marks_may_be_gone(path: Path, new: Path) -> None:
     found = salvaged(path, new.with_name("second.axiscal"))
     assert (len(values(found)), len(found.missing)) == (8, 1)
     assert "both marks" in found.missing[0]
+
+
+@pytest.mark.parametrize("lines", [3, 4, 5])
+def test_the_beginning_of_another_record_is_not_put_before_the_rest(
+    path: Path, new: Path, tmp_path: Path, lines: int
+) -> None:
+    """Both are of one machine with one description, so only the chain tells their readings apart."""
+    made(path, *(recorded(1e-6 * number) for number in range(1, 9)))
+    other = made(tmp_path / "other.axiscal", *(recorded(1e-5 + 1e-6 * number) for number in range(1, 9)))
+    with Record.open(path, write=False) as record:
+        first = record.texts()[0].row
+    cut = lines_of(other.read_bytes())[lines].begin - 40
+    behind = [line for line in lines_of(path.read_bytes()) if line.begin >= cut]
+    path.write_bytes(path.read_bytes()[:START] + other.read_bytes()[START:cut] + path.read_bytes()[cut:])
+    with pytest.raises(RecordError, match=r"Event 1.*does not stand whole"):
+        salvaged(path, new)
+    assert not new.exists()
+    found = salvaged(path, new, first)
+    assert values(found) == [json.loads(line.payload)["value"] for line in behind]
+    assert any("may be of another file" in words for words in found.missing)
 
 
 def test_lines_of_another_record_behind_head_and_marks_are_refused_and_both_are_named(
@@ -245,6 +272,19 @@ def test_an_entry_of_a_newer_version_comes_along_unless_it_says_something_of_rea
         record.extend([EventText(at, "weighted", '{"reading":1}')])
     with pytest.raises(NewerError, match="weighted"):
         salvaged(path, new.with_name("second.axiscal"))
+
+
+def test_half_a_transaction_does_not_stand_unless_a_mark_counts_it(path: Path, new: Path) -> None:
+    made(path, recorded(1e-6))
+    whole = path.read_bytes()
+    with Record.open(path) as record:
+        batch: list[Event] = [recorded(2e-6), recorded(3e-6)]
+        record.append(*batch)
+    half = path.read_bytes()[: lines_of(path.read_bytes())[2].end]
+    path.write_bytes(half)
+    assert values(salvaged(path, new)) == [1e-6, 2e-6]
+    path.write_bytes(whole[:START] + half[START:])
+    assert values(salvaged(path, new.with_name("second.axiscal"))) == [1e-6]
 
 
 def test_a_file_without_a_whole_entry_or_of_a_form_to_come_is_refused(path: Path, new: Path) -> None:

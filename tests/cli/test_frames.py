@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.description.campaign import read_campaign
 from axiscal.exceptions import AxiscalError
 from axiscal.numerics import Array
 from axiscal.present.guide.question import Stands, Word, answer
@@ -106,7 +107,7 @@ def test_what_the_control_found_is_typed_as_it_prints_it(tmp_path: Path) -> None
     with Campaign.open(tmp_path / "out" / "campaign.axiscal", write=False) as told:
         wanted = next(each for each in told.state.readings if each.pose[0] == pytest.approx(np.radians(turn)))
     record = tmp_path / "typed.axiscal"
-    assert given("step", "start", campaign(tmp_path), record).status == 0
+    Campaign.create(record, read_campaign(campaign(tmp_path))).close()
     done = given(
         "step", "record", record, f"found {x} {y} {z}", "--at", f"C={turn} deg", "--setup", "touch", "--approach", "C+"
     )

@@ -21,6 +21,7 @@ from tests.commands import Command
 from tests.generators.begun import begun
 from tests.generators.texts import FOUR_READINGS
 from tests.generators.turned_back import OUT, begun_out_and_back
+from tests.web.served import kept
 
 STANDS = "Enter when it stands, or ? > "
 WARM = "Temperature of the machine's scale [degC], Enter: not measured > "
@@ -78,12 +79,6 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def kept(folder: Path) -> list[float]:
-    """Return the readings on the disk, um."""
-    with Campaign.open(folder / "mill.axiscal", write=False) as campaign:
-        return [round(reading.value * 1e6, 6) for reading in campaign.state.readings]
-
-
 def test_a_whole_campaign_from_the_prompt_alone(folder: Path) -> None:
     terminal = Terminal(folder)
     shown = terminal.until(STANDS)
@@ -122,7 +117,7 @@ def test_a_whole_campaign_from_the_prompt_alone(folder: Path) -> None:
     terminal.type("")
     assert "MEASURED   4 readings" in terminal.until("mill-results/report.pdf")
     assert terminal.ended() == 0
-    assert kept(folder) == [-1.7, 0.4, 1.1, 0.2]
+    assert kept(folder / "mill.axiscal") == [-1.7, 0.4, 1.1, 0.2]
     assert (folder / "mill-results" / "report.html").is_file()
     with Campaign.open(folder / "mill.axiscal", write=False) as campaign:
         assert campaign.state.notes[-1].text == "it was 21.4 °C"
@@ -191,7 +186,7 @@ def test_a_pause_goes_on_where_it_was_and_answers_no_question_of_another_program
     assert "skipped" in second.until("reading [um] > ")
     second.type("\x04")
     assert second.ended() == 0
-    assert kept(folder) == [2.0, 2.5]
+    assert kept(folder / "mill.axiscal") == [2.0, 2.5]
 
 
 @pytest.mark.long
@@ -205,7 +200,7 @@ def test_what_was_said_to_be_on_the_disk_is_there_after_a_kill(folder: Path, blo
     terminal.until("it is on the disk")
     os.kill(terminal.pid, blow)
     assert terminal.ended() == -blow
-    assert kept(folder) == [3.5]
+    assert kept(folder / "mill.axiscal") == [3.5]
 
 
 def test_ctrl_c_ends_with_a_sentence_and_status_one(folder: Path) -> None:

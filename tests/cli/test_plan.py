@@ -33,7 +33,6 @@ def campaign(tmp_path: Path) -> Path:
 
 def test_so_many_readings_are_planned_whatever_accuracy_the_campaign_asks_for(campaign: Path, command: Command) -> None:
     campaign.write_text(CAMPAIGN.replace("readings = 7", 'rms = "0.6 mm"'))
-    assert len(command("plan", campaign, "--json").document["points"]) < 9
     assert len(command("plan", campaign, "--readings", "9", "--json").document["points"]) == 9
 
 
@@ -108,7 +107,6 @@ def test_what_half_the_minutes_these_and_twice_as_many_buy_is_shown(campaign: Pa
     assert list(bars[1]) == sorted(bars[1], reverse=True)
     assert len(bars[1]) == len(document["bought"])
     assert bars[1][0] == "█"
-    assert "What minutes buy" not in command("plan", campaign, "--readings", "4").printed
 
 
 def test_a_set_up_that_no_budget_reaches_is_named(

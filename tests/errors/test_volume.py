@@ -32,8 +32,11 @@ def _brute(model: ErrorModel, box: Box, points: int = 9, counted: Counted = EVER
         lines.append(((edges[:-1, None] + half * (1 + x)).ravel(), (half * w).ravel() / (stop - start)))
     poses = np.stack([g.ravel() for g in np.meshgrid(*(t for t, _ in lines), indexing="ij")], axis=1)
     weights = np.prod(np.stack([g.ravel() for g in np.meshgrid(*(w for _, w in lines), indexing="ij")]), axis=0)
-    mean, weight, sides = np.zeros((3, model.size)), np.zeros((model.size, model.size)), 2 ** len(box)
-    for signs in product([1.0, -1.0], repeat=len(box)):
+    mean, weight = np.zeros((3, model.size)), np.zeros((model.size, model.size))
+    reversing = {f.axis for f in model.functions if f.kind == "reversal"}
+    every = [*product(*([1.0, -1.0] if axis in reversing else [1.0] for axis in range(len(box))))]
+    sides = len(every)
+    for signs in every:
         rows = model.rows(poses, np.tile(signs, (len(poses), 1)))
         mean += np.einsum("m,mcn->cn", weights, rows) / sides
         flat = (np.sqrt(weights)[:, None, None] * rows[:, list(counted)]).reshape(-1, model.size)

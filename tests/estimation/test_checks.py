@@ -16,21 +16,11 @@ from axiscal.estimation.promise.agreement import CheckReading, Checks
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import places_of, rows_at
 from axiscal_core.left_out import surprises
-from tests.generators.texts import machine_text
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
 MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": 'std = "10 um", length = "200 mm", knots = 21'})
-CAMPAIGN = """machine = "m"
-usual = "off"
-sure = "exactly"
-[target]
-readings = 20
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-noise = "0.5 um"
-unknowns = { zero = "100 um" }
-"""
+LASER = setup_text("laser", "interferometer", direction="x", noise="0.5 um", unknowns={"zero": "100 um"})
+CAMPAIGN = campaign_text("m", LASER, target={"readings": 20}, usual="off", sure="exactly")
 CASE = Case(campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m"))
 EVEN = np.linspace(0.02, 0.98, 13)
 DRAWN = np.array([0.131, 0.377, 0.528, 0.816])

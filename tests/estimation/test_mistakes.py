@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -55,10 +54,9 @@ class _Without:
         self.values, self.weights = problem.values, found.weights
         self.covariances = [Dense(problem).judging(theta) for theta in found.thetas]
 
-    def odds(self, values: Array, places: int = 1, columns: Array | float = 0.0) -> tuple[float, float]:
+    def odds(self, values: Array, places: int = 1) -> tuple[float, float]:
         """Return the log odds of 1 % before, the sizes integrated out, and how probable a worse agreement is then."""
-        wide = [each + np.atleast_2d(columns).T @ np.atleast_2d(columns) for each in self.covariances]
-        return self.odds_of(values, wide, places)
+        return self.odds_of(values, self.covariances, places)
 
     def odds_of(self, values: Array, wide: Sequence[Array], places: int = 1) -> tuple[float, float]:
         """Return the same for a covariance of each draw instead of those of the readings as they are."""
@@ -76,10 +74,6 @@ class _Without:
 def _agrees(found: Tried, expected: tuple[float, float]) -> None:
     assert found.mistake.log_odds == pytest.approx(expected[0], rel=1e-5, abs=1e-5)
     assert found.p == pytest.approx(expected[1], rel=1e-4, abs=1e-12)
-
-
-def _other(problem: Problem, **changed: Any) -> Problem:
-    return replace(problem, **changed)
 
 
 KINDS = [("axis", ()), ("axis", ("std", "noise")), ("two set-ups", ())]
@@ -111,7 +105,7 @@ def test_other_values_are_as_probable_as_their_density(kind: str, sizes: tuple[s
 def test_two_set_ups_of_as_many_numbers_may_be_swapped() -> None:
     """Every other reading of the axis belongs to a second set-up, and then one of the first more than of the second."""
     problem, weighed = _learning("axis")
-    both = _other(problem, setup=problem.reading % 2)
+    both = replace(problem, setup=problem.reading % 2)
     assert "swapped" not in {each.mistake.mistake for each in _turned(both, weighed)}
     both = both.only(both.reading < 8)
     weighed = weighed_of(space_of(both))
@@ -124,7 +118,7 @@ def test_two_set_ups_of_as_many_numbers_may_be_swapped() -> None:
 @pytest.mark.parametrize("sizes", [(), ("std", "noise")])
 def test_an_axis_that_counts_the_other_way_is_as_probable_as_its_covariance(sizes: tuple[str, ...]) -> None:
     problem, weighed = _learning("axis", sizes)
-    other = _other(problem, rows=problem.rows * np.where(np.arange(problem.rows.shape[1]) % 2, 1.1, -0.7))
+    other = replace(problem, rows=problem.rows * np.where(np.arange(problem.rows.shape[1]) % 2, 1.1, -0.7))
     (found,) = _against(problem, weighed, [(("C",), other)])
     covariances = [Dense(other).judging(theta) for theta in weighed.thetas]
     _agrees(found, _Without(problem, weighed).odds_of(problem.values, covariances))
@@ -138,7 +132,7 @@ def test_another_unit_divides_the_density_by_its_factor_for_each_number(factor: 
     problem, weighed = _learning("axis")
     (covariance,) = _Without(problem, weighed).covariances
     drawn = np.linalg.cholesky(covariance) @ np.random.default_rng(2).standard_normal(len(problem.values))
-    off = _other(problem, values=np.where(problem.reading >= since, factor * drawn, drawn))
+    off = replace(problem, values=np.where(problem.reading >= since, factor * drawn, drawn))
     weighed = weighed_of(space_of(off))
     tried = {(each.mistake.factor, each.mistake.reading): each for each in _units(off, weighed)}
     log_odds, tail = _Without(off, weighed).odds(drawn, 1 if since == 0 else COUNTS["axis"] - 1)
@@ -177,7 +171,7 @@ def _verdict(times: float, z: Array, left_out: int = 0) -> tuple[Agreement, floa
     problem, weighed = _learning("axis")
     (covariance,) = _Without(problem, weighed).covariances
     drawn = times * np.random.default_rng(3).standard_normal(len(problem.values))
-    wider = _other(problem, values=np.linalg.cholesky(covariance) @ drawn)
+    wider = replace(problem, values=np.linalg.cholesky(covariance) @ drawn)
     return agreement(wider, weighed_of(space_of(wider)), z, left_out), float(drawn @ drawn)
 
 

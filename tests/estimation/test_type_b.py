@@ -29,17 +29,9 @@ from axiscal.units import to_unit
 from axiscal_core.numbers import Numbers
 from axiscal_core.theta import Sizes
 from axiscal_core.unknowns import Space, Unknowns
-from tests.generators.texts import setup_text
+from tests.generators.texts import machine_text, setup_text
 
-AXIS = """name = "one"
-chain = "w-b-X-t"
-[tool]
-length = "0 mm"
-[axes.X]
-travel = ["0 mm", "1000 mm"]
-[errors]
-EXX = { std = "30 um", knots = 7, length = "300 mm", smoothness = 2.5 }
-"""
+AXIS = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": ("30 um", 7, 300)}, tool=0, name="one")
 LASER = setup_text("laser", "interferometer", direction="x", noise="0.3 um", drift="0 um/h")
 PPM = 1e-6
 NOBODY = Sizes(())
@@ -53,10 +45,10 @@ COMPOSITE = 'temperature = "23 degC"\nexpansion = "8 um/m/K"'
 AS_READ = 'refers_to = "as read"'
 
 
-def described(setups: str, machine: str = AXIS, target: str = "") -> CampaignDescription:
+def described(setups: str, target: str = "") -> CampaignDescription:
     """Return a campaign whose errors are as stated and nothing besides.  target : further lines of it"""
     text = f'machine = "m.toml"\nusual = "off"\n[target]\nreadings = 20\n{target}\n{setups}'
-    return campaign_from_texts(text, "c.toml", machine, "m.toml")
+    return campaign_from_texts(text, "c.toml", AXIS, "m.toml")
 
 
 def observed(campaign: CampaignDescription) -> Observation:

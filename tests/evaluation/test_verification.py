@@ -38,29 +38,11 @@ MACHINE = machine_text(
     tool=50,
     name="Bench",
 )
-CAMPAIGN = """machine = "m.toml"
-usual = "off"
-sure = "exactly"
-[target]
-rms = "1.5 um"
-readings = 40
-[[setups]]
-name = "along x"
-instrument = "probe"
-direction = "x"
-noise = "0.4 um"
-unknowns = { zero = "100 um" }
-{REACH}[[setups]]
-name = "along y"
-instrument = "probe"
-direction = "y"
-noise = "0.4 um"
-unknowns = { zero = "100 um" }
-{REACH}[[setups]]
-name = "level"
-instrument = "level"
-direction = "z"
-{REACH}""".replace("{REACH}", reach_of(MACHINE))
+PROBES = [
+    setup_text(f"along {way}", "probe", direction=way, noise="0.4 um", unknowns={"zero": "100 um"}) for way in "xy"
+]
+SETUPS = [each + reach_of(MACHINE) for each in (*PROBES, setup_text("level", "level", direction="z"))]
+CAMPAIGN = campaign_text("m.toml", *SETUPS, target={"rms": "1.5 um", "readings": 40}, usual="off", sure="exactly")
 SEED = 11
 
 

@@ -1,4 +1,4 @@
-"""Readings of three values from a file and a command, and what a warm machine reads."""
+"""Readings of three values from a file and a command, a tracer whose place is found, and a warm machine."""
 
 from __future__ import annotations
 
@@ -11,11 +11,13 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
 from axiscal.exceptions import ReadingError
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
+from axiscal.measurement.simulation import Simulator
 from tests.commands import Command
 from tests.generators.campaigns import built_in
 from tests.generators.texts import setup_text
@@ -40,6 +42,22 @@ def test_three_values_are_recorded_and_kept(tmp_path: Path, command: Command) ->
     assert run(["record", str(record), "1 um, 2 um, -3 um", *place]) == 0
     with Campaign.open(record) as campaign:
         assert campaign.state.readings[-1].values == pytest.approx((1e-6, 2e-6, -3e-6))
+
+
+def test_the_place_of_a_tracer_is_found_within_its_sigma() -> None:
+    described = built_in(setup_text("0", "tracer", station=["300 mm", "-800 mm", "-300 mm"]))
+    machine, rng = Simulator(described.machine, described.setups).drawn(5), np.random.default_rng(5)
+    low, high = np.array([axis.travel for axis in described.machine.axes]).T
+    poses = [tuple(rng.uniform(low, high).tolist()) for _ in range(40)]
+    (setup,), side = described.setups, (1, 1, 1)
+    values = [machine.read_all(setup, pose, side, rng)[0] for pose in poses]
+    known = concluded(
+        Case(described), [Reading("0", pose, side, value) for pose, value in zip(poses, values, strict=True)]
+    )
+    columns, belief = known.case.observation.unknowns_of(0), known.knowledge.belief
+    hidden = [machine.offsets["0"][unknown.name] for unknown in setup.unknowns]
+    assert np.all(np.abs(belief.mean[columns] - hidden) < 4 * np.sqrt(np.diagonal(belief.covariance)[columns]))
+    assert len(known.outliers) <= 1  # of forty, at 1 % before any reading
 
 
 @pytest.mark.parametrize(

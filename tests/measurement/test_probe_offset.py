@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 from axiscal.description.campaign import read_campaign
+from axiscal.description.placed_readings import file_readings
+from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.readers.probe_offset import offset_in
 from axiscal.present.plan_words import open_questions
 from tests.zoo.animals import Job
@@ -42,8 +44,11 @@ def test_a_bed_map_brings_its_own_and_the_record_says_it(tmp_path: Path) -> None
     assert found.status == 0
     assert "looks 29 mm beside the tool point" in " ".join((found.out + found.err).split())
     assert r"offset = [\"7.5 mm\", \"-28 mm\", \"0 mm\"]" in (out / "campaign.axiscal").read_text(errors="replace")
-    stated = 'moves = ["X", "Y"]\noffset = ["7.5 mm", "28 mm", "0 mm"]'
-    campaign.write_text(campaign.read_text().replace('moves = ["X", "Y"]', stated))
+    text, moves = campaign.read_text(), 'moves = ["X", "Y"]'
+    campaign.write_text(text.replace(moves, f'{moves}\noffset = ["7.5 mm", "-28 mm", "-1 mm"]'))
+    stated = read_campaign(campaign)
+    assert file_readings(tuple(read_any(cfg)), stated, cfg)[0] is stated
+    campaign.write_text(text.replace(moves, f'{moves}\noffset = ["7.5 mm", "28 mm", "0 mm"]'))
     refused = given("data", "estimate", campaign, cfg, "--out", tmp_path / "other")
     assert refused.status == 1
     assert 'along x and y by this file, and 7.5 mm 28 mm by "probe"' in " ".join(refused.err.split())

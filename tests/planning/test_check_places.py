@@ -11,6 +11,7 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
+from axiscal.exceptions import PlanError
 from axiscal.measurement.candidates import drawn_places
 from axiscal.measurement.reading import Place, Places
 from axiscal.measurement.reading_rows import blank_readings
@@ -154,3 +155,9 @@ def test_places_are_drawn_by_the_share_of_each_set_up_and_each_once() -> None:
     assert len(np.unique(found.poses)) == 200
     assert np.mean(found.poses) == pytest.approx(0.5, abs=0.08)
     assert not found.same_as(drawn_places(candidates, np.repeat([0, 1], [30, 10]), 200, 1))
+
+
+def test_fewer_readings_than_checks_are_refused_on_the_way() -> None:
+    case = case_of("readings = 30\nchecks = 12")
+    with pytest.raises(PlanError, match="12 checks leave none of 8 readings"):
+        proposed(case, Limits(8))

@@ -31,6 +31,8 @@ def test_a_climb_goes_over_pieces_that_are_all_that_can_be_taken(raster: dict[st
     climb = climb_from(scorer, 0, lattice.poses[[7]], lattice.approaches[[7]])
     for number in range(2) if not raster else ():
         cut = ground_of(scorer.observation, 0).pieces(number, climb.places[0], climb.sides[0])
+        ends = places_along(climb.places[0], number, cut.ravel())
+        assert has_room(chart, ends, np.tile(climb.sides[0], (len(ends), 1))).all()
         low, high = climb.ground.ends[number]
         fine = np.linspace(low, high, 20_001)
         places = places_along(climb.places[0], number, fine)

@@ -221,15 +221,17 @@ def _places(campaign: CampaignDescription, each: int = 10) -> list[Place]:
     return [Place(campaign.setups[setup].name, tuple(pose), tuple(side)) for setup, pose, side in rows]
 
 
+Placed = tuple[str, CampaignDescription, list[Place]]
+
+
 @pytest.fixture(scope="module")
-def campaigns(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, CampaignDescription]]:
-    """Every campaign of the how-tos, the examples and the demos."""
-    return _campaigns(tmp_path_factory.mktemp("campaigns"))
+def campaigns(tmp_path_factory: pytest.TempPathFactory) -> list[Placed]:
+    """Every campaign of the how-tos, the examples and the demos, with places of readings."""
+    return [(name, of, _places(of)) for name, of in _campaigns(tmp_path_factory.mktemp("campaigns"))]
 
 
-def test_readings_are_drawn_where_the_tool_is_on_the_table(campaigns: list[tuple[str, CampaignDescription]]) -> None:
-    for _, campaign in campaigns:
-        places = _places(campaign)
+def test_readings_are_drawn_where_the_tool_is_on_the_table(campaigns: list[Placed]) -> None:
+    for _, campaign, places in campaigns:
         for setup in campaign.setups:
             own = [place for place in places if place.setup == setup.name]
             scene = setup_scene(campaign, setup, places, own[0])
@@ -260,10 +262,10 @@ Drawn = tuple[float, list[tuple[str, ElementTree.Element]]]
 
 
 @pytest.fixture(scope="module", params=[1400.0, 768.0, 390.0])
-def drawn(request: pytest.FixtureRequest, campaigns: list[tuple[str, CampaignDescription]]) -> Drawn:
+def drawn(request: pytest.FixtureRequest, campaigns: list[Placed]) -> Drawn:
     """A width, and the plan of every campaign drawn on it."""
     width: float = request.param
-    made = ((name, plan_picture(of.machine.name, of, _places(of), (width,))) for name, of in campaigns)
+    made = ((name, plan_picture(of.machine.name, of, places, (width,))) for name, of, places in campaigns)
     return width, [(name, ElementTree.fromstring(picture)) for name, picture in made]
 
 
@@ -284,9 +286,8 @@ def test_words_are_inside_of_the_picture_and_none_lies_over_another(drawn: Drawn
         held_inside(boxes_of(drawing), width, high)
 
 
-def test_a_file_shows_one_drawing_at_each_width(campaigns: list[tuple[str, CampaignDescription]]) -> None:
-    name, campaign = campaigns[0]
-    root = ElementTree.fromstring(plan_picture(name, campaign, _places(campaign)))
+def test_a_file_shows_one_drawing_at_each_width(campaigns: list[Placed]) -> None:
+    root = ElementTree.fromstring(plan_picture(*campaigns[0]))
     style = root.findtext(f"{SVG}style") or ""
     assert [each.get("class") for each in root.findall(f"{SVG}svg")] == ["w1400", "w768", "w390"]
     for width, shown in ((2000, "w1400"), (1400, "w1400"), (1399, "w768"), (768, "w768"), (767, "w390"), (200, "w390")):
@@ -303,8 +304,9 @@ def _shown_at(style: str, width: int) -> set[str]:
     return {name for name, how in shown.items() if how != "none"}
 
 
-def test_a_name_stays_a_name(campaigns: list[tuple[str, CampaignDescription]]) -> None:
+def test_a_name_stays_a_name(campaigns: list[Placed]) -> None:
     hostile = "<script>alert(1)</script>"
-    text = plan_picture(hostile, campaigns[0][1], _places(campaigns[0][1])[:3])
+    _, campaign, places = campaigns[0]
+    text = plan_picture(hostile, campaign, places[:3])
     assert hostile not in text
     assert ElementTree.fromstring(text).findtext(f"{SVG}title") == hostile

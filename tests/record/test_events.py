@@ -109,7 +109,7 @@ def test_what_was_accepted_leaves_what_was_written_and_comes_off_again(drawn: li
     events = possible(drawn)
     state = fold(stored(events))
     if isinstance(events[-1], Accepted):
-        assert (state.renew, state.accepted[-1]) == (True, events[-1])
+        assert state.accepted[-1] == events[-1]
     if not any(isinstance(each, Undone) for each in events):
         without = fold(stored([each for each in events if not isinstance(each, Accepted)]))
         assert state.written == without.readings
@@ -277,6 +277,7 @@ def test_a_plan_survives_the_record_and_one_of_before_rests_on_nothing() -> None
         ([PLAN, QUESTION, Recorded(Reading("ruler", (0.0,), (1,), 1e-6))], True),
         ([PLAN, QUESTION, Skipped("blocked")], True),
         ([PLAN, QUESTION, VALUE, Undone(4)], True),
+        ([PLAN, QUESTION, VALUE, Accepted("sign", ("laser",), factor=-1.0)], True),
         ([PLAN, VALUE, PLAN], False),
     ],
 )

@@ -210,6 +210,7 @@ def test_a_copy_of_either_is_the_same_record(keeping: Keeping, tmp_path: Path) -
         with Record.open(tmp_path / "copy.axiscal") as copied:
             assert copied.events() == log.events()
             copied.append(Noted("by itself"))
+        log.append(recorded(3e-6))  # as long, and another one
         with pytest.raises(RecordError, match="gone on by itself"):
             write_copy(log, tmp_path / "copy.axiscal")
 

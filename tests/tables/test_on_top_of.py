@@ -15,6 +15,7 @@ from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.tables.exporting import Linuxcnc
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile, read_old
 from axiscal.tables.offer import Export, spread_poses
@@ -215,3 +216,14 @@ def described(active: str) -> dict[str, str]:
     rows = "".join(f"x,{x:g},X{s},{1 if s == '+' else 3}\n" for x in range(0, 301, 50) for s in "+-")
     readings = f"setup,X_mm,approach,value_um\n{rows}"
     return {"machine.toml": MACHINE.text, "campaign.toml": f'{campaign}approach = "both"\n', "readings.csv": readings}
+
+
+def test_a_control_whose_travels_are_written_in_inches_counts_in_inches() -> None:
+    """As `init` writes machine.toml of an INI file with LINEAR_UNITS = inch; `--unit` says otherwise."""
+    text = 'chain = "w-b-X-t"\n[axes.X]\ntravel = ["0 in", "20 in"]\n[errors]\nEXX = { std = "10 um" }\n'
+    machine = machine_from_text(text)
+    for options, millimetres in ((ExportOptions(), 25.4), (ExportOptions(unit="mm"), 1.0)):
+        (table,) = Linuxcnc().load([OldFile("mill.ini", "", joint=0, backlash=0.001)], machine, options).tables
+        np.testing.assert_allclose(table.forward - table.reverse, -1e-6 * millimetres)
+        files = dict(Linuxcnc().write([table], machine, options).files)
+        assert float(files["X.comp"].split()[3 * (len(table.positions) - 1)]) == pytest.approx(508 / millimetres, 1e-6)

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from axiscal.campaign.campaign import Campaign
 from tests.generators.begun import begun
 from tests.generators.texts import FOUR_READINGS
 
@@ -95,6 +96,12 @@ def started(folder: Path, campaign: str = FOUR_READINGS) -> Path:
     """Return the record of a campaign that has been started in a folder."""
     begun(folder, {"campaign.toml": campaign}, ("start", "campaign.toml", "mill.axiscal"))
     return folder / "mill.axiscal"
+
+
+def kept(record: Path) -> list[float]:
+    """Return the readings on the disk, um."""
+    with Campaign.open(record, write=False) as campaign:
+        return [round(reading.value * 1e6, 6) for reading in campaign.state.readings]
 
 
 @contextmanager

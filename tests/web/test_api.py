@@ -18,7 +18,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.record.events import Asked
 from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
 from tests.generators.turned_back import OUT, begun_out_and_back
-from tests.web.served import PATIENCE, Answer, Served, served, started
+from tests.web.served import PATIENCE, Answer, Served, kept, served, started
 
 
 @pytest.fixture
@@ -35,12 +35,6 @@ def still(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
         yield running
 
 
-def kept(page: Served) -> list[float]:
-    """Return the readings on the disk, um."""
-    with Campaign.open(page.record, write=False) as campaign:
-        return [round(reading.value * 1e6, 6) for reading in campaign.state.readings]
-
-
 def test_a_whole_campaign_over_the_api(page: Served) -> None:
     state = page.state()
     assert state["question"]["sign"] == "+ where the tool stands too far towards +x, seen from the workpiece"
@@ -48,7 +42,7 @@ def test_a_whole_campaign_over_the_api(page: Served) -> None:
     for text in ("-1,7", "0.0005 mm", "0.4", "1.1"):
         done = page.call("readings", after=page.state()["last"], text=text)
         assert done.status == 200, done.document
-    assert kept(page) == [-1.7, 0.5, 0.4, 1.1]
+    assert kept(page.record) == [-1.7, 0.5, 0.4, 1.1]
     state = page.state()
     assert (state["question"], state["ended"]) == (None, "4 readings taken")
     assert [each["values"] for each in state["readings"]] == [[1.1], [0.4], [0.5]]
@@ -97,19 +91,22 @@ def test_what_is_late_surprising_or_empty_is_refused_and_nothing_is_lost(page: S
     for path in ("undo", "next", "finish"):
         assert page.call(path, after=seen).status == 409
     assert page.call("skips", after=seen, reason="late").status == 409
-    assert kept(page) == [1.5]
+    assert kept(page.record) == [1.5]
     last, place = page.state()["last"], page.state()["question"]["places"]
     asked = page.call("readings", after=last, text="400")
     assert (asked.status, asked.document["problem"]) == (409, "surprising")
     assert asked.document["surprise"] > 4
-    assert kept(page) == [1.5]
+    assert kept(page.record) == [1.5]
     assert page.call("readings", after=last, text="400", cause="really").status == 200
-    assert kept(page) == [1.5, 400.0]
+    assert kept(page.record) == [1.5, 400.0]
     assert page.call("undo", after=page.state()["last"]).status == 200
-    assert (kept(page), page.state()["question"]["places"]) == ([1.5], place)
+    assert (kept(page.record), page.state()["question"]["places"]) == ([1.5], place)
     assert page.call("skips", after=page.state()["last"], reason=" ").document["problem"] == "refused"
     assert page.call("skips", after=page.state()["last"], reason="the beam is blocked").status == 200
     assert page.state()["question"]["places"] != place
+    left = page.call("skips", after=page.state()["last"], reason="the beam is lost", rest=True)
+    assert left.document["sentence"].startswith('Left "laser"')
+    assert (page.state()["question"], page.state()["ended"]) == (None, "nothing is left to measure")
 
 
 def test_what_is_typed_is_understood_before_it_is_sent(still: Served) -> None:
@@ -132,7 +129,7 @@ def test_a_note_answers_nothing_so_who_has_seen_the_state_before_may_still_answe
     assert page.call("notes", text=" ").document["problem"] == "refused"
     assert page.call("readings", after=before["last"], text="1.5").status == 200
     assert page.call("readings", after=state["last"], text="1.5").document["problem"] == "overtaken"
-    assert kept(page) == [1.5]
+    assert kept(page.record) == [1.5]
 
 
 def test_the_set_up_that_is_asked_for_is_drawn_as_wide_as_the_page_wants(still: Served) -> None:

@@ -17,9 +17,8 @@ from uuid import uuid4
 
 import pytest
 
-from axiscal.campaign.campaign import Campaign
 from tests.web.browser import Browser, Page
-from tests.web.served import PATIENCE, Served, served, started
+from tests.web.served import PATIENCE, Served, kept, served, started
 from tests.web.test_page import arrived, stand, type_reading
 
 KILLED = """
@@ -51,12 +50,6 @@ def killed_at_a_step(record: Path, before: str, *options: str) -> Iterator[Serve
     finally:
         process.kill()
         process.communicate()
-
-
-def kept(record: Path) -> list[float]:
-    """Return the readings on the disk, um."""
-    with Campaign.open(record, write=False) as campaign:
-        return [round(reading.value * 1e6, 6) for reading in campaign.state.readings]
 
 
 def free_port() -> int:

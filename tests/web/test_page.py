@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.campaign.campaign import Campaign
 from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
 from tests.web.browser import Browser, Page
-from tests.web.served import Served, served, started
+from tests.web.served import Served, kept, served, started
 
 SIZES = [(390, 844), (768, 1024), (1400, 900)]
 HOSTILE = "<img src=x onerror=alert(1)>\"&'</script><svg/onload=alert(2)>"
@@ -61,12 +60,6 @@ PALE = """(() => {
   return found;
 })()"""
 """Texts with less contrast than 4.5 to 1 (WCAG 2.2, 1.4.3)."""
-
-
-def kept(record: Path) -> list[float]:
-    """Return the readings on the disk, um."""
-    with Campaign.open(record, write=False) as campaign:
-        return [round(reading.value * 1e6, 6) for reading in campaign.state.readings]
 
 
 def focus(page: Page) -> str:

@@ -56,7 +56,9 @@ def export(
         str | None,
         typer.Option(metavar="LETTERS", help="linuxcnc: the axes of its joints, as in its INI file, such as XYYZ."),
     ] = None,
-    unit: Annotated[str, typer.Option(metavar="mm|in", help="Unit of the machine.")] = "mm",
+    unit: Annotated[
+        str | None, typer.Option(metavar="mm|in", help="Unit of the control; default: that of travels in machine.toml.")
+    ] = None,
     name: Annotated[str, typer.Option(metavar="NAME", help="Name of a mesh or profile.")] = "axiscal",
     mesh: Annotated[
         int | None, typer.Option(metavar="N", help="Points of a height map along each side; default: as the map read.")
@@ -141,7 +143,7 @@ def export(
     to = registry.named(to)
     options = ExportOptions(
         spacing=_spacing(spacing or []),
-        unit=unit,
+        unit=unit or "",
         numbers=_numbers(number or [], coordinates),
         template=None if template is None else exact_text(template),
         template_name=str(template or "the template"),
@@ -157,7 +159,7 @@ def export(
     given = [*(name for name, value in others.items() if value is not None), *options.given]
     wanted = {"--program": program, "--origin": origin, "--chord": chord}
     if to == PROGRAM:
-        Rewriting.asked(program, origin, chord, unit, given).write(record, out, anyway, json)
+        Rewriting.asked(program, origin, chord, unit or "mm", given).write(record, out, anyway, json)
         return
     given += [name for name, value in wanted.items() if value is not None]
     registry.refuse_untaken(to, given)

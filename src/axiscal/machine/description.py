@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -66,7 +66,13 @@ def _described(document: Document, fine_knots: bool = True) -> Machine:
         reach=reach,
         head=head or (),
         fine_knots=fine_knots,
+        unit=_unit(axes, tables),
     )
+
+
+def _unit(axes: Sequence[Axis], tables: MachineFile) -> str:
+    inches = [tables.axes[axis.name].travel[1].endswith(("in", "inch")) for axis in axes if not axis.rotary]
+    return "in" if inches and all(inches) else "mm"
 
 
 def _name(document: Document, name: str | None) -> str:
@@ -293,6 +299,7 @@ class Machine:
     errors : one entry per error of one axis that is not taken to be zero; text : the TOML it came from
     planes : one entry per error of two axes together; stylus : diameter of the ball at the end of a probe, m, or 0
     fine_knots : knots of which nothing is said are as close as is cheap; in records of before they were not
+    unit : in which all linear travels are written, in where that is inches: of its control, unless an export says other
     """
 
     name: str
@@ -307,6 +314,7 @@ class Machine:
     reach: float = 0.05
     head: tuple[float, ...] = ()
     fine_knots: bool = True
+    unit: str = "mm"
 
     def index(self, axis_name: str) -> int:
         """Return the place of an axis in a pose; raises DescriptionError for an axis that the machine does not have."""

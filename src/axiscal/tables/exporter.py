@@ -140,7 +140,7 @@ class ExportOptions:
     """Choices; a controller refuses those that it does not take.
 
     spacing : distance of the points of linear axes, m, or of some axes by name, m or rad
-    unit : of the machine, mm or in
+    unit : of the control, mm or in; "" for that of the travels in machine.toml
     numbers : of the joints or of the machine axis of each axis, where the order of the letters is not theirs
     template : text of a file that the control saved, template_name : how it is called
     name : of a mesh or profile; mesh : points of a height map along each side, as many as the map that was read or the
@@ -155,7 +155,7 @@ class ExportOptions:
     """
 
     spacing: float | Mapping[str, float] | None = None
-    unit: str = "mm"
+    unit: str = ""
     numbers: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     template: str | None = None
     template_name: str = "the template"
@@ -175,6 +175,10 @@ class ExportOptions:
     def sign(self) -> int:
         """-1 where the control takes the values with the other sign."""
         return -1 if self.flip else 1
+
+    def unit_of(self, machine: Machine) -> str:
+        """Return the unit in which the control counts lengths."""
+        return self.unit or machine.unit
 
     def saved(self, controller: str) -> str:
         """Return the text of the file that the control saved; raises TableError where there is none."""
@@ -227,7 +231,7 @@ class ExportOptions:
             raise TableError("{name} is not a name for a table", remedy, name=shown(self.name))
         if not _HASH.fullmatch(self.origin):
             raise TableError("{origin} is not the hash of a record", "Leave it out", origin=shown(self.origin))
-        if self.unit not in ("mm", "in"):
+        if self.unit not in ("", "mm", "in"):
             raise TableError("{unit} is not the unit of a machine", "It can be mm or in", unit=shown(self.unit))
         if self.mesh is not None and not 2 <= self.mesh <= _LARGEST_MESH:
             raise TableError("a mesh of {count} points a side", "Take 2 to {most}", count=self.mesh, most=_LARGEST_MESH)

@@ -39,6 +39,10 @@ _AT_BED = re.compile(r"probe: at ([^\s,]+),([^\s,]+) bed will contact at z=(\S+)
 _TIME = r"(?:[\d-]{10} )?\d\d?:\d\d(?::\d\d)?(?:[.,]\d+)?\s*(?:[AP]M\s*)?(?:- )?"
 _LOG = re.compile(rf"^\s*(?:\[?{_TIME}\]?\s*(?::\s+)?)?(?:Recv:|<<<|>>>|[<>])?\s*(?:echo:|//)?\s*")
 _NUMBER = re.compile(r"[-+]?[\d.]+(?:e[-+]?\d+)?|nan")
+_TRAMMED = re.compile("Making the following Z adjustments")
+"""Behind it the gantry lies anew: what was probed before is no part of a map."""
+_MAPPED = re.compile("Mesh Bed Leveling Complete|G29 Auto Bed Leveling")
+"""Ends the map of a Klipper, and begins one of a Marlin."""
 _NOT_PROBED = frozenset({"", ".", "nan"})
 _SLACK = 1e-4
 """m, of a radius: Klipper cuts its distances to 0.01 mm."""
@@ -267,9 +271,14 @@ def klipper_probed(file: TextFile, around: Around) -> Found:
 
 def points_of(file: TextFile, pattern: re.Pattern[str], aside: Vector = (0.0, 0.0, 0.0)) -> Found:
     """Return the readings of lines with X, Y, Z and nothing behind; raises ReadingError.  aside : of each place, m"""
-    found, count, line = list[RawReading](), 0, 1
+    found, count, line, whole = list[RawReading](), 0, 1, False
     for line, text in told_lines(file):
-        if point := pattern.match(text):
+        whole |= bool(found and _MAPPED.match(text))
+        if _TRAMMED.match(text):
+            found, count = [], 0
+        elif point := pattern.match(text):
+            if whole:
+                raise file.fail("there are {count} maps in this file", "keep the one that is to count", line, count=2)
             if point[4].strip():
                 raise file.fail("{text!r} is not X, Y and Z", "give the lines as printed", line, text=text[:60])
             x, y = (
@@ -283,7 +292,7 @@ def points_of(file: TextFile, pattern: re.Pattern[str], aside: Vector = (0.0, 0.
 def told_lines(file: TextFile) -> Iterator[tuple[int, str]]:
     """Yield the lines with their numbers, without what a terminal and the firmware write in front."""
     for number, line in enumerate(file.lines, 1):
-        yield number, _LOG.sub("", line).rstrip()
+        yield number, _LOG.split(line, maxsplit=1)[-1].rstrip()
 
 
 def telling(*patterns: re.Pattern[str]) -> Callable[[TextFile], bool]:

@@ -238,9 +238,13 @@ def informed(factor: Array, scaled: Array) -> Array:
 def criterion_after(weighted: Array, scaled: Array) -> float:
     """Return tr(Φ (I + BᵀB)⁻¹ Φᵀ), J after readings.  weighted : Φ = V F (w, r); scaled : B as of `informed`, (m, r)
 
-    Only columns that a reading feels are solved for: of many set-ups each has unknowns of its own.
+    In the room of the numbers where these are fewer, J − ‖L⁻¹ B Φᵀ‖² with L Lᵀ = I + B Bᵀ. Else only columns that a
+    reading feels are solved for: of many set-ups each has unknowns of its own.
     """
     felt = np.any(scaled, axis=0)
+    if len(scaled) < np.count_nonzero(felt) and np.sum(scaled**2) < _MODERATE:
+        taken = solution(lower_root(_information(scaled.T)), scaled @ weighted.T)
+        return float(np.sum(weighted**2) - np.sum(taken**2))
     return float(np.sum(weighted[:, ~felt] ** 2) + np.sum(informed(weighted[:, felt], scaled[:, felt]) ** 2))
 
 

@@ -23,6 +23,8 @@ _WORTH = 1e-3
 """Share of J that a set-up more must bring, or it is mounted for nothing."""
 _SIZES = 16
 """Sets that are looked at before larger ones are made: of time where each is worth less than the one before."""
+_LOOKED = 24
+"""Parts that are looked at in each round at least: of time where a part takes away less than it did before."""
 _ROUNDING = 1e-9
 """Share of a budget: what takes longer by less fits."""
 
@@ -98,8 +100,16 @@ def _growing(base: Scores, parts: Sequence[Setups], limits: Limits, times: Clock
         return criterion_after(weighted, np.concatenate(told)) if told else base.state.value
 
     found: Setups = ()
-    while more := [tuple(sorted({*found, *part})) for part in parts if not {*part} <= {*found}]:
-        found = min(more, key=remaining)
+    now, gained = state.value, dict.fromkeys(parts, np.inf)
+    while more := [part for part in parts if not {*part} <= {*found}]:
+        left = dict[Setups, float]()
+        for part in sorted(more, key=lambda part: -gained[part]):
+            if len(left) >= _LOOKED and gained[part] < now - min(left.values()):
+                break  # a set-up more takes away less, the more there are: none of the others can win
+            left[part] = remaining(tuple(sorted({*found, *part})))
+            gained[part] = now - left[part]
+        best = min((part for part in more if part in left), key=left.__getitem__)
+        found, now = tuple(sorted({*found, *best})), left[best]
         yield found
 
 

@@ -184,8 +184,7 @@ class Plan:
 
     places : from the sides from which the machine comes to them; readings : what each of them leaves
     value : J after the last; before : the accuracy now
-    bound : what no plan can beat, None if it was not asked for; candidates : size of the lattice it holds for
-    among : the set-ups that were worth their mounting, of which it was chosen
+    bound : what no plan can beat, None if it was not asked for; candidates : size of the lattice it holds for, else 0
     checks : indices of readings that were drawn at random
     """
 
@@ -195,7 +194,6 @@ class Plan:
     before: Accuracy
     bound: Bound | None
     candidates: int
-    among: Setups
     checks: frozenset[int] = frozenset()
 
     @property
@@ -319,18 +317,18 @@ def judged(task: Task, limits: Limits, places: Places, bounded: bool = True) -> 
     bounded : whether the lower bound is wanted
     """
     state = task.state
-    among = _those_of(places) if limits.timed else chosen_setups(task, limits)
-    lattice = task.lattice.within(np.isin(task.lattice.setups, among))
     before = RunningAccuracy.from_factor(task.yardstick, state.factor).accuracy
     ends = np.cumsum(seconds_each(task, places)).tolist()
     known = zip(after_each(state, task.yardstick, places), ends, strict=True)
     readings = tuple(PlannedReading(value, accuracy, seconds) for (value, accuracy), seconds in known)
     value = readings[-1].value if readings else state.value
-    bound = None
-    if bounded:
-        with stage("the bound"):
-            bound = _bound(task, limits, Pool(task.observation, lattice), places)
-    return Plan(places, readings, value, before, bound, len(lattice), among)
+    if not bounded:
+        return Plan(places, readings, value, before, None, 0)
+    among = _those_of(places) if limits.timed else chosen_setups(task, limits)
+    lattice = task.lattice.within(np.isin(task.lattice.setups, among))
+    with stage("the bound"):
+        bound = _bound(task, limits, Pool(task.observation, lattice), places)
+    return Plan(places, readings, value, before, bound, len(lattice))
 
 
 def _bound(task: Task, limits: Limits, pool: Pool, places: Places) -> Bound:

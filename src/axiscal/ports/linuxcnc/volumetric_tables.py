@@ -64,7 +64,7 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
             return Draft({}, {}, (), self.holds, self.left_out, control=wanted, wanted=wanted)
         numbers = options.joints(machine)
         given = [(numbers[axis.name], own) for axis, own in zip(machine.axes, reversal_times(estimate), strict=True)]
-        file = vcomp_file.content_of(estimate, given, options.unit, largest, options.origin)
+        file = vcomp_file.content_of(estimate, given, options.unit_of(machine), largest, options.origin)
         joints = [n for axis in file.axes for n in axis.joints]
         sources = {_COMPONENT: resources.files(__package__), CORE: resources.files(tables)}
         files = {FILE: vcomp_file.text_of(file, STATEMENT), HAL_FILE: hal_text(joints)}

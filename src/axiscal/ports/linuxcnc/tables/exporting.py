@@ -65,12 +65,13 @@ class Linuxcnc(TableFormat):
             return super().make(estimate, options)
         machine = estimate.machine
         lies, names, nominal = _pivots(estimate), pivots.names(machine), pivots.pivots(machine, {})
-        draft, text = super().make(_without(estimate, names), options), pivots.write(lies, options.unit)
+        unit = options.unit_of(machine)
+        draft, text = super().make(_without(estimate, names), options), pivots.write(lies, unit)
         wanted, held = (
             sum_of(control, pivots.joint_shift(machine, nominal, found))
-            for control, found in ((draft.wanted, lies), (draft.control, pivots.read(text, options.unit)))
+            for control, found in ((draft.wanted, lies), (draft.control, pivots.read(text, unit)))
         )
-        steps = summed([*draft.steps.items(), *((name, float(from_unit(4e-7, options.unit))) for name in "XYZ")])
+        steps = summed([*draft.steps.items(), *((name, float(from_unit(4e-7, unit))) for name in "XYZ")])
         notes = (*draft.notes, _PIVOT_NOTE.format(lies.kinematics, ", ".join(names)))
         files = {**draft.files, _PIVOT_FILE: text}
         return replace(draft, files=files, control=held, wanted=wanted, steps=steps, notes=notes)
@@ -86,28 +87,30 @@ class Linuxcnc(TableFormat):
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return the files."""
-        wiring = cross.Wiring(options.joints(machine), {axis.name: axis.speed for axis in machine.axes}, options.unit)
+        speeds, linear = {axis.name: axis.speed for axis in machine.axes}, options.unit_of(machine)
+        wiring = cross.Wiring(options.joints(machine), speeds, linear)
         own, over = ([t for t in tables if (t.axis == t.over) is itself] for itself in (True, False))
         files, said = dict[str, str](), dict[str, None]()
         for table in own:
-            axis, unit = machine.axis(table.axis), _unit(table, options)
+            axis, unit = machine.axis(table.axis), _unit(table, linear)
             files[f"{table.axis}.comp"] = write(table, unit)
             said |= dict.fromkeys(notes(table, unit, wiring.joints[table.axis], axis.acceleration))
         files |= {_HAL_FILE: cross.write(over, wiring)} if over else {}
-        return Written(files, _resolution(own, over, options), (*said, *_hal_notes(machine, over)))
+        return Written(files, _resolution(own, over, linear), (*said, *_hal_notes(machine, over)))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what files did, by what they say alone; raises TableError."""
-        joints, tables, untaken = options.joints(machine), list[CompensationTable](), list[InputError]()
+        joints, unit = options.joints(machine), options.unit_of(machine)
+        tables, untaken = list[CompensationTable](), list[InputError]()
         for file in files:
             if file.name.lower().endswith(".hal"):
-                tables += _curves(file, machine, options.unit, untaken)
+                tables += _curves(file, machine, unit, untaken)
             elif file.backlash:
                 axis = _axis(file, machine, joints)
-                lost = float(from_unit(file.backlash, "deg" if machine.axis(axis).rotary else options.unit))
+                lost = float(from_unit(file.backlash, "deg" if machine.axis(axis).rotary else unit))
                 tables += lost_motion(machine, {axis: lost})  # half to each side, as motion adds it (control.c)
             else:
-                tables += _table(file, _axis(file, machine, joints), machine, options.unit, untaken)
+                tables += _table(file, _axis(file, machine, joints), machine, unit, untaken)
         return Loaded(tuple(tables), untaken=tuple(untaken))
 
 
@@ -130,15 +133,13 @@ def _without(estimate: Estimate, names: Sequence[str]) -> Estimate:
     return replace(estimate, belief=Belief(mean, estimate.belief.covariance, estimate.belief.degrees))
 
 
-def _unit(table: CompensationTable, options: ExportOptions) -> str:
-    return "deg" if table.rotary else options.unit
+def _unit(table: CompensationTable, linear: str) -> str:
+    return "deg" if table.rotary else linear
 
 
-def _resolution(
-    own: Sequence[CompensationTable], over: Sequence[CompensationTable], options: ExportOptions
-) -> dict[str, float]:
-    value, position = (float(from_unit(last, options.unit)) for last in (1e-7, 1e-6))
-    alone = [(table.axis, resolution(table, _unit(table, options))) for table in own]
+def _resolution(own: Sequence[CompensationTable], over: Sequence[CompensationTable], linear: str) -> dict[str, float]:
+    value, position = (float(from_unit(last, linear)) for last in (1e-7, 1e-6))
+    alone = [(table.axis, resolution(table, _unit(table, linear))) for table in own]
     slopes = ((t.axis, float(np.max(np.abs(np.diff(t.forward) / np.diff(t.positions))))) for t in over)
     return summed([*alone, *((axis, value + steepest * position) for axis, steepest in slopes)])
 
