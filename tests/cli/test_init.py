@@ -14,24 +14,29 @@ import numpy as np
 import pytest
 from jsonschema_rs import Draft202012Validator
 
+from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.cli import app
 from axiscal.description.campaign import campaign_from_texts, read_campaign
 from axiscal.description.campaign_schema import campaign_schema, machine_schema
 from axiscal.description.first_campaign import OFFERED, Purpose
 from axiscal.description.first_files import (
     Beginning,
+    first_described,
     first_files,
     instruments_of,
     of_builtin,
+    of_text,
     offered_words,
     with_travels,
 )
 from axiscal.estimation.inheritance import case_of
-from axiscal.exceptions import DescriptionError
+from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.language.spoken import LANGUAGES, speaking
-from axiscal.machine import builtin_names, load_machine
+from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.kinematics import frames
+from axiscal.machine.questions import questions
 from axiscal.measurement.candidates import chart_candidates
+from axiscal.measurement.reading import Reading
 from axiscal.present.plan_answer import reach_answer
 from tests.commands import Command
 from tests.generators.machines import random_machine
@@ -161,6 +166,44 @@ EXX = { std = "10 um" }
     printer = first_files(of_builtin("printer-gantry"), ["probe"], Purpose("20 um")).texts["campaign.toml"]
     assert 'volume = { Z = ["' in printer
     assert "the first layers, where the probe reads" in printer
+
+
+ROUTER = """[KINS]
+KINEMATICS = trivkins coordinates=XYZ
+JOINTS = 3
+[TRAJ]
+COORDINATES = XYZ
+LINEAR_UNITS = mm
+[AXIS_X]
+MIN_LIMIT = -800
+MAX_LIMIT = 0
+[AXIS_Y]
+MIN_LIMIT = -500
+MAX_LIMIT = 0
+[AXIS_Z]
+MIN_LIMIT = -100
+MAX_LIMIT = 0
+"""
+
+
+def test_a_probe_on_linuxcnc_is_none_of_a_printer() -> None:
+    """Its touches may stand in coordinates of the machine, so that its zero is as wide as Z travels."""
+    described = first_described(of_text(ROUTER, "router.ini"), ["probe"], Purpose("60 um"))
+    assert described.controls == ("linuxcnc",)
+    assert not re.findall("(?i)klipper|marlin|duet|nozzle|printer|layer", described.text)
+    touches = [Reading("probe", (-0.1 * k, -0.25, -0.1), (0, 0, 0), -0.0627 + 1e-5 * k) for k in range(1, 8)]
+    refuse_implausible(touches, described, "touches.csv")
+    narrow = described.text.replace('zero = "100 mm"', 'zero = "1 mm"')
+    described = campaign_from_texts(narrow, "campaign.toml", described.machine.text, "machine.toml")
+    with pytest.raises(ReadingError, match="as wide a zero in unknowns"):
+        refuse_implausible(touches, described, "touches.csv")
+
+
+def test_a_length_that_is_longer_than_the_travel_is_asked_about() -> None:
+    short = of_builtin("one-axis").text.replace('["0 mm", "1000 mm"]', '["0 mm", "20 mm"]')
+    (asked,) = questions(machine_from_text(short))
+    assert asked.startswith("The length of EXX is longer than the travel of X: the error is taken as nearly straight.")
+    assert asked.endswith('length = "5 mm".')
 
 
 def test_an_empty_answer_is_the_usual_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -119,3 +121,14 @@ def test_what_is_stated_is_not_asked_for() -> None:
     assert list(coarse_displays(taken(shown(curve(3, 26), 10.0), 3e-6), setups(""))) == []
     (finer,) = coarse_displays(readings, setups('resolution = "1 um"'))
     assert 'State resolution = "10 um"' in finer.text
+
+
+def test_a_set_up_that_shows_one_number_has_the_step_of_its_instrument() -> None:
+    other = setup_text("again", "interferometer", direction="x", noise="0.5 um")
+    both = setups(f"\n{other}")
+    flat = [replace(reading, setup="again") for reading in taken(np.zeros(26))]
+    found = coarse_displays([*flat, *taken(shown(curve(3, 26), 10.0))], both)
+    assert ['"again" move in steps of 10 um' in each.text for each in found] == [False, True]
+    assert list(coarse_displays(flat, both)) == []
+    dial = setup_text("again", "indicator", direction="x", moves=["X"])
+    assert len([*coarse_displays([*flat, *taken(shown(curve(3, 26), 10.0))], setups(f"\n{dial}"))]) == 1

@@ -72,7 +72,7 @@ retract = "{rng.choice([25, 40])} mm"
 
 def offered_board(source: str) -> str:
     """Return the board that is offered for a machine, in its first placement; raises DescriptionError for none."""
-    text = first_campaign(machine_from_text(source), "machine.toml", ["sphere"], Purpose())
+    text = first_campaign(machine_from_text(source), ["sphere"], Purpose())
     return "[[setups]]".join(text.split("[[setups]]")[:2])
 
 

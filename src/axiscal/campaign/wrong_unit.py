@@ -57,6 +57,9 @@ def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescriptio
     at = {"count": len(doubts), "readings": len(readings), "size": size}
     what = put("{fault}, {guess}", fault=said(what, **at), guess=guess) if guess else said(what, **at)
     remedy = "Check the unit that the file names for its values, or state larger std in the machine"
+    values = [reading.value for reading in readings if reading.setup == first.setup]
+    if 5 * np.ptp(values) < abs(np.median(values)):
+        remedy = "Check the unit that the file names. Else all are off by one amount: state as wide a zero in unknowns"
     raise ReadingError(what, remedy, file, first.line)
 
 

@@ -27,7 +27,7 @@ from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.present.beside import beside_the_tool
 from axiscal.present.delivery import evaluated
-from axiscal.present.findings import copies, regular_places, untimed
+from axiscal.present.findings import coarse_displays, copies, regular_places, untimed
 from axiscal.present.result_set import RECORD, mend
 from axiscal.present.summarising import Extras, iso230_block
 from axiscal.units import to_unit
@@ -119,7 +119,7 @@ def estimate(
     warnings = [*copies(placed, description.setups), *untimed(placed, description.setups), *regular]
     extras = replace(extras, warnings=warnings)
     with evaluated(description, placed) as opened:
-        seen = [*regular, *beside_the_tool(opened.so_far())]
+        seen = [*regular, *coarse_displays(placed, description.setups), *beside_the_tool(opened.so_far())]
         kept = out / RECORD
         again = "give the command again"
         write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)

@@ -66,17 +66,14 @@ class Purpose(NamedTuple):
     budget: str = ""
 
 
-def first_campaign(
-    machine: Machine, source: str, instruments: Sequence[str], purpose: Purpose, active: str = UNSAID
-) -> str:
-    """Return the text of a campaign file.
+def first_campaign(machine: Machine, instruments: Sequence[str], purpose: Purpose, active: str = UNSAID) -> str:
+    """Return the text of the campaign file of a machine.toml.
 
-    source : how the file names the machine
     instruments : of `OFFERED`; with a square the dial reads along its legs, and nothing else straight is asked for
     active : the line that says whether a compensation is active
     Raises DescriptionError where a machine has no linear axis that an instrument could be read along.
     """
-    values = {"machine": machine, "source": source, "instruments": list(instruments)}
+    values = {"machine": machine, "instruments": list(instruments)}
     head = templates().get_template("campaign.jinja").render(values, **purpose._asdict(), active=active)
     offered = [name for name in instruments if name != "dial" or "square" not in instruments]
     made = [OFFERED[name].setups if name in OFFERED else partial(_own, name=name) for name in offered]
@@ -143,7 +140,11 @@ def _setups(machine: Machine) -> Any:
     Where a direction is that of an axis, rotary axes stand at zero: there the workpiece lies as the machine's axes do.
     """
     still = {axis.name: "0 deg" for axis in machine.axes if axis.rotary and axis.travel[0] <= 0 <= axis.travel[1]}
-    return templates().get_template("setups.jinja").make_module({"still": still})
+    return (
+        templates()
+        .get_template("setups.jinja")
+        .make_module({"still": still, "printer": machine.name.startswith("3D printer")})
+    )
 
 
 def _lasers(machine: Machine) -> Iterator[str]:

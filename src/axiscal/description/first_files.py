@@ -266,7 +266,7 @@ def first_described(begun: Beginning, instruments: Sequence[str], purpose: Purpo
     if purpose.target:
         parse_quantity(purpose.target, "length")
     machine = _with_sizes(begun.text, instruments)
-    text = first_campaign(machine_from_text(machine), "machine.toml", instruments, purpose, begun.active)
+    text = first_campaign(machine_from_text(machine), instruments, purpose, begun.active)
     if begun.beside is not None:
         x, y = (format_quantity(each, "mm", 6) for each in begun.beside)
         text = text.replace(UNSAID_OFFSET, f'offset = ["{x}", "{y}", "0 mm"]', 1)

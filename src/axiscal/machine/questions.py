@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from axiscal.language.spoken import counted, joined, later, listed, said
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import parse_error_name
-from axiscal.units import said_quantity
+from axiscal.units import format_quantity, said_quantity
 
 _LONGEST, _SHORTEST, _TOOL = 50.0, 1e-3, 2.0
 """m: travels of machine tools, and lengths of tools, lie between."""
@@ -16,6 +16,10 @@ _FASTEST = 10.0
 _LARGEST_LENGTH, _LARGEST_ANGLE, _LARGEST_OFFSET = 1e-3, 1e-2, 5e-3
 """Standard deviations: of displacements, m; of angles, rad; of where a rotary axis lies, m."""
 _WIDE = later("The std of {name} is {size}: one machine in three lies beyond that. Is it the unit that is meant?")
+_STRAIGHT = later(
+    "The length of {name} is longer than the travel of {axis}: the error is taken as nearly straight. A quarter of the "
+    'travel is usual: length = "{part}".'
+)
 _SMALLEST = 1e-9
 """m or rad: nobody knows an error to the atom before it is measured."""
 
@@ -64,6 +68,10 @@ def _errors(machine: Machine) -> Iterator[str]:
         if not _SMALLEST <= entry.std <= most:
             unit = "mrad" if name.angular else "mm"
             yield said(_WIDE, name=entry.name, size=said_quantity(entry.std, unit))
+        axis = next(axis for axis in machine.axes if axis.name == entry.axis)
+        if (entry.length or 0.0) > axis.length:
+            part = format_quantity(axis.length / 4, axis.unit, 3)
+            yield said(_STRAIGHT, name=entry.name, axis=axis.name, part=part)
     for plane in machine.planes:
         most, unit = (_LARGEST_ANGLE, "mrad") if plane.angular else (_LARGEST_LENGTH, "mm")
         if plane.std and not _SMALLEST <= plane.std <= most:

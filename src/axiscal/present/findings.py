@@ -130,15 +130,17 @@ def last_decimal(numbers: Array) -> float:
 
 
 def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
-    """Yield warnings of set-ups whose values move in steps that are coarse beside the noise and not stated."""
+    """Yield warnings of set-ups whose values move in coarse steps, by their own or those of their instrument."""
     text = (
         'The values of "{setup}" move in steps of {step}, {times:.3g} times its noise: as they stand, the same number '
         'read again passes for better knowledge. State resolution = "{written}" or, if the display shows finer steps '
         "and the values were written with too few decimals, write them all. {effect}"
     )
+    instruments = {setup.name: setup.instrument for setup in setups}
     for setup in setups:
-        mine = [each for each in readings if each.setup == setup.name and each.std is None]
-        step = step_of(np.array([number for each in mine for number in each.values]), setup.noise)
+        alike = [r for r in readings if r.std is None and instruments[r.setup] == setup.instrument]
+        mine = [reading for reading in alike if reading.setup == setup.name]
+        step = (step_of(_numbers(mine), setup.noise) or step_of(_numbers(alike), setup.noise)) if mine else None
         if step is None or step <= setup.interval * (1 + 1e-6):
             continue
         effect = said("Each reading counts as the interval it fell into where that is stated.")
@@ -150,6 +152,10 @@ def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> Ite
         yield Finding(
             "resolution", None, said(text, setup=setup.name, step=shown, times=times, written=written, effect=effect)
         )
+
+
+def _numbers(readings: Sequence[Reading]) -> Array:
+    return np.array([number for reading in readings for number in reading.values])
 
 
 def step_of(values: Array, noise: float) -> float | None:

@@ -308,7 +308,6 @@ def _set(template: Path, moment: int) -> bytes:
     raise PrintingError(what, remedy, reason=reason)
 
 
-VERSION = "3.3.0"
 _UNITS = {
     "um": r"\micro\metre",
     "mm": r"\milli\metre",
