@@ -18,7 +18,7 @@ _LARGEST_LENGTH, _LARGEST_ANGLE, _LARGEST_OFFSET = 1e-3, 1e-2, 5e-3
 _WIDE = later("The std of {name} is {size}: one machine in three lies beyond that. Is it the unit that is meant?")
 _STRAIGHT = later(
     "The length of {name} is longer than the travel of {axis}: the error is taken as nearly straight. A quarter of the "
-    'travel is usual: length = "{part}".'
+    'travel is usual: length = "{size}".'
 )
 _SMALLEST = 1e-9
 """m or rad: nobody knows an error to the atom before it is measured."""
@@ -70,8 +70,8 @@ def _errors(machine: Machine) -> Iterator[str]:
             yield said(_WIDE, name=entry.name, size=said_quantity(entry.std, unit))
         axis = next(axis for axis in machine.axes if axis.name == entry.axis)
         if (entry.length or 0.0) > axis.length:
-            part = format_quantity(axis.length / 4, axis.unit, 3)
-            yield said(_STRAIGHT, name=entry.name, axis=axis.name, part=part)
+            size = format_quantity(axis.length / 4, axis.unit, 3)
+            yield said(_STRAIGHT, name=entry.name, axis=axis.name, size=size)
     for plane in machine.planes:
         most, unit = (_LARGEST_ANGLE, "mrad") if plane.angular else (_LARGEST_LENGTH, "mm")
         if plane.std and not _SMALLEST <= plane.std <= most:

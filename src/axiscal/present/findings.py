@@ -136,26 +136,19 @@ def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> Ite
         'read again passes for better knowledge. State resolution = "{written}" or, if the display shows finer steps '
         "and the values were written with too few decimals, write them all. {effect}"
     )
-    instruments = {setup.name: setup.instrument for setup in setups}
-    for setup in setups:
-        alike = [r for r in readings if r.std is None and instruments[r.setup] == setup.instrument]
-        mine = [reading for reading in alike if reading.setup == setup.name]
-        step = (step_of(_numbers(mine), setup.noise) or step_of(_numbers(alike), setup.noise)) if mine else None
+    of_own = {setup.name: [r for r in readings if r.setup == setup.name and r.std is None] for setup in setups}
+    values = {name: np.array([number for r in mine for number in r.values]) for name, mine in of_own.items()}
+    for setup in (setup for setup in setups if of_own[setup.name]):
+        alike = np.concatenate([values[each.name] for each in setups if each.instrument == setup.instrument])
+        step = step_of(values[setup.name], setup.noise) or step_of(alike, setup.noise)
         if step is None or step <= setup.interval * (1 + 1e-6):
             continue
         effect = said("Each reading counts as the interval it fell into where that is stated.")
         if values_of(setup) > 1:
             effect = said("What is rounded off counts as noise where that is stated.")
         unit = reading_unit(setup)
-        shown, written = said_quantity(step, unit, 6), format_quantity(step, unit)
-        times = step / setup.noise
-        yield Finding(
-            "resolution", None, said(text, setup=setup.name, step=shown, times=times, written=written, effect=effect)
-        )
-
-
-def _numbers(readings: Sequence[Reading]) -> Array:
-    return np.array([number for reading in readings for number in reading.values])
+        shown = {"step": said_quantity(step, unit, 6), "written": format_quantity(step, unit), "effect": effect}
+        yield Finding("resolution", None, said(text, setup=setup.name, times=step / setup.noise, **shown))
 
 
 def step_of(values: Array, noise: float) -> float | None:

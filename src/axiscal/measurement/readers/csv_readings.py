@@ -225,9 +225,9 @@ def _reading(table: CsvTable, row: Row, setup: str, bare: bool, own: Mapping[str
     columns = _filled(table, row, stems, own)
     value, *others = map(row.quantity, columns)
     std = _std(table, row, columns[0])
+    at = setup, read_position(table, row), read_approach(table, row, alone=True)
     written = ((name, row.only_filled(table.all_of(name))) for name in axis_names(table))
     rounding = {name: row.rounding(column) for name, column in written if column is not None}
-    at = setup, read_position(table, row), read_approach(table, row, alone=True)
     raw = RawReading(*at, value, std, columns[0].dimension, row.line, tuple(others))
     return replace(raw, by_station=stems is _STATIONS, met=stems is _MET, whole=stems is _LENGTH, rounding=rounding)
 
