@@ -73,7 +73,7 @@ def first_campaign(machine: Machine, instruments: Sequence[str], purpose: Purpos
     active : the line that says whether a compensation is active
     Raises DescriptionError where a machine has no linear axis that an instrument could be read along.
     """
-    values = {"machine": machine, "instruments": list(instruments)}
+    values = {"machine": machine, "instruments": list(instruments), "printer": _prints(machine)}
     head = templates().get_template("campaign.jinja").render(values, **purpose._asdict(), active=active)
     offered = [name for name in instruments if name != "dial" or "square" not in instruments]
     made = [OFFERED[name].setups if name in OFFERED else partial(_own, name=name) for name in offered]
@@ -140,11 +140,12 @@ def _setups(machine: Machine) -> Any:
     Where a direction is that of an axis, rotary axes stand at zero: there the workpiece lies as the machine's axes do.
     """
     still = {axis.name: "0 deg" for axis in machine.axes if axis.rotary and axis.travel[0] <= 0 <= axis.travel[1]}
-    return (
-        templates()
-        .get_template("setups.jinja")
-        .make_module({"still": still, "printer": machine.name.startswith("3D printer")})
-    )
+    return templates().get_template("setups.jinja").make_module({"still": still, "printer": _prints(machine)})
+
+
+def _prints(machine: Machine) -> bool:
+    """Return whether this is a printer, as the library and `init --from printer.cfg` name them."""
+    return machine.name.startswith("3D printer")
 
 
 def _lasers(machine: Machine) -> Iterator[str]:
