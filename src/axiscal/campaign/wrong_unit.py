@@ -59,7 +59,7 @@ def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescriptio
     remedy = "Check the unit that the file names for its values, or state larger std in the machine"
     values = [reading.value for reading in readings if reading.setup == first.setup]
     if 5 * np.ptp(values) < abs(np.median(values)):
-        remedy = "Check the unit that the file names. Else all are off by one amount: state as wide a zero in unknowns"
+        remedy = "Check the unit that the file names. If all are off by one amount, state a zero as wide in unknowns"
     raise ReadingError(what, remedy, file, first.line)
 
 

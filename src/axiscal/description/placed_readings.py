@@ -159,7 +159,9 @@ def _reading(
 
 
 _OFF = 1e-4
-"""m, how far from its place the tool point may be said to stand; m or rad, forgiven of the digits of a coordinate."""
+"""m, how far from its place the tool point may be said to stand."""
+_DIGIT = 1e-4
+"""m or rad: a coordinate may lie outside by no more, however few digits it is written with."""
 _ByAxis = Mapping[str, float]
 _ROUND = 1e-9
 """rad, of an angle: rounding."""
@@ -315,7 +317,7 @@ def _coordinate(setup: Setup, axis: Axis, index: int, position: _ByAxis, roundin
         return setup.park[index]
     value, unit = position[axis.name], axis.unit
     slack, (low, high) = _STILL[False] if setup.base else 1e-9 * axis.length, setup.span(axis, index)
-    slack = max(slack, min(rounding.get(axis.name, 0.0), _OFF))
+    slack = max(slack, min(rounding.get(axis.name, 0.0), _DIGIT))
     if not low - slack <= value <= high + slack:
         _refuse_outside(setup, axis, index, value)
     if not moves and abs(value - setup.park[index]) > _STILL[axis.rotary]:

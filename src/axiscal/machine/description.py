@@ -71,6 +71,7 @@ def _described(document: Document, fine_knots: bool = True) -> Machine:
 
 
 def _unit(axes: Sequence[Axis], tables: MachineFile) -> str:
+    """Return the unit in which the control counts lengths, mm or in."""
     inches = [tables.axes[axis.name].travel[1].endswith(("in", "inch")) for axis in axes if not axis.rotary]
     return "in" if inches and all(inches) else "mm"
 
@@ -299,7 +300,7 @@ class Machine:
     errors : one entry per error of one axis that is not taken to be zero; text : the TOML it came from
     planes : one entry per error of two axes together; stylus : diameter of the ball at the end of a probe, m, or 0
     fine_knots : knots of which nothing is said are as close as is cheap; in records of before they were not
-    unit : in which all linear travels are written, in where that is inches: of its control, unless an export says other
+    unit : in which its control counts lengths: "in" where all linear travels are written in inches, else "mm"
     """
 
     name: str

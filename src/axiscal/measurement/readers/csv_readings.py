@@ -28,8 +28,8 @@ from axiscal.measurement.readers.csv_table import (
     Column,
     CsvTable,
     Row,
+    axis_columns,
     axis_layout,
-    axis_names,
     csv_text,
     read_approach,
     read_position,
@@ -226,8 +226,7 @@ def _reading(table: CsvTable, row: Row, setup: str, bare: bool, own: Mapping[str
     value, *others = map(row.quantity, columns)
     std = _std(table, row, columns[0])
     at = setup, read_position(table, row), read_approach(table, row, alone=True)
-    written = ((name, row.only_filled(table.all_of(name))) for name in axis_names(table))
-    rounding = {name: row.rounding(column) for name, column in written if column is not None}
+    rounding = {name: row.rounding(column) for name, column in axis_columns(table, row).items()}
     raw = RawReading(*at, value, std, columns[0].dimension, row.line, tuple(others))
     return replace(raw, by_station=stems is _STATIONS, met=stems is _MET, whole=stems is _LENGTH, rounding=rounding)
 

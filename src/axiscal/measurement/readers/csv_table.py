@@ -348,8 +348,13 @@ def axis_layout(table: CsvTable) -> dict[str, tuple[str, ...]]:
 
 def read_position(table: CsvTable, row: Row) -> dict[str, float]:
     """Return the coordinates (m or rad) that a line gives, by axis; an empty cell gives none.  Raises ReadingError."""
+    return {name: row.quantity(column) for name, column in axis_columns(table, row).items()}
+
+
+def axis_columns(table: CsvTable, row: Row) -> dict[str, Column]:
+    """Return the column of each coordinate that a line gives, by axis."""
     columns = ((name, row.only_filled(table.all_of(name))) for name in axis_names(table))
-    return {name: row.quantity(column) for name, column in columns if column is not None}
+    return {name: column for name, column in columns if column is not None}
 
 
 def approach_of(text: str, word: re.Pattern[str] = _APPROACH) -> dict[str, int] | None:

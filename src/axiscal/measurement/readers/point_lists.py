@@ -37,7 +37,7 @@ _ATTRIBUTE = re.compile(r'(\w+)="([^"]*)"')
 _OF_XML = {"MinX": "min_x", "MaxX": "max_x", "MinY": "min_y", "MaxY": "max_y", "SizeX": "x_count", "SizeY": "y_count"}
 _WHOLE = "copy the whole file"
 _TOUCH = re.compile(r"(?:\[PRB:([^,\]]+),([^,\]]+),([^,:\]]+)(?:,-?0\.?0*(?=[,:]))*:1]|(?=\[PRB:(?![^][]*:0])))(.*)")
-"""What grbl answers to G38.2, in machine coordinates; :0 met nothing; a broken line is all rest. Others stand at 0."""
+"""The answer of grbl to G38.2, other axes at 0. One with :0 met nothing. Of a broken answer all is the rest."""
 
 is_grbl = telling(re.compile(r"\[PRB:"))
 """Whether a line is such an answer."""

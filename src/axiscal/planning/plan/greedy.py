@@ -105,7 +105,7 @@ def _growing(base: Scores, parts: Sequence[Setups], limits: Limits, times: Clock
         left = dict[Setups, float]()
         for part in sorted(more, key=lambda part: -gained[part]):
             if len(left) >= _LOOKED and gained[part] < now - min(left.values()):
-                break  # a set-up more takes away less, the more there are: none of the others can win
+                break  # each takes away less, the more there are: no other one is likely to win
             left[part] = remaining(tuple(sorted({*found, *part})))
             gained[part] = now - left[part]
         best = min((part for part in more if part in left), key=left.__getitem__)
