@@ -195,7 +195,7 @@ def test_a_probe_on_linuxcnc_is_none_of_a_printer() -> None:
     refuse_implausible(touches, described, "touches.csv")
     narrow = described.text.replace('zero = "100 mm"', 'zero = "1 mm"')
     described = campaign_from_texts(narrow, "campaign.toml", described.machine.text, "machine.toml")
-    with pytest.raises(ReadingError, match="as wide a zero in unknowns"):
+    with pytest.raises(ReadingError, match="state a zero as wide in unknowns"):
         refuse_implausible(touches, described, "touches.csv")
 
 
