@@ -6,6 +6,7 @@ A quantity of the description between limits, outside which a unit has been conf
 from __future__ import annotations
 
 import math
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Generic, Literal, TypeVar
 
@@ -33,20 +34,25 @@ class Stated(Generic[TableT]):
         """Return a quantity, or one of a list, in SI units, None where it is not stated; raises as `units.within`."""
         found = getattr(self.table, key)
         place, text = ((key, index), found[index]) if isinstance(found, tuple | list) else ((key,), found)
-        with self.document.placed(*self.keys, *place):
+        with self.at(*place):
             return None if text is None else within(text, dimension, least, most)
 
     def each(self, key: str, dimension: Dimension, least: float, most: float) -> tuple[float, ...]:
         """Return all quantities of a list in SI units; raises as `units.within`."""
         found = list[float]()
         for index, text in enumerate(getattr(self.table, key)):
-            with self.document.placed(*self.keys, key, index):
+            with self.at(key, index):
                 found.append(within(text, dimension, least, most))
         return tuple(found)
 
-    def misstated(self, key: str, what: str, remedy: str, **values: object) -> InputError:
-        """Return a failure placed at a key."""
-        return self.document.fault(DescriptionError(what, remedy, None, None, **values), *self.keys, key)
+    def at(self, *keys: str | int) -> AbstractContextManager[None]:
+        """Place failures of a block at keys, one below the other."""
+        return self.document.placed(*self.keys, *keys)
+
+    def misstated(self, where: str | Keys, what: str, remedy: str, **values: object) -> InputError:
+        """Return a failure placed at a key, or at keys, one below the other."""
+        keys = (where,) if isinstance(where, str) else where
+        return self.document.fault(DescriptionError(what, remedy, None, None, **values), *self.keys, *keys)
 
 
 LINEAR_LETTERS = "XYZUVWPQR"

@@ -163,10 +163,8 @@ def _turns(stated: Stated[AxisTable], axis: Axis, travel: Span) -> tuple[int, in
         return None
     text = shown(stated.table.limits)
     if not Axis.named(axis.name, False, travel).cyclic:
-        what, remedy = (
-            "limits {text} of {axis}, whose travel is not one turn",
-            "Take them out: its travel is where it may go",
-        )
+        what = "limits {text} of {axis}, whose travel is not one turn"
+        remedy = "Take them out: its travel is where it may go"
         raise stated.misstated("limits", what, remedy, text=text, axis=axis.name)
     low, high = stated.each("limits", "angle", -_FAR, _FAR)
     if low > travel[0] + 1e-9 or high < travel[1] - 1e-9:

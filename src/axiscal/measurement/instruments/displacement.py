@@ -6,6 +6,8 @@ A leg of a square that is turned by ω has the slope ω · (e × d): the two leg
 growth is by how much the material is longer than at 20 °C. Its known part is taken off; the rest is an unknown. The lag
 is what a stylus or spindle with play shows of the way it was moved last.
 
+Instruments that read the rotation of the tool about one direction, electronic level and autocollimator: y = dᵀε + zero.
+
 A level, or the mirror of an autocollimator, that is stepped along a way on feet a base apart.
 
 y = atan( (d × a)ᵀ (w(t + L/2) − w(t − L/2)) / L ) + zero. Here w is the shape of the way and a its direction.
@@ -23,7 +25,7 @@ from axiscal.errors.model import ErrorModel
 from axiscal.errors.plane import PlaneError
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.description import Machine
-from axiscal.measurement.instruments.kind import Kind, Reads, Rotation
+from axiscal.measurement.instruments.kind import Kind, Reads
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import Way, across
 from axiscal.numerics import Array
@@ -37,18 +39,25 @@ _UNSEEN = 1e-9
 """Rounding of a lever, m/rad or 1."""
 
 
-class Stepped(Rotation):
-    """One slope, as an angle about the set-up's direction."""
+class Rotation(Kind):
+    """One angle about the set-up's direction: of the tool, or of feet that are stepped along a way."""
+
+    reads: Reads = "angle"
+    unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "angle"})
 
     def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
-        """Return the angle of the chord; at.moved : of one foot against the other, per length."""
+        """Return dᵀε + zero, or the angle of the chord; at.moved : of one foot against the other, per length."""
+        if self.setup.base is None:
+            return [at.turned @ np.array(self.setup.direction) + u["zero"]]
         return [np.arctan(np.sum(across(self.machine, self.setup, at.poses) * at.moved, axis=1)) + u["zero"]]
 
     @classmethod
     def check_setup(cls, setup: Setup, machine: Machine) -> None:
-        """Raise DescriptionError where there is no slope to be read."""
+        """Raise DescriptionError where feet have no slope to read."""
+        if setup.base is None:
+            return
         _refuse_other_moves(setup, machine)
-        base, axis = setup.base or 0.0, machine.axes[setup.moves[0]]
+        base, axis = setup.base, machine.axes[setup.moves[0]]
         if base >= axis.length:
             what = "a base of {base} is not shorter than the travel of {axis}"
             remedy, travel = "Both feet stand within the travel, which is {travel}", axis.travel_text

@@ -1,10 +1,6 @@
 """What every kind of instrument answers: the numbers that it shows of a tool that is displaced and turned (`sees`).
 
 Rows are derivatives of it by complex steps (`axiscal_core.instrument.slopes`); simulated readings are its values.
-
-Instruments that read the rotation of the tool about one direction: electronic level, autocollimator.
-
-y = dᵀε + zero.
 """
 
 from __future__ import annotations
@@ -171,14 +167,3 @@ def levers_of(errors: ErrorModel, seen: Slopes, poses: Array) -> Array:
             for number, lever in enumerate(result):
                 lever += np.einsum("fmc,mc->fm", field, ways[:, number])
     return result
-
-
-class Rotation(Kind):
-    """One angle about the set-up's direction."""
-
-    reads: Reads = "angle"
-    unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "angle"})
-
-    def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
-        """Return dᵀε + zero."""
-        return [at.turned @ np.array(self.setup.direction) + u["zero"]]
