@@ -15,17 +15,16 @@ from axiscal.description.sights import (
     refuse_stray_keys,
     refuse_unreachable,
     seen,
-    stations_of,
 )
 from axiscal.description.sites import RETRACT, STROKE, SiteReader, Surroundings, evened
 from axiscal.description.stated_type_b import dense, with_drift, with_material
 from axiscal.document import Document, meant, shown
+from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
-from axiscal.machine.axis import Stated
 from axiscal.measurement.charts.kinds import Line
-from axiscal.measurement.instrument import model_of
+from axiscal.measurement.instrument import PRINTER_PROBE, model_of
 from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.instruments.written import Foreign
@@ -51,7 +50,9 @@ def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, 
             refuse_stray_keys(stated)
             refuse_both(stated)
             _refuse_no_lengths(stated)
-            setups += [_Reader(document, each, stated.keys, around).setup() for each in each_alone(table)]
+            printed = around.printer and table.instrument.name == "probe"
+            usual = PRINTER_PROBE if printed else table.instrument
+            setups += [_Reader(document, each, stated.keys, around, usual).setup() for each in each_alone(table)]
     with faults.noted():
         _refuse_same_name(setups, document)
     faults.refuse()
@@ -94,11 +95,11 @@ def _refuse_choice(stated: Stated[SetupTable], places: Sequence[Vector]) -> None
     """Raise DescriptionError where a plan may choose from places that are none."""
     table, kind = stated.table, stated.table.instrument
     stands = kind.site == "bar" or (kind.site == "sight" if table.artefact is None else kind.contact != "free")
-    with stated.at("choose_from"):
+    with stated.at_key("choose_from"):
         if not stands:
             what = "a {instrument} stands at no place that could be chosen"
             raise DescriptionError(what, "Write a set-up for each way to mount it", instrument=table.instrument.name)
-        if any(each is not None for each in (table.station, table.stations, table.at)):
+        if table.stations or any(each is not None for each in (table.station, table.at)):
             what = "it is said twice where it stands"
             raise DescriptionError(what, "Keep choose_from, or station, stations or at")
         if len(set(places)) < max(len(places), 2):
@@ -118,19 +119,20 @@ class _Reader(SiteReader):
     """Reads one table."""
 
     def setup(self) -> Setup:
-        table, machine, usual = self.table, self.machine, self.usual
+        table, machine, usual = self.table, self.around.machine, self.usual
         setup = self.sited()
-        with self.at("direction"):
+        with self.at_key("direction"):
             self._refuse_direction(setup)
-        with self.at("stations"):
-            stations = stations_of(table)
         unknowns = self._unknowns(setup)
+        # spheres are put up one by one, or on a board
+        apart = setup.contact == "retracted" and setup.artefact is not None and setup.artefact.calibrated is None
+        mountings = len(setup.balls) if apart and table.setup_time is None else 1
         setup = replace(
             setup,
-            unknowns=of_each(unknowns, len(stations)) if stations else unknowns,
-            setup_time=setup.setup_time * (self._mountings(setup) if table.setup_time is None else 1),
+            unknowns=of_each(unknowns, len(table.stations)) if table.stations else unknowns,
+            setup_time=setup.setup_time * mountings,
             raster=self._raster(setup),
-            stations=stations,
+            stations=table.stations,
             reach=self._reach(setup.moves),
             nodes=self._nodes(setup.moves),
         )
@@ -138,11 +140,15 @@ class _Reader(SiteReader):
         setup = with_material(self, usual, machine, setup)
         setup = self._on_square(setup)
         setup = seen(self, machine, setup) if setup.chart is None else self._charted(setup)
-        with self.at("instrument" if setup.base is None else "base"):
+        with self.at_key("instrument" if setup.base is None else "base"):
             model_of(setup).check_setup(setup, machine)
             if issubclass(usual.model, Foreign):
                 setup = replace(setup, written=replace(usual, curved=usual.model.curved_in(setup, machine)))
-        return self._complete(dense(self, machine, setup))
+        setup = dense(self, machine, setup)
+        lack = lack_of(setup, machine, table.reach, table.moves is not None)
+        if lack is not None and self.around.asking:
+            raise self.misstated("instrument", *lack)
+        return replace(setup, lacks=lack)
 
     def _charted(self, setup: Setup) -> Setup:
         """Return a set-up that has a chart with how its places are taken."""
@@ -150,25 +156,13 @@ class _Reader(SiteReader):
         stroke = STROKE if table.stroke is None else table.stroke
         setup = replace(setup, retract=table.retract or RETRACT, mean_sides=evened(table))
         setup = replace(setup, three_touches=table.touches is not None)
-        with self.at("artefact" if setup.artefact else "length" if setup.length else "along"):
-            refuse_unreachable(self.machine, setup)
+        with self.at_key("artefact" if setup.artefact else "length" if setup.length else "along"):
+            refuse_unreachable(self.around.machine, setup)
         if setup.contact != "held":
             return setup
-        with self.at("length" if setup.length else "instrument"):
-            refuse_short_stroke(self.machine, setup, stroke)
+        with self.at_key("length" if setup.length else "instrument"):
+            refuse_short_stroke(self.around.machine, setup, stroke)
         return replace(setup, stroke=stroke)
-
-    def _complete(self, setup: Setup) -> Setup:
-        """Return a set-up with what it lacks before readings can be asked for; raises DescriptionError if they are."""
-        lack = lack_of(setup, self.machine, self.table.reach, self.table.moves is not None)
-        if lack is not None and self.around.asking:
-            raise self.misstated("instrument", *lack)
-        return replace(setup, lacks=lack)
-
-    def _mountings(self, setup: Setup) -> int:
-        """Return how many times the usual time of mounting is needed: spheres are put up one by one, or on a board."""
-        apart = setup.artefact is not None and setup.artefact.calibrated is None
-        return len(setup.balls) if apart and setup.contact == "retracted" else 1
 
     def _refuse_direction(self, setup: Setup) -> None:
         """Raise DescriptionError where a direction is lacking, or given beside that of a line."""
@@ -182,11 +176,11 @@ class _Reader(SiteReader):
     def _reach(self, moves: tuple[int, ...]) -> tuple[tuple[float, float], ...] | None:
         if not self.table.reach:
             return None
-        spans = [axis.travel for axis in self.machine.axes]
+        spans = [axis.travel for axis in self.around.machine.axes]
         for name, (low, high) in self.table.reach.items():
-            with self.at("reach", name):
+            with self.at_key("reach", name):
                 index = self._moving(name, moves, "{axis} has a reach, but does not move in this set-up")
-                if high - low < _SHORTEST_REACH * self.machine.axes[index].overrun:
+                if high - low < _SHORTEST_REACH * self.around.machine.axes[index].overrun:
                     raise DescriptionError("{text} is too short", "Give ends farther apart", text=name)
                 spans[index] = low, high
         return tuple(spans)
@@ -196,7 +190,7 @@ class _Reader(SiteReader):
         stated = self.table.map
         if not stated:
             return None
-        with self.at("map"):
+        with self.at_key("map"):
             if stated.keys() != {"X", "Y"}:
                 raise DescriptionError("a map has two sides, X and Y", "State both of them, and no other")
             for name in stated:
@@ -205,18 +199,18 @@ class _Reader(SiteReader):
 
     def _moving(self, name: str, moves: tuple[int, ...], what: str) -> int:
         """Return the index of an axis that moves; raises DescriptionError for another.  what : is wrong then"""
-        index = self.machine.index(name)
+        index = self.around.machine.index(name)
         if index not in moves:
             raise DescriptionError(what, "Take it out here, or add {axis} to moves", axis=name)
         return index
 
     def _raster(self, setup: Setup) -> tuple[float, ...]:
         """Return the steps of the axes; those of a chart are its own."""
-        steps, margin = [0.0] * len(self.machine.axes), (setup.base or 0.0) / 2
+        steps, margin = [0.0] * len(self.around.machine.axes), (setup.base or 0.0) / 2
         for name, step in self.table.raster.items() if setup.chart is None else ():
-            with self.at("raster", name):
+            with self.at_key("raster", name):
                 index = self._moving(name, setup.moves, "{axis} has a raster, but does not move in this set-up")
-                _refuse_no_multiple(step, self.machine.axes[index], self.table.reach.get(name), margin)
+                _refuse_no_multiple(step, self.around.machine.axes[index], self.table.reach.get(name), margin)
                 steps[index] = step
         return tuple(steps)
 
@@ -225,12 +219,12 @@ class _Reader(SiteReader):
         if setup.unknowns:
             return setup.unknowns if given is None else self._chosen(given, setup.unknowns)
         if given is None:
-            turns = any(self.machine.axes[index].rotary for index in moves)
+            turns = any(self.around.machine.axes[index].rotary for index in moves)
             unknowns = tuple(unknown for unknown in usual.unknowns if turns or unknown.name not in TOOL)
         else:
             unknowns = tuple(self._unknown(name, std) for name, std in given.items())
         if "slope" in (unknown.name for unknown in unknowns):
-            with self.at(*(["moves"] if given is None else ["unknowns", "slope"])):
+            with self.at_key(*(["moves"] if given is None else ["unknowns", "slope"])):
                 self._refuse_slope(moves, given is None)
         return unknowns
 
@@ -256,7 +250,7 @@ class _Reader(SiteReader):
         if usual.model.reads == "angle":
             what = "an unknown slope turns the line of a displacement, and the {instrument} reads an angle"
             raise DescriptionError(what, "Take slope out", instrument=usual.name)
-        moving = [self.machine.axes[index].name for index in moves if not self.machine.axes[index].rotary]
+        moving = [self.around.machine.axes[index].name for index in moves if not self.around.machine.axes[index].rotary]
         if len(moving) != 1:
             what = "an unknown slope needs exactly one linear axis that moves; here {axes} move"
             if by_default:

@@ -14,19 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.campaign_schema import SetupTable
+from axiscal.document.validation import Stated
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import later, listed, said
 from axiscal.machine import Axis, Machine
-from axiscal.machine.axis import Stated
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates, chart_places
 from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Circle, Held, Sight
 from axiscal.measurement.charts.room import Chart, Coordinate, Room
 from axiscal.measurement.instrument import LENGTH, instrument_of
-from axiscal.measurement.instruments.displacement import Displacement, Rotation
-from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.setup import Setup, Vector
+from axiscal.measurement.instruments.displacement import Displacement
+from axiscal.measurement.instruments.kind import Rotation
+from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array, even_subset
 from axiscal.units import format_quantity
 from axiscal_core.points import even_points
@@ -257,7 +257,7 @@ def seen(stated: Stated[SetupTable], machine: Machine, setup: Setup) -> Setup:
         tuple(_seen_along(setup, machine.axes[k], k) for k in setup.moves),
     )
     setup = replace(setup, chart=chart)
-    with stated.at(said[0]):
+    with stated.at_key(said[0]):
         refuse_unreachable(machine, setup)
     return setup
 
@@ -274,24 +274,6 @@ def _faces(stated: Stated[SetupTable]) -> Array | None:
             raise stated.misstated("sight", what, 'Write faces = "z", or leave sight out where it turns to the station')
         return None
     return np.array(stated.table.faces)
-
-
-def stations_of(table: SetupTable) -> tuple[Vector, ...]:
-    """Return where tracers stand that read at once; none where one instrument reads.  Raises DescriptionError."""
-    said = table.stations
-    if said is None:
-        return ()
-    if table.station is not None:
-        what = "it is said twice where it stands"
-        raise DescriptionError(what, "Keep station for one tracer, stations for those that read at once")
-    if not 2 <= len(said) <= MOST:
-        what = "{count} stations cannot be read at once here"
-        what = what if len(said) != 1 else "{count} station cannot be read at once here"
-        remedy = "Name two to {most}; one alone is station, more are set-ups of their own"
-        raise DescriptionError(what, remedy, count=len(said), most=MOST)
-    if len(set(said)) < len(said):
-        raise DescriptionError("two of the stations are the same place", "Give each tracer its own")
-    return tuple(said)
 
 
 _AT_BALL = later('write artefact = "..." and [[artefacts]] with its place')

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 
@@ -13,15 +13,14 @@ from axiscal.description.campaign_schema import SetupTable
 from axiscal.description.sights import reached_arc, refuse_gap
 from axiscal.document import Document, shown
 from axiscal.document.quoting import meant
+from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import listed, said
 from axiscal.machine import Machine
-from axiscal.machine.axis import Stated
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, turns
-from axiscal.measurement.instrument import PRINTER_PROBE
 from axiscal.measurement.instruments.distance import RADIUS
 from axiscal.measurement.instruments.kind import Instrument
 from axiscal.measurement.instruments.written import Foreign
@@ -30,7 +29,6 @@ from axiscal.measurement.setup import Setup, Unknown, Vector
 from axiscal.measurement.touched import Cycle, gone_to
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
-from axiscal_core.instrument import TOOL
 
 OPEN_LENGTH = 1e-3
 OPEN_RADIUS = 1e-4
@@ -49,7 +47,7 @@ class Surroundings:
     """What set-ups are described in.
 
     artefacts : by name
-    tool : std of how far the tool's point is from where it is stated, along its x, y, z, m; 0 leaves one out
+    tool : what is not known of where the tool's point is, where something turns it
     asking : readings are to be asked for, so that every set-up must say where it can be read
     usual_doubts : zeros of which nothing is stated may wander as those of their instrument do
     printer : the probe is that of a 3D printer
@@ -59,7 +57,7 @@ class Surroundings:
     machine: Machine
     document: Document
     artefacts: Mapping[str, Artefact]
-    tool: Vector
+    tool: tuple[Unknown, ...]
     asking: bool
     usual_doubts: bool
     printer: bool = False
@@ -76,27 +74,11 @@ def evened(table: SetupTable) -> bool:
 class SiteReader(Stated[SetupTable]):
     """Reads the keys of one table that say where; every failure is placed at the key it is about.
 
-    around : what its set-up is described in
+    around : what its set-up is described in; usual : its instrument, with what is usual of it there
     """
 
     around: Surroundings
-
-    @cached_property
-    def usual(self) -> Instrument:
-        """Its instrument, with what is usual of it there."""
-        printed = self.around.printer and self.table.instrument.name == "probe"
-        return PRINTER_PROBE if printed else self.table.instrument
-
-    @cached_property
-    def tool(self) -> tuple[Unknown, ...]:
-        """What is not known of the tool in the spindle, where something turns it."""
-        turns, parts = any(axis.rotary for axis in self.machine.axes), zip(TOOL, self.around.tool, strict=True)
-        return tuple(Unknown(name, std, "tool") for name, std in parts if turns and std > 0)
-
-    @property
-    def machine(self) -> Machine:
-        """The machine that is read."""
-        return self.around.machine
+    usual: Instrument
 
     def sited(self) -> Setup:
         """Return the set-up where it is read; without a chart where any pose of the axes that move will do.
@@ -139,10 +121,10 @@ class SiteReader(Stated[SetupTable]):
     def _anywhere(self) -> Setup:
         moves = self.table.moves
         if moves == ():
-            known = ", ".join(f'"{axis.name}"' for axis in self.machine.axes)
+            known = ", ".join(f'"{axis.name}"' for axis in self.around.machine.axes)
             remedy = "Name axes, such as moves = [{known}], or leave it out"
             raise self.misstated("moves", "nothing moves", remedy, known=known)
-        moves = tuple(range(len(self.machine.axes))) if moves is None else moves
+        moves = tuple(range(len(self.around.machine.axes))) if moves is None else moves
         return self._standing(moves, self._parked(moves))
 
     def _line(self, ends: tuple[Vector, Vector]) -> Setup:
@@ -155,11 +137,11 @@ class SiteReader(Stated[SetupTable]):
             if not there:
                 what = "the second end of the line is out of travel"
                 what = what if end else "the first end of the line is out of travel"
-                lacks = lacking(self.machine, poses[end])
+                lacks = lacking(self.around.machine, poses[end])
                 raise self.misstated("along", what, "Let it end within the travels: {lacking}", lacking=lacks)
         x, y, z = line.direction.tolist()
         given = self.table.direction
-        return replace(self._standing(linear_axes(self.machine), park), chart=line, direction=given or (x, y, z))
+        return replace(self._standing(linear_axes(self.around.machine), park), chart=line, direction=given or (x, y, z))
 
     def _bar(self, length: float) -> Setup:
         centre, owned, artefact, balls = self._centre()
@@ -167,9 +149,9 @@ class SiteReader(Stated[SetupTable]):
         zero = Unknown("zero", OPEN_LENGTH, owner)
         plane = self.table.plane
         chart = self._circle(centre, length, artefact, plane) if plane else self._sphere(centre, length, artefact)
-        moving = set(linear_axes(self.machine)) | set(self._followers(chart))
+        moving = set(linear_axes(self.around.machine)) | set(self._followers(chart))
         setup = self._standing(sorted(moving), self._park([*moving]))
-        unknowns = (zero, *owned, *self.tool)
+        unknowns = (zero, *owned, *self.around.tool)
         setup = replace(setup, chart=chart, contact="held", unknowns=unknowns, station=centre, length=length)
         return replace(setup, artefact=artefact, balls=balls)
 
@@ -205,7 +187,7 @@ class SiteReader(Stated[SetupTable]):
     def _circle(self, centre: Vector, length: float, artefact: Artefact | None, plane: tuple[Vector, Vector]) -> Circle:
         first, second = map(np.array, plane)
         free, cone = self._cone(artefact)
-        turning = np.array([self.table.turning.get(axis.name, 0.0) for axis in self.machine.axes])
+        turning = np.array([self.table.turning.get(axis.name, 0.0) for axis in self.around.machine.axes])
         circle = Circle(
             self._room(artefact),
             np.array(centre),
@@ -222,9 +204,9 @@ class SiteReader(Stated[SetupTable]):
 
     def _on_arc(self, circle: Circle) -> Circle:
         if self.table.arc is None:
-            with self.at("plane"):
+            with self.at_key("plane"):
                 return circle.over(*reached_arc(circle, self.table.name))
-        with self.at("arc"):
+        with self.at_key("arc"):
             circle = circle.over(*self.table.arc)
             refuse_gap(circle, self.table.name)
         return circle
@@ -232,17 +214,17 @@ class SiteReader(Stated[SetupTable]):
     def _sphere(self, centre: Vector, length: float, artefact: Artefact | None) -> Bar:
         free, cone = self._cone(artefact)
         turning = self._turned_by_moves()
-        steps = tuple(self._step(self.machine.axes[k].name) for k in turning)
+        steps = tuple(self._step(self.around.machine.axes[k].name) for k in turning)
         overrun, quarter = self._overrun() / length, math.pi / 2
         coordinates = (
             Coordinate(0.0, math.tau, self._step("azimuth"), overrun, endless=True),
             Coordinate(-quarter, quarter, self._step("elevation"), overrun),
-            *turns(self.machine, turning, steps),
+            *turns(self.around.machine, turning, steps),
         )
         return Bar(self._room(artefact), np.array(centre), length, free, cone, turning, self._park(), coordinates)
 
     def _overrun(self) -> float:
-        return max(axis.overrun for axis in self.machine.axes if not axis.rotary)
+        return max(axis.overrun for axis in self.around.machine.axes if not axis.rotary)
 
     def _cone(self, artefact: Artefact | None) -> tuple[Array, float]:
         if artefact is None:
@@ -252,16 +234,16 @@ class SiteReader(Stated[SetupTable]):
     def _held(self) -> Setup:
         artefact, balls = self._artefact()
         turning = self._turned_by_moves(default_all=True)
-        with self.at("artefact"):
+        with self.at_key("artefact"):
             self._refuse_no_turn(turning, artefact)
-        steps = tuple(self._step(self.machine.axes[k].name) for k in turning)
+        steps = tuple(self._step(self.around.machine.axes[k].name) for k in turning)
         self._refuse_one_place(turning, steps)
-        coordinates = turns(self.machine, turning, steps)
+        coordinates = turns(self.around.machine, turning, steps)
         park, free, at = self._park(turning), np.array(artefact.free), artefact.points
         contact = self.usual.contact
         back = 0.0 if contact == "held" else self.table.retract or RETRACT
         even = evened(self.table)  # both sides of approach: none is come from
-        coming = np.array([0.0 if axis.rotary or even else axis.overrun for axis in self.machine.axes])
+        coming = np.array([0.0 if axis.rotary or even else axis.overrun for axis in self.around.machine.axes])
         touching = back, coming, self._touching(artefact)
         each = tuple(
             Held(self._room(artefact, i), at[i], free, artefact.cone, turning, park, coordinates, *touching)
@@ -269,16 +251,16 @@ class SiteReader(Stated[SetupTable]):
         )
         chart: Chart = each[0] if len(each) == 1 and turning else Balls(each)
         size = (Unknown(RADIUS, OPEN_RADIUS, artefact.name),) if self.table.touches else ()
-        unknowns = (*unknowns_at(artefact, balls), *size, *self.tool)
-        setup = self._standing(sorted({*turning, *linear_axes(self.machine)}), park)
+        unknowns = (*unknowns_at(artefact, balls), *size, *self.around.tool)
+        setup = self._standing(sorted({*turning, *linear_axes(self.around.machine)}), park)
         return replace(setup, chart=chart, contact=contact, unknowns=unknowns, artefact=artefact, balls=balls)
 
     def _touching(self, artefact: Artefact) -> Callable[[Array], Array] | None:
         """Return where the axes go to touch a ball from all sides; None where they do not, or a size is not known."""
         all_round, size = self.usual.all_round and self.table.touches is None, artefact.diameter
-        if not all_round or size is None or self.machine.stylus <= 0:
+        if not all_round or size is None or self.around.machine.stylus <= 0:
             return None
-        return partial(gone_to, self.machine, Cycle((size + self.machine.stylus) / 2))
+        return partial(gone_to, self.around.machine, Cycle((size + self.around.machine.stylus) / 2))
 
     def _refuse_no_turn(self, turning: tuple[int, ...], artefact: Artefact) -> None:
         if not turning and artefact.calibrated is None:
@@ -310,7 +292,7 @@ class SiteReader(Stated[SetupTable]):
         names = [ball.name for ball in artefact.balls]
         wanted = self.table.ball if self.table.ball is not None else names
         wanted = [wanted] if isinstance(wanted, str) else wanted
-        with self.at("ball"):
+        with self.at_key("ball"):
             for ball in wanted:
                 if ball not in names:
                     what = "{artefact} has no ball {ball}"
@@ -322,11 +304,11 @@ class SiteReader(Stated[SetupTable]):
         return artefact, tuple(names.index(ball) for ball in wanted)
 
     def _turned_by_moves(self, default_all: bool = False) -> tuple[int, ...]:
-        rotary = tuple(k for k, axis in enumerate(self.machine.axes) if axis.rotary)
+        rotary = tuple(k for k, axis in enumerate(self.around.machine.axes) if axis.rotary)
         if self.table.moves is None:
             return rotary if default_all else ()
-        with self.at("moves"):
-            linear = [self.machine.axes[k].name for k in self.table.moves if k not in rotary]
+        with self.at_key("moves"):
+            linear = [self.around.machine.axes[k].name for k in self.table.moves if k not in rotary]
             if linear:
                 what = "{axes} follow where the tool point is held"
                 what = what if len(linear) > 1 else "{axes} follows where the tool point is held"
@@ -336,19 +318,19 @@ class SiteReader(Stated[SetupTable]):
 
     def _park(self, turning: Sequence[int] = ()) -> Array:
         """Return where the axes stand that do not move, where the linear ones follow: rotary ones at 0, if they can."""
-        linear = (k for k, axis in enumerate(self.machine.axes) if not axis.rotary)
+        linear = (k for k, axis in enumerate(self.around.machine.axes) if not axis.rotary)
         return np.array(self._parked({*turning, *linear}, at_zero=True))
 
     def _parked(self, moves: Collection[int], at_zero: bool = False) -> tuple[float, ...]:
         """Return where axes stand, amid their travels unless it is said.  at_zero : rotary ones at 0, if they can"""
-        places = [sum(axis.travel) / 2 for axis in self.machine.axes]
-        for k, axis in enumerate(self.machine.axes):
+        places = [sum(axis.travel) / 2 for axis in self.around.machine.axes]
+        for k, axis in enumerate(self.around.machine.axes):
             if at_zero and axis.rotary and axis.travel[0] <= 0.0 <= axis.travel[1]:
                 places[k] = 0.0
         usual = self.usual.park
-        own = {name: place for name, place in usual if self.machine.index(name) not in moves}
+        own = {name: place for name, place in usual if self.around.machine.index(name) not in moves}
         for name, place in (own | self.table.park).items():
-            index = self.machine.index(name)
+            index = self.around.machine.index(name)
             if index in moves:
                 what = "{axis} is parked, but it is one of the axes that move"
                 raise self.misstated(("park", name), what, "Take it out here, or take {axis} out of moves", axis=name)
@@ -360,7 +342,7 @@ class SiteReader(Stated[SetupTable]):
 
     def _refuse_one_place(self, turning: tuple[int, ...], steps: tuple[float, ...]) -> None:
         """Raise DescriptionError for a raster by which an axis that is to turn has one place only, or none."""
-        for axis, step in zip((self.machine.axes[k] for k in turning), steps, strict=True):
+        for axis, step in zip((self.around.machine.axes[k] for k in turning), steps, strict=True):
             low, high = axis.travel
             if step > 0 and len(Coordinate(low, high, step).values) < 2:
                 what = "a raster of {text} has less than two places on {axis}"
@@ -370,7 +352,7 @@ class SiteReader(Stated[SetupTable]):
                 )
 
     def _room(self, artefact: Artefact | None, *touching: int) -> Room:
-        return Room.among(self.machine, artefact, touching)
+        return Room.among(self.around.machine, artefact, touching)
 
 
 def lacking(machine: Machine, pose: Array) -> str:

@@ -12,10 +12,10 @@ import numpy as np
 from axiscal.description.campaign_schema import CampaignTable, SetupTable
 from axiscal.description.type_b import TEMPERATURE
 from axiscal.document import Document
+from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine import Machine
-from axiscal.machine.axis import Stated
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.instrument import instrument_of, model_of

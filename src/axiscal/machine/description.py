@@ -16,9 +16,10 @@ from pathlib import Path
 
 from axiscal.document import Document, read_model, shown
 from axiscal.document.quoting import meant
+from axiscal.document.validation import Stated
 from axiscal.exceptions import ChainError, DescriptionError, Faults, InputError
 from axiscal.language.spoken import said
-from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS, Axis, Stated
+from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS, Axis
 from axiscal.machine.entry import ErrorEntry, PlaneEntry, as_fine_as_is_cheap
 from axiscal.machine.errors_table import read_errors
 from axiscal.machine.machine_schema import AxisTable, MachineFile

@@ -8,9 +8,9 @@ from types import MappingProxyType
 
 import numpy as np
 
-from axiscal.measurement.instruments.displacement import Displacement, Rotation
+from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.distance import SHIFTS, TURNS, ZEROS, Distance, Nest, Tracker
-from axiscal.measurement.instruments.kind import CARRIED, Instrument, Kind
+from axiscal.measurement.instruments.kind import CARRIED, Instrument, Kind, Rotation
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal_core.instrument import TOOL
