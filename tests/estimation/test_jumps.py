@@ -15,7 +15,10 @@ from axiscal.estimation.promise.jumps import jumped, suspects, ways_of
 from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal_core.draws import as_stated
+from axiscal_core.mistaken import stretches
 from axiscal_core.problem import Problem
+from axiscal_core.unknowns import space_of
 from tests.generators.dense_posterior import Dense, log_density
 from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings
 from tests.generators.problems import asked, sized
@@ -47,22 +50,36 @@ def _log_odds(problem: Problem, columns: Array, places: int, *, judged: bool = T
 def test_the_likeliest_jump_of_a_set_up_is_that_of_the_dense_density(kind: str) -> None:
     """Of sizes that are exact both weighings are one: in closed form, and by the evidence with the columns."""
     problem = _off(sized(asked(kind, 9 if kind == "axis" else 8, 5), ()), 4, 200.0)
-    (found,) = (each for each in suspects(problem) if each.mistake.setups == (0,))
+    (found,) = (each for each in suspects(problem) if each.mistake.setups == (0,) and each.mistake.mistake == "jump")
     of = np.unique(problem.reading[problem.setup == 0])
     places = len(JUMPS) * len(of[2:-1])
     ways = ways_of(problem, problem.setup == 0) / problem.noise * float(np.median(problem.noise[problem.setup == 0]))
     each = {(s, r): _log_odds(problem, s * ways * (problem.reading >= r), places) for s in JUMPS for r in of[2:-1]}
     best = max(each, key=lambda key: each[key])
     assert found.mistake[2:4] == ((0,), best[1])
-    assert found.mistake.mistake == "jump"
     assert found.places == places
     assert found.mistake.log_odds == pytest.approx(each[best], rel=1e-6)
-    np.testing.assert_allclose(found.columns, best[0] * ways * (problem.reading >= best[1]))
+    columns = found.other.rows[:, : len(ways)].T
+    np.testing.assert_allclose(columns, best[0] * ways * (problem.reading >= best[1]))
     known = jumped(problem)
     assert known is not None
     assert known.jumps == (found.mistake,)
-    alone = _log_odds(problem, found.columns, places, judged=False)
+    alone = _log_odds(problem, columns, places, judged=False)
     assert known.log_odds == pytest.approx(alone, rel=1e-6)
+
+
+def test_the_likeliest_sign_of_a_stretch_is_that_of_the_dense_density() -> None:
+    """By sums over readings as by the density of the values with each stretch turned."""
+    right = sized(asked("axis", 12, 5), ())
+    off = replace(right, values=np.where(right.reading >= 7, -5, 5) * right.values)
+    (found,) = (each for each in stretches(off, [as_stated(space_of(off))], off.setup == 0) if each.wrong == "sign")
+    turned = {since: np.where(off.reading >= since, -1, 1) * off.values for since in range(3, 10)}
+    causes, nought = off.type_b[:, off.judging], np.zeros(len(off.values))
+    covariance = Dense(off).covariance(np.zeros(len(off.sizes))) + causes @ causes.T
+    gains = {since: log_density(each, nought, covariance) for since, each in turned.items()}
+    assert (found.first, found.last) == (max(gains, key=lambda since: gains[since]), -1) == (7, -1)
+    np.testing.assert_array_equal(found.other.values, turned[7])
+    assert found.log_odds == pytest.approx(gains[7] - log_density(off.values, nought, covariance), rel=1e-6)
 
 
 def test_without_a_contradiction_nothing_is_sought() -> None:

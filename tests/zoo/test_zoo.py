@@ -24,6 +24,10 @@ QUICK = (
     "slip: unit, mm for um",
     "slip: sign of one reading",
     "slip: one reading missed",
+    "slip: sign from a reading on",
+    "slip: sign of one run",
+    "slip: sides from a run on",
+    "slip: one run counted back",
     NOTHING_WRONG.name,
 )
 """One of each kind; other tests hold the beds, and what is stuck, rounded or set anew."""
