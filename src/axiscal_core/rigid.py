@@ -9,9 +9,6 @@ import numpy as np
 
 from axiscal_core.refusals import Array
 
-_SMALL = 1e-2
-"""rad: below, two terms of the series of (θ − sin θ)/θ³ are right to 1e-12, and above it loses no more digits."""
-
 _EYE = np.eye(3)
 """Mathematics: the rotation that turns nothing."""
 
@@ -80,18 +77,6 @@ def _turning(x: float, y: float, z: float) -> tuple[Array, Array]:
     """Return [d]× and its square of a direction, each (3, 3)."""
     about = skew(np.array([[x, y, z]]))[0]
     return about, about @ about
-
-
-def left_jacobian(vector: Array) -> Array:
-    """Return J with exp([v + dv]×) = exp([J dv]×) exp([v]×) (Barfoot 2017, eq. 7.77), (m, 3, 3).  vector : (m, 3)"""
-    angle = np.linalg.norm(vector, axis=1)[:, None, None]
-    cross = skew(vector)
-    versine = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
-    small = angle < _SMALL
-    safe = np.where(small, 1.0, angle)
-    third = np.where(small, 1 / 6 - angle**2 / 120, (safe - np.sin(safe)) / safe**3)
-    result: Array = np.eye(3) + versine * cross + third * (cross @ cross)
-    return result
 
 
 def skew(vector: Array) -> Array:
