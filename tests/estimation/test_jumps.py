@@ -15,10 +15,7 @@ from axiscal.estimation.promise.jumps import jumped, suspects, ways_of
 from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal_core.draws import as_stated
-from axiscal_core.mistaken import stretches
 from axiscal_core.problem import Problem
-from axiscal_core.unknowns import space_of
 from tests.generators.dense_posterior import Dense, log_density
 from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings
 from tests.generators.problems import asked, sized
@@ -69,17 +66,15 @@ def test_the_likeliest_jump_of_a_set_up_is_that_of_the_dense_density(kind: str) 
 
 
 def test_the_likeliest_sign_of_a_stretch_is_that_of_the_dense_density() -> None:
-    """By sums over readings as by the density of the values with each stretch turned."""
     right = sized(asked("axis", 12, 5), ())
     off = replace(right, values=np.where(right.reading >= 7, -5, 5) * right.values)
-    (found,) = (each for each in stretches(off, [as_stated(space_of(off))], off.setup == 0) if each.wrong == "sign")
-    turned = {since: np.where(off.reading >= since, -1, 1) * off.values for since in range(3, 10)}
-    causes, nought = off.type_b[:, off.judging], np.zeros(len(off.values))
-    covariance = Dense(off).covariance(np.zeros(len(off.sizes))) + causes @ causes.T
-    gains = {since: log_density(each, nought, covariance) for since, each in turned.items()}
-    assert (found.first, found.last) == (max(gains, key=lambda since: gains[since]), -1) == (7, -1)
-    np.testing.assert_array_equal(found.other.values, turned[7])
-    assert found.log_odds == pytest.approx(gains[7] - log_density(off.values, nought, covariance), rel=1e-6)
+    found = next(each for each in suspects(off) if each.mistake.mistake == "sign")
+    wide, nought = Dense(off).judging(np.zeros(len(off.sizes))), np.zeros(len(off.values))
+    turned = [np.where(off.reading >= since, -1, 1) * off.values for since in range(3, 10)]
+    gains = [log_density(each, nought, wide) - log_density(off.values, nought, wide) for each in turned]
+    assert found.mistake.log_odds == pytest.approx(max(gains) + np.log(0.01 / found.places), rel=1e-6)
+    assert (found.mistake.reading, found.mistake.last) == (3 + int(np.argmax(gains)), -1) == (7, -1)
+    np.testing.assert_array_equal(found.other.values, turned[4])
 
 
 def test_without_a_contradiction_nothing_is_sought() -> None:

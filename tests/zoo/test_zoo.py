@@ -24,7 +24,6 @@ QUICK = (
     "slip: unit, mm for um",
     "slip: sign of one reading",
     "slip: one reading missed",
-    "slip: sign from a reading on",
     "slip: sign of one run",
     "slip: sides from a run on",
     "slip: one run counted back",
