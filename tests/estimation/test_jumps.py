@@ -56,12 +56,11 @@ def test_the_likeliest_jump_of_a_set_up_is_that_of_the_dense_density(kind: str) 
     assert found.mistake[2:4] == ((0,), best[1])
     assert found.places == places
     assert found.mistake.log_odds == pytest.approx(each[best], rel=1e-6)
-    columns = found.other.rows[:, : len(ways)].T
-    np.testing.assert_allclose(columns, best[0] * ways * (problem.reading >= best[1]))
+    np.testing.assert_allclose(found.other.rows[:, : len(ways)].T, best[0] * ways * (problem.reading >= best[1]))
     known = jumped(problem)
     assert known is not None
     assert known.jumps == (found.mistake,)
-    alone = _log_odds(problem, columns, places, judged=False)
+    alone = _log_odds(problem, found.other.rows[:, : len(ways)].T, places, judged=False)
     assert known.log_odds == pytest.approx(alone, rel=1e-6)
 
 
@@ -74,7 +73,6 @@ def test_the_likeliest_sign_of_a_stretch_is_that_of_the_dense_density() -> None:
     gains = [log_density(each, nought, wide) - log_density(off.values, nought, wide) for each in turned]
     assert found.mistake.log_odds == pytest.approx(max(gains) + np.log(0.01 / found.places), rel=1e-6)
     assert (found.mistake.reading, found.mistake.last) == (3 + int(np.argmax(gains)), -1) == (7, -1)
-    np.testing.assert_array_equal(found.other.values, turned[4])
 
 
 def test_without_a_contradiction_nothing_is_sought() -> None:

@@ -58,7 +58,6 @@ def test_sides_and_passes_of_a_stretch_are_turned_back() -> None:
     turned = [replace(each, approach=(-1 if each.number == 7 else 1,)) for each in RIGHT]
     assert put_right(turned, Accepted("sides", ("one",), 4, last=8)) == RIGHT
     assert put_right(_with({7: BY_NUMBER[9], 9: BY_NUMBER[7]}), Accepted("mirrored", ("one",), 4)) == RIGHT
-    assert put_right(_times(-1.0, {7}), Accepted("sign", ("one",), 4, -1.0, last=8)) == RIGHT
 
 
 def test_values_of_two_set_ups_are_exchanged_with_their_noise() -> None:

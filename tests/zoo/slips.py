@@ -54,7 +54,6 @@ def misplaced(visits: Visits, values: Array) -> tuple[Visits, Array]:
 STUCK = misread(lambda values: np.where(N >= 8, values[8], values))
 REPEATING = misread(lambda values: values[np.where(N % 3 == 2, N - 1, N)])
 IN_MM = misread(lambda values: values / 1000)
-TURNED_ON = misread(lambda values: np.where(N >= 17, -values, values))
 TURNED = misread(lambda values: np.where(N == 9, -values, values))
 IN_RUN = slipped(lambda visits, values: (visits, np.where(M // 28 == 1, -values, values)), test=RUNS)
 SIDES = slipped(lambda at, values: (Visits(at.x, np.where(M < 28, 1, -1) * at.sides), values), test=RUNS)
@@ -68,7 +67,6 @@ SLIPS = (
     Animal("slip: repeating", LASER.job, REPEATING, r"\bstuck|repeat", asked=True),
     Animal("slip: unit, mm for um", LASER.job, IN_MM, r"\bunit|in mm|1000 times", asked=True),
     Animal("slip: sign of one reading", LASER.job, TURNED, r"left out|does not agree|\bsign\b"),
-    Animal("slip: sign from a reading on", LASER.job, TURNED_ON, r"from reading 18 on have the other sign", asked=True),
     Animal("slip: sign of one run", LASER.job, IN_RUN, r"from reading 29 to 56 have the other sign", asked=True),
     Animal("slip: sides from a run on", LASER.job, SIDES, r"from reading 29 on fit the other sides", asked=True),
     Animal(
