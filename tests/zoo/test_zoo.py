@@ -26,7 +26,6 @@ QUICK = (
     "slip: one reading missed",
     "slip: sign of one run",
     "slip: sides from a run on",
-    "slip: one run counted back",
     NOTHING_WRONG.name,
 )
 """One of each kind; other tests hold the beds, and what is stuck, rounded or set anew."""
