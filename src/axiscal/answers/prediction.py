@@ -33,9 +33,14 @@ def predict_poses(estimation: Estimation, wanted: Sequence[RawPose], file: Path)
     Raises ReadingError with file and line for an unknown axis or a position outside the travel.
     """
     machine = estimation.case.description.machine
-    placed = [_placed(raw, machine, file) for raw in wanted]
-    poses = np.array([pose for pose, _ in placed]).reshape(len(placed), len(machine.axes))
-    approaches = np.array([approach for _, approach in placed]).reshape(poses.shape)
+    found = []
+    for raw in wanted:
+        try:
+            found.append(placed(machine, in_radii(raw.position, machine.axes), raw.approach))
+        except ReadingError as failure:
+            raise failure.placed(file, raw.line) from None
+    poses = np.array([pose for pose, _ in found]).reshape(len(found), len(machine.axes))
+    approaches = np.array([approach for _, approach in found]).reshape(poses.shape)
     return tcp_prediction(estimation, poses, approaches)
 
 
@@ -82,13 +87,6 @@ def placed(
             raise ReadingError(what, "{axis} goes from {travel}", axis=axis.name, shown=shown, travel=axis.travel_text)
         pose.append(at)
     return pose, [float(approach.get(name, 0)) for name in names]
-
-
-def _placed(raw: RawPose, machine: Machine, file: Path) -> tuple[list[float], list[float]]:
-    try:
-        return placed(machine, in_radii(raw.position, machine.axes), raw.approach)
-    except ReadingError as failure:
-        raise failure.placed(file, raw.line) from None
 
 
 def expectation(known: Estimation, place: Place) -> Band:

@@ -142,15 +142,14 @@ def estimate(campaign: Case | str | Path, readings: Iterable[Reading] | str | Pa
     description = (
         campaign.description if isinstance(campaign, Case) else campaign_with_sisters(campaign, target_needed=False)
     )
-    if isinstance(readings, str | Path):
-        raw = read_any(Path(readings), description.machine.axes, description.setups)
-        file = readings
-        description, readings = file_readings(raw, description, readings)
-        refuse_implausible(readings, description, file)
-    else:
-        readings = tuple(readings)
-        _refuse_foreign(readings, description)
-    return Estimated(description, tuple(readings))
+    if not isinstance(readings, str | Path):
+        taken = tuple(readings)
+        _refuse_foreign(taken, description)
+        return Estimated(description, taken)
+    raw = read_any(Path(readings), description.machine.axes, description.setups)
+    description, found = file_readings(raw, description, readings)
+    refuse_implausible(found, description, readings)
+    return Estimated(description, tuple(found))
 
 
 def _refuse_foreign(readings: Sequence[Reading], description: CampaignDescription) -> None:

@@ -173,7 +173,6 @@ class Case:
         learn: bool = False,
     ) -> None:
         one("Case", "machine", machine, Machine, 'load_machine("dmu60")')
-        one("Case", "learn", learn, bool, "True or False")
         scales, every = "estimate" if learn else "stated", listed("Case", "setups", setups)
         keys = {"machine": machine.name, "scales": scales, "target": {} if target is None else target, "setups": every}
         try:
