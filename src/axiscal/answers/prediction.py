@@ -36,7 +36,7 @@ def predict_poses(estimation: Estimation, wanted: Sequence[RawPose], file: Path)
     found = []
     for raw in wanted:
         try:
-            found.append(coordinates(machine, in_radii(raw.position, machine.axes), raw.approach))
+            found.append(pose_and_sides(machine, in_radii(raw.position, machine.axes), raw.approach))
         except ReadingError as failure:
             raise failure.placed(file, raw.line) from None
     poses = np.array([pose for pose, _ in found]).reshape(len(found), len(machine.axes))
@@ -66,7 +66,7 @@ def tcp_prediction(estimation: Estimation, poses: Array, approaches: Array) -> t
     return mean, np.sqrt(known + loose + beside**2)
 
 
-def coordinates(
+def pose_and_sides(
     machine: Machine, position: Mapping[str, float], approach: Mapping[str, int]
 ) -> tuple[list[float], list[float]]:
     """Return pose and approach, (q,) each; raises ReadingError for an axis that is not there, or a place outside.

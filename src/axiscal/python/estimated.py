@@ -11,7 +11,7 @@ from typing import Self
 
 import numpy as np
 
-from axiscal.answers.prediction import coordinates, tcp_prediction
+from axiscal.answers.prediction import pose_and_sides, tcp_prediction
 from axiscal.campaign.beginning import campaign_with_sisters
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.description.campaign import CampaignDescription
@@ -221,7 +221,7 @@ class Estimated(Mapping[str, Curve]):
         for pose in poses:
             given = one(where, "poses", pose, Mapping, '{"X": "300 mm"}').items()
             position = {name: si(at, where, name, axes.get(name, EITHER)) for name, at in given}
-            found.append(coordinates(self.machine, position, approach or {}))
+            found.append(pose_and_sides(self.machine, position, approach or {}))
         at, sides = np.array(found).reshape(-1, 2, len(axes)).transpose(1, 0, 2)
         return Band(*tcp_prediction(self.estimation, at, sided(where, sides, sides.shape)))
 
