@@ -94,9 +94,12 @@ def passing_columns(
 def drift_functions(setup: Setup, clock: Array) -> Array:
     """Return how far a zero of a set-up has drifted at some times, of unknowns of variance one, (r, 21) m or rad.
 
-    clock : (r,) s
+    clock : (r,) s; their size is usual of the noise, with what is stated or usual of the zero
     """
-    return _drift_size(setup, causes.time_of(clock)) * causes.drift_functions(clock)
+    usual, stated = DRIFT.size * setup.noise, 0.0
+    if setup.drift > 0:
+        stated = float(np.sqrt(wandering(setup.drift, [causes.time_of(clock)])[0, 0] / 2))
+    return float(np.hypot(usual, stated)) * causes.drift_functions(clock)
 
 
 def growth_functions(setup: Setup, clock: Array) -> Array:
@@ -192,14 +195,6 @@ def _of_each_zero(mine: _Mine, numbers: int, functions: Sequence[tuple[Kind, Arr
             columns = np.zeros((numbers, function.shape[1]))
             columns[mine.first + number] = function
             yield kind, columns
-
-
-def _drift_size(setup: Setup, length: float) -> float:
-    """Return the size of line and Brownian motion: as usual of the noise, with what is stated or usual of the zero."""
-    usual, stated = DRIFT.size * setup.noise, 0.0
-    if setup.drift > 0:
-        stated = float(np.sqrt(wandering(setup.drift, [length])[0, 0] / 2))
-    return float(np.hypot(usual, stated))
 
 
 def _of_axes(observation: Observation, mine: _Mine, numbers: int) -> Iterator[tuple[Kind, Array]]:
