@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
-from math import isfinite
 from numbers import Real
 from pathlib import Path
 from typing import Self
@@ -163,7 +162,7 @@ def _refuse_foreign(readings: Sequence[Reading], description: CampaignDescriptio
             if len(reading.pose) != len(names) or len(sides) != len(names) or {*sides} - {-1, 0, 1}:
                 remedy = "Give each of {axes} a coordinate and a side"
                 raise ReadingError("pose and approach do not have one number an axis", remedy, axes=joined(names))
-            if not all(isinstance(each, Real) and isfinite(each) for each in numbers) or numbers[-1] <= 0:
+            if not all(isinstance(each, Real) and np.isfinite(each) for each in numbers) or numbers[-1] <= 0:
                 raise ReadingError("its values or its std are no numbers", "Give finite ones, and a std above zero")
             placed_pose(setup, description.machine, dict(zip(names, reading.pose, strict=True)))
         except InputError as failure:
