@@ -25,7 +25,7 @@ __all__ = [
 
 _FILES = (
     "axes", "case", "curve", "errors", "instrument", "instruments", "known", "machine", "normal", "places", "plan",
-    "refusals",
+    "refusals", "rigid",
 )  # fmt: skip
 """Where the names are: who wants one file of them, as the product does, need not load them all."""
 

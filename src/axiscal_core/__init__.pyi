@@ -11,7 +11,6 @@ from axiscal_core.instrument import At as At
 from axiscal_core.instrument import Instrument as Instrument
 from axiscal_core.instrument import Unknowns as Unknowns
 from axiscal_core.instrument import angle as angle
-from axiscal_core.instrument import cross as cross
 from axiscal_core.instrument import length as length
 from axiscal_core.instruments import BallBar as BallBar
 from axiscal_core.instruments import Laser as Laser
@@ -27,6 +26,7 @@ from axiscal_core.plan import Evaluation as Evaluation
 from axiscal_core.plan import Plan as Plan
 from axiscal_core.refusals import Array as Array
 from axiscal_core.refusals import InputError as InputError
+from axiscal_core.rigid import cross as cross
 
 __all__ = [
     "Array", "At", "Axis", "BallBar", "Basis", "Case", "Curve", "Error", "Evaluation", "InputError", "Instrument",

@@ -17,8 +17,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from axiscal_core import rigid
-from axiscal_core.refusals import Array, InputError, finite, one_of, within
-from axiscal_core.units import Quantity, quantities, si
+from axiscal_core.refusals import Array, InputError, finite, named, one_of, within
+from axiscal_core.units import METRES, RADIANS, Of, Quantity, quantities, si
 
 DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 Direction = str | Sequence[float]
@@ -75,19 +75,26 @@ class Axis:
         cls, function: str, name: str, rotary: bool, direction: Direction, travel: Sequence[Quantity],
         on_workpiece: bool, origin: Sequence[Quantity], overrun: Quantity | None,
     ) -> Axis:  # fmt: skip
-        low, high = quantities(travel, function, "travel", (2,)).tolist()
+        of = RADIANS if rotary else METRES
+        low, high = quantities(travel, function, "travel", (2,), [of]).tolist()
         if low >= high:
             raise InputError(function, "travel", f"goes from {low:g} to {high:g}", "Give the lower end first")
         # 1 mm or 1 deg is usual, but no more than a hundredth of the travel
         usual = min(np.pi / 180 if rotary else 1e-3, (high - low) / 100)
-        over = usual if overrun is None else within(function, "overrun", si(overrun, function, "overrun"), 0.0)
+        over = usual if overrun is None else within(function, "overrun", si(overrun, function, "overrun", of), 0.0)
         way = unit_vector(direction, function, "about" if rotary else "along")
-        return cls(name, rotary, way, (low, high), on_workpiece, quantities(origin, function, "origin", (3,)), over)
+        at = quantities(origin, function, "origin", (3,), [METRES])
+        return cls(named(function, "name", name), rotary, way, (low, high), on_workpiece, at, over)
 
     @property
     def length(self) -> float:
         """The travel, m or rad."""
         return self.travel[1] - self.travel[0]
+
+    @property
+    def of(self) -> Of:
+        """What its coordinate is."""
+        return RADIANS if self.rotary else METRES
 
     @property
     def cyclic(self) -> bool:

@@ -32,7 +32,7 @@ class Case(Model):
     """
 
     def plan(
-        self, readings: int | None = None, *, minutes: float | None = None, rms: Quantity | None = None,
+        self, readings: int | None = None, *, minutes: Quantity | None = None, rms: Quantity | None = None,
         criterion: Criterion = "volume", candidates: Places | int = CANDIDATES, after: Readings | Places | None = None,
         keep: Places | None = None,
     ) -> Plan:  # fmt: skip
@@ -64,9 +64,7 @@ class Case(Model):
 
     def _table(self, table: Mapping[str, Sequence[object]]) -> Readings:
         if isinstance(table, str | list | tuple | np.ndarray | Places) or not hasattr(table, "__getitem__"):
-            raise InputError(
-                "Case.estimate", "readings", f"= {table!r} are none", "Give Readings(places, values), or a table"
-            )
+            raise InputError("Case.estimate", "readings", f"= {table!r} are none", "Give Readings, or a table")
         return self.readings(table)
 
     def __repr__(self) -> str:

@@ -46,8 +46,7 @@ class Curves(Bent):
     def scaled(self, theta: Array) -> Array:
         """Return the distances in correlation lengths, (f, k, k)."""
         factors = np.exp(np.append(theta, 0.0)[self.length_at])
-        result: Array = self.apart / (self.lengths * factors)[:, None, None]
-        return result
+        return np.asarray(self.apart / (self.lengths * factors)[:, None, None])
 
     def roots(self, theta: Array) -> Array:
         """Return L with L Lᵀ = s² R(l), (f, k, k)."""

@@ -17,8 +17,9 @@ from axiscal_core.axes import Axis
 from axiscal_core.errors import Curved
 from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
-from axiscal_core.refusals import Array, finite, one_of
+from axiscal_core.refusals import Array, computed, finite, one_of
 from axiscal_core.splines import gauss
+from axiscal_core.units import si
 
 Criterion = Literal["volume", "joint"] | Array | Callable[[Array], float]
 """What a plan makes small."""
@@ -35,7 +36,7 @@ class Goal(NamedTuple):
     def value(self, covariance: Array) -> float:
         """Return J.  covariance : (size, size)"""
         if self.function is not None:
-            return float(self.function(covariance))
+            return si(computed("criterion", "result", self.function, covariance), "criterion", "result")
         return float(np.einsum("wi,ij,wj->", self.root, covariance, self.root, optimize=True))
 
 

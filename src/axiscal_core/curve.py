@@ -15,10 +15,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from axiscal_core.normal import Normal
-from axiscal_core.refusals import Array, InputError, finite, whole, within
+from axiscal_core.refusals import Array, InputError, whole, within
 from axiscal_core.roots import largest, node_count
 from axiscal_core.splines import NaturalSpline, Spline, distances, even_knots, matern
 from axiscal_core.units import Quantity, quantities, si
@@ -58,9 +57,9 @@ class Curve:
         curve.spline, curve.known = spline, known
         return curve
 
-    def __call__(self, t: ArrayLike) -> Normal:
+    def __call__(self, t: Quantity | Sequence[Quantity] | Array) -> Normal:
         """Return what is known at positions t (eq. 18, 20): a normal over them, (m,)."""
-        at = finite("Curve", "t", np.atleast_1d(np.asarray(t)), (None,))
+        at = quantities([t] if np.ndim(t) == 0 else t, "Curve", "t", (None,), posed=True)
         self._refuse_outside("Curve", at)
         return self.known.through(self.spline.rows(at))
 

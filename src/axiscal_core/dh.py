@@ -14,10 +14,11 @@ import numpy as np
 
 from axiscal_core.axes import Axis
 from axiscal_core.errors import Offset
-from axiscal_core.refusals import Array, InputError, one_of
-from axiscal_core.units import Quantity, quantities
+from axiscal_core.refusals import Array, one, one_of, within
+from axiscal_core.rigid import turned_about
+from axiscal_core.units import METRES, RADIANS, Quantity, quantities, si
 
-PARAMETERS = ("a", "alpha", "d", "theta")
+PARAMETERS = {"a": METRES, "alpha": RADIANS, "d": METRES, "theta": RADIANS}
 
 
 def links(
@@ -25,27 +26,26 @@ def links(
     tool: Sequence[Quantity],
 ) -> tuple[list[Axis], list[Offset], Array, Array]:  # fmt: skip
     """Return axes, errors, the tool point (3,) and the tool's turn (3, 3) where all joints stand at zero."""
-    table = quantities(parameters, "Machine.from_dh", "parameters", (None, 4))
-    if not isinstance(std, Mapping):
-        raise InputError(
-            "Machine.from_dh", "std", f"= {std!r} is no mapping", 'Give {"a": "0.1 mm", "alpha": "0.1 mrad"}'
-        )
-    for name in std:
-        one_of("Machine.from_dh", "std", name, PARAMETERS)
+    table = quantities(parameters, "Machine.from_dh", "parameters", (None, 4), [*PARAMETERS.values()])
+    sizes = dict[str, float]()
+    for name, size in one("Machine.from_dh", "std", std, Mapping, '{"a": "0.1 mm", "alpha": "0.1 mrad"}').items():
+        of = PARAMETERS[one_of("Machine.from_dh", "std", name, [*PARAMETERS])]
+        sizes[name] = within("Machine.from_dh", "std", si(size, "Machine.from_dh", "std", of), 0.0)
     turn, at, frames = np.eye(3), np.zeros(3), []
-    for a, alpha, d, theta in table:
+    by_theta, by_alpha = (turned_about(way, table[:, i]) for way, i in ((turn[2], 3), (turn[0], 1)))
+    for (a, _, d, _), about_z, about_x in zip(table, by_theta, by_alpha, strict=True):
         z = turn[:, 2]
         frames.append((at, z))
-        turn = turn @ _about(2, theta)
+        turn = turn @ about_z
         at = at + d * z + a * turn[:, 0]
         frames.append((at, turn[:, 0]))
-        turn = turn @ _about(0, alpha)
+        turn = turn @ about_x
     names = [f"J{i + 1}" for i in range(len(table))]
     axes = [
         Axis.turning(name, z.tolist(), travel, origin.tolist())
         for name, (origin, z) in zip(names, frames[::2], strict=True)
     ]
-    point = at + turn @ quantities(tool, "Machine.from_dh", "tool", (3,))
+    point = at + turn @ quantities(tool, "Machine.from_dh", "tool", (3,), [METRES])
     errors = []
     for i, (joint, ((_, z), (end, x))) in enumerate(
         zip(names, zip(frames[::2], frames[1::2], strict=True), strict=True)
@@ -59,16 +59,7 @@ def links(
             "a": (following, own, np.zeros(3)), "alpha": (following, arm, own),
             "d": (joint, z, np.zeros(3)), "theta": (joint, np.zeros(3), z),
         }  # fmt: skip
-        for name, size in std.items():
+        for name, number in sizes.items():
             frame, shift, spin = twists[name]
-            errors.append(Offset(f"{name}{i + 1}", frame, [*shift, *spin], size))
+            errors.append(Offset(f"{name}{i + 1}", frame, [*shift, *spin], number))
     return axes, errors, point, turn
-
-
-def _about(axis: int, angle: float) -> Array:
-    """Return the turn about x (0) or z (2), (3, 3)."""
-    c, s = np.cos(angle), np.sin(angle)
-    i, j = {0: (1, 2), 2: (0, 1)}[axis]
-    result = np.eye(3)
-    result[i, i], result[i, j], result[j, i], result[j, j] = c, -s, s, c
-    return result

@@ -23,8 +23,7 @@ def unique_root(covariance: Array) -> Array:
     scale = np.where(std > 0, std, 1.0)
     values, vectors = np.linalg.eigh(covariance / scale[..., :, None] / scale[..., None, :])
     half = vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :]
-    root: Array = scale[..., :, None] * (half @ np.swapaxes(vectors, -1, -2))
-    return root
+    return np.asarray(scale[..., :, None] * (half @ np.swapaxes(vectors, -1, -2)))
 
 
 def settled(values: Array, vectors: Array) -> Array:

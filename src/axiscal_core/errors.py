@@ -17,7 +17,7 @@ from typing import Literal, Protocol, cast
 import numpy as np
 
 from axiscal_core.axes import Axis
-from axiscal_core.refusals import Array, InputError, whole, within
+from axiscal_core.refusals import Array, InputError, computed, finite, named, one_of, spread, whole, within
 from axiscal_core.splines import (
     Constant,
     CyclicSpline,
@@ -29,8 +29,8 @@ from axiscal_core.splines import (
     matern,
     ramp,
 )
-from axiscal_core.theta import Sure
-from axiscal_core.units import Quantity, quantities, si
+from axiscal_core.theta import SURE, Sure
+from axiscal_core.units import EITHER, METRES, RADIANS, Quantity, quantities, si
 
 Kind = Literal["motion", "reversal", "location"]
 COMPONENTS = "XYZABC"
@@ -65,6 +65,25 @@ class Basis(Protocol):
         """Return C, (n, n)."""
 
 
+class Own:
+    """A basis of one's own, of which every answer is looked at."""
+
+    def __init__(self, basis: Basis) -> None:
+        self.basis, self.frame = basis, basis.frame
+        self.name = named("Machine", "errors", basis.name)
+        prior = computed(self.name, "covariance()", basis.covariance)
+        self._prior = spread(self.name, "covariance()", prior, None)
+
+    def rows(self, poses: Array) -> Array:
+        """Return B, (m, 6, n)."""
+        found = computed(self.name, "rows(poses)", self.basis.rows, poses)
+        return finite(self.name, "rows(poses)", found, (len(poses), 6, len(self._prior)), posed=True)
+
+    def covariance(self) -> Array:
+        """Return C, (n, n)."""
+        return self._prior
+
+
 @dataclass(frozen=True)
 class Error:
     """One error by its ISO 230 name: EXX, ECY, C0Y, EXX_reversal, EXX_pitch.
@@ -89,16 +108,23 @@ class Error:
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not _NAME.fullmatch(self.name):
-            raise InputError(
-                "Error", "name", f"= {self.name!r} is not that of an error", "Names are EXX, C0Y, EXX_reversal"
-            )
+            raise InputError("Error", "name", f"= {self.name!r} is none", "Names are EXX, C0Y, EXX_reversal")
         whole("Error", "knots", self.count, 1)
         whole("Error", "waves", self.waves, 1)
-        for field, open_end in (("std", False), ("length", True), ("rest", False), ("scale", False), ("period", True)):
+        if self.sure is not None:
+            one_of("Error", "sure", self.sure, [*SURE])
+        size = RADIANS if self.component >= 3 else METRES
+        every = {"std": size, "length": EITHER, "rest": size, "scale": RADIANS, "period": EITHER}
+        for field, of in every.items():
             value = getattr(self, field)
-            if value is not None:  # quantities become numbers once, here
-                number = within("Error", field, si(value, "Error", field), 0.0, open_end)
+            if value is not None or field == "std":  # quantities become numbers once, here
+                number = within("Error", field, si(value, "Error", field, of), 0.0, field in ("length", "period"))
                 object.__setattr__(self, field, number)
+        wave, more = self.period is not None, (self.knots or 1) > 1
+        idle = {"knots": more and (wave or self.kind == "location"), "waves": self.waves > 1 and not wave}
+        idle["length"] = self.length is not None and (wave or self.count < 2)
+        for field in (field for field, stated in idle.items() if stated):
+            raise InputError("Error", field, f"changes nothing of {self.name}", "Leave it out")
 
     @property
     def kind(self) -> Kind:
@@ -168,8 +194,7 @@ class Curved:
         """The effect of one standard deviation of the scale on the control values, (n,); None without scale."""
         if not self.error.scale:
             return None
-        along: Array = cast(float, self.error.scale) * ramp(self.spline)
-        return along
+        return np.asarray(cast(float, self.error.scale) * ramp(self.spline))
 
     def correlation(self, longer: float = 1.0) -> Array:
         """Return R of the control values, (n, n), without the scale.  longer : factor on the length
@@ -194,9 +219,7 @@ def curved(error: Error, axes: Sequence[Axis]) -> Curved:
     """Return an error on its axis: a constant, cyclic on a full turn or along a wave, else a natural spline."""
     names = [axis.name for axis in axes]
     if error.axis not in names:
-        raise InputError(
-            "Machine", "errors", f"hold {error.name} of an axis that is not there", f"Axes are {', '.join(names)}"
-        )
+        raise InputError("Machine", "errors", f"hold {error.name}, of none of its axes", f"They are {', '.join(names)}")
     at = names.index(error.axis)
     axis, (low, high) = axes[at], axes[at].travel
     spline: Spline
@@ -231,7 +254,7 @@ class Offset:
     """
 
     def __init__(self, name: str, frame: str, twist: Sequence[float], std: Quantity) -> None:
-        self.name, self.frame = name, frame
+        self.name, self.frame = named("Offset", "name", name), frame
         self.twist = quantities(twist, "Offset", "twist", (6,))
         self.std = within("Offset", "std", si(std, "Offset", "std"), 0.0)
 
@@ -258,23 +281,28 @@ class Plane:
         lengths: Sequence[Quantity],
         knots: Sequence[int] = (5, 5),
     ) -> None:
-        if not re.fullmatch(r"E[XYZABC].+", name) or name[2:] != "".join(axis.name for axis in axes) or len(axes) != 2:
-            raise InputError(
-                "Plane", "name", f"= {name!r} does not name both axes", "Names are EZXY for z over X and Y"
-            )
+        if len(axes) != 2 or not all(isinstance(axis, Axis) for axis in axes) or len(knots) != 2:
+            raise InputError("Plane", "axes", "or knots are not two", "Give two axes, and two counts")
+        if not re.fullmatch(r"E[XYZABC].+", name) or name[2:] != "".join(axis.name for axis in axes):
+            raise InputError("Plane", "name", f"= {name!r} does not name both axes", "EZXY is z over X and Y")
         self.name, self.frame = name, axes[1].name
-        self.component, self.std = COMPONENTS.index(name[1]), within("Plane", "std", si(std, "Plane", "std"), 0.0)
+        self.component = COMPONENTS.index(name[1])
+        size = si(std, "Plane", "std", RADIANS if self.component >= 3 else METRES)
+        self.std = within("Plane", "std", size, 0.0)
         each = zip(axes, knots, strict=True)
         self.splines = [
             NaturalSpline(even_knots(*axis.travel, whole("Plane", "knots", count, 2))) for axis, count in each
         ]
-        self.lengths = quantities(lengths, "Plane", "lengths", (2,))
+        self.lengths = quantities(lengths, "Plane", "lengths", (2,), [axis.of for axis in axes])
+        within("Plane", "lengths", float(self.lengths.min()), 0.0, open_end=True)
         self.axes = tuple(axes)
         self._columns: tuple[int, int] = (0, 1)
 
     def on(self, axes: Sequence[Axis]) -> None:
         """Find its axes among the columns of poses; it moves the frame of the one nearer to the tool."""
         names = [axis.name for axis in axes]
+        for axis in self.axes:
+            one_of("Plane", "axes", axis.name, names)
         self._columns = names.index(self.axes[0].name), names.index(self.axes[1].name)
         self.frame = names[max(self._columns)]
 

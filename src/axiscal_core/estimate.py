@@ -75,9 +75,7 @@ def located(case: Model, readings: Readings) -> Array | None:
         if np.abs(there.shown - promised).max(initial=0.0) < _LINEAR * there.noise.min():
             return about
         about = mean
-    raise InputError(
-        "Case.estimate", "readings", "fit no machine near the one described", "Say better where instruments stand"
-    )
+    raise InputError("Case.estimate", "readings", "fit no machine near this one", "Say better where instruments stand")
 
 
 def only(case: Model, readings: Readings, kept: Array) -> Readings:

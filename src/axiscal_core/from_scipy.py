@@ -29,14 +29,12 @@ def chi_square_tail(degrees: float, value: float) -> float:
 
 def chi_square_share(degrees: Array, values: Array) -> Array:
     """Return the probability that a chi-square is at most `values`, (m,).  degrees : (m,) of freedom, any above zero"""
-    share: Array = _function("scipy.special", "chdtr")(degrees, values)
-    return share
+    return np.asarray(_function("scipy.special", "chdtr")(degrees, values))
 
 
 def chi_square_quantile(degrees: Array, share: float) -> Array:
     """Return what a chi-square is at most with probability `share`, (m,).  degrees : (m,) of freedom"""
-    places: Array = _function("scipy.special", "chdtri")(degrees, 1 - share)
-    return places
+    return np.asarray(_function("scipy.special", "chdtri")(degrees, 1 - share))
 
 
 def f_quantile(above: float, below: float, share: float) -> float:
@@ -58,27 +56,23 @@ def triangle_over(own: Array, below: Array) -> Array:
     if not below.size:
         return upper
     found = _function("scipy.linalg.lapack", "dtpqrt")(0, min(_COLUMNS, len(own)), upper, other, overwrite_a=1)
-    triangle: Array = found[0]
-    return triangle
+    return np.asarray(found[0])
 
 
 def solution(lower: Array, right: Array) -> Array:
     """Return L⁻¹ b, (n,) or (n, m).  lower : (n, n), lower triangular; right : (n,) or (n, m)"""
-    solved: Array = _function("scipy.linalg", "solve_triangular")(lower, right, lower=True, check_finite=False)
-    return solved
+    return np.asarray(_function("scipy.linalg", "solve_triangular")(lower, right, lower=True, check_finite=False))
 
 
 def back_solution(lower: Array, right: Array) -> Array:
     """Return L⁻ᵀ b, (n,) or (n, m).  lower : (n, n), lower triangular; right : (n,) or (n, m)"""
     solve = _function("scipy.linalg", "solve_triangular")
-    solved: Array = solve(lower, right, lower=True, trans="T", check_finite=False)
-    return solved
+    return np.asarray(solve(lower, right, lower=True, trans="T", check_finite=False))
 
 
 def solution_of_product(lower: Array, right: Array) -> Array:
     """Return (L Lᵀ)⁻¹ b, (n,) or (n, m).  lower : (n, n), lower triangular; right : (n,) or (n, m)"""
-    solved: Array = _function("scipy.linalg", "cho_solve")((lower, True), right, check_finite=False)
-    return solved
+    return np.asarray(_function("scipy.linalg", "cho_solve")((lower, True), right, check_finite=False))
 
 
 def take_off(table: Array, left: Array, right: Array) -> None:
@@ -91,20 +85,17 @@ def take_off(table: Array, left: Array, right: Array) -> None:
 
 def normal_share(below: Array) -> Array:
     """Return Φ(x), of the shape of x."""
-    shares: Array = _function("scipy.special", "ndtr")(below)
-    return shares
+    return np.asarray(_function("scipy.special", "ndtr")(below))
 
 
 def normal_quantile(share: Array) -> Array:
     """Return x with Φ(x) = share, of the shape of share."""
-    places: Array = _function("scipy.special", "ndtri")(share)
-    return places
+    return np.asarray(_function("scipy.special", "ndtri")(share))
 
 
 def log_normal_share(below: Array) -> Array:
     """Return log Φ(x), also far out in the tail, (n,)."""
-    shares: Array = _function("scipy.special", "log_ndtr")(below)
-    return shares
+    return np.asarray(_function("scipy.special", "log_ndtr")(below))
 
 
 def least_squares(
@@ -138,8 +129,7 @@ def sparse_solution(values: Array, rows: NDArray[np.intp], columns: NDArray[np.i
     values, rows, columns : (entries,) and where each stands; right : (n,) or (n, k)
     """
     stored = _function("scipy.sparse", "csc_array")((values, (rows, columns)), shape=(len(right), len(right)))
-    solved: Array = _function("scipy.sparse.linalg", "splu")(stored).solve(right)
-    return solved
+    return np.asarray(_function("scipy.sparse.linalg", "splu")(stored).solve(right))
 
 
 def root_in_place(matrix: Array) -> Array | None:
@@ -159,8 +149,7 @@ def inverse_of_product(lower: Array) -> Array:
         return lower.copy()  # which LAPACK refuses
     # what stands in rows is the transpose of what LAPACK reads in columns: without a copy its upper triangle
     half = np.triu(_function("scipy.linalg.lapack", "dpotri")(lower.T, lower=0)[0])
-    result: Array = half + np.triu(half, 1).T
-    return result
+    return np.asarray(half + np.triu(half, 1).T)
 
 
 def lowest(
@@ -172,8 +161,7 @@ def lowest(
     """
     bounds, options = [(low, high)] * len(start), {"maxiter": steps}
     minimize = _function("scipy.optimize", "minimize")
-    place: Array = minimize(objective, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options).x
-    return place
+    return np.asarray(minimize(objective, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options).x)
 
 
 @cache

@@ -26,8 +26,8 @@ import numpy as np
 from axiscal_core import rigid
 from axiscal_core.errors import Curved
 from axiscal_core.machine import Machine
-from axiscal_core.refusals import Array, InputError, one_of, within
-from axiscal_core.units import Quantity, si
+from axiscal_core.refusals import Array, InputError, each_once, failed, listed, named, one, one_of, within
+from axiscal_core.units import SECONDS, WANDER, Quantity, quantities, si
 
 Unknowns = Mapping[str, float]
 """Values of an instrument's own unknowns, by name."""
@@ -61,22 +61,14 @@ class At(NamedTuple):
 
 def length(v: Array) -> Array:
     """Return how long vectors are, (m,), analytically.  v : (m, 3)"""
-    result: Array = np.sqrt(np.sum(v * v, axis=1))
-    return result
-
-
-def cross(a: Array, b: Array) -> Array:
-    """Return a × b, (m, 3), of complex vectors as well.  a, b : (m, 3)"""
-    result: Array = a[:, [1, 2, 0]] * b[:, [2, 0, 1]] - a[:, [2, 0, 1]] * b[:, [1, 2, 0]]
-    return result
+    return np.asarray(np.sqrt(np.sum(v * v, axis=1)))
 
 
 def angle(y: Array, x: Array) -> Array:
     """Return the angle of (x, y), (m,), analytically near the real numbers: what arctan2 is not."""
     away = np.arctan2(np.real(y), np.real(x))
     c, s = np.cos(away), np.sin(away)
-    result: Array = away + np.arctan((y * c - x * s) / (x * c + y * s))
-    return result
+    return np.asarray(away + np.arctan((y * c - x * s) / (x * c + y * s)))
 
 
 class Mounting(TypedDict, total=False):
@@ -116,30 +108,35 @@ class Instrument:
     setup_time: Quantity = "0 s"
 
     def __init__(self, name: str, moves: str | Sequence[str], **mounting: Unpack[Mounting]) -> None:
-        self.name, where = name, type(self).__name__
+        where = type(self).__name__
+        self.name = named(where, "name", name)
+        if not isinstance(moves, Sequence):
+            raise InputError(where, "moves", f"= {moves!r} names no axis", 'Give "XY", or a list')
         self.moves = tuple(re.findall(r"[A-Za-z]\d*", moves) if isinstance(moves, str) else moves)
+        each_once(where, "moves", self.moves)
         for field, value in mounting.items():
             setattr(self, one_of(where, "mounting", field, [*Mounting.__annotations__]), value)
         one_of(where, "approach", self.approach, ("both", "+", "-"))
-        if len(self.names) != len(self.units):
+        each_once(where, "names", listed(where, "names", self.names))
+        if len(self.names) != len(listed(where, "units", self.units)):
             raise InputError(where, "units", f"are {len(self.units)} of {len(self.names)} names", "Give one for each")
         for unit in self.units:
             one_of(where, "units", unit, ("m", "rad"))
-        shared = set(self.unknowns) & set(self.type_b)
-        if shared:
+        for argument in ("unknowns", "type_b", "park"):
+            one(where, argument, getattr(self, argument), Mapping, '{"name": "1 mm"}')
+        if shared := {*self.unknowns} & {*self.type_b}:
             raise InputError(where, "type_b", f"names the unknown {min(shared)}", "Readings show it, or they do not")
-        one = isinstance(self.noise, str) or np.ndim(self.noise) == 0
-        many = [self.noise] * len(self.names) if one else [*np.asarray(self.noise, dtype=object)]
-        if len(many) != len(self.names):
-            raise InputError(
-                where, "noise", f"has {len(many)} values of {len(self.names)} names", "Give one, or one for each"
-            )
-        self.sigma = np.array([within(where, "noise", si(each, where, "noise"), 0.0, open_end=True) for each in many])
-        self.own = {k: within(where, k, si(std, where, k), 0.0) for k, std in self.unknowns.items()}
-        self.considered = {k: within(where, k, si(std, where, k), 0.0) for k, std in self.type_b.items()}
-        self.wander = within(where, "drift", si(self.drift, where, "drift"), 0.0)
-        self.costs = within(where, "seconds", si(self.seconds, where, "seconds"), 0.0)
-        self.begins = within(where, "setup_time", si(self.setup_time, where, "setup_time"), 0.0)
+        alone = isinstance(self.noise, str) or np.ndim(self.noise) == 0
+        each, count = [self.noise] * len(self.names) if alone else self.noise, (len(self.names),)
+        self.sigma = quantities(each, where, "noise", count, [(unit,) for unit in self.units])
+        within(where, "noise", float(self.sigma.min()), 0.0, open_end=True)
+        self.own, self.considered = (
+            {name: within(where, name, si(std, where, name), 0.0) for name, std in given.items()}
+            for given in (self.unknowns, self.type_b)
+        )
+        self.wander = within(where, "drift", si(self.drift, where, "drift", WANDER), 0.0)
+        self.costs = within(where, "seconds", si(self.seconds, where, "seconds", SECONDS), 0.0)
+        self.begins = within(where, "setup_time", si(self.setup_time, where, "setup_time", SECONDS), 0.0)
 
     def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
         """Return the numbers of a reading, (m,) each, in m or rad.
@@ -186,8 +183,7 @@ def numbers(instrument: Seeing, at: At, u: Unknowns) -> Array:
     except InputError:
         raise
     except (ArithmeticError, AttributeError, LookupError, NameError, TypeError, ValueError) as fault:
-        what = f"cannot be computed ({type(fault).__name__}: {fault})"
-        raise InputError(where, "result", what, "Repair the function") from fault
+        raise failed(where, "result", fault) from fault
     if not isinstance(found, list | tuple) or len(found) != len(instrument.names):
         what, names = f"is {type(found).__name__}", ", ".join(instrument.names)
         raise InputError(where, "result", what, f"Return a list of one array for each of {names}")
@@ -286,9 +282,7 @@ def refuse_what_is_not_analytic(instrument: Instrument, at: At) -> None:
     shown = numbers(instrument, at, u)
     if not np.isfinite(shown).all():
         pose = int(np.argwhere(~np.isfinite(shown))[0, 0])
-        raise InputError(
-            f"{where}.sees", "result", f"is no number at {poses[pose]}", "It has to be one at every pose", pose
-        )
+        raise InputError(f"{where}.sees", "result", f"is no number at {poses[pose]}", "Repair the function", pose)
     exact, own = slopes(instrument, at, u), own_slopes(instrument, at, u, [*u])
     changes = [(f"at.moved[:, {i}]", exact.moved[:, :, i], "moved", way) for i, way in enumerate(np.eye(3))]
     changes += [(f"at.turned[:, {i}]", exact.turned[:, :, i], "turned", way) for i, way in enumerate(np.eye(3))]
@@ -301,6 +295,9 @@ def refuse_what_is_not_analytic(instrument: Instrument, at: At) -> None:
             both = f"a complex step gives {slope[pose, k]:g}, a difference {rough[pose, k]:g}"
             remedy = "Use ac.length, ac.cross, ac.angle; no abs, norm, arctan2"
             raise InputError(f"{where}.sees", "result", f"is not analytic in {what}: {both}", remedy, pose)
+    if not exact.moved.any() and not exact.turned.any():
+        blind = "changes with neither at.moved nor at.turned"
+        raise InputError(f"{where}.sees", "result", blind, "Return what errors of the machine do to it")
 
 
 def _difference(instrument: Instrument, at: At, u: dict[str, float], of: str, way: Array) -> Array:
@@ -313,5 +310,4 @@ def _difference(instrument: Instrument, at: At, u: dict[str, float], of: str, wa
     else:
         before = getattr(at, of)
         up, down = (numbers(instrument, at._replace(**{of: before + step * way}), u) for step in (_STEP, -_STEP))
-    result: Array = (up - down) / (2 * _STEP)
-    return result
+    return np.asarray((up - down) / (2 * _STEP))

@@ -16,7 +16,7 @@ from axiscal_core.axes import Direction, unit_vector
 from axiscal_core.instrument import At, Instrument, Mounting, Unknowns, length
 from axiscal_core.refusals import Array
 from axiscal_core.rigid import rotation
-from axiscal_core.units import Quantity, quantities
+from axiscal_core.units import METRES, Quantity, quantities
 
 _ZEROS: Mapping[str, Quantity] = {f"zero_{axis}": "1 mm" for axis in "xyz"}
 _TURNS: Mapping[str, Quantity] = {f"turn_{axis}": "1 mrad" for axis in "xyz"}
@@ -65,7 +65,7 @@ class Stationed(Instrument):
         self, name: str, moves: str | Sequence[str], station: Sequence[Quantity], **mounting: Unpack[Mounting]
     ) -> None:
         super().__init__(name, moves, **mounting)
-        self.station = quantities(station, type(self).__name__, "station", (3,))
+        self.station = quantities(station, type(self).__name__, "station", (3,), [METRES])
 
 
 class BallBar(Stationed):

@@ -21,9 +21,9 @@ from axiscal_core.curve import Curve
 from axiscal_core.errors import Curved
 from axiscal_core.model import Model
 from axiscal_core.normal import Normal
-from axiscal_core.places import Readings
+from axiscal_core.places import Readings, sided
 from axiscal_core.plan import expanded
-from axiscal_core.refusals import Array, InputError, finite, one_of, whole
+from axiscal_core.refusals import Array, finite, one, one_of, spread, whole
 from axiscal_core.units import Quantity
 
 
@@ -50,13 +50,10 @@ class Known:
     @classmethod
     def of(cls, case: Model, mean: ArrayLike, covariance: ArrayLike) -> Known:
         """Return what is known already.  mean : (size,); covariance : (size, size)"""
+        one("Known.of", "case", case, Model, "Case(machine, instruments)")
         found = finite("Known.of", "mean", mean, (case.size,))
-        spread = finite("Known.of", "covariance", covariance, (case.size, case.size))
-        size = float(np.abs(spread).max(initial=0.0))
-        if not np.allclose(spread, spread.T, atol=1e-12 * size) or np.linalg.eigvalsh(spread).min() < -1e-9 * size:
-            what, remedy = "is none", "Give a matrix that is symmetric and has no variance below zero"
-            raise InputError("Known.of", "covariance", what, remedy)
-        return cls(case, found, spread, np.zeros((case.size, 0, 1)), np.ones(1))
+        wide = spread("Known.of", "covariance", covariance, case.size)
+        return cls(case, found, wide, np.zeros((case.size, 0, 1)), np.ones(1))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -113,7 +110,7 @@ class Known:
         Rests count as before any reading: what was learnt of a cell is not used elsewhere.
         """
         at = self.case.machine.poses(poses, "Known.deviation")
-        came = None if sides is None else finite("Known.deviation", "sides", sides, at.shape)
+        came = None if sides is None else sided("Known.deviation", sides, at.shape)
         machine = self.case.machine
         own = machine.rows(at, came).displacement
         rows = np.concatenate([own, np.zeros((*own.shape[:2], self.case.size - machine.size))], axis=2)
@@ -132,9 +129,9 @@ class Known:
         """Return one error as a curve: `known["EXX"](positions)` is a normal over positions."""
         terms = {term.name: i for i, term in self.case.machine.curves}
         i = terms[one_of("Known", "name", name, [*terms])]
-        term, columns, spread = self.case.machine.terms[i], self.case.machine.columns[i], self.covariance
+        term, columns, every = self.case.machine.terms[i], self.case.machine.columns[i], self.covariance
         assert isinstance(term, Curved), "a curve is one"
-        return Curve.of(term.spline, Normal(self.mean[columns], spread[columns, columns]))
+        return Curve.of(term.spline, Normal(self.mean[columns], every[columns, columns]))
 
     def budget(self, figures: ArrayLike, caused: ArrayLike | None = None) -> dict[str, float]:
         """Return what each source adds to the standard uncertainty of a figure F u: a sum of squares.

@@ -18,11 +18,19 @@ import numpy as np
 
 from axiscal_core.axes import Axis, Frames, chain
 from axiscal_core.dh import links
-from axiscal_core.errors import Basis, Curved, Error, Plane, as_usual, curved
-from axiscal_core.refusals import Array, InputError, finite
-from axiscal_core.units import Quantity, quantities, si
+from axiscal_core.errors import Basis, Curved, Error, Own, Plane, as_usual, curved
+from axiscal_core.refusals import Array, InputError, each_once, finite, listed, one
+from axiscal_core.units import METRES, Quantity, quantities, si
 
-_CHECKED = 3  # poses at which the rows of a basis of one's own are looked at
+_CHECKED = 0.0, 0.3, 0.5, 1.0  # of the travels: where the rows of a basis of one's own are looked at first
+
+
+def _held(held: object) -> Array:
+    """Return how the tool is turned, (3, 3)."""
+    found = finite("Machine", "held", held, (3, 3))
+    if not np.allclose(found @ found.T, np.eye(3), atol=1e-9) or np.linalg.det(found) < 0:
+        raise InputError("Machine", "held", "is no turn", "Give a matrix whose columns are a right-handed frame")
+    return found
 
 
 class Rows(NamedTuple):
@@ -43,20 +51,22 @@ class Machine:
         self, axes: Sequence[Axis], errors: Sequence[Error | Basis], tool: Quantity | Sequence[Quantity] = 0.0,
         held: Array | None = None,
     ) -> None:  # fmt: skip
-        for what, given in (("axes", axes), ("errors", errors)):
-            if isinstance(given, str) or not isinstance(given, Sequence) or not given:
-                raise InputError("Machine", what, f"= {given!r} is no list", "Give a list of one or more")
-        self.axes, self.errors, self.held = tuple(axes), tuple(errors), held
+        made = 'Axis.linear("X", "x", (0, "600 mm"))'
+        self.axes = tuple(one("Machine", "axes", axis, Axis, made) for axis in listed("Machine", "axes", axes))
+        self.errors = tuple(listed("Machine", "errors", errors))
+        self.held = None if held is None else _held(held)
         scalar = isinstance(tool, str | int | float)
         self.tool = (
-            np.array([0, 0, -si(tool, "Machine", "tool")]) if scalar else quantities(tool, "Machine", "tool", (3,))
+            np.array([0, 0, -si(tool, "Machine", "tool", METRES)])
+            if scalar
+            else quantities(tool, "Machine", "tool", (3,), [METRES])
         )
         self.names = [axis.name for axis in self.axes]
-        self._refuse_twice("axes", self.names)
-        self.terms: list[Curved | Basis] = [
+        each_once("Machine", "axes", self.names)
+        self.terms: list[Curved | Own] = [
             curved(e, self.axes) if isinstance(e, Error) else self._own(e) for e in self.errors
         ]
-        self._refuse_twice("errors", [error.name for error in self.errors])
+        each_once("Machine", "errors", [error.name for error in self.errors])
         self.curves = [(i, term) for i, term in enumerate(self.terms) if isinstance(term, Curved)]
         sizes = [term.covariance().shape[0] for term in self.terms]
         self.columns = [slice(*pair) for pair in pairwise(accumulate(sizes, initial=0))]
@@ -77,12 +87,14 @@ class Machine:
 
     def as_usual(self) -> Machine:
         """Return the machine with what curves usually have and nobody stated: lengths, rests, scales."""
-        found = [as_usual(t.error, self.axes[t.at]) if isinstance(t, Curved) else t for t in self.terms]
+        found = [as_usual(t.error, self.axes[t.at]) if isinstance(t, Curved) else t.basis for t in self.terms]
         return Machine(self.axes, found, self.tool.tolist(), self.held)
 
     def poses(self, values: object, function: str = "Machine.poses") -> Array:
         """Return poses as an array, (m, q); refuses those outside the travel."""
-        poses = quantities(values, function, "poses", (None, len(self.axes)))
+        poses = quantities(
+            values, function, "poses", (None, len(self.axes)), [axis.of for axis in self.axes], posed=True
+        )
         for k, axis in enumerate(self.axes):
             low, high = axis.travel
             slack = 1e-9 * axis.length  # rounding of a place at the end
@@ -147,7 +159,7 @@ class Machine:
             return sign * along, still
         return sign * np.cross(along, frames.tcp - frames.origins[k]), sign * along
 
-    def _moved(self, term: Basis, frames: Frames, poses: Array) -> tuple[Array, Array]:
+    def _moved(self, term: Own, frames: Frames, poses: Array) -> tuple[Array, Array]:
         """Return what a basis of one's own does, (m, 3, n) each."""
         rows = term.rows(poses)
         if term.frame == "tool":
@@ -163,29 +175,21 @@ class Machine:
             return np.ones(count)
         return np.zeros(count) if sides is None else sides[:, term.at] / 2
 
-    def _own(self, error: Basis) -> Basis:
+    def _own(self, error: Basis) -> Own:
         missing = [each for each in ("name", "frame", "rows", "covariance") if not hasattr(error, each)]
         if missing:
             raise InputError("Machine", "errors", f"hold {error!r} without {', '.join(missing)}", "See Basis")
+        if isinstance(error, type):
+            raise InputError("Machine", "errors", f"hold {error!r}, a class", "Give an object of it")
         if isinstance(error, Plane):
             error.on(self.axes)
         if error.frame not in [*self.names, "tool"]:
             what, known = f"hold {error.name} of an unknown frame {error.frame!r}", ", ".join([*self.names, "tool"])
             raise InputError("Machine", "errors", what, f"Frames are {known}")
-        prior = finite(error.name, "covariance()", error.covariance(), (None, None))
-        middles = np.tile([sum(axis.travel) / 2 for axis in self.axes], (_CHECKED, 1))
-        finite(error.name, "rows(poses)", error.rows(middles), (_CHECKED, 6, len(prior)))
-        scale = float(np.abs(prior).max())
-        if not np.allclose(prior, prior.T) or np.linalg.eigvalsh(prior).min() < -1e-9 * scale:
-            raise InputError(
-                error.name, "covariance()", "is none", "Give a matrix that is symmetric and has no variance below zero"
-            )
-        return error
-
-    def _refuse_twice(self, what: str, names: Sequence[str]) -> None:
-        for name in names:
-            if names.count(name) > 1:
-                raise InputError("Machine", what, f"hold {name} twice", "Give each its own name")
+        found = Own(error)
+        low, high = np.array([axis.travel for axis in self.axes]).T
+        found.rows(low + np.outer(_CHECKED, high - low))
+        return found
 
     def __repr__(self) -> str:
         return f"<Machine {''.join(self.names)}: {len(self.errors)} errors, {self.size} coefficients>"

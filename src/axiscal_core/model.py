@@ -20,9 +20,9 @@ from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
 from axiscal_core.places import Places, Readings
 from axiscal_core.points import even_points
-from axiscal_core.refusals import Array, InputError, one_of, whole
-from axiscal_core.theta import Sure
-from axiscal_core.units import quantities, si
+from axiscal_core.refusals import Array, InputError, each_once, listed, one, one_of, whole
+from axiscal_core.theta import SURE, Sure
+from axiscal_core.units import EITHER, SECONDS, Of, quantities, si
 
 CANDIDATES = 800
 """Even places: with twice as many J of eight drawn plans falls by up to a tenth, of six of them by less than 1 %."""
@@ -52,36 +52,25 @@ class Numbers(NamedTuple):
 
 
 class Model:
-    """What does not change while a machine is measured.
-
-    usual : "on" adds what usually goes wrong and nobody stated, to errors and to readings: see `causes`
-    sure : how well stated sizes are known; aligned : a rigid motion of the whole volume counts as no error
-    """
+    """What does not change while a machine is measured; arguments are those of `Case`."""
 
     def __init__(
         self, machine: Machine, instruments: Sequence[Instrument], *, usual: Literal["on", "off"] = "on",
         sure: Sure = "well", aligned: bool = True,
     ) -> None:  # fmt: skip
-        if not isinstance(machine, Machine):
-            raise InputError("Case", "machine", f"= {machine!r} is none", "Give Machine(axes, errors)")
-        if isinstance(instruments, str | Instrument) or not isinstance(instruments, Sequence) or not instruments:
-            raise InputError("Case", "instruments", f"= {instruments!r} is no list", "Give a list of one or more")
+        one("Case", "machine", machine, Machine, "Machine(axes, errors)")
         self.usual = one_of("Case", "usual", usual, ("on", "off")) == "on"
         self.sure: Sure = sure
-        one_of("Case", "sure", sure, ("roughly", "well", "exactly"))
-        self.aligned, self.stated = aligned, machine
+        one_of("Case", "sure", sure, [*SURE])
+        self.aligned, self.stated = one("Case", "aligned", aligned, bool, "True or False"), machine
         self.machine = machine.as_usual() if self.usual else machine
-        self.instruments = tuple(instruments)
+        self.instruments = tuple(listed("Case", "instruments", instruments))
         self.setups = [self._mounted(each) for each in self.instruments]
-        if len(set(self.setups)) < len(self.setups):
-            raise InputError("Case", "instruments", "hold one name twice", "Give each its own name")
+        each_once("Case", "instruments", self.setups)
 
     def _mounted(self, instrument: Instrument) -> str:
         """Return the name of an instrument that can be mounted here."""
-        if not isinstance(instrument, Instrument):
-            raise InputError(
-                "Case", "instruments", f"hold {instrument!r}", "Give Laser('laser', 'X'), or a class of your own"
-            )
+        one("Case", "instruments", instrument, Instrument, "Laser('laser', 'X'), or an object of your own class")
         known = ", ".join(self.machine.names)
         for name in (*instrument.moves, *instrument.park):
             if name not in self.machine.names:
@@ -132,13 +121,12 @@ class Model:
         """The criterion "volume"."""
         return volume(self.machine, self.size, self.aligned)
 
-    def checked(self, places: Places | Readings, function: str) -> Places:
+    def checked(self, places: Places | Readings, function: str, argument: str = "places") -> Places:
         """Return the places, on instruments and within the travel of this case."""
-        found = places.places if isinstance(places, Readings) else places
-        if not isinstance(found, Places):
-            raise InputError(function, "places", f"= {places!r} are none", "Give Places(instrument, poses)")
+        given = places.places if isinstance(places, Readings) else places
+        found = one(function, argument, given, Places, "Places(instrument, poses)")
         for name in found.instruments:
-            one_of(function, "places", name, self.setups)
+            one_of(function, argument, name, self.setups)
         self.machine.poses(found.poses, function)
         return found
 
@@ -172,7 +160,7 @@ class Model:
 
     def taken(self, after: Readings | Places | None, function: str) -> Numbers | None:
         """Return the numbers of readings that are there, None where there are none."""
-        return None if after is None or not len(self.checked(after, function)) else self.numbers(after)
+        return None if after is None or not len(self.checked(after, function, "after")) else self.numbers(after)
 
     def shows(self, places: Places, x: Array) -> Normal:
         """Return what readings show of unknowns x (size,), nothing linearised, with noise and rests."""
@@ -181,13 +169,12 @@ class Model:
 
     def values(self, readings: Readings, function: str) -> Array:
         """Return the values of readings, one for each number, (n,)."""
-        self.checked(readings, function)
+        one(function, "readings", readings, Readings, "Readings(places, values)")
+        self.checked(readings, function, "readings")
         each = [len(self.instruments[self.setups.index(name)].names) for name in readings.places.instruments]
         if sum(each) != len(readings.values):
             what = f"hold {len(readings.values)} values of {sum(each)} numbers"
-            raise InputError(
-                function, "readings", what, "Give every number of every reading, in the order of the places"
-            )
+            raise InputError(function, "readings", what, "Give all numbers, in the order of the places")
         return readings.values
 
     def cells(self, poses: Array) -> Array:
@@ -219,20 +206,28 @@ class Model:
             raise InputError("Case.readings", "table", f"has no column {missing[0]!r}", f"It needs {known}")
         names = [str(name) for name in table["instrument"]]
 
-        def column(name: str) -> Array:
-            given = [*table[name]] if name in table else [0.0] * len(names)
-            return quantities(given, "Case.readings", name, (len(names),))
+        def given(name: str) -> list[object]:
+            found = [*table[name]]
+            if len(found) != len(names):
+                what = f"has {len(found)} values of {len(names)} readings"
+                raise InputError("Case.readings", name, what, "Give one for each")
+            return found
 
-        poses, sides = (np.stack([column(name + each) for name in self.machine.names], 1) for each in ("", "_side"))
-        places = self.checked(Places(names, poses, sides), "Case.readings")
-        values = list[object]()
+        def column(name: str, of: Of) -> Array:
+            found = given(name) if name in table else [0.0] * len(names)
+            return quantities(found, "Case.readings", name, (len(names),), [of], posed=True)
+
+        poses, sides = (np.stack([column(a.name + e, a.of) for a in self.machine.axes], 1) for e in ("", "_side"))
+        places = self.checked(Places(names, poses, sides), "Case.readings", "instrument")
+        values = list[float]()
         for i, name in enumerate(names):
-            for number in self.instruments[self.setups.index(name)].names:
+            instrument = self.instruments[self.setups.index(name)]
+            for number, unit in zip(instrument.names, instrument.units, strict=True):
                 if number not in table:
                     raise InputError("Case.readings", "table", f"has no column {number!r}", f"{name} shows it", i)
-                values.append([*table[number]][i])
-        std, time = (column(what) if what in table else None for what in ("std", "time"))
-        return Readings(places, quantities(values, "Case.readings", "values", (None,)), std, time)
+                values.append(si(given(number)[i], "Case.readings", number, (unit,), i))
+        std, time = (column(what, of) if what in table else None for what, of in (("std", EITHER), ("time", SECONDS)))
+        return Readings(places, values, std, time)
 
     def table(self, places: Places | Readings) -> dict[str, list[object]]:
         """Return places or readings as columns: `pandas.DataFrame(case.table(plan.places))`."""
@@ -259,7 +254,7 @@ class Model:
         """Return even places of one instrument."""
         axes, machine = [self.machine.names.index(name) for name in instrument.moves], self.machine
         where = type(instrument).__name__
-        parked = [si(instrument.park.get(a.name, sum(a.travel) / 2), where, "park") for a in machine.axes]
+        parked = [si(instrument.park.get(a.name, sum(a.travel) / 2), where, "park", a.of) for a in machine.axes]
         poses, sides = np.tile(machine.poses([parked], where), (count, 1)), np.zeros((count, len(machine.axes)))
         ways = len(instrument.sides)
         even = even_points(count, len(axes))

@@ -10,29 +10,33 @@ array([1.2e-06, 3.4e-06])
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, cast
 
 import numpy as np
 
 from axiscal_core.instrument import Instrument
 from axiscal_core.normal import Normal
-from axiscal_core.refusals import Array, InputError, finite, whole
-from axiscal_core.units import Quantity, quantities
+from axiscal_core.refusals import Array, InputError, finite, named, one, whole
+from axiscal_core.units import SECONDS, Quantity, quantities
 
 
 class Showing(Protocol):
     """What says what a machine would show: a case."""
 
     @property
-    def size(self) -> int:
-        """The number of unknowns."""
-
-    @property
     def prior(self) -> Normal:
-        """What is known of them before any reading."""
+        """What is known of the unknowns before any reading."""
 
     def shows(self, places: Places, x: Array) -> Normal:
         """Return what readings show of unknowns x, with noise and rests."""
+
+
+def sided(function: str, sides: object, shape: tuple[int, ...]) -> Array:
+    """Return from where axes come, (m, q)."""
+    found = finite(function, "sides", sides, shape, posed=True)
+    for i in np.flatnonzero(~np.isin(found, (-1, 0, 1)).all(axis=1)).tolist():
+        raise InputError(function, "sides", f"are {found[i]}", "Give +1, -1 or 0 for each axis", i)
+    return found
 
 
 class Places:
@@ -47,27 +51,28 @@ class Places:
         self, instrument: str | Instrument | Sequence[str | Instrument],
         poses: Sequence[Sequence[Quantity]] | Array, sides: Sequence[Sequence[float]] | Array | None = None,
     ) -> None:  # fmt: skip
-        self.poses = quantities(poses, "Places", "poses", (None, None))
-        each = [instrument] * len(self.poses) if isinstance(instrument, str | Instrument) else list(instrument)
+        self.poses = quantities(poses, "Places", "poses", (None, None), posed=True)
+        several = isinstance(instrument, Sequence) and not isinstance(instrument, str)
+        each = [*cast("Sequence[str | Instrument]", instrument)] if several else [instrument] * len(self.poses)
         if len(each) != len(self.poses):
-            raise InputError(
-                "Places", "instrument", f"has {len(each)} for {len(self.poses)} poses", "Give one, or one each"
-            )
-        self.instruments = tuple(one.name if isinstance(one, Instrument) else one for one in each)
-        self.sides = np.zeros_like(self.poses) if sides is None else finite("Places", "sides", sides, self.poses.shape)
-        for i in np.flatnonzero(~np.isin(self.sides, (-1, 0, 1)).all(axis=1)).tolist():
-            raise InputError("Places", "sides", f"are {self.sides[i]}", "Give +1, -1 or 0 for each axis", i)
+            what = f"has {len(each)} for {len(self.poses)} poses"
+            raise InputError("Places", "instrument", what, "Give one, or one each")
+        names = [who.name if isinstance(who, Instrument) else who for who in each]
+        self.instruments = tuple(named("Places", "instrument", name) for name in names)
+        self.sides = np.zeros_like(self.poses) if sides is None else sided("Places", sides, self.poses.shape)
 
     def __len__(self) -> int:
         return len(self.poses)
 
     def at(self, which: Sequence[int] | np.ndarray) -> Places:
         """Return some of them."""
-        chosen = np.arange(len(self))[which]
+        chosen = np.arange(len(self))[which if isinstance(which, np.ndarray) else [*which]]
         return Places([self.instruments[i] for i in chosen], self.poses[chosen], self.sides[chosen])
 
     def __add__(self, other: Places) -> Places:
         """Return these places, then others."""
+        one("Places", "+", other, Places, "Places(instrument, poses)")
+        finite("Places", "+", other.poses, (None, self.poses.shape[1]))
         both = (*self.instruments, *other.instruments)
         return Places(both, *(np.concatenate(pair) for pair in ((self.poses, other.poses), (self.sides, other.sides))))
 
@@ -87,19 +92,14 @@ class Readings:
         self, places: Places, values: Sequence[Quantity] | Sequence[Sequence[Quantity]] | Array,
         std: Sequence[Quantity] | Array | None = None, time: Sequence[Quantity] | Array | None = None,
     ) -> None:  # fmt: skip
-        if not isinstance(places, Places):
-            raise InputError("Readings", "places", f"= {places!r} are none", "Give Places(instrument, poses)")
-        shape = (None,) * np.ndim(np.array(values, dtype=object))
-        found = quantities(values, "Readings", "values", shape or (None,))
-        if found.ndim not in (1, 2) or (found.ndim == 2 and len(found) != len(places)):
-            raise InputError(
-                "Readings", "values", f"has the shape {found.shape} for {len(places)} places", "Give (m, k)"
-            )
-        self.places, self.values = places, found.ravel()
-        self.std = None if std is None else quantities(std, "Readings", "std", (len(places),))
+        one("Readings", "places", places, Places, "Places(instrument, poses)")
+        shape = (len(places), None) if np.ndim(np.array(values, dtype=object)) == 2 else (None,)
+        self.places, self.values = places, quantities(values, "Readings", "values", shape, posed=True).ravel()
+        self.std = None if std is None else quantities(std, "Readings", "std", (len(places),), posed=True)
         if self.std is not None and (self.std <= 0).any():
             raise InputError("Readings", "std", "is not above zero", "Give m or rad", int(np.argmin(self.std)))
-        self.time = None if time is None else quantities(time, "Readings", "time", (len(places),))
+        each = (len(places),)
+        self.time = None if time is None else quantities(time, "Readings", "time", each, [SECONDS], posed=True)
 
     @classmethod
     def simulated(cls, case: Showing, places: Places, seed: int, truth: Array | None = None) -> Readings:
@@ -107,12 +107,11 @@ class Readings:
 
         truth : (n,) the unknowns, where they are to be these
         """
+        if not hasattr(case, "shows"):
+            raise InputError("Readings.simulated", "case", f"= {case!r} is none", "Give Case(machine, instruments)")
         generator = np.random.default_rng(whole("Readings.simulated", "seed", seed, 0))
-        x = (
-            case.prior.sample(1, seed)[0]
-            if truth is None
-            else finite("Readings.simulated", "truth", truth, (case.size,))
-        )
+        like = case.prior.sample(1, seed)[0]
+        x = like if truth is None else finite("Readings.simulated", "truth", truth, like.shape)
         shown = case.shows(places, x)
         root = np.linalg.cholesky(shown.covariance)
         return cls(places, shown.mean + root @ generator.standard_normal(len(root)))
@@ -122,6 +121,7 @@ class Readings:
 
     def __add__(self, other: Readings) -> Readings:
         """Return these readings, then others; both state std and time, or neither does."""
+        one("Readings", "+", other, Readings, "Readings(places, values)")
         parts = []
         for what in ("std", "time"):
             first, second = getattr(self, what), getattr(other, what)

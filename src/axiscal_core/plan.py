@@ -27,7 +27,7 @@ from axiscal_core.refusals import Array, InputError, whole, within
 from axiscal_core.state import State, joined
 from axiscal_core.step import climbed
 from axiscal_core.threads import one_thread
-from axiscal_core.units import Quantity, si
+from axiscal_core.units import METRES, SECONDS, Quantity, si
 
 _STARTS = 12  # beside the greedy one: with 3 J of eight drawn plans is up to 1.3 times as large, with 24 up to 8 % less
 _CLIMBED = 3  # of what they end in: the best on the candidates is not always the best off them
@@ -51,18 +51,14 @@ class Evaluation:
     bound: float | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """Readings that serve best together.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Plan(Evaluation):
+    """Readings that serve best together, and what they make known.
 
-    places : where, set-up after set-up; J, rms, U, minutes : as of an `Evaluation`; course : (n,) J after each reading
+    places : where, set-up after set-up; course : (n,) J after each reading
     """
 
     places: Places
-    J: float
-    rms: float
-    U: float
-    minutes: float
     course: Array
 
     def __len__(self) -> int:
@@ -74,7 +70,7 @@ class Plan:
 
 @one_thread()
 def planned(
-    case: Model, readings: int | None, minutes: float | None, rms: Quantity | None, criterion: Criterion,
+    case: Model, readings: int | None, minutes: Quantity | None, rms: Quantity | None, criterion: Criterion,
     candidates: Places | int, after: Readings | Places | None, keep: Places | None,
 ) -> Plan:  # fmt: skip
     """Return a plan; arguments are those of `Case.plan`."""
@@ -82,19 +78,20 @@ def planned(
     if readings is None and minutes is None and rms is None:
         raise InputError(where, "readings", "is not said, nor minutes, nor rms", "Say when the plan ends")
     count = None if readings is None else whole(where, "readings", readings, 1)
-    limit = None if minutes is None else within(where, "minutes", si(minutes, where, "minutes"), 0.0, open_end=True)
-    target = None if rms is None else within(where, "rms", si(rms, where, "rms"), 0.0, open_end=True)
+    by = 60 if isinstance(minutes, str) else 1  # a text has its own unit
+    said = None if minutes is None else si(minutes, where, "minutes", SECONDS) / by
+    limit = None if said is None else within(where, "minutes", said, 0.0, open_end=True)
+    target = None if rms is None else within(where, "rms", si(rms, where, "rms", METRES), 0.0, open_end=True)
     if isinstance(candidates, Places):
-        lattice = case.checked(candidates, where)
+        lattice = case.checked(candidates, where, "candidates")
     else:
         lattice = case.lattice(whole(where, "candidates", candidates, 1))
     if not len(lattice):
         raise InputError(where, "candidates", "are none", "Give one place or more")
-    kept = Places(case.setups[0], np.zeros((0, len(case.machine.axes)))) if keep is None else case.checked(keep, where)
+    none = Places(case.setups[0], np.zeros((0, len(case.machine.axes))))
+    kept = none if keep is None else case.checked(keep, where, "keep")
     if count is not None and len(kept) > count:
-        raise InputError(
-            where, "keep", f"holds {len(kept)} places of {count} readings", "Keep no more than are planned"
-        )
+        raise InputError(where, "keep", f"holds {len(kept)} places of {count} readings", "Keep no more")
     wanted = goal(criterion, case.machine, case.volume, where)
     search = _Search(case, wanted, lattice, case.taken(after, where), kept)
     free = isinstance(candidates, int)
@@ -119,7 +116,7 @@ def _told(case: Model, search: _Search, places: Places, after: Readings | Places
     n, before = case.numbers(sorted_places), [] if search.taken is None else [search.taken]
     course = [State(case, search.goal, joined([*before, n.at(n.place < i)])).value for i in range(1, len(places) + 1)]
     found = evaluated(case, sorted_places, after, search.goal, bounded=False)
-    return Plan(sorted_places, found.J, found.rms, found.U, found.minutes, np.array(course))
+    return Plan(**vars(found), places=sorted_places, course=np.array(course))
 
 
 @one_thread()

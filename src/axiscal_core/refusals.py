@@ -8,13 +8,15 @@ axiscal_core.refusals.InputError: Case.plan: readings = 2.5 is no whole number. 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 """Numbers in m, rad and s. What `Instrument.sees` is given is complex while rows are found."""
+Given = TypeVar("Given")
 
 
 class InputError(ValueError):
@@ -40,9 +42,53 @@ def whole(function: str, argument: str, value: object, least: int) -> int:
 
 def one_of(function: str, argument: str, value: str, known: Sequence[str]) -> str:
     """Return a word that is known."""
-    if value not in known:
+    if not isinstance(value, str) or value not in known:
         raise InputError(function, argument, f"= {value!r} is unknown", f"Known are {', '.join(known)}")
     return value
+
+
+def named(function: str, argument: str, value: object) -> str:
+    """Return a name."""
+    if not isinstance(value, str) or not value:
+        raise InputError(function, argument, f"= {value!r} is no name", "Give a text that is not empty")
+    return value
+
+
+def each_once(function: str, argument: str, names: Sequence[str]) -> None:
+    """Refuse a name that is there twice."""
+    for name in names:
+        if [*names].count(name) > 1:
+            raise InputError(function, argument, f"hold {name!r} twice", "Give each its own name")
+
+
+def listed(function: str, argument: str, value: Sequence[Given]) -> Sequence[Given]:
+    """Return a list, or a tuple, of one or more."""
+    if isinstance(value, str) or not isinstance(value, Sequence) or not value:
+        raise InputError(function, argument, f"= {value!r} is no list", "Give a list of one or more")
+    return value
+
+
+def one(function: str, argument: str, value: Given, kind: type[Any], remedy: str) -> Given:
+    """Return what is of a class.  remedy : how such a one is made"""
+    if not isinstance(value, kind):
+        raise InputError(function, argument, f"= {value!r} is none", f"Give {remedy}")
+    return value
+
+
+def computed(function: str, argument: str, of: Callable[..., Given], *given: object) -> Given:
+    """Return what a function of somebody's own gives; whatever goes wrong in it is its defect, said as such."""
+    try:
+        return of(*given)
+    except InputError:
+        raise
+    except Exception as fault:
+        raise failed(function, argument, fault) from fault
+
+
+def failed(function: str, argument: str, fault: Exception) -> InputError:
+    """Return what is raised for a fault in a function of somebody's own."""
+    what = f"cannot be computed ({type(fault).__name__}: {fault})"
+    return InputError(function, argument, what, "Repair the function")
 
 
 def within(function: str, argument: str, value: float, least: float, open_end: bool = False) -> float:
@@ -53,11 +99,10 @@ def within(function: str, argument: str, value: float, least: float, open_end: b
     return value
 
 
-def finite(function: str, argument: str, values: object, shape: tuple[int | None, ...]) -> Array:
-    """Return finite numbers as an array of a shape; None is any length.  Lists are as good as arrays."""
-    wanted = (
-        "(" + ", ".join("m" if each is None else str(each) for each in shape) + ("," if len(shape) == 1 else "") + ")"
-    )
+def finite(function: str, argument: str, values: object, shape: tuple[int | None, ...], posed: bool = False) -> Array:
+    """Return finite numbers as an array of a shape; None is any length.  posed : the first index is of poses"""
+    lengths = [str(each or name) for name, each in zip("mnk", shape, strict=False)]
+    wanted = f"({', '.join(lengths)}{',' * (len(shape) == 1)})"
     try:
         result = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
@@ -66,6 +111,18 @@ def finite(function: str, argument: str, values: object, shape: tuple[int | None
     if not fits:
         raise InputError(function, argument, f"has the shape {result.shape}", f"Give {wanted}")
     if not np.isfinite(result).all():
-        where = int(np.argwhere(~np.isfinite(result))[0, 0])
-        raise InputError(function, argument, "holds a value that is no number", "Give finite numbers", where)
+        where = np.argwhere(~np.isfinite(result))[0].tolist()
+        what = f"holds {result[tuple(where)]} at {where}"
+        raise InputError(function, argument, what, "Give finite numbers", where[0] if posed else None)
+    return result
+
+
+def spread(function: str, argument: str, values: object, size: int | None) -> Array:
+    """Return a covariance, (size, size)."""
+    result = finite(function, argument, values, (size, size))
+    scale = float(np.abs(result).max(initial=0.0))
+    symmetric = len(result) == result.shape[1] and np.allclose(result, result.T, atol=1e-12 * scale)
+    if not len(result) or not symmetric or np.linalg.eigvalsh(result).min() < -1e-9 * scale:
+        remedy = "Give a matrix that is symmetric and has no variance below zero"
+        raise InputError(function, argument, "is none", remedy)
     return result

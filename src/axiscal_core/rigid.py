@@ -9,9 +9,6 @@ import numpy as np
 
 from axiscal_core.refusals import Array
 
-_SMALL = 1e-2
-"""rad: below, two terms of the series of (θ − sin θ)/θ³ are right to 1e-12, and above it loses no more digits."""
-
 _EYE = np.eye(3)
 """Mathematics: the rotation that turns nothing."""
 
@@ -47,16 +44,14 @@ def rotation(vector: Array) -> Array:
     cross = skew(vector)
     sinc = np.sinc(angle / np.pi)
     versine = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
-    result: Array = np.eye(3) + sinc * cross + versine * (cross @ cross)
-    return result
+    return np.asarray(np.eye(3) + sinc * cross + versine * (cross @ cross))
 
 
 def turned(vectors: Array, by: Array) -> Array:
     """Return vectors turned by rotations, exp([by]×) v, analytic.  vectors, by : (m, 3), m and rad"""
     if not by.any():
         return vectors
-    result: Array = (rotation(by) @ vectors[:, :, None])[:, :, 0]
-    return result
+    return np.asarray((rotation(by) @ vectors[:, :, None])[:, :, 0])
 
 
 def turned_about(direction: Array, angles: Array) -> Array:
@@ -82,18 +77,6 @@ def _turning(x: float, y: float, z: float) -> tuple[Array, Array]:
     return about, about @ about
 
 
-def left_jacobian(vector: Array) -> Array:
-    """Return J with exp([v + dv]×) = exp([J dv]×) exp([v]×) (Barfoot 2017, eq. 7.77), (m, 3, 3).  vector : (m, 3)"""
-    angle = np.linalg.norm(vector, axis=1)[:, None, None]
-    cross = skew(vector)
-    versine = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
-    small = angle < _SMALL
-    safe = np.where(small, 1.0, angle)
-    third = np.where(small, 1 / 6 - angle**2 / 120, (safe - np.sin(safe)) / safe**3)
-    result: Array = np.eye(3) + versine * cross + third * (cross @ cross)
-    return result
-
-
 def skew(vector: Array) -> Array:
     """Return [vector]×, the matrices of the cross product.  vector : (m, 3)."""
     x, y, z = vector.T
@@ -105,7 +88,7 @@ def cross(first: Array, second: Array) -> Array:
     """Return first × second.  Both (..., 3), broadcast against each other; several times as fast as numpy's."""
     a, b, c = first[..., 0], first[..., 1], first[..., 2]
     x, y, z = second[..., 0], second[..., 1], second[..., 2]
-    result = np.empty(np.broadcast_shapes(first.shape, second.shape))
+    result = np.empty(np.broadcast_shapes(first.shape, second.shape), np.result_type(first, second))
     result[..., 0] = b * z - c * y
     result[..., 1] = c * x - a * z
     result[..., 2] = a * y - b * x

@@ -109,8 +109,7 @@ def _tame(forms: Forms, breaks: Array, count: int) -> _Tame:
 
 def _placed(left: Array, right: Array, x: Array) -> Array:
     """Return places in pieces, (b, n).  left, right : (b,); x : (n,) or (b, n) from −1 to 1"""
-    result: Array = left[:, None] * ((1 - x) / 2) + right[:, None] * ((1 + x) / 2)
-    return result
+    return np.asarray(left[:, None] * ((1 - x) / 2) + right[:, None] * ((1 + x) / 2))
 
 
 def _hopeful(pieces: _Tame, known: float) -> tuple[Array, Array, Array, Array]:

@@ -183,14 +183,12 @@ def parts_of(reading: NDArray[np.intp]) -> list[NDArray[np.intp]]:
 
 def variances_of(problem: Problem, theta: Array) -> Array:
     """Return the variances of the numbers, times their own, (m,)."""
-    result: Array = np.exp(2 * np.append(theta, 0.0))[problem.groups]
-    return result
+    return np.asarray(np.exp(2 * np.append(theta, 0.0))[problem.groups])
 
 
 def factors_of(problem: Problem, theta: Array) -> Array:
     """Return the size of each column, (p,)."""
-    result: Array = np.exp(np.append(theta, 0.0))[problem.size_at]
-    return result
+    return np.asarray(np.exp(np.append(theta, 0.0))[problem.size_at])
 
 
 def times_roots(rows: Array, columns: NDArray[np.intp], lower: Array) -> None:
@@ -217,5 +215,4 @@ def raised(problem: Problem, unknowns: Array, theta: Array, roots: Sequence[Arra
 
 def raw_cells(problem: Problem, whitened: Array) -> Array:
     """Return rests of cells, (c,) m or rad, from unknowns whose prior is that of one rest over its size."""
-    rests: Array = by_blocks(whitened[None], [root.T for root in problem.cell_roots])[0]
-    return rests
+    return np.asarray(by_blocks(whitened[None], [root.T for root in problem.cell_roots])[0])

@@ -17,7 +17,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from axiscal_core.refusals import Array, InputError
+from axiscal_core.refusals import Array, InputError, within
 
 _WHERE, _REMEDY = "Spline", "Give finite numbers that increase"
 
@@ -267,9 +267,8 @@ def spacing_limit(width: float, curvature: float) -> float:
     An upper limit: a sine gets just under two points a wave.
     raises InputError : not finite and positive
     """
-    if not (0 < width < math.inf and 0 < curvature < math.inf):
-        what = f"= {width!r} with the curvature {curvature!r} makes no sense"
-        raise InputError("spacing_limit", "width", what, "Give positive, finite numbers")
+    for argument, value in (("width", width), ("curvature", curvature)):
+        within("spacing_limit", argument, value, 0.0, open_end=True)
     return math.sqrt(6 * width / curvature)
 
 
@@ -350,8 +349,7 @@ def gauss(breaks: Array, count: int) -> tuple[Array, Array]:
 def ramp(spline: Spline) -> Array:
     """Return the control values of a strain of one about the middle of the travel, (size,) m."""
     low, high = spline.knots[[0, -1]]
-    result: Array = spline.control_positions - (low + high) / 2
-    return result
+    return np.asarray(spline.control_positions - (low + high) / 2)
 
 
 def distances(spline: Spline) -> Array:
@@ -374,12 +372,10 @@ def matern(distance: Array, smoothness: float = SMOOTH) -> Array:
     (1 + s + s²/3) exp(−s) or (1 + s) exp(−s), s = √(2 ν) r
     """
     s = np.sqrt(2 * smoothness) * distance
-    result: Array = (1 + s + (s**2 / 3 if smoothness == SMOOTH else 0.0)) * np.exp(-s)
-    return result
+    return np.asarray((1 + s + (s**2 / 3 if smoothness == SMOOTH else 0.0)) * np.exp(-s))
 
 
 def matern_by_length(distance: Array, smoothness: float = SMOOTH) -> Array:
     """Return its derivative by the logarithm of the correlation length, at the same distances."""
     s = np.sqrt(2 * smoothness) * distance
-    result: Array = (s**2 * (1 + s) / 3 if smoothness == SMOOTH else s**2) * np.exp(-s)
-    return result
+    return np.asarray((s**2 * (1 + s) / 3 if smoothness == SMOOTH else s**2) * np.exp(-s))

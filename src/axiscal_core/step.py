@@ -235,5 +235,4 @@ def _within(values: Array, low: float, high: float) -> Array:
     """Return values in a travel, ascending, those that differ by rounding once."""
     every = np.unique(values)
     inside = every[(every >= low) & (every <= high)]
-    apart: Array = inside[np.append(True, np.diff(inside) > 1e-9 * (high - low))]
-    return apart
+    return np.asarray(inside[np.append(True, np.diff(inside) > 1e-9 * (high - low))])

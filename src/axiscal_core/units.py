@@ -1,12 +1,13 @@
 """Quantities: a number is SI, a text carries its unit.
 
->>> si("12 um", "Error", "std"), si(0.5, "Error", "std"), si("6 um/h", "Laser", "drift")
+>>> si("12 um", "Error", "std"), si(0.5, "Error", "std"), si("6 um/h", "Laser", "drift", WANDER)
 (1.2e-05, 0.5, 1.6666666666666667e-09)
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -14,51 +15,70 @@ from axiscal_core.refusals import Array, InputError, finite
 
 Quantity = float | str
 """A number in m, rad, s or 1/s of them, or a text such as "12 um"."""
+Of = Sequence[str]
+"""What a text may be a quantity of."""
+METRES, RADIANS, SECONDS, EITHER, WANDER = ("m",), ("rad",), ("s",), ("m", "rad"), ("m/s", "rad/s")
 
 # Each factor is a ratio of exact numbers, so that "120 mm" is exactly 0.12.
-_LENGTHS = {"nm": (1, 1e9), "um": (1, 1e6), "mm": (1, 1e3), "cm": (1, 100), "m": (1, 1), "in": (254, 1e4)}
-_ANGLES = {
-    "urad": (1, 1e6), "mrad": (1, 1e3), "rad": (1, 1), "deg": (np.pi, 180), "arcsec": (np.pi, 648000),
-    "um/m": (1, 1e6), "mm/m": (1, 1e3),
+_UNITS: dict[str, dict[str, tuple[float, float]]] = {
+    "m": {"nm": (1, 1e9), "um": (1, 1e6), "mm": (1, 1e3), "cm": (1, 100), "m": (1, 1), "in": (254, 1e4)},
+    "rad": {
+        "urad": (1, 1e6), "mrad": (1, 1e3), "rad": (1, 1), "deg": (np.pi, 180), "arcsec": (np.pi, 648000),
+        "um/m": (1, 1e6), "mm/m": (1, 1e3),
+    },
+    "s": {"s": (1, 1), "min": (60, 1), "h": (3600, 1)},
 }  # fmt: skip
-_TIMES = {"s": (1, 1), "min": (60, 1), "h": (3600, 1)}
-UNITS: dict[str, tuple[float, float]] = _LENGTHS | _ANGLES | _TIMES
-_TEXT = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(\S*)\s*")
+_WORDS = {"m": "length", "rad": "angle", "s": "time", "m/s": "length in a time", "rad/s": "angle in a time"}
+_TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*")
 
 
-def si(value: object, function: str, argument: str) -> float:
-    """Return a quantity in SI units."""
+def si(value: object, function: str, argument: str, of: Of = EITHER, pose: int | None = None) -> float:
+    """Return a quantity in SI units.  of : what a text may be"""
     if isinstance(value, str):
-        return _read(value, function, argument)
-    if isinstance(value, bool) or not isinstance(value, int | float | np.number):
-        raise InputError(function, argument, f"= {value!r} is no quantity", 'Give a number in SI units, or "12 um"')
+        return _read(value, function, argument, of, pose)
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        remedy = 'Give a number in SI units, or "12 um"'
+        raise InputError(function, argument, f"= {value!r} is no quantity", remedy, pose)
     number = float(value)
     if not np.isfinite(number):
-        raise InputError(function, argument, f"= {value!r} is no number", "Give a finite one")
+        raise InputError(function, argument, f"= {value!r} is no number", "Give a finite one", pose)
     return number
 
 
-def _read(text: str, function: str, argument: str) -> float:
+def _read(text: str, function: str, argument: str, of: Of, pose: int | None) -> float:
+    units = {name: factor for each in of for name, factor in _units(each).items()}
     found = _TEXT.fullmatch(text)
-    unit = found[2] if found else ""
-    times, by = UNITS.get(unit, (0.0, 1.0))
-    if unit not in UNITS and "/" in unit:  # a speed: how fast a zero wanders
-        above, _, below = unit.partition("/")
-        (times, by), (over, under) = UNITS.get(above, (0.0, 1.0)), _TIMES.get(below, (0.0, 1.0))
-        times, by = times * under, by * over
-    try:
-        number = float(found[1]) if found else float("nan")
-    except ValueError:
-        number = float("nan")
-    if not times or not by or not np.isfinite(number):
-        raise InputError(function, argument, f"= {text!r} has no unit that is known", f"Units are {', '.join(UNITS)}")
+    number = float(found[1]) if found else float("nan")
+    times, by = units.get(found[2] if found else "", (0.0, 1.0))
+    if not times or not np.isfinite(number):
+        what = f"= {text!r} is no {' or '.join(_WORDS[each] for each in of)}"
+        raise InputError(function, argument, what, f"Units are {', '.join(units)}", pose)
     return number * times / by
 
 
-def quantities(values: object, function: str, argument: str, shape: tuple[int | None, ...]) -> Array:
-    """Return an array of quantities, numbers or texts."""
-    if isinstance(values, list | tuple) and any(isinstance(each, str) for each in np.ravel(np.array(values, object))):
-        texts = np.array(values, dtype=object)
-        numbers = [si(each, function, argument) for each in texts.ravel()]
-        return finite(function, argument, np.reshape(numbers, texts.shape), shape)
-    return finite(function, argument, values, shape)
+def _units(si_unit: str) -> dict[str, tuple[float, float]]:
+    """Return the units of a quantity, and of how fast it changes: what each is times and by, in SI."""
+    above, _, below = si_unit.partition("/")
+    if not below:
+        return _UNITS[above]
+    over, under = _UNITS[above].items(), _UNITS[below].items()
+    return {f"{a}/{b}": (p * s, q * r) for a, (p, q) in over for b, (r, s) in under}
+
+
+def quantities(
+    values: object, function: str, argument: str, shape: tuple[int | None, ...], of: Sequence[Of] = (EITHER,),
+    posed: bool = False,
+) -> Array:  # fmt: skip
+    """Return an array of quantities, numbers or texts.
+
+    of : what texts are, one for all or each along the last index; posed : the first index is of poses
+    """
+    given = np.array(values, dtype=object) if isinstance(values, str | list | tuple) else np.asarray(values)
+    if given.dtype.kind in "OU" and any(isinstance(each, str) for each in given.flat):
+        width = given.size // len(given) if posed and given.ndim else 0
+        found = [
+            si(each, function, argument, of[i % len(of)], i // width if width else None)
+            for i, each in enumerate(given.flat)
+        ]
+        return finite(function, argument, np.reshape(found, given.shape), shape, posed)
+    return finite(function, argument, values, shape, posed)

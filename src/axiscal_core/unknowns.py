@@ -52,8 +52,7 @@ class Unknowns:
 
     def weights(self, theta: Array) -> Array:
         """Return 1/σ² of each group, (g,)."""
-        result: Array = np.exp(-2 * np.append(theta, 0.0))[self.groups]
-        return result
+        return np.asarray(np.exp(-2 * np.append(theta, 0.0))[self.groups])
 
     def whitened(self, square: Array, theta: Array, roots: Sequence[Array]) -> None:
         """Turn A into D Lᵀ A L D in place: its lower triangle (p, p), which is all that Q's factor reads.

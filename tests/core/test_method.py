@@ -27,7 +27,7 @@ def _paper() -> ac.Case:
 
 def _mill(**options: str) -> ac.Case:
     axes = [ac.Axis.linear(name, name.lower(), (0, "400 mm")) for name in "XY"]
-    errors = [ac.Error(f"E{c}{name}", "8 um", length="150 mm") for name in "XY" for c in "XYC"]
+    errors = [ac.Error(f"E{c}{name}", 8e-6, length="150 mm") for name in "XY" for c in "XYC"]
     errors += [ac.Error("C0Y", "30 urad"), ac.Error("EXX_reversal", "4 um")]
     lasers = [ac.Laser("x", "X", along="x"), ac.Laser("y", "Y", along="y"), ac.Level("c", "X", about="z")]
     return ac.Case(ac.Machine(axes, errors), lasers, **options)  # type: ignore[arg-type]
@@ -87,6 +87,7 @@ def test_readings_that_are_there_count() -> None:
 @pytest.mark.parametrize("limit", [0.5, 1.2])
 def test_minutes_are_kept(limit: float) -> None:
     assert 0.5 * limit < _mill().plan(minutes=limit).minutes <= limit
+    assert _mill().plan(minutes=f"{60 * limit} s").minutes <= limit
 
 
 def test_an_rms_is_reached_with_as_few_readings_as_do() -> None:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.numerics import Array
-from axiscal_core.splines import CyclicSpline, NaturalSpline, quadrature
+from axiscal_core.splines import CyclicSpline, NaturalSpline
 
 Kind = type[NaturalSpline | CyclicSpline]
 kinds: st.SearchStrategy[Kind] = st.sampled_from([NaturalSpline, CyclicSpline])
@@ -42,14 +42,3 @@ def test_cyclic_spline_does_not_care_where_the_turn_begins(knots: Array, shift: 
     t = inner(knots)
     rows = spline.rows(t)
     np.testing.assert_allclose(np.roll(turned.rows(t), first, axis=1), rows, atol=1e-8 * np.abs(rows).max())
-
-
-@given(kinds, uneven())
-def test_the_gram_equals_its_quadrature(kind: Kind, knots: Array) -> None:
-    spline = kind(knots)
-    node, weight = quadrature(spline)
-    rows, gram = spline.rows(node), spline.gram()
-    twin = rows.T @ (weight[:, None] * rows)
-    scale = np.sqrt(np.diag(twin))
-    np.testing.assert_allclose(gram, twin, atol=1e-11 * float(scale.max()) ** 2)
-    assert (np.abs(gram - twin) <= 1e-7 * np.outer(scale, scale)).all()

@@ -126,19 +126,3 @@ def test_a_board_that_is_put_down_again_is_the_same_board_at_another_place() -> 
     assert len({each.owner for each in owned.unknowns if each.name == "place_x"}) == 5
     assert setups[3].artefact is not None
     np.testing.assert_allclose(setups[3].artefact.points[0], [0.45 + 0.11, 0.25 - 0.12, -0.22], atol=1e-12)
-
-
-@pytest.mark.parametrize("number", [0, 3])
-def test_columns_are_those_of_where_balls_stand(number: int) -> None:
-    (setup,) = described(board()).setups[number : number + 1]
-    assert setup.artefact is not None
-    balls, step = np.arange(4), 1e-4
-    names = [unknown.name for unknown in setup.unknowns]
-
-    def stands(**own: float) -> Array:
-        assert setup.artefact is not None
-        return setup.artefact.displacements(own, balls)
-
-    for one in names:
-        slope = (stands(**{one: step}) - stands(**{one: -step})) / (2 * step)
-        np.testing.assert_allclose(setup.artefact.moves(one, balls), slope, atol=1e-8)

@@ -185,7 +185,7 @@ class Column(ac.Instrument):
     names = ("setup",)
 
 class Drifting(ac.Instrument):
-    names, units, drift = ("a", "b"), ("m", "rad"), "1 um/h"
+    names, units, drift, noise = ("a", "b"), ("m", "rad"), "1 um/h", 1e-6
 
 number = 3
 """

@@ -29,10 +29,11 @@ from axiscal.machine import Machine, builtin_names, load_machine, machine_from_t
 from axiscal.machine.entry import Sure
 from axiscal.machine.motion import Driving
 from axiscal.measurement.instruments.kind import CARRIED, TRUED
-from axiscal.measurement.setup import Setup, Vector
+from axiscal.measurement.setup import Setup, Unknown
 from axiscal.record.accepted import Bumped
 from axiscal.record.events import Mounted, Warmed
 from axiscal.units import format_quantity
+from axiscal_core.instrument import TOOL
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,7 +237,7 @@ def _described(
     table = read_model(document, CampaignTable, context=TableContext(machine, document))
     target = read_target(table.target, machine, document)
     artefacts = read_artefacts(table.artefacts, document)
-    tool = _tool(table, usual_doubts)
+    tool = _tool(table, machine, usual_doubts)
     printer = usual_doubts and set(table.controls) <= _PRINTERS  # records of before know no such probe
     at_20 = refers_to_20(table, artefacts, document)
     target = replace(target, refers_to="20 degC" if at_20 else "as read")
@@ -285,12 +286,15 @@ def _along_the_line(target: Target, machine: Machine, only: int, setups: Sequenc
     return replace(target, volume=(*target.volume[:only], ends, *target.volume[only + 1 :]))
 
 
-def _tool(table: CampaignTable, usual_doubts: bool) -> Vector:
-    """Return how well it is known where the tool's point sits, std along its x, y, z, m."""
+def _tool(table: CampaignTable, machine: Machine, usual_doubts: bool) -> tuple[Unknown, ...]:
+    """Return what is not known of where the tool's point sits along its x, y, z; nothing where no axis turns it."""
+    if not any(axis.rotary for axis in machine.axes):
+        return ()
     usual, trued = (CARRIED, TRUED) if usual_doubts else (_ONCE_USUAL, 0.0)
     length = usual if table.tool_length is None else table.tool_length
     aside = min(length, trued) if table.tool_eccentricity is None else table.tool_eccentricity
-    return aside, aside, length
+    stds = zip(TOOL, (aside, aside, length), strict=True)
+    return tuple(Unknown(name, std, "tool") for name, std in stds if std > 0)
 
 
 def _refuse_budget(target: Target, setups: tuple[Setup, ...], document: Document) -> None:

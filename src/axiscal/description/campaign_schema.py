@@ -53,6 +53,7 @@ from axiscal.machine.machine_schema import MachineFile
 from axiscal.machine.motion import Driving, move_groups
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.instruments.kind import Instrument, Reads
 from axiscal.measurement.instruments.written import PORTS
 from axiscal.measurement.setup import FINEST, Nodes, Vector
@@ -170,6 +171,21 @@ def _stroke(stroke: float, known: Beside) -> float:
     return stroke
 
 
+def _stations(said: Sequence[Vector], known: Beside) -> tuple[Vector, ...]:
+    """Return where tracers stand that read at once."""
+    if known.data.get("station") is not None:
+        what = "it is said twice where it stands"
+        raise DescriptionError(what, "Keep station for one tracer, stations for those that read at once")
+    if not 2 <= len(said) <= MOST:
+        what = "{count} stations cannot be read at once here"
+        what = what if len(said) != 1 else "{count} station cannot be read at once here"
+        remedy = "Name two to {most}; one alone is station, more are set-ups of their own"
+        raise DescriptionError(what, remedy, count=len(said), most=MOST)
+    if len(set(said)) < len(said):
+        raise DescriptionError("two of the stations are the same place", "Give each tracer its own")
+    return tuple(said)
+
+
 def _distances(ends: Ends) -> Ends:
     if ends[0] < 0:
         near = format_quantity(ends[0], "mm")
@@ -194,7 +210,9 @@ class SetupTable(Table):
     )
     base: Base | None = Field(None, examples=['"100 mm"'])
     station: Spot | None = Field(None, examples=['["0 mm", "0 mm", "-300 mm"]'])
-    stations: list[Spot] | None = Field(None, examples=['[["0 mm", "0 mm", "0 mm"], […]]'])
+    stations: Annotated[tuple[Vector, ...], ReadAs(list[Spot], _stations, by=True)] = Field(
+        (), examples=['[["0 mm", "0 mm", "0 mm"], […]]']
+    )
     choose_from: list[Spot] | None = Field(None, examples=['[["0 mm", "0 mm", "0 mm"], […]]'])
     moves: Annotated[tuple[int, ...], ReadAs(list[str], _moves, by=True)] | None = Field(None, examples=['["X"]'])
     park: Coordinates = Field(default={}, examples=['{ Y = "250 mm" }'])

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -24,8 +23,6 @@ from axiscal.measurement.setup import FINEST, Nodes, Vector
 from axiscal.units import parse_quantity
 
 Ends = tuple[float, float]
-At = Callable[..., AbstractContextManager[None]]
-"""Places failures at the keys of a set-up."""
 _PLANES = ("xy", "yz", "zx")
 _SHORTEST = 2e-3
 """m, of a line."""

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 
 from axiscal.description.campaign_schema import SetupTable
-from axiscal.description.fields import WAYS, At
+from axiscal.description.fields import WAYS
 from axiscal.description.sights import (
     lack_of,
     refuse_both,
@@ -16,16 +15,16 @@ from axiscal.description.sights import (
     refuse_stray_keys,
     refuse_unreachable,
     seen,
-    stations_of,
 )
 from axiscal.description.sites import RETRACT, STROKE, SiteReader, Surroundings, evened
 from axiscal.description.stated_type_b import dense, with_drift, with_material
 from axiscal.document import Document, meant, shown
+from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
 from axiscal.measurement.charts.kinds import Line
-from axiscal.measurement.instrument import model_of
+from axiscal.measurement.instrument import PRINTER_PROBE, model_of
 from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.instruments.written import Foreign
@@ -45,13 +44,15 @@ def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, 
     faults, setups = Faults(), list[Setup]()
     for number, table in enumerate(tables):
         with faults.noted():
-            at = partial(document.placed, "setups", number)
+            stated = Stated(document, table, ("setups", number))
             if table.choose_from is not None:
-                _refuse_choice(table, table.choose_from, at)
-            refuse_stray_keys(table, at)
-            refuse_both(table, at)
-            _refuse_no_lengths(table, at)
-            setups += [_Reader(each, around, at).setup() for each in each_alone(table)]
+                _refuse_choice(stated, table.choose_from)
+            refuse_stray_keys(stated)
+            refuse_both(stated)
+            _refuse_no_lengths(stated)
+            printed = around.printer and table.instrument.name == "probe"
+            usual = PRINTER_PROBE if printed else table.instrument
+            setups += [_Reader(document, each, stated.keys, around, usual).setup() for each in each_alone(table)]
     with faults.noted():
         _refuse_same_name(setups, document)
     faults.refuse()
@@ -79,26 +80,26 @@ def each_alone(table: SetupTable) -> list[SetupTable]:
     return tables
 
 
-def _refuse_no_lengths(table: SetupTable, at: At) -> None:
+def _refuse_no_lengths(stated: Stated[SetupTable]) -> None:
     """Raise DescriptionError for a gauge that has no lengths."""
+    table = stated.table
     if table.instrument.site == "length" and not table.lengths:
         what = "it is not said between which places the {instrument} lies"
         remedy = (
             'Write lengths = {{ low = [["0 mm", "0 mm", "0 mm"], ["100 mm", "0 mm", "0 mm"]] }}, in the workpiece frame'
         )
-        with at("instrument"):
-            raise DescriptionError(what, remedy, instrument=table.instrument.name)
+        raise stated.misstated("instrument", what, remedy, instrument=table.instrument.name)
 
 
-def _refuse_choice(table: SetupTable, places: Sequence[Vector], at: At) -> None:
+def _refuse_choice(stated: Stated[SetupTable], places: Sequence[Vector]) -> None:
     """Raise DescriptionError where a plan may choose from places that are none."""
-    kind = table.instrument
+    table, kind = stated.table, stated.table.instrument
     stands = kind.site == "bar" or (kind.site == "sight" if table.artefact is None else kind.contact != "free")
-    with at("choose_from"):
+    with stated.at_key("choose_from"):
         if not stands:
             what = "a {instrument} stands at no place that could be chosen"
             raise DescriptionError(what, "Write a set-up for each way to mount it", instrument=table.instrument.name)
-        if any(each is not None for each in (table.station, table.stations, table.at)):
+        if table.stations or any(each is not None for each in (table.station, table.at)):
             what = "it is said twice where it stands"
             raise DescriptionError(what, "Keep choose_from, or station, stations or at")
         if len(set(places)) < max(len(places), 2):
@@ -115,89 +116,81 @@ def _refuse_same_name(setups: Sequence[Setup], document: Document) -> None:
 
 
 class _Reader(SiteReader):
-    """Reads one table; every failure is placed at the key it is about."""
+    """Reads one table."""
 
     def setup(self) -> Setup:
-        table, machine, usual = self._table, self._machine, self._usual
+        table, machine, usual = self.table, self.around.machine, self.usual
         setup = self.sited()
-        with self._at("direction"):
+        with self.at_key("direction"):
             self._refuse_direction(setup)
-        with self._at("stations"):
-            stations = stations_of(table)
         unknowns = self._unknowns(setup)
+        # spheres are put up one by one, or on a board
+        apart = setup.contact == "retracted" and setup.artefact is not None and setup.artefact.calibrated is None
+        mountings = len(setup.balls) if apart and table.setup_time is None else 1
         setup = replace(
             setup,
-            unknowns=of_each(unknowns, len(stations)) if stations else unknowns,
-            setup_time=setup.setup_time * (self._mountings(setup) if table.setup_time is None else 1),
+            unknowns=of_each(unknowns, len(table.stations)) if table.stations else unknowns,
+            setup_time=setup.setup_time * mountings,
             raster=self._raster(setup),
-            stations=stations,
+            stations=table.stations,
             reach=self._reach(setup.moves),
             nodes=self._nodes(setup.moves),
         )
-        setup = with_drift(table, usual, setup, self._around.usual_doubts)
-        setup = with_material(table, usual, machine, setup, self._at)
+        setup = with_drift(table, usual, setup, self.around.usual_doubts)
+        setup = with_material(self, usual, machine, setup)
         setup = self._on_square(setup)
-        setup = seen(table, machine, self._at, setup) if setup.chart is None else self._charted(setup)
-        with self._at("instrument" if setup.base is None else "base"):
+        setup = seen(self, machine, setup) if setup.chart is None else self._charted(setup)
+        with self.at_key("instrument" if setup.base is None else "base"):
             model_of(setup).check_setup(setup, machine)
             if issubclass(usual.model, Foreign):
                 setup = replace(setup, written=replace(usual, curved=usual.model.curved_in(setup, machine)))
-        return self._complete(dense(table, machine, self._at, setup))
+        setup = dense(self, machine, setup)
+        lack = lack_of(setup, machine, table.reach, table.moves is not None)
+        if lack is not None and self.around.asking:
+            raise self.misstated("instrument", *lack)
+        return replace(setup, lacks=lack)
 
     def _charted(self, setup: Setup) -> Setup:
         """Return a set-up that has a chart with how its places are taken."""
-        table = self._table
+        table = self.table
         stroke = STROKE if table.stroke is None else table.stroke
         setup = replace(setup, retract=table.retract or RETRACT, mean_sides=evened(table))
         setup = replace(setup, three_touches=table.touches is not None)
-        with self._at("artefact" if setup.artefact else "length" if setup.length else "along"):
-            refuse_unreachable(self._machine, setup)
+        with self.at_key("artefact" if setup.artefact else "length" if setup.length else "along"):
+            refuse_unreachable(self.around.machine, setup)
         if setup.contact != "held":
             return setup
-        with self._at("length" if setup.length else "instrument"):
-            refuse_short_stroke(self._machine, setup, stroke)
+        with self.at_key("length" if setup.length else "instrument"):
+            refuse_short_stroke(self.around.machine, setup, stroke)
         return replace(setup, stroke=stroke)
-
-    def _complete(self, setup: Setup) -> Setup:
-        """Return a set-up with what it lacks before readings can be asked for; raises DescriptionError if they are."""
-        lack = lack_of(setup, self._machine, self._table.reach, self._table.moves is not None)
-        if lack is not None and self._around.asking:
-            with self._at("instrument"):
-                raise DescriptionError(*lack)
-        return replace(setup, lacks=lack)
-
-    def _mountings(self, setup: Setup) -> int:
-        """Return how many times the usual time of mounting is needed: spheres are put up one by one, or on a board."""
-        apart = setup.artefact is not None and setup.artefact.calibrated is None
-        return len(setup.balls) if apart and setup.contact == "retracted" else 1
 
     def _refuse_direction(self, setup: Setup) -> None:
         """Raise DescriptionError where a direction is lacking, or given beside that of a line."""
-        given, lined = self._table.direction, isinstance(setup.chart, Line)
-        if lined and given is not None and self._usual.name == "interferometer":
+        given, lined = self.table.direction, isinstance(setup.chart, Line)
+        if lined and given is not None and self.usual.name == "interferometer":
             raise DescriptionError("the direction of a laser along a line is that of the line", "Take direction out")
-        if self._usual.model.directed and given is None and not lined:
+        if self.usual.model.directed and given is None and not lined:
             what = '"direction" is missing: the {instrument} reads in one direction'
-            raise DescriptionError(what, WAYS, instrument=self._usual.name)
+            raise DescriptionError(what, WAYS, instrument=self.usual.name)
 
     def _reach(self, moves: tuple[int, ...]) -> tuple[tuple[float, float], ...] | None:
-        if not self._table.reach:
+        if not self.table.reach:
             return None
-        spans = [axis.travel for axis in self._machine.axes]
-        for name, (low, high) in self._table.reach.items():
-            with self._at("reach", name):
+        spans = [axis.travel for axis in self.around.machine.axes]
+        for name, (low, high) in self.table.reach.items():
+            with self.at_key("reach", name):
                 index = self._moving(name, moves, "{axis} has a reach, but does not move in this set-up")
-                if high - low < _SHORTEST_REACH * self._machine.axes[index].overrun:
+                if high - low < _SHORTEST_REACH * self.around.machine.axes[index].overrun:
                     raise DescriptionError("{text} is too short", "Give ends farther apart", text=name)
                 spans[index] = low, high
         return tuple(spans)
 
     def _nodes(self, moves: tuple[int, ...]) -> tuple[Nodes, Nodes] | None:
         """Return where the nodes lie of maps whose files carry no coordinates, None where it is not stated."""
-        stated = self._table.map
+        stated = self.table.map
         if not stated:
             return None
-        with self._at("map"):
+        with self.at_key("map"):
             if stated.keys() != {"X", "Y"}:
                 raise DescriptionError("a map has two sides, X and Y", "State both of them, and no other")
             for name in stated:
@@ -206,32 +199,32 @@ class _Reader(SiteReader):
 
     def _moving(self, name: str, moves: tuple[int, ...], what: str) -> int:
         """Return the index of an axis that moves; raises DescriptionError for another.  what : is wrong then"""
-        index = self._machine.index(name)
+        index = self.around.machine.index(name)
         if index not in moves:
             raise DescriptionError(what, "Take it out here, or add {axis} to moves", axis=name)
         return index
 
     def _raster(self, setup: Setup) -> tuple[float, ...]:
         """Return the steps of the axes; those of a chart are its own."""
-        steps, margin = [0.0] * len(self._machine.axes), (setup.base or 0.0) / 2
-        for name, step in self._table.raster.items() if setup.chart is None else ():
-            with self._at("raster", name):
+        steps, margin = [0.0] * len(self.around.machine.axes), (setup.base or 0.0) / 2
+        for name, step in self.table.raster.items() if setup.chart is None else ():
+            with self.at_key("raster", name):
                 index = self._moving(name, setup.moves, "{axis} has a raster, but does not move in this set-up")
-                _refuse_no_multiple(step, self._machine.axes[index], self._table.reach.get(name), margin)
+                _refuse_no_multiple(step, self.around.machine.axes[index], self.table.reach.get(name), margin)
                 steps[index] = step
         return tuple(steps)
 
     def _unknowns(self, setup: Setup) -> tuple[Unknown, ...]:
-        given, moves, usual = self._table.unknowns, setup.moves, self._usual
+        given, moves, usual = self.table.unknowns, setup.moves, self.usual
         if setup.unknowns:
             return setup.unknowns if given is None else self._chosen(given, setup.unknowns)
         if given is None:
-            turns = any(self._machine.axes[index].rotary for index in moves)
+            turns = any(self.around.machine.axes[index].rotary for index in moves)
             unknowns = tuple(unknown for unknown in usual.unknowns if turns or unknown.name not in TOOL)
         else:
             unknowns = tuple(self._unknown(name, std) for name, std in given.items())
         if "slope" in (unknown.name for unknown in unknowns):
-            with self._at(*(["moves"] if given is None else ["unknowns", "slope"])):
+            with self.at_key(*(["moves"] if given is None else ["unknowns", "slope"])):
                 self._refuse_slope(moves, given is None)
         return unknowns
 
@@ -240,26 +233,24 @@ class _Reader(SiteReader):
         known = {unknown.name: unknown for unknown in placed}
         for name in given:
             if name not in known:
-                with self._at("unknowns", name):
-                    what, remedy = "{name} is not an unknown of this {instrument}", "Known are {known}"
-                    told = {"name": shown(name), "instrument": self._usual.name, "known": ", ".join(known)}
-                    raise DescriptionError(what, remedy, None, None, **told)
+                what, remedy = "{name} is not an unknown of this {instrument}", "Known are {known}"
+                told = {"name": shown(name), "instrument": self.usual.name, "known": ", ".join(known)}
+                raise self.misstated(("unknowns", name), what, remedy, **told)
         return tuple(replace(known[name], std=std) for name, std in given.items())
 
     def _unknown(self, name: str, std: float) -> Unknown:
-        usual, kinds = self._usual, self._usual.model.unknown_reads
+        usual, kinds = self.usual, self.usual.model.unknown_reads
         if name not in kinds and not (name == "slope" and usual.model.reads == "angle"):  # refused for its own reason
-            with self._at("unknowns", name):
-                what = "{name} is not an unknown of a set-up with a {instrument}"
-                raise DescriptionError(what, meant(name, kinds), name=shown(name), instrument=usual.name)
+            what = "{name} is not an unknown of a set-up with a {instrument}"
+            raise self.misstated(("unknowns", name), what, meant(name, kinds), name=shown(name), instrument=usual.name)
         return Unknown(name, std)
 
     def _refuse_slope(self, moves: tuple[int, ...], by_default: bool) -> None:
-        usual = self._usual
+        usual = self.usual
         if usual.model.reads == "angle":
             what = "an unknown slope turns the line of a displacement, and the {instrument} reads an angle"
             raise DescriptionError(what, "Take slope out", instrument=usual.name)
-        moving = [self._machine.axes[index].name for index in moves if not self._machine.axes[index].rotary]
+        moving = [self.around.machine.axes[index].name for index in moves if not self.around.machine.axes[index].rotary]
         if len(moving) != 1:
             what = "an unknown slope needs exactly one linear axis that moves; here {axes} move"
             if by_default:
@@ -272,17 +263,17 @@ class _Reader(SiteReader):
 
     def _on_square(self, setup: Setup) -> Setup:
         """Return a set-up whose straightedge is a leg of a square: the turn of the square replaces the slope."""
-        if self._table.instrument.name != "straightedge" or self._table.artefact is None:
+        if self.table.instrument.name != "straightedge" or self.table.artefact is None:
             return setup
-        square = replace(self._named(), mounted=self._table.mounted)
+        square = replace(self._named(), mounted=self.table.mounted)
         if square.balls:
-            with self._at("artefact"):
-                remedy = 'Let the square be an artefact without balls: [[artefacts]] name = "square", turned = "1 mrad"'
-                raise DescriptionError("{square} has balls: a straightedge lies at none", remedy, square=square.name)
-        if square.keep_out and self._around.asking:
-            with self._at("artefact"):
-                what = "an indicator goes along {square}, and keeps clear of no keep_out"
-                raise DescriptionError(what, "Take it out, and see to the ways yourself", square=square.name)
+            remedy = 'Let the square be an artefact without balls: [[artefacts]] name = "square", turned = "1 mrad"'
+            raise self.misstated(
+                "artefact", "{square} has balls: a straightedge lies at none", remedy, square=square.name
+            )
+        if square.keep_out and self.around.asking:
+            what = "an indicator goes along {square}, and keeps clear of no keep_out"
+            raise self.misstated("artefact", what, "Take it out, and see to the ways yourself", square=square.name)
         own = tuple(unknown for unknown in setup.unknowns if unknown.name != "slope")
         turns = tuple(Unknown(name, square.turned, square.standing) for name in SQUARE)
         return replace(setup, unknowns=(*own, *turns))
@@ -301,8 +292,6 @@ def _refuse_no_multiple(step: float, axis: Axis, reach: tuple[float, float] | No
     if reach is not None:
         what, remedy = "no multiple of {text} lies in the reach of {axis}", "Give a smaller step, or a longer reach"
         raise DescriptionError(what, remedy, text=size, axis=axis.name)
-    what, remedy = (
-        "no multiple of {text} lies in the travel of {axis}",
-        "Give a smaller step; the axis goes from {travel}",
-    )
+    what = "no multiple of {text} lies in the travel of {axis}"
+    remedy = "Give a smaller step; the axis goes from {travel}"
     raise DescriptionError(what, remedy, text=size, axis=axis.name, travel=axis.travel_text)

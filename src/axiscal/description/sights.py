@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.campaign_schema import SetupTable
-from axiscal.description.fields import At
+from axiscal.document.validation import Stated
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import later, listed, said
@@ -25,9 +25,8 @@ from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Circle, Held, 
 from axiscal.measurement.charts.room import Chart, Coordinate, Room
 from axiscal.measurement.instrument import LENGTH, instrument_of
 from axiscal.measurement.instruments.displacement import Displacement
-from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.instruments.kind import Rotation
-from axiscal.measurement.setup import Setup, Vector
+from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array, even_subset
 from axiscal.units import format_quantity
 from axiscal_core.points import even_points
@@ -55,11 +54,8 @@ def refuse_unreachable(machine: Machine, setup: Setup) -> None:
             remedy = "Look at range, sight, faces and the station, which are of the workpiece frame"
             raise DescriptionError(what, remedy, instrument=setup.instrument, setup=setup.name)
         if isinstance(part, Held) and setup.artefact is not None:
-            what, ball = (
-                "no pose reaches ball {ball} of {artefact} within the travels and clear of stems",
-                setup.balls[number],
-            )
-            at = {"ball": setup.artefact.balls[ball].name, "artefact": setup.artefact.name}
+            what = "no pose reaches ball {ball} of {artefact} within the travels and clear of stems"
+            at = {"ball": setup.artefact.balls[setup.balls[number]].name, "artefact": setup.artefact.name}
             raise DescriptionError(what, _nearest(machine, part), None, None, **at)
         what = 'no pose reaches where "{setup}" is to be read within the travels and clear of stems'
         raise DescriptionError(what, _nearest(machine, part), setup=setup.name)
@@ -91,11 +87,8 @@ def _nearest(machine: Machine, part: Chart) -> str:
     at = [k for k, each in enumerate(machine.axes) if each.rotary]
     turned = [(machine.axes[k].name, math.degrees(poses[best, k])) for k in at]
     where = listed(said(" and "), [said("{axis} at {angle:.0f} deg", axis=name, angle=a) for name, a in turned])
-    what = (
-        "At the nearest, with {where}, it lacks {lack} of {axis}"
-        if where
-        else "At the nearest it lacks {lack} of {axis}"
-    )
+    what = "At the nearest, with {where}, it lacks {lack} of {axis}"
+    what = what if where else "At the nearest it lacks {lack} of {axis}"
     return said(what, where=where, lack=lack, axis=machine.axes[axis].name)
 
 
@@ -193,17 +186,16 @@ _CONE = math.radians(60.0)
 """A corner cube is seen within so much of its axis, as makers state for theirs."""
 
 
-def _refuse_keys(table: SetupTable, at: At, keys: str, what: str, remedy: str) -> None:
+def _refuse_keys(stated: Stated[SetupTable], keys: str, what: str, remedy: str) -> None:
     """Raise DescriptionError where a table has one of some keys."""
-    for key in (key for key in keys.split() if key in table.model_fields_set):
-        with at(key):
-            raise DescriptionError(what, remedy, None, None, key=key, instrument=table.instrument.name)
+    for key in (key for key in keys.split() if key in stated.table.model_fields_set):
+        raise stated.misstated(key, what, remedy, key=key, instrument=stated.table.instrument.name)
 
 
-def refuse_stray_keys(table: SetupTable, at: At) -> None:
+def refuse_stray_keys(stated: Stated[SetupTable]) -> None:
     """Raise DescriptionError for keys that belong to what the set-up has not."""
-    usual, model, out = table.instrument, table.instrument.model, later("Take {key} out")
-    refuse = partial(_refuse_keys, table, at)
+    table, usual, out = stated.table, stated.table.instrument, later("Take {key} out")
+    refuse, model = partial(_refuse_keys, stated), usual.model
     if usual.site == "length":
         refuse("direction moves along raster approach", later("a length goes from its first end to its second"), out)
     else:
@@ -234,22 +226,23 @@ def refuse_stray_keys(table: SetupTable, at: At) -> None:
         refuse("base", what, later("Take base out; a level and the mirror of an autocollimator have one"))
 
 
-def refuse_both(table: SetupTable, at: At) -> None:
+def refuse_both(stated: Stated[SetupTable]) -> None:
     """Raise DescriptionError for keys that exclude one another."""
+    table = stated.table
     given = {key for key in ("along", "length", "artefact", "reach") if getattr(table, key)}
     for pair in ({"along", "length"}, {"along", "artefact"}, {"along", "reach"}, {"artefact", "reach"}):
         if pair <= given and table.instrument.name != "straightedge":
             first, second = sorted(pair)
-            with at(second):
-                what = "{first} and {second} exclude one another"
-                raise DescriptionError(what, "Give one of them", first=first, second=second)
+            what = "{first} and {second} exclude one another"
+            raise stated.misstated(second, what, "Give one of them", first=first, second=second)
 
 
-def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
+def seen(stated: Stated[SetupTable], machine: Machine, setup: Setup) -> Setup:
     """Return a set-up that is read where its instrument sees the tool, as far as its table states that.
 
     Raises DescriptionError or UnitError.
     """
+    table = stated.table
     said = [key for key in _KEYS if key in table.model_fields_set]
     if not said or not setup.standing:
         return setup
@@ -259,12 +252,12 @@ def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
         np.array(setup.park),
         np.array(setup.standing),
         table.range,
-        _faces(table, at),
+        _faces(stated),
         _CONE if table.sight is None else table.sight,
         tuple(_seen_along(setup, machine.axes[k], k) for k in setup.moves),
     )
     setup = replace(setup, chart=chart)
-    with at(said[0]):
+    with stated.at_key(said[0]):
         refuse_unreachable(machine, setup)
     return setup
 
@@ -274,35 +267,13 @@ def _seen_along(setup: Setup, axis: Axis, index: int) -> Coordinate:
     return along if axis.rotary else along._replace(finest=FINEST_PLACE)
 
 
-def _faces(table: SetupTable, at: At) -> Array | None:
-    if table.faces is None:
-        if table.sight is not None:
-            with at("sight"):
-                what = "it is not said where the reflector looks that is seen within this angle"
-                raise DescriptionError(what, 'Write faces = "z", or leave sight out where it turns to the station')
+def _faces(stated: Stated[SetupTable]) -> Array | None:
+    if stated.table.faces is None:
+        if stated.table.sight is not None:
+            what = "it is not said where the reflector looks that is seen within this angle"
+            raise stated.misstated("sight", what, 'Write faces = "z", or leave sight out where it turns to the station')
         return None
-    return np.array(table.faces)
-
-
-def stations_of(table: SetupTable) -> tuple[Vector, ...]:
-    """Return where tracers stand that read at once; none where one instrument reads.  Raises DescriptionError."""
-    said = table.stations
-    if said is None:
-        return ()
-    if table.station is not None:
-        what = "it is said twice where it stands"
-        raise DescriptionError(what, "Keep station for one tracer, stations for those that read at once")
-    if not 2 <= len(said) <= MOST:
-        what = (
-            "{count} station cannot be read at once here"
-            if len(said) == 1
-            else "{count} stations cannot be read at once here"
-        )
-        remedy = "Name two to {most}; one alone is station, more are set-ups of their own"
-        raise DescriptionError(what, remedy, count=len(said), most=MOST)
-    if len(set(said)) < len(said):
-        raise DescriptionError("two of the stations are the same place", "Give each tracer its own")
-    return tuple(said)
+    return np.array(stated.table.faces)
 
 
 _AT_BALL = later('write artefact = "..." and [[artefacts]] with its place')

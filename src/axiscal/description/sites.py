@@ -10,10 +10,10 @@ from functools import partial
 import numpy as np
 
 from axiscal.description.campaign_schema import SetupTable
-from axiscal.description.fields import At
 from axiscal.description.sights import reached_arc, refuse_gap
 from axiscal.document import Document, shown
 from axiscal.document.quoting import meant
+from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import listed, said
 from axiscal.machine import Machine
@@ -21,15 +21,14 @@ from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, turns
-from axiscal.measurement.instrument import PRINTER_PROBE
 from axiscal.measurement.instruments.distance import RADIUS
+from axiscal.measurement.instruments.kind import Instrument
 from axiscal.measurement.instruments.written import Foreign
 from axiscal.measurement.observation import unknowns_at
 from axiscal.measurement.setup import Setup, Unknown, Vector
 from axiscal.measurement.touched import Cycle, gone_to
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
-from axiscal_core.instrument import TOOL
 
 OPEN_LENGTH = 1e-3
 OPEN_RADIUS = 1e-4
@@ -48,7 +47,7 @@ class Surroundings:
     """What set-ups are described in.
 
     artefacts : by name
-    tool : std of how far the tool's point is from where it is stated, along its x, y, z, m; 0 leaves one out
+    tool : what is not known of where the tool's point is, where something turns it
     asking : readings are to be asked for, so that every set-up must say where it can be read
     usual_doubts : zeros of which nothing is stated may wander as those of their instrument do
     printer : the probe is that of a 3D printer
@@ -58,7 +57,7 @@ class Surroundings:
     machine: Machine
     document: Document
     artefacts: Mapping[str, Artefact]
-    tool: Vector
+    tool: tuple[Unknown, ...]
     asking: bool
     usual_doubts: bool
     printer: bool = False
@@ -71,33 +70,32 @@ def evened(table: SetupTable) -> bool:
     return table.sides == "mean" or (table.sides is None and all_round)
 
 
-class SiteReader:
-    """Reads the keys of one table that say where.  usual : its instrument, with what is usual of it there"""
+@dataclass(frozen=True)
+class SiteReader(Stated[SetupTable]):
+    """Reads the keys of one table that say where; every failure is placed at the key it is about.
 
-    def __init__(self, table: SetupTable, around: Surroundings, at: At) -> None:
-        self._table, self._around, self._machine, self._at = table, around, around.machine, at
-        printed = around.printer and table.instrument.name == "probe"
-        self._usual = PRINTER_PROBE if printed else table.instrument
-        turns = any(axis.rotary for axis in around.machine.axes)
-        parts = zip(TOOL, around.tool, strict=True)
-        self._tool = tuple(Unknown(name, std, "tool") for name, std in parts if turns and std > 0)
+    around : what its set-up is described in; usual : its instrument, with what is usual of it there
+    """
+
+    around: Surroundings
+    usual: Instrument
 
     def sited(self) -> Setup:
         """Return the set-up where it is read; without a chart where any pose of the axes that move will do.
 
         Its unknowns are those of the place. Raises DescriptionError or UnitError.
         """
-        if self._table.along is not None:
-            return self._line(self._table.along)
-        if self._usual.site == "bar" and self._table.length is not None:
-            return self._bar(self._table.length)
-        if self._usual.contact != "free" and self._table.artefact is not None:
+        if self.table.along is not None:
+            return self._line(self.table.along)
+        if self.usual.site == "bar" and self.table.length is not None:
+            return self._bar(self.table.length)
+        if self.usual.contact != "free" and self.table.artefact is not None:
             return self._held()
         return self._anywhere()
 
     def _standing(self, moves: Sequence[int], park: Sequence[float] | Array) -> Setup:
         """Return the set-up as far as neither its place nor its unknowns matter.  moves, park : as of `Setup`"""
-        table, usual = self._table, self._usual
+        table, usual = self.table, self.usual
         noise = usual.noise if table.noise is None else table.noise
         return Setup(
             name=table.name,
@@ -114,51 +112,46 @@ class SiteReader:
             raster=(0.0,) * len(park),
             approach=table.approach or usual.approach,
             station=table.station,
-            at_20=self._around.at_20,
+            at_20=self.around.at_20,
             base=table.base,
             resolution=table.resolution,
             written=usual if issubclass(usual.model, Foreign) else None,
         )
 
     def _anywhere(self) -> Setup:
-        moves = self._table.moves
+        moves = self.table.moves
         if moves == ():
-            known = ", ".join(f'"{axis.name}"' for axis in self._machine.axes)
-            with self._at("moves"):
-                remedy = "Name axes, such as moves = [{known}], or leave it out"
-                raise DescriptionError("nothing moves", remedy, known=known)
-        moves = tuple(range(len(self._machine.axes))) if moves is None else moves
+            known = ", ".join(f'"{axis.name}"' for axis in self.around.machine.axes)
+            remedy = "Name axes, such as moves = [{known}], or leave it out"
+            raise self.misstated("moves", "nothing moves", remedy, known=known)
+        moves = tuple(range(len(self.around.machine.axes))) if moves is None else moves
         return self._standing(moves, self._parked(moves))
 
     def _line(self, ends: tuple[Vector, Vector]) -> Setup:
-        step, park = self._table.raster.get("along", 0.0), self._park()
+        step, park = self.table.raster.get("along", 0.0), self._park()
         # of a length nobody says how its ends are met
-        overrun = 0.0 if self._usual.site == "length" else self._overrun()
+        overrun = 0.0 if self.usual.site == "length" else self._overrun()
         line = Line.between_ends(self._room(None), np.array(ends), park, step, overrun)
         poses = line.poses(np.array([[0.0], [line.coordinates[0].high]]))
         for end, there in enumerate(line.feasible(poses)):
             if not there:
-                what = (
-                    "the second end of the line is out of travel"
-                    if end
-                    else "the first end of the line is out of travel"
-                )
-                with self._at("along"):
-                    lacks = lacking(self._machine, poses[end])
-                    raise DescriptionError(what, "Let it end within the travels: {lacking}", lacking=lacks)
+                what = "the second end of the line is out of travel"
+                what = what if end else "the first end of the line is out of travel"
+                lacks = lacking(self.around.machine, poses[end])
+                raise self.misstated("along", what, "Let it end within the travels: {lacking}", lacking=lacks)
         x, y, z = line.direction.tolist()
-        given = self._table.direction
-        return replace(self._standing(linear_axes(self._machine), park), chart=line, direction=given or (x, y, z))
+        given = self.table.direction
+        return replace(self._standing(linear_axes(self.around.machine), park), chart=line, direction=given or (x, y, z))
 
     def _bar(self, length: float) -> Setup:
         centre, owned, artefact, balls = self._centre()
         owner = f"bar of {format_quantity(length, 'mm', 6)}"
         zero = Unknown("zero", OPEN_LENGTH, owner)
-        plane = self._table.plane
+        plane = self.table.plane
         chart = self._circle(centre, length, artefact, plane) if plane else self._sphere(centre, length, artefact)
-        moving = set(linear_axes(self._machine)) | set(self._followers(chart))
+        moving = set(linear_axes(self.around.machine)) | set(self._followers(chart))
         setup = self._standing(sorted(moving), self._park([*moving]))
-        unknowns = (zero, *owned, *self._tool)
+        unknowns = (zero, *owned, *self.around.tool)
         setup = replace(setup, chart=chart, contact="held", unknowns=unknowns, station=centre, length=length)
         return replace(setup, artefact=artefact, balls=balls)
 
@@ -169,19 +162,24 @@ class SiteReader:
             yield from np.flatnonzero(chart.turning).tolist()
 
     def _centre(self) -> tuple[Vector, tuple[Unknown, ...], Artefact | None, tuple[int, ...]]:
-        table = self._table
+        table = self.table
         if table.artefact is not None:
             artefact, balls = self._artefact()
             if len(balls) != 1:
-                with self._at("ball" if table.ball else "artefact"):
-                    what = "a bar turns about one ball, and {artefact} has {count} here"
-                    remedy, ball = 'Name one, such as ball = "{ball}"', artefact.balls[0].name
-                    raise DescriptionError(what, remedy, artefact=artefact.name, count=len(balls), ball=ball)
+                what = "a bar turns about one ball, and {artefact} has {count} here"
+                remedy, ball = 'Name one, such as ball = "{ball}"', artefact.balls[0].name
+                raise self.misstated(
+                    "ball" if table.ball else "artefact",
+                    what,
+                    remedy,
+                    artefact=artefact.name,
+                    count=len(balls),
+                    ball=ball,
+                )
             return artefact.balls[balls[0]].place, unknowns_at(artefact, balls), artefact, balls
         if table.station is None:
-            with self._at("length"):
-                remedy = 'Write station = ["0 mm", "0 mm", "100 mm"], in the workpiece frame, or artefact = "cup"'
-                raise DescriptionError("it is not said about which place the bar turns", remedy)
+            remedy = 'Write station = ["0 mm", "0 mm", "100 mm"], in the workpiece frame, or artefact = "cup"'
+            raise self.misstated("length", "it is not said about which place the bar turns", remedy)
         place = table.station
         owner = f"centre at {', '.join(format_quantity(value, 'mm', 6) for value in place)}"
         return place, tuple(Unknown(f"station_{axis}", CUP, owner) for axis in "xyz"), None, ()
@@ -189,7 +187,7 @@ class SiteReader:
     def _circle(self, centre: Vector, length: float, artefact: Artefact | None, plane: tuple[Vector, Vector]) -> Circle:
         first, second = map(np.array, plane)
         free, cone = self._cone(artefact)
-        turning = np.array([self._table.turning.get(axis.name, 0.0) for axis in self._machine.axes])
+        turning = np.array([self.table.turning.get(axis.name, 0.0) for axis in self.around.machine.axes])
         circle = Circle(
             self._room(artefact),
             np.array(centre),
@@ -205,28 +203,28 @@ class SiteReader:
         return self._on_arc(circle)
 
     def _on_arc(self, circle: Circle) -> Circle:
-        if self._table.arc is None:
-            with self._at("plane"):
-                return circle.over(*reached_arc(circle, self._table.name))
-        with self._at("arc"):
-            circle = circle.over(*self._table.arc)
-            refuse_gap(circle, self._table.name)
+        if self.table.arc is None:
+            with self.at_key("plane"):
+                return circle.over(*reached_arc(circle, self.table.name))
+        with self.at_key("arc"):
+            circle = circle.over(*self.table.arc)
+            refuse_gap(circle, self.table.name)
         return circle
 
     def _sphere(self, centre: Vector, length: float, artefact: Artefact | None) -> Bar:
         free, cone = self._cone(artefact)
         turning = self._turned_by_moves()
-        steps = tuple(self._step(self._machine.axes[k].name) for k in turning)
+        steps = tuple(self._step(self.around.machine.axes[k].name) for k in turning)
         overrun, quarter = self._overrun() / length, math.pi / 2
         coordinates = (
             Coordinate(0.0, math.tau, self._step("azimuth"), overrun, endless=True),
             Coordinate(-quarter, quarter, self._step("elevation"), overrun),
-            *turns(self._machine, turning, steps),
+            *turns(self.around.machine, turning, steps),
         )
         return Bar(self._room(artefact), np.array(centre), length, free, cone, turning, self._park(), coordinates)
 
     def _overrun(self) -> float:
-        return max(axis.overrun for axis in self._machine.axes if not axis.rotary)
+        return max(axis.overrun for axis in self.around.machine.axes if not axis.rotary)
 
     def _cone(self, artefact: Artefact | None) -> tuple[Array, float]:
         if artefact is None:
@@ -236,33 +234,33 @@ class SiteReader:
     def _held(self) -> Setup:
         artefact, balls = self._artefact()
         turning = self._turned_by_moves(default_all=True)
-        with self._at("artefact"):
+        with self.at_key("artefact"):
             self._refuse_no_turn(turning, artefact)
-        steps = tuple(self._step(self._machine.axes[k].name) for k in turning)
+        steps = tuple(self._step(self.around.machine.axes[k].name) for k in turning)
         self._refuse_one_place(turning, steps)
-        coordinates = turns(self._machine, turning, steps)
+        coordinates = turns(self.around.machine, turning, steps)
         park, free, at = self._park(turning), np.array(artefact.free), artefact.points
-        contact = self._usual.contact
-        back = 0.0 if contact == "held" else self._table.retract or RETRACT
-        even = evened(self._table)  # both sides of approach: none is come from
-        coming = np.array([0.0 if axis.rotary or even else axis.overrun for axis in self._machine.axes])
+        contact = self.usual.contact
+        back = 0.0 if contact == "held" else self.table.retract or RETRACT
+        even = evened(self.table)  # both sides of approach: none is come from
+        coming = np.array([0.0 if axis.rotary or even else axis.overrun for axis in self.around.machine.axes])
         touching = back, coming, self._touching(artefact)
         each = tuple(
             Held(self._room(artefact, i), at[i], free, artefact.cone, turning, park, coordinates, *touching)
             for i in balls
         )
         chart: Chart = each[0] if len(each) == 1 and turning else Balls(each)
-        size = (Unknown(RADIUS, OPEN_RADIUS, artefact.name),) if self._table.touches else ()
-        unknowns = (*unknowns_at(artefact, balls), *size, *self._tool)
-        setup = self._standing(sorted({*turning, *linear_axes(self._machine)}), park)
+        size = (Unknown(RADIUS, OPEN_RADIUS, artefact.name),) if self.table.touches else ()
+        unknowns = (*unknowns_at(artefact, balls), *size, *self.around.tool)
+        setup = self._standing(sorted({*turning, *linear_axes(self.around.machine)}), park)
         return replace(setup, chart=chart, contact=contact, unknowns=unknowns, artefact=artefact, balls=balls)
 
     def _touching(self, artefact: Artefact) -> Callable[[Array], Array] | None:
         """Return where the axes go to touch a ball from all sides; None where they do not, or a size is not known."""
-        all_round, size = self._usual.all_round and self._table.touches is None, artefact.diameter
-        if not all_round or size is None or self._machine.stylus <= 0:
+        all_round, size = self.usual.all_round and self.table.touches is None, artefact.diameter
+        if not all_round or size is None or self.around.machine.stylus <= 0:
             return None
-        return partial(gone_to, self._machine, Cycle((size + self._machine.stylus) / 2))
+        return partial(gone_to, self.around.machine, Cycle((size + self.around.machine.stylus) / 2))
 
     def _refuse_no_turn(self, turning: tuple[int, ...], artefact: Artefact) -> None:
         if not turning and artefact.calibrated is None:
@@ -277,26 +275,24 @@ class SiteReader:
 
     def _named(self) -> Artefact:
         """Return the artefact that the table names; raises DescriptionError where there is none of that name."""
-        name, known = self._table.artefact or "", self._around.artefacts
+        name, known = self.table.artefact or "", self.around.artefacts
         if name not in known:
-            with self._at("artefact"):
-                names = ", ".join(f'"{each}"' for each in known) or said("none")
-                remedy = meant(name, known, said("Known are {known}; add it under [[artefacts]]", known=names))
-                raise DescriptionError("there is no artefact {artefact}", remedy, artefact=shown(name))
+            names = ", ".join(f'"{each}"' for each in known) or said("none")
+            remedy = meant(name, known, said("Known are {known}; add it under [[artefacts]]", known=names))
+            raise self.misstated("artefact", "there is no artefact {artefact}", remedy, artefact=shown(name))
         return known[name]
 
     def _artefact(self) -> tuple[Artefact, tuple[int, ...]]:
         named = self._named()
         if not named.balls:
-            with self._at("artefact"):
-                remedy = 'Add balls = {{ one = ["0 mm", …] }}'
-                raise DescriptionError("{name} has no ball to be read", remedy, name=shown(named.name))
-        table = self._table
+            remedy = 'Add balls = {{ one = ["0 mm", …] }}'
+            raise self.misstated("artefact", "{name} has no ball to be read", remedy, name=shown(named.name))
+        table = self.table
         artefact = named.put(table.at or (0.0, 0.0, 0.0), table.turn or 0.0, table.mounted)
         names = [ball.name for ball in artefact.balls]
-        wanted = self._table.ball if self._table.ball is not None else names
+        wanted = self.table.ball if self.table.ball is not None else names
         wanted = [wanted] if isinstance(wanted, str) else wanted
-        with self._at("ball"):
+        with self.at_key("ball"):
             for ball in wanted:
                 if ball not in names:
                     what = "{artefact} has no ball {ball}"
@@ -308,55 +304,55 @@ class SiteReader:
         return artefact, tuple(names.index(ball) for ball in wanted)
 
     def _turned_by_moves(self, default_all: bool = False) -> tuple[int, ...]:
-        rotary = tuple(k for k, axis in enumerate(self._machine.axes) if axis.rotary)
-        if self._table.moves is None:
+        rotary = tuple(k for k, axis in enumerate(self.around.machine.axes) if axis.rotary)
+        if self.table.moves is None:
             return rotary if default_all else ()
-        with self._at("moves"):
-            linear = [self._machine.axes[k].name for k in self._table.moves if k not in rotary]
+        with self.at_key("moves"):
+            linear = [self.around.machine.axes[k].name for k in self.table.moves if k not in rotary]
             if linear:
                 what = "{axes} follow where the tool point is held"
                 what = what if len(linear) > 1 else "{axes} follows where the tool point is held"
                 remedy = "Name the rotary axes that turn, or leave moves out"
                 raise DescriptionError(what, remedy, axes=", ".join(linear))
-        return self._table.moves
+        return self.table.moves
 
     def _park(self, turning: Sequence[int] = ()) -> Array:
         """Return where the axes stand that do not move, where the linear ones follow: rotary ones at 0, if they can."""
-        linear = (k for k, axis in enumerate(self._machine.axes) if not axis.rotary)
+        linear = (k for k, axis in enumerate(self.around.machine.axes) if not axis.rotary)
         return np.array(self._parked({*turning, *linear}, at_zero=True))
 
     def _parked(self, moves: Collection[int], at_zero: bool = False) -> tuple[float, ...]:
         """Return where axes stand, amid their travels unless it is said.  at_zero : rotary ones at 0, if they can"""
-        places = [sum(axis.travel) / 2 for axis in self._machine.axes]
-        for k, axis in enumerate(self._machine.axes):
+        places = [sum(axis.travel) / 2 for axis in self.around.machine.axes]
+        for k, axis in enumerate(self.around.machine.axes):
             if at_zero and axis.rotary and axis.travel[0] <= 0.0 <= axis.travel[1]:
                 places[k] = 0.0
-        usual = self._usual.park
-        own = {name: place for name, place in usual if self._machine.index(name) not in moves}
-        for name, place in (own | self._table.park).items():
-            index = self._machine.index(name)
+        usual = self.usual.park
+        own = {name: place for name, place in usual if self.around.machine.index(name) not in moves}
+        for name, place in (own | self.table.park).items():
+            index = self.around.machine.index(name)
             if index in moves:
-                with self._at("park", name):
-                    what = "{axis} is parked, but it is one of the axes that move"
-                    raise DescriptionError(what, "Take it out here, or take {axis} out of moves", axis=name)
+                what = "{axis} is parked, but it is one of the axes that move"
+                raise self.misstated(("park", name), what, "Take it out here, or take {axis} out of moves", axis=name)
             places[index] = place
         return tuple(places)
 
     def _step(self, key: str) -> float:
-        return self._table.raster.get(key, 0.0)
+        return self.table.raster.get(key, 0.0)
 
     def _refuse_one_place(self, turning: tuple[int, ...], steps: tuple[float, ...]) -> None:
         """Raise DescriptionError for a raster by which an axis that is to turn has one place only, or none."""
-        for axis, step in zip((self._machine.axes[k] for k in turning), steps, strict=True):
+        for axis, step in zip((self.around.machine.axes[k] for k in turning), steps, strict=True):
             low, high = axis.travel
             if step > 0 and len(Coordinate(low, high, step).values) < 2:
-                with self._at("raster", axis.name):
-                    what = "a raster of {text} has less than two places on {axis}"
-                    remedy = "Give a smaller step, or leave {axis} out of moves"
-                    raise DescriptionError(what, remedy, text=format_quantity(step, axis.unit), axis=axis.name)
+                what = "a raster of {text} has less than two places on {axis}"
+                remedy = "Give a smaller step, or leave {axis} out of moves"
+                raise self.misstated(
+                    ("raster", axis.name), what, remedy, text=format_quantity(step, axis.unit), axis=axis.name
+                )
 
     def _room(self, artefact: Artefact | None, *touching: int) -> Room:
-        return Room.among(self._machine, artefact, touching)
+        return Room.among(self.around.machine, artefact, touching)
 
 
 def lacking(machine: Machine, pose: Array) -> str:

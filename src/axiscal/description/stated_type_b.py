@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.description.campaign_schema import CampaignTable, SetupTable
-from axiscal.description.fields import At
 from axiscal.description.type_b import TEMPERATURE
 from axiscal.document import Document
+from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine import Machine
@@ -87,21 +87,21 @@ def _against_length(setup: SetupTable, artefacts: Mapping[str, Artefact]) -> boo
     return setup.instrument.against_length or (artefact is not None and artefact.calibrated is not None)
 
 
-def with_material(table: SetupTable, usual: Instrument, machine: Machine, setup: Setup, at: At) -> Setup:
+def with_material(stated: Stated[SetupTable], usual: Instrument, machine: Machine, setup: Setup) -> Setup:
     """Return a set-up with what its table says of the measured material; raises DescriptionError.
 
     Its growth is an unknown where it is stated how well that is known.
     """
+    table = stated.table
     expansion = STEEL if table.expansion is None else table.expansion
     said = {"temperature": table.temperature_std, "expansion": table.expansion_std}
     known = {name: size for name, size in said.items() if size is not None}
     setup = replace(setup, expansion=expansion, stated=(*known.items(), *table.type_b.items()))
     if table.temperature is None:
         return setup
-    with at("temperature"):
-        if not _grows(usual, machine, setup):
-            what = "a temperature corrects a length along the linear axes that move, and this set-up reads none"
-            raise DescriptionError(what, "Take temperature out, or name the axis in moves")
+    if not _grows(usual, machine, setup):
+        what = "a temperature corrects a length along the linear axes that move, and this set-up reads none"
+        raise stated.misstated("temperature", what, "Take temperature out, or name the axis in moves")
     warmer = table.temperature - REFERENCE
     std = math.hypot(expansion * known.get("temperature", 0.0), warmer * known.get("expansion", 0.0))
     growth = (Unknown("growth", std),) if std > 0 and "growth" in usual.model.unknown_reads else ()
@@ -131,16 +131,17 @@ def lacks_temperature(setup: Setup, machine: Machine) -> bool:
     return TEMPERATURE.met(setup) and not stated and takes_temperature(setup, machine)
 
 
-def dense(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
+def dense(stated: Stated[SetupTable], machine: Machine, setup: Setup) -> Setup:
     """Return a set-up whose readings are not all normal, as its table says; raises DescriptionError.
 
     A dead band along the moving axis is a lag: its sign follows from the side of approach. Across it, or with several
     moving axes, the sign is unknown: a bound.
     """
-    band = table.dead_band
+    table, band = stated.table, stated.table.dead_band
     if band and "lag" in (unknown.name for unknown in setup.unknowns):
-        with at("dead_band"):
-            raise DescriptionError("a dead band is a lag, which is among the unknowns already", "Keep one of them")
+        raise stated.misstated(
+            "dead_band", "a dead band is a lag, which is among the unknowns already", "Keep one of them"
+        )
     if band and lags(setup, machine):
         setup, band = replace(setup, unknowns=(*setup.unknowns, Unknown("lag", band))), 0.0
     bound = table.bound + band

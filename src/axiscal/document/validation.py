@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, Generic, Protocol, TypeVar, get_args, get_origin
 
 from axiscal.document.file import Document
 from axiscal.document.quoting import dotted, meant, quantity_text, shown
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from pydantic_core import CoreSchema, ErrorDetails
 
 ModelT = TypeVar("ModelT", bound="BaseModel")
+Keys = tuple[str | int, ...]
 
 
 @contextmanager
@@ -221,3 +222,36 @@ def _plain(annotation: Any) -> Any:
     if get_origin(annotation) in (list, dict, tuple) or not get_args(annotation):
         return annotation
     return _plain(next(inner for inner in get_args(annotation) if inner is not type(None)))
+
+
+@dataclass(frozen=True, slots=True)
+class Stated(Generic[ModelT]):
+    """A table of the document, with the quantities that it states.  keys : where it stands"""
+
+    document: Document
+    table: ModelT
+    keys: Keys
+
+    def within(self, key: str, dimension: Dimension, least: float, most: float, index: int = 0) -> float | None:
+        """Return a quantity, or one of a list, in SI units, None where it is not stated; raises as `units.within`."""
+        found = getattr(self.table, key)
+        place, text = ((key, index), found[index]) if isinstance(found, tuple | list) else ((key,), found)
+        with self.at_key(*place):
+            return None if text is None else within(text, dimension, least, most)
+
+    def each(self, key: str, dimension: Dimension, least: float, most: float) -> tuple[float, ...]:
+        """Return all quantities of a list in SI units; raises as `units.within`."""
+        found = list[float]()
+        for index, text in enumerate(getattr(self.table, key)):
+            with self.at_key(key, index):
+                found.append(within(text, dimension, least, most))
+        return tuple(found)
+
+    def at_key(self, *keys: str | int) -> AbstractContextManager[None]:
+        """Place failures of a block at keys, one below the other."""
+        return self.document.placed(*self.keys, *keys)
+
+    def misstated(self, where: str | Keys, what: str, remedy: str, **values: object) -> InputError:
+        """Return a failure placed at a key, or at keys, one below the other."""
+        keys = (where,) if isinstance(where, str) else where
+        return self.document.fault(DescriptionError(what, remedy, None, None, **values), *self.keys, *keys)

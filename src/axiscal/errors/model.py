@@ -308,10 +308,13 @@ class ErrorModel:
             self.effects(values, approaches),
         )
         for i, function in enumerate(self.terms):
-            straight = function.kind == "location" and not self.machine.axes[function.axis].rotary
-            part = parts.tilt if straight else parts.rotation if function.angular else parts.displacement
-            part[function.axis, :, function.component % 3] += signed[i]
+            getattr(parts, self.part_of(function))[function.axis, :, function.component % 3] += signed[i]
         return parts
+
+    def part_of(self, term: Term) -> str:
+        """Return which of the small motions of its axis a term is."""
+        tilts = term.kind == "location" and not self.machine.axes[term.axis].rotary
+        return "tilt" if tilts else "rotation" if term.angular else "displacement"
 
 
 def _functions(machine: Machine) -> Iterable[ErrorFunction]:

@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 from axiscal.errors.model import ErrorModel, Term
 from axiscal.errors.plane import PlaneError
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import Deviation, actual_deviation, tool_motion
-from axiscal.machine.motion import motion_effects
+from axiscal.machine.kinematics import Deviation, actual_deviation, tool_motion, turn_between
 from axiscal.numerics import Array
 from axiscal_core.rigid import Motion
 from axiscal_core.splines import gauss
@@ -54,23 +53,28 @@ def deviations_of(model: ErrorModel, machines: Array, poses: Array, approaches: 
         yield from (Deviation(*each) for each in zip(straight, turned, strict=True))
 
 
+_H = 2.0**-100
+"""A complex step: its square is below rounding, and a power of two rounds nothing itself."""
+
+
 def levers_at(model: ErrorModel, coefficients: Array, poses: Array) -> tuple[Array, Array]:
     """Return the levers of each term where the errors have moved the frames to; reversals at their middle.
 
-    Of the TCP, m or m/rad, and of the tool's turn, (terms, m, 3) each.
+    Of the TCP, m or m/rad, and of the tool's turn, (terms, m, 3) each, by complex steps of the exact chain.
     coefficients : (size,); poses : (m, q)
     """
-    small = model.small_motions(coefficients, poses, np.zeros_like(poses))
-    effects = motion_effects(model.machine, poses, small)
-    straight, angular = (np.zeros((len(model.terms), len(poses), 3)) for _ in range(2))
-    for i, term in enumerate(model.terms):
-        at, along = term.axis, term.component % 3
-        if term.kind == "location" and not model.machine.axes[at].rotary:
-            straight[i] = effects.tilt[at, :, :, along]
-        elif term.angular:
-            straight[i], angular[i] = effects.rotation[at, :, :, along], effects.turn[at, :, :, along]
-        else:
-            straight[i] = effects.displacement[at, :, :, along]
+    small, found = (
+        model.small_motions(coefficients, poses, np.zeros_like(poses)),
+        dict[tuple[str, int, int], Deviation](),
+    )
+    ways = [(model.part_of(term), term.axis, term.component % 3) for term in model.terms]
+    for part, axis, along in set(ways):
+        step = np.zeros(small.rotation.shape, dtype=complex)
+        step[axis, :, along] = 1j * _H
+        motion = tool_motion(model.machine, poses, small._replace(**{part: getattr(small, part) + step}))
+        turned = turn_between(motion.rotation.real, motion.rotation.imag / _H)
+        found[part, axis, along] = Deviation(motion.translation.imag / _H, turned)
+    straight, angular = (np.array([found[way][k] for way in ways]).reshape(-1, len(poses), 3) for k in range(2))
     return straight, angular
 
 

@@ -1,53 +1,15 @@
-"""One linear or rotary axis of a machine (ISO 841 letters).
-
-A quantity of the description between limits, outside which a unit has been confused.
-"""
+"""One linear or rotary axis of a machine (ISO 841 letters)."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Generic, Literal, TypeVar
+from typing import Literal
 
-from axiscal.document import Document, shown
-from axiscal.exceptions import DescriptionError, InputError
+from axiscal.document import shown
+from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
-from axiscal.units import Dimension, format_quantity, within
-
-if TYPE_CHECKING:
-    from pydantic import BaseModel
-
-Keys = tuple[str | int, ...]
-TableT = TypeVar("TableT", bound="BaseModel")
-
-
-@dataclass(frozen=True, slots=True)
-class Stated(Generic[TableT]):
-    """A table of the document, with the quantities that it states.  keys : where it stands"""
-
-    document: Document
-    table: TableT
-    keys: Keys
-
-    def within(self, key: str, dimension: Dimension, least: float, most: float, index: int = 0) -> float | None:
-        """Return a quantity, or one of a list, in SI units, None where it is not stated; raises as `units.within`."""
-        found = getattr(self.table, key)
-        place, text = ((key, index), found[index]) if isinstance(found, tuple | list) else ((key,), found)
-        with self.document.placed(*self.keys, *place):
-            return None if text is None else within(text, dimension, least, most)
-
-    def each(self, key: str, dimension: Dimension, least: float, most: float) -> tuple[float, ...]:
-        """Return all quantities of a list in SI units; raises as `units.within`."""
-        found = list[float]()
-        for index, text in enumerate(getattr(self.table, key)):
-            with self.document.placed(*self.keys, key, index):
-                found.append(within(text, dimension, least, most))
-        return tuple(found)
-
-    def misstated(self, key: str, what: str, remedy: str, **values: object) -> InputError:
-        """Return a failure placed at a key."""
-        return self.document.fault(DescriptionError(what, remedy, None, None, **values), *self.keys, key)
-
+from axiscal.units import format_quantity
 
 LINEAR_LETTERS = "XYZUVWPQR"
 ROTARY_LETTERS = "ABC"

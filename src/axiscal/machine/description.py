@@ -16,9 +16,10 @@ from pathlib import Path
 
 from axiscal.document import Document, read_model, shown
 from axiscal.document.quoting import meant
+from axiscal.document.validation import Stated
 from axiscal.exceptions import ChainError, DescriptionError, Faults, InputError
 from axiscal.language.spoken import said
-from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS, Axis, Stated
+from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS, Axis
 from axiscal.machine.entry import ErrorEntry, PlaneEntry, as_fine_as_is_cheap
 from axiscal.machine.errors_table import read_errors
 from axiscal.machine.machine_schema import AxisTable, MachineFile
@@ -163,10 +164,8 @@ def _turns(stated: Stated[AxisTable], axis: Axis, travel: Span) -> tuple[int, in
         return None
     text = shown(stated.table.limits)
     if not Axis.named(axis.name, False, travel).cyclic:
-        what, remedy = (
-            "limits {text} of {axis}, whose travel is not one turn",
-            "Take them out: its travel is where it may go",
-        )
+        what = "limits {text} of {axis}, whose travel is not one turn"
+        remedy = "Take them out: its travel is where it may go"
         raise stated.misstated("limits", what, remedy, text=text, axis=axis.name)
     low, high = stated.each("limits", "angle", -_FAR, _FAR)
     if low > travel[0] + 1e-9 or high < travel[1] - 1e-9:

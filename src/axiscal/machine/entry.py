@@ -254,11 +254,8 @@ class ErrorEntry:
         count = self._wanted_knots(axis)
         fewest = FEWEST_CYCLIC_KNOTS if axis.cyclic else 2
         if not fewest <= count <= MOST_KNOTS:
-            what = (
-                "{error}: {count:.0f} knots are too few"
-                if count < fewest
-                else "{error}: {count:.0f} knots are too many"
-            )
+            what = "{error}: {count:.0f} knots are too few"
+            what = what if count < fewest else "{error}: {count:.0f} knots are too many"
             if axis.cyclic:
                 what = "{error}: {count:.0f} knots over a full turn are too many"
                 what = "{error}: {count:.0f} knots over a full turn are too few" if count < fewest else what

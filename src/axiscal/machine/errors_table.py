@@ -10,9 +10,10 @@ from dataclasses import replace
 from itertools import pairwise
 
 from axiscal.document import Document, shown
+from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.language.spoken import joined, later, said
-from axiscal.machine.axis import Axis, Stated, letter_direction
+from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.entry import (
     COMPONENTS,
     JOINT,

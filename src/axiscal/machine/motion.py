@@ -5,12 +5,6 @@ feed means the same on every control, and rotary axes turn while the slides stan
 control may take the short way round where an axis has no end. An axis that would not come to its place over at least
 its overrun from the side that counts first goes past it. `Driving` says in which other order, what goes clear before
 others move, and how slow the last millimetres are. Plans, records and programs all go by these rules.
-
-What a little more of each small motion does to the tool of a machine as it is: levers at the actual frames.
-
-T = … M_k E_k … with E_k = Trans(δ) Rot(ε) on the tool side and its inverse on the workpiece side. A little more of ε
-turns by J(ε) dε before Rot(ε), about where the frame then is. J is the left Jacobian of the rotation group (Barfoot
-2017, eq. 7.77). At the nominal machine these are the levers of `frames`.
 """
 
 from __future__ import annotations
@@ -18,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -26,62 +19,7 @@ from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import SmallMotions, tool_point
 from axiscal.numerics import Array
-from axiscal_core import rigid
-from axiscal_core.axes import from_frame, to_frame
-
-
-class MotionEffects(NamedTuple):
-    """Derivatives of the TCP, and of the tool's turn, by x, y, z (last index) of each small motion, workpiece frame.
-
-    displacement, rotation, tilt : (q, m, 3, 3) m/m or m/rad; turn : (q, m, 3, 3) rad/rad, of the rotation alone
-    """
-
-    displacement: Array
-    rotation: Array
-    tilt: Array
-    turn: Array
-
-
-def motion_effects(machine: Machine, poses: Array, small: SmallMotions) -> MotionEffects:
-    """Return the derivatives at poses (m, q) of a machine with small motions.
-
-    Axis by axis: how displacements act, how rotations turn (both (m, 3, 3)) and about where, and what a tilt does.
-    """
-    motion, joints = rigid.identity(len(poses)), list[tuple[Array, Array, Array, Array]]()
-    for k, (axis, coordinate) in enumerate(zip(machine.axes, poses.T, strict=True)):
-        tilt, turn = rigid.rotation(small.tilt[k]), rigid.rotation(small.rotation[k])
-        motion = to_frame(axis, motion, coordinate, tilt)
-        base = motion
-        if axis.workpiece_side:
-            back = np.swapaxes(turn, 1, 2)
-            motion = motion.then(back).shifted(-small.displacement[k])
-            displaced, turned = -base.rotation @ back, -base.rotation @ rigid.left_jacobian(-small.rotation[k])
-            about = base.translation
-        else:
-            motion = motion.shifted(small.displacement[k])
-            displaced, turned = base.rotation, base.rotation @ rigid.left_jacobian(small.rotation[k])
-            about = motion.translation
-            motion = motion.then(turn)
-        tilted = np.zeros_like(turned)
-        if not axis.rotary:
-            carrier = motion.rotation if axis.workpiece_side else base.rotation
-            straight = np.einsum("mij,mj->mi", tilt, np.outer(coordinate, axis.direction))
-            tilted = carrier @ _crossed(rigid.left_jacobian(small.tilt[k]), straight)
-        joints.append((displaced, turned, about, tilted))
-        motion = from_frame(axis, motion, coordinate, tilt)
-    motion = motion.shifted(tool_point(machine))
-    displacements, turns, centres, tilts = (np.stack(parts) for parts in zip(*joints, strict=True))
-    arms = motion.translation - centres
-    rotations = np.stack([_crossed(turn, arm) for turn, arm in zip(turns, arms, strict=True)])
-    return MotionEffects(displacements, rotations, tilts, turns)
-
-
-def _crossed(turns: Array, arm: Array) -> Array:
-    """Return the columns of (m, 3, 3) each crossed with (m, 3)."""
-    return np.swapaxes(rigid.cross(np.swapaxes(turns, 1, 2), arm[:, None, :]), 1, 2)
-
 
 FAMILIES = ("XYZ", "UVW", "PQR", "ABC")
 """Letters that one feed counts for; LinuxCNC takes a feed for XYZ alone when U moves too."""

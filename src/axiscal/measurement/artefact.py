@@ -97,19 +97,6 @@ class Artefact:
         nearest: NDArray[np.intp] = np.array(among, dtype=np.intp)[apart.argmin(axis=1)]
         return nearest
 
-    def moves(self, unknown: str, balls: NDArray[np.intp]) -> Array:
-        """Return how a unit of an unknown moves balls, (m, 3); nothing where it is not one of the artefact's."""
-        name, _, axis = unknown.rpartition("_")
-        along = np.eye(3)["xyz".index(axis)] if axis in ("x", "y", "z") else np.zeros(3)
-        if unknown == "scale":
-            return self._levers[balls]
-        if name == "turn":
-            return np.cross(along, self._levers[balls])
-        if name == "place":
-            return np.tile(along, (len(balls), 1))
-        mine = np.array([name == self.balls[i].name for i in balls])
-        return np.where(mine[:, None], self._turned @ along, 0.0)
-
     def displacements(self, own: Mapping[str, float], balls: NDArray[np.intp]) -> Array:
         """Return where balls are against their stated places, nothing linearised, (m, 3) m."""
         turn = rigid.rotation(np.array([[own.get(f"turn_{axis}", 0.0) for axis in "xyz"]]))[0]

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from axiscal.measurement.instruments.displacement import Displacement, Stepped
+from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.distance import SHIFTS, TURNS, ZEROS, Distance, Nest, Tracker
 from axiscal.measurement.instruments.kind import CARRIED, Instrument, Kind, Rotation
 from axiscal.measurement.setup import Setup, Unknown
@@ -71,8 +71,8 @@ def instrument_of(setup: Setup) -> Instrument:
 
 
 def model_of(setup: Setup) -> type[Kind]:
-    """Return what a set-up sees: a level whose feet are stepped along a way sees another thing than one that rides."""
-    return instrument_of(setup).model if setup.base is None else Stepped
+    """Return what a set-up sees."""
+    return instrument_of(setup).model
 
 
 def values_of(setup: Setup) -> int:
