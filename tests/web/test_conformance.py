@@ -27,10 +27,8 @@ MADE: Counter[tuple[str, str, str]] = Counter()
 """Requests so far: of a kind with few forms hypothesis makes fewer than it may."""
 QUESTIONS = "start stage rows curve plan state typed cost texts check"
 STEPS = "addresses draft open readings jogs skips notes accepts undo next finish load leave"
-OPERATIONS = [
-    *((f"/api/1/{name}", "get") for name in QUESTIONS.split()),
-    *((f"/api/1/{name}", "post") for name in STEPS.split()),
-]
+METHODS = {"get": QUESTIONS, "post": STEPS}
+OPERATIONS = [(f"/api/1/{name}", method) for method, names in METHODS.items() for name in names.split()]
 
 
 @pytest.fixture(scope="module")

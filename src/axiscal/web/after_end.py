@@ -12,7 +12,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.evaluation.check import Check
 from axiscal.exceptions import TableError, TargetError
 from axiscal.language.spoken import said
-from axiscal.present.guide.checking import Checked, CheckToTake
+from axiscal.present.guide.checking import CheckJudged, CheckToTake
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions, informed
 from axiscal.web.desk import Desk
@@ -60,7 +60,7 @@ def check(desk: Desk, control: str) -> CheckToTake:
     return CheckToTake.of(Check.from_campaign(desk.campaign, control), desk.virtual)
 
 
-def judge(desk: Desk, asked: CheckedRequest) -> Checked:
+def judge(desk: Desk, asked: CheckedRequest) -> CheckJudged:
     """Return what readings without the tables and with them say, or what is wrong with each by its field."""
     check = Check.from_campaign(desk.campaign, asked.control)
-    return Checked.of(check, asked.found, asked.left, asked.tolerance, desk.campaign.path.parent)
+    return CheckJudged.of(check, asked.found, asked.left, asked.tolerance, desk.campaign.path.parent)

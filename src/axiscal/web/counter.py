@@ -105,7 +105,7 @@ class Counter:
             return said("{record} is open.", record=record.name)
 
         self._break_off()
-        sentence = await self.work(opened)
+        sentence = await asyncio.wrap_future(self._submitted(opened))
         self._think()
         return sentence
 
@@ -116,12 +116,8 @@ class Counter:
             self.desk.campaign.close()
             self._desk = None
 
-        await self.work(closed)
+        await asyncio.wrap_future(self._submitted(closed))
         self._publish()
-
-    async def work(self, work: Callable[[], _Result]) -> _Result:
-        """Return what a function of no record returns, on the thread of the campaign."""
-        return await asyncio.wrap_future(self._submitted(work))
 
     async def draw_up(self, work: Callable[[], _Result]) -> _Result:
         """Return what a function of the draft returns; raises OvertakenError where a newer one has broken it off."""
@@ -145,7 +141,7 @@ class Counter:
 
     async def ask(self, look: Callable[[Desk], _Result]) -> _Result:
         """Return what the desk says to a question that changes nothing, after the steps that are under way."""
-        return await self.work(lambda: look(self.desk))
+        return await asyncio.wrap_future(self._submitted(lambda: look(self.desk)))
 
     async def watch(self) -> None:
         """Look at the record again and again, for what others write."""

@@ -22,7 +22,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from axiscal.answers.answer import AnswerDocument
 from axiscal.exceptions import InputError, OvertakenError
 from axiscal.language.spoken import said
-from axiscal.present.guide.checking import Checked, CheckToTake
+from axiscal.present.guide.checking import CheckJudged, CheckToTake
 from axiscal.present.guide.slips import Meant
 from axiscal.record.signing import writing
 from axiscal.web import after_end, draft, shapes
@@ -64,15 +64,8 @@ def application(counter: Counter, port: int, here: Path, shop: ShopDoor | None =
         openapi_url=f"{ROOT}/openapi.json",
         lifespan=watching,
     )
-    sent: dict[str, Callable[..., Awaitable[Response]]] = {
-        "report.html": api.report,
-        "report.pdf": api.pdf,
-        "tables.zip": api.tables,
-        "setup.svg": api.setup_picture,
-        "machine.svg": api.machine_picture,
-    }
-    for name, sending in sent.items():
-        app.get(f"/{name}", include_in_schema=False)(sending)
+    for file in ("report.html", "report.pdf", "tables.zip", "setup.svg", "machine.svg"):
+        app.get(f"/{file}", include_in_schema=False)(getattr(api, file.replace(".", "_")))
     for name in ("start", "stage", "plan", "curve", "rows", "state", "typed", "cost", "texts", "check", "again"):
         app.get(f"{ROOT}/{name}")(_documented(getattr(api, name)))
     for name in ("addresses", "draft", "open", "leave", "codes", "devices"):
@@ -145,26 +138,26 @@ class _Api:
         """Where the tables of a control are to be checked."""
         return await self._counter.ask(lambda desk: after_end.check(desk, query.control))
 
-    async def judge(self, asked: shapes.CheckedRequest) -> Checked:
+    async def judge(self, asked: shapes.CheckedRequest) -> CheckJudged:
         """What readings without the tables and with them say."""
         return await self._counter.ask(lambda desk: after_end.judge(desk, asked))
 
-    async def setup_picture(self, query: Annotated[shapes.PictureQuery, Query()]) -> Response:
+    async def setup_svg(self, query: Annotated[shapes.PictureQuery, Query()]) -> Response:
         """The machine with the instrument on it and the places that are read, as wide as the page has room."""
         drawn = await self._counter.ask(lambda desk: desk.setup_picture(query.width))
         if not drawn:
             return Response(status_code=204)  # what was asked has been answered in the meantime
         return Response(drawn, media_type="image/svg+xml")
 
-    async def report(self) -> Response:
+    async def report_html(self) -> Response:
         """The report, which allows its own scripts by their hashes and asks for nothing."""
         return self._result("report.html", {"Content-Security-Policy": "frame-ancestors 'none'"})
 
-    async def pdf(self) -> Response:
+    async def report_pdf(self) -> Response:
         """The report to sign."""
         return self._result("report.pdf", {"Content-Disposition": "attachment"})
 
-    async def tables(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
+    async def tables_zip(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
         """The tables of a control as one file."""
         made, packed = await self.texts(query), io.BytesIO()
         with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -203,7 +196,7 @@ class _Api:
         """Keep what was chosen of a new campaign, and say what that makes of its machine."""
         return draft.keep(self._here, chosen)
 
-    async def machine_picture(self, query: Annotated[shapes.MachineQuery, Query()]) -> Response:
+    async def machine_svg(self, query: Annotated[shapes.MachineQuery, Query()]) -> Response:
         """A machine, with an instrument on it if one is named."""
         drawn = await asyncio.to_thread(draft.picture, self._here, query)
         return Response(drawn, media_type="image/svg+xml")

@@ -58,7 +58,7 @@ class CheckToTake(AnswerDocument):
         )
 
 
-class Checked(AnswerDocument):
+class CheckJudged(AnswerDocument):
     """What a check says; faults : what is wrong, by its field ("tolerance", "found.0", "left.0")."""
 
     verdict: str = ""
