@@ -47,28 +47,37 @@ def _log_odds(problem: Problem, columns: Array, places: int, *, judged: bool = T
 def test_the_likeliest_jump_of_a_set_up_is_that_of_the_dense_density(kind: str) -> None:
     """Of sizes that are exact both weighings are one: in closed form, and by the evidence with the columns."""
     problem = _off(sized(asked(kind, 9 if kind == "axis" else 8, 5), ()), 4, 200.0)
-    (found,) = (each for each in suspects(problem) if each.mistake.setups == (0,))
+    (found,) = (each for each in suspects(problem) if each.mistake.setups == (0,) and each.mistake.mistake == "jump")
     of = np.unique(problem.reading[problem.setup == 0])
     places = len(JUMPS) * len(of[2:-1])
     ways = ways_of(problem, problem.setup == 0) / problem.noise * float(np.median(problem.noise[problem.setup == 0]))
     each = {(s, r): _log_odds(problem, s * ways * (problem.reading >= r), places) for s in JUMPS for r in of[2:-1]}
     best = max(each, key=lambda key: each[key])
     assert found.mistake[2:4] == ((0,), best[1])
-    assert found.mistake.mistake == "jump"
     assert found.places == places
     assert found.mistake.log_odds == pytest.approx(each[best], rel=1e-6)
-    np.testing.assert_allclose(found.columns, best[0] * ways * (problem.reading >= best[1]))
+    np.testing.assert_allclose(found.other.rows[:, : len(ways)].T, best[0] * ways * (problem.reading >= best[1]))
     known = jumped(problem)
     assert known is not None
     assert known.jumps == (found.mistake,)
-    alone = _log_odds(problem, found.columns, places, judged=False)
+    alone = _log_odds(problem, found.other.rows[:, : len(ways)].T, places, judged=False)
     assert known.log_odds == pytest.approx(alone, rel=1e-6)
+
+
+def test_the_likeliest_sign_of_a_stretch_is_that_of_the_dense_density() -> None:
+    right = sized(asked("axis", 12, 5), ())
+    off = replace(right, values=np.where(right.reading >= 7, -5, 5) * right.values)
+    found = next(each for each in suspects(off) if each.mistake.mistake == "sign")
+    wide, nought = Dense(off).judging(np.zeros(len(off.sizes))), np.zeros(len(off.values))
+    turned = (np.where(off.reading >= since, -1, 1) * off.values for since in (*range(3, 10), 12))
+    *gains, beside = (log_density(each, nought, wide) for each in turned)
+    assert found.mistake.log_odds == pytest.approx(max(gains) - beside + np.log(0.01 / found.places), rel=1e-6)
+    assert (found.mistake.reading, found.mistake.last) == (3 + int(np.argmax(gains)), -1) == (7, -1)
 
 
 def test_without_a_contradiction_nothing_is_sought() -> None:
     problem = sized(asked("axis", 9, 5), ())
     assert list(suspects(problem)) == []
-    assert jumped(problem) is None
 
 
 def test_a_jump_of_one_number_is_of_its_zero_whatever_else_the_mounting_leaves_open() -> None:

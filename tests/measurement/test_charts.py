@@ -7,12 +7,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from axiscal.errors.model import ErrorModel
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Sight
-from axiscal.measurement.charts.room import Chart, Coordinate, Room, arrivals, crossings, has_room, turns
+from axiscal.measurement.charts.room import Chart, Coordinate, Room, arrivals, has_room, turns
 from axiscal.numerics import Array
+from axiscal.planning.step.ground import changes, places_along
 from tests.generators.kinematics import in_travel, stem, tip
 from tests.generators.printed_machine import printed_machine
 from tests.generators.solids import filled, solids
@@ -76,7 +78,12 @@ def test_the_tool_point_is_at_the_ball_in_every_pose() -> None:
     ],
 )
 def test_no_axis_crosses_a_level_between_two_breaks(chart: Chart, number: int, place: tuple[float, ...]) -> None:
-    cuts = chart.breaks(number, np.array(place), levels())
+    def passed(values: Array) -> NDArray[np.bool_]:
+        poses = chart.poses(places_along(np.array(place), number, values))
+        return np.hstack([poses[:, [k]] > wanted for k, wanted in enumerate(levels())])
+
+    low, high, *_ = chart.coordinates[number]
+    cuts = np.unique([low, high, *changes(passed, np.linspace(low, high, 721)).mean(axis=1)])
     fine = np.sort(np.concatenate([np.linspace(a, b, 40)[1:-1] for a, b in pairwise(cuts)]))
     places = np.tile(np.array(place), (len(fine), 1))
     places[:, number] = fine
@@ -90,11 +97,11 @@ def test_no_axis_crosses_a_level_between_two_breaks(chart: Chart, number: int, p
 
 
 def test_a_circle_that_touches_a_level_in_one_point_is_no_trouble() -> None:
-    def curve(angles: Array) -> Array:
-        return np.cos(angles)[:, None]
+    def passed(angles: Array) -> NDArray[np.bool_]:
+        return np.cos(angles)[:, None] > np.array([1.0, -1.0])
 
-    found = crossings(curve, 0.0, math.tau, (np.array([1.0, -1.0]),))
-    np.testing.assert_allclose(found, [0.0, math.pi, math.tau], atol=1e-6)
+    found = changes(passed, np.linspace(0.0, math.tau, 721))
+    np.testing.assert_allclose(found, math.pi, atol=1e-6)
 
 
 @pytest.mark.parametrize(("step", "cone", "counts"), [(30, 100, (36, 37, 48)), (15, 30, (84, 110, 120))])

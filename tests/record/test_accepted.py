@@ -54,6 +54,12 @@ def test_values_of_another_sign_or_unit_are_multiplied_back() -> None:
     assert put_right(unnumbered, Accepted("unit", ("one",), 5, 8.0)) == [replace(each, number=None) for each in RIGHT]
 
 
+def test_sides_and_passes_of_a_stretch_are_turned_back() -> None:
+    turned = [replace(each, approach=(-1 if each.number == 7 else 1,)) for each in RIGHT]
+    assert put_right(turned, Accepted("sides", ("one",), 4, last=8)) == RIGHT
+    assert put_right(_with({7: BY_NUMBER[9], 9: BY_NUMBER[7]}), Accepted("mirrored", ("one",), 4)) == RIGHT
+
+
 def test_values_of_two_set_ups_are_exchanged_with_their_noise() -> None:
     pairs = [(3, 4), (7, 8), (9, 12)]
     swapped = _with({a: BY_NUMBER[b] for a, b in pairs} | {b: BY_NUMBER[a] for a, b in pairs})

@@ -92,7 +92,7 @@ def _can_be(state: State, each: Accepted) -> bool:
 few = st.sampled_from(["laser", "bar"])
 wrongs = st.one_of(
     st.builds(Accepted, st.just("jump"), st.tuples(few), st.integers(1, 9), name=st.just("before")),
-    st.builds(Accepted, st.just("sign"), st.tuples(few), factor=st.just(-1.0)),
+    st.builds(Accepted, st.just("sign"), st.tuples(few), st.integers(0, 9), st.just(-1.0), last=st.integers(0, 9)),
     st.builds(Accepted, st.just("backlash"), st.tuples(few), st.integers(1, 9)),
     st.builds(Accepted, st.just("unit"), st.tuples(few), factor=st.sampled_from([1000.0, 1 / 25.4])),
     st.builds(Accepted, st.just("shifted"), st.tuples(few), factor=st.sampled_from([1.0, -1.0])),

@@ -214,6 +214,8 @@ def test_every_surface_says_who_answers_for_a_record_and_what_was_changed_since(
     assert "changed since it was signed" in report.read_text()
     assert run(["export", str(path), "--to", "csv", "--out", str(out)]) == 0
     assert any("changed since it was signed" in each.read_text() for each in out.rglob("README.txt"))
+    for step in (("step", "next", path), ("step", "note", path, "a bang at the column")):
+        assert "The record is changed since it was signed" in " ".join(command(*step).err.split())
     assert "was changed since Anna signed it at event" in command("finish", path, "--out", end).refusal
     assert not end.exists()
 

@@ -24,6 +24,8 @@ QUICK = (
     "slip: unit, mm for um",
     "slip: sign of one reading",
     "slip: one reading missed",
+    "slip: sign of one run",
+    "slip: sides from a run on",
     NOTHING_WRONG.name,
 )
 """One of each kind; other tests hold the beds, and what is stuck, rounded or set anew."""

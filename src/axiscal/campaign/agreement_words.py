@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -10,9 +11,9 @@ import numpy as np
 
 from axiscal.errors.model import Term
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.agreement import NAMED, Agreement, Checks, Explained
+from axiscal.estimation.promise.agreement import NAMED, Agreement, Checks, Explained, Mistake
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import joined, later, listed, put, quoted, said
+from axiscal.language.spoken import capital, joined, later, listed, put, quoted, said
 from axiscal.numerics import Array
 from axiscal.record.accepted import Accepted
 
@@ -34,7 +35,8 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
     count = said("{agreeing} of {count} readings agree with the others", agreeing=found.agreeing, count=found.count)
     asked = [question(known, each) for each in found.explained]
     if not found.contradicts and asked:
-        return said("{count}. {asked} ({odds})", count=count, asked=asked[0], odds=odds_text(found.explained[0]))
+        either = listed(said(" Or: "), asked)
+        return said("{count}. {asked} ({odds})", count=count, asked=either, odds=odds_text(found.explained[0]))
     if not found.contradicts:
         unused = [(known.readings[index], index) for index in sorted(known.left_out)]
         names = [put("{number} ({setup})", number=r.numbered(i), setup=quoted(r.setup)) for r, i in unused]
@@ -87,6 +89,10 @@ def mistake_words(each: Explained, known: Estimation) -> str:
             return said(what, setup=names[0], reading=known.name_of(each.reading), axis=axis)
         what = 'the zero of "{setup}" jumped before {reading}. Take readings before and after it again'
         return said(what, setup=names[0], reading=known.name_of(each.reading))
+    if stretch := _stretch_words(each, known):
+        if each.last < 0:
+            return said("{what} (or the earlier ones do: accept earlier). Correct them", what=stretch)
+        return said("{what}. Correct them", what=stretch)
     if each.mistake == "sign":
         return said('all values of "{setup}" have the wrong sign. Record them anew with the other sign', setup=names[0])
     if each.mistake == "unit":
@@ -108,8 +114,32 @@ def mistake_words(each: Explained, known: Estimation) -> str:
     return said('the values of "{setup}" and "{other}" are swapped', setup=names[0], other=names[1])
 
 
+_STRETCHES: dict[Mistake, str] = {
+    "sign": later('values of "{setup}" {stretch} have the other sign than the rest'),
+    "sides": later('values of "{setup}" {stretch} fit the other sides'),
+    "mirrored": later('values of "{setup}" {stretch} fit places counted from the other end'),
+}
+
+
+def _stretch_words(each: Explained, known: Estimation) -> str:
+    """Return what is wrong from one reading to another, "" for a mistake of another kind."""
+    if each.mistake not in _STRETCHES or each.reading < 0:
+        return ""
+    event = acceptance(each, known)
+    return said(_STRETCHES[each.mistake], setup=event.setups[0], stretch=_between(event))
+
+
+def _between(event: Accepted) -> str:
+    """Return from which reading to which one something is wrong."""
+    if event.last:
+        return said("from reading {first} to {last}", first=max(event.reading, 1), last=event.last)
+    return said("from reading {first} on", first=event.reading)
+
+
 def question(known: Estimation, named: Explained) -> str:
-    """Return what a person is asked about a jump, or about an instrument that may be stuck."""
+    """Return what a person is asked about a mistake where the readings agree."""
+    if stretch := _stretch_words(named, known):
+        return put("{what}?", what=capital(stretch))
     setup, reading = known.stated.description.setups[named.setups[0]], known.readings[named.reading]
     number = reading.numbered(named.reading)
     if named.mistake == "stuck":
@@ -206,7 +236,18 @@ def acceptance(each: Explained, known: Estimation) -> Accepted:
     number = 0 if each.reading < 0 else known.readings[each.reading].numbered(each.reading)
     if each.mistake == "jump":
         return jump_before(names[0], number)
-    return Accepted(each.mistake, names, number, 1 / each.factor if each.mistake == "unit" else each.factor)
+    last = 0 if each.last < 0 else known.readings[each.last].numbered(each.last)
+    return Accepted(each.mistake, names, number, 1 / each.factor if each.mistake == "unit" else each.factor, last=last)
+
+
+def _answers(each: Explained, known: Estimation) -> Iterator[tuple[str, Accepted]]:
+    """Yield the events that put a mistake right, with what a person says for each."""
+    event = acceptance(each, known)
+    yield each.mistake, event
+    if each.backlash:
+        yield "backlash", replace(event, mistake="backlash", name="")
+    if each.mistake in _STRETCHES and event.reading and not event.last:
+        yield "earlier", replace(event, reading=0, last=event.reading - 1)
 
 
 def jump_before(setup: str, number: int) -> Accepted:
@@ -220,12 +261,10 @@ def named(known: Estimation, cause: str, setup: str | None, path: Path) -> Accep
     setup : whose readings, where several are named; path : of the record
     Raises RecordError where they do not name it, or for several set-ups.
     """
-    explained = known.agreement.explained
-    each = [acceptance(found, known) for found in explained]
-    each += [replace(acceptance(found, known), mistake="backlash", name="") for found in explained if found.backlash]
-    mine = [one for one in each if one.mistake == cause and (setup is None or setup in one.setups)]
+    each = [answer for found in known.agreement.explained for answer in _answers(found, known)]
+    mine = [one for said_so, one in each if said_so == cause and (setup is None or setup in one.setups)]
     if not mine:
-        found = dict.fromkeys(said('{cause} of "{setup}"', cause=one.mistake, setup=one.setups[0]) for one in each)
+        found = dict.fromkeys(said('{cause} of "{setup}"', cause=name, setup=one.setups[0]) for name, one in each)
         others = listed(", ", list(found)) if found else said("no mistake")
         what = 'The readings do not name "{cause}" of "{setup}" at more than {most:g} : 1; they name {others}'
         if setup is None:
@@ -255,11 +294,17 @@ def change_words(accepted: Accepted) -> str:
         return said(what, setups=names, number=accepted.reading)
     if accepted.mistake == "frame":
         return said('the values of "{setup}" so far are turned from the machine to the workpiece', setup=name)
+    if accepted.mistake == "sides":
+        return said('the sides of "{setup}" {stretch} are exchanged', setup=name, stretch=_between(accepted))
+    if accepted.mistake == "mirrored":
+        what = 'the values of "{setup}" {stretch} change their order, from turn to turn'
+        return said(what, setup=name, stretch=_between(accepted))
     if accepted.mistake != "shifted":
         what = 'the values of "{setup}" so far are multiplied by {factor:.6g}'
-        if accepted.reading:
-            what = 'the values of "{setup}" from reading {number} on are multiplied by {factor:.6g}'
-        return said(what, setup=name, factor=factor, number=accepted.reading)
+        if not (accepted.reading or accepted.last):
+            return said(what, setup=name, factor=factor)
+        what = 'the values of "{setup}" {stretch} are multiplied by {factor:.6g}'
+        return said(what, setup=name, factor=factor, stretch=_between(accepted))
     if factor > 0:
         return said('the values of "{setup}" move to the reading behind; the first one is left out', setup=name)
     return said('the values of "{setup}" move to the reading before; the last one is left out', setup=name)

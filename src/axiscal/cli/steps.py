@@ -28,7 +28,7 @@ def accept(
         str | None,
         typer.Argument(
             metavar="CAUSE",
-            help="jump, backlash, sign, unit, swapped, shifted, stuck or frame; without it: what is named.",
+            help="jump, sign or another that docs/measuring.md tells; without it: what is named.",
         ),
     ] = None,
     setup: Annotated[str | None, typer.Option(metavar="NAME", help="Whose readings, where several are named.")] = None,

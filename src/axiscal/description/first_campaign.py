@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 from itertools import combinations, product, starmap
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -74,7 +74,7 @@ def first_campaign(machine: Machine, instruments: Sequence[str], purpose: Purpos
     Raises DescriptionError where a machine has no linear axis that an instrument could be read along.
     """
     values = {"machine": machine, "instruments": list(instruments), "printer": _prints(machine)}
-    head = templates().get_template("campaign.jinja").render(values, **purpose._asdict(), active=active)
+    head = _campaign_templates().get_template("campaign.jinja").render(values, **purpose._asdict(), active=active)
     offered = [name for name in instruments if name != "dial" or "square" not in instruments]
     made = [OFFERED[name].setups if name in OFFERED else partial(_own, name=name) for name in offered]
     setups = [text for each in made for text in each(machine)]
@@ -108,8 +108,8 @@ def _place(point: Array) -> str:
     return ", ".join(f'"{round(1e3 * float(each)) + 0:d} mm"' for each in point)
 
 
-def templates() -> Environment:
-    """Return what renders the first files, with what their templates call."""
+def templates(**filters: Callable[..., object]) -> Environment:
+    """Return what renders the first files.  filters : what their templates call"""
     from jinja2 import Environment, PackageLoader, StrictUndefined  # which no campaign needs
 
     made = Environment(
@@ -119,14 +119,13 @@ def templates() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    made.filters |= {
-        "way": _way,
-        "part": _within,
-        "step": _step,
-        "place": _place,
-        "mm": partial(format_quantity, unit="mm"),
-    }
+    made.filters |= filters
     return made
+
+
+@cache
+def _campaign_templates() -> Environment:
+    return templates(way=_way, part=_within, step=_step, place=_place, mm=partial(format_quantity, unit="mm"))
 
 
 def _step(axis: Axis) -> str:
@@ -140,7 +139,7 @@ def _setups(machine: Machine) -> Any:
     Where a direction is that of an axis, rotary axes stand at zero: there the workpiece lies as the machine's axes do.
     """
     still = {axis.name: "0 deg" for axis in machine.axes if axis.rotary and axis.travel[0] <= 0 <= axis.travel[1]}
-    return templates().get_template("setups.jinja").make_module({"still": still, "printer": _prints(machine)})
+    return _campaign_templates().get_template("setups.jinja").make_module({"still": still, "printer": _prints(machine)})
 
 
 def _prints(machine: Machine) -> bool:

@@ -326,9 +326,8 @@ def write_files(folder: Path, texts: Mapping[str, str]) -> None:
 
 def machine_text(machine: IniMachine, source: str) -> str:
     """Return the text of machine.toml.  source : the INI file, as it is named"""
-    filters = {"plain": _plain, "toml": toml_value, "number": _number, "direction": letter_direction}
-    rendering = templates()
-    rendering.filters |= filters | {"from_unit": from_unit, "to_unit": to_unit}
+    units = {"from_unit": from_unit, "to_unit": to_unit}
+    rendering = templates(plain=_plain, toml=toml_value, number=_number, direction=letter_direction, **units)
     values = {each.name: getattr(machine, each.name) for each in fields(machine)}
     return rendering.get_template("machine.jinja").render(values, source=source)
 

@@ -49,7 +49,6 @@ def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, 
                 _refuse_choice(stated, table.choose_from)
             refuse_stray_keys(stated)
             refuse_both(stated)
-            _refuse_no_lengths(stated)
             printed = around.printer and table.instrument.name == "probe"
             usual = PRINTER_PROBE if printed else table.instrument
             setups += [_Reader(document, each, stated.keys, around, usual).setup() for each in each_alone(table)]
@@ -78,17 +77,6 @@ def each_alone(table: SetupTable) -> list[SetupTable]:
         name = f"{table.name} at {where}"
         tables.append(table.model_copy(update={"name": name, key: place, "mounted": table.mounted + number}))
     return tables
-
-
-def _refuse_no_lengths(stated: Stated[SetupTable]) -> None:
-    """Raise DescriptionError for a gauge that has no lengths."""
-    table = stated.table
-    if table.instrument.site == "length" and not table.lengths:
-        what = "it is not said between which places the {instrument} lies"
-        remedy = (
-            'Write lengths = {{ low = [["0 mm", "0 mm", "0 mm"], ["100 mm", "0 mm", "0 mm"]] }}, in the workpiece frame'
-        )
-        raise stated.misstated("instrument", what, remedy, instrument=table.instrument.name)
 
 
 def _refuse_choice(stated: Stated[SetupTable], places: Sequence[Vector]) -> None:
@@ -133,12 +121,13 @@ class _Reader(SiteReader):
             setup_time=setup.setup_time * mountings,
             raster=self._raster(setup),
             stations=table.stations,
-            reach=self._reach(setup.moves),
-            nodes=self._nodes(setup.moves),
+            reach=self._reach(setup.moves) if table.reach else None,
+            nodes=self._nodes(setup.moves) if table.map else None,
         )
         setup = with_drift(table, usual, setup, self.around.usual_doubts)
         setup = with_material(self, usual, machine, setup)
-        setup = self._on_square(setup)
+        if usual.name == "straightedge" and table.artefact is not None:
+            setup = self._on_square(setup)
         setup = seen(self, machine, setup) if setup.chart is None else self._charted(setup)
         with self.at_key("instrument" if setup.base is None else "base"):
             model_of(setup).check_setup(setup, machine)
@@ -173,9 +162,7 @@ class _Reader(SiteReader):
             what = '"direction" is missing: the {instrument} reads in one direction'
             raise DescriptionError(what, WAYS, instrument=self.usual.name)
 
-    def _reach(self, moves: tuple[int, ...]) -> tuple[tuple[float, float], ...] | None:
-        if not self.table.reach:
-            return None
+    def _reach(self, moves: tuple[int, ...]) -> tuple[tuple[float, float], ...]:
         spans = [axis.travel for axis in self.around.machine.axes]
         for name, (low, high) in self.table.reach.items():
             with self.at_key("reach", name):
@@ -185,11 +172,9 @@ class _Reader(SiteReader):
                 spans[index] = low, high
         return tuple(spans)
 
-    def _nodes(self, moves: tuple[int, ...]) -> tuple[Nodes, Nodes] | None:
-        """Return where the nodes lie of maps whose files carry no coordinates, None where it is not stated."""
+    def _nodes(self, moves: tuple[int, ...]) -> tuple[Nodes, Nodes]:
+        """Return where the nodes lie of maps whose files carry no coordinates."""
         stated = self.table.map
-        if not stated:
-            return None
         with self.at_key("map"):
             if stated.keys() != {"X", "Y"}:
                 raise DescriptionError("a map has two sides, X and Y", "State both of them, and no other")
@@ -263,8 +248,6 @@ class _Reader(SiteReader):
 
     def _on_square(self, setup: Setup) -> Setup:
         """Return a set-up whose straightedge is a leg of a square: the turn of the square replaces the slope."""
-        if self.table.instrument.name != "straightedge" or self.table.artefact is None:
-            return setup
         square = replace(self._named(), mounted=self.table.mounted)
         if square.balls:
             remedy = 'Let the square be an artefact without balls: [[artefacts]] name = "square", turned = "1 mrad"'

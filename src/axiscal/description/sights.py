@@ -198,6 +198,13 @@ def refuse_stray_keys(stated: Stated[SetupTable]) -> None:
     refuse, model = partial(_refuse_keys, stated), usual.model
     if usual.site == "length":
         refuse("direction moves along raster approach", later("a length goes from its first end to its second"), out)
+        if not table.lengths:
+            what = "it is not said between which places the {instrument} lies"
+            remedy = (
+                'Write lengths = {{ low = [["0 mm", "0 mm", "0 mm"], ["100 mm", "0 mm", "0 mm"]] }}, '
+                "in the workpiece frame"
+            )
+            raise stated.misstated("instrument", what, remedy, instrument=usual.name)
     else:
         refuse("lengths", said("lengths are those of a {instrument}", instrument=LENGTH), out)
     if usual.site != "sight":

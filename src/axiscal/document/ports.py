@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import sys
+from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
@@ -18,19 +21,29 @@ def part(name: str) -> Any:
 
 def names(group: str) -> tuple[str, ...]:
     """Return the names of a group, in the order of the alphabet."""
-    return tuple(sorted({point.name for point in entry_points(group=group)}))
+    return tuple(sorted({point.name for point in _points(group)}))
 
 
 def one_of(group: str, name: str) -> Any:
     """Return what a package brings under a name, ours first; None where none does, PortError where it cannot load."""
-    every = sorted(entry_points(group=group, name=name), key=lambda point: not point.value.startswith("axiscal."))
-    found = next(iter(every), None)
+    every = (point for point in _points(group) if point.name == name)
+    found = min(every, key=lambda point: not point.value.startswith("axiscal."), default=None)
     return None if found is None else _loaded(found)
 
 
 def all_of(group: str) -> list[Any]:
     """Return everything of a group; raises PortError where one cannot be loaded."""
-    return [_loaded(point) for point in entry_points(group=group)]
+    return [_loaded(point) for point in _points(group)]
+
+
+def _points(group: str) -> tuple[EntryPoint, ...]:
+    return _points_along(os.pathsep.join(sys.path), group)
+
+
+@cache
+def _points_along(path: str, group: str) -> tuple[EntryPoint, ...]:
+    """Return a group, looked for once: all installed packages are read.  path : where Python looks for them"""
+    return tuple(entry_points(group=group))
 
 
 def _loaded(point: EntryPoint) -> Any:

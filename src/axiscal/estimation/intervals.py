@@ -32,11 +32,10 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.numerics import Array
+from axiscal_core.displays import COARSE
 from axiscal_core.from_scipy import log_normal_share
 from axiscal_core.spaces import turned
 
-COARSE = 3.0
-"""Steps of so many standard deviations of the scatter are taken as intervals."""
 _SWEEPS, _DAMPING, _SETTLED = 30, 0.5, 1e-4
 """Sweeps end where the intervals settle; half steps keep them from swinging."""
 _TAIL = 1e-300

@@ -4,16 +4,6 @@ Readings twice: a file that was added twice, a block that was pasted again, a fr
 with a probability of at most p = q/(σ√2π), q the step of the values and σ the noise. L values in a row come again
 somewhere among m by chance in at most m²/2 p^L files.
 
-Coarse steps that nobody stated: a display's, or those of decimals that were not written. The search is for the largest
-step q of whose multiples all values of a set-up differ, to the last decimal d written. Suppose a display no coarser
-than p = q/m ≤ 3σ. A different value then falls on the steps of q with a probability of 1/m (3d/q if d hides that q is
-no decimal). One that was there before comes again with at most
-
-    r = Σⱼ Φ((jq + p/2)/σ) − Φ((jq − p/2)/σ)
-
-Let a different values come beside the first, and b come again. Chance then leaves Σ m^−a r^b over all m from the one
-found on, at most m^−a (1 + m/(a − 1)) r^b.
-
 Places at regular distances, as of a standard test: a sine of their step has one value at all of them.
 """
 
@@ -32,35 +22,23 @@ from axiscal.errors.gauge import undescribed
 from axiscal.errors.iso230 import words
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, paths
-from axiscal.estimation.intervals import COARSE
 from axiscal.estimation.promise.agreement import AGREES
 from axiscal.language.spoken import capital, later, listed, put, said
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.reading import Reading, place_text, reading_unit
-from axiscal.measurement.setup import FINEST, Setup
-from axiscal.numerics import Array
+from axiscal.measurement.setup import Setup
 from axiscal.planning.unseen import hidden_of
 from axiscal.present.beside import beside_the_tool
 from axiscal.present.summary import Finding
 from axiscal.units import format_quantity, from_unit, said_quantity, to_unit
+from axiscal_core.displays import last_decimal, step_of
 from axiscal_core.theta import Kind
-
-_RARELY = 1e-2
-"""Of displays as coarse as may be and curves that stay where they show the same, one in a hundred; hardly any other."""
-_FEWEST_VALUES = 3
-"""Two different values are any step apart."""
-_TOLD = 6.0
-"""Last decimals within which a step that is no decimal can be told from its neighbours: ±1 is a third of it."""
-_DIGITS = range(2, 7)
-"""A step is written with as few digits as tell it."""
 
 _BY_CHANCE = 1e-4
 """A right file is taken for one with copies once in ten thousand."""
 _FEWEST = 3
 """Two values that are the same in a row are none, however fine they are: a place read again and its neighbour."""
-_FINEST = 6
-"""Decimals of um or urad: values with more were not read off a display."""
 
 
 class Copies(NamedTuple):
@@ -119,16 +97,6 @@ def _telling(values: Sequence[tuple[float, ...]], noise: float) -> int:
     return max(_FEWEST, math.ceil((math.log(_BY_CHANCE) - math.log(len(values) ** 2 / 2)) / each))
 
 
-def last_decimal(numbers: Array) -> float:
-    """Return the step of the last decimal of um or urad that numbers use, m or rad.  numbers : (m,) m or rad"""
-    micro = numbers * 1e6
-    for decimals in range(_FINEST):
-        shown = np.round(micro, decimals)
-        if np.all(np.abs(micro - shown) <= 1e-9 * np.maximum(np.abs(micro), 1.0)):
-            return float(10.0 ** -(6 + decimals))
-    return float(10.0 ** -(6 + _FINEST))
-
-
 def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
     """Yield warnings of set-ups whose values move in coarse steps, by their own or those of their instrument."""
     text = (
@@ -149,72 +117,6 @@ def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> Ite
         unit = reading_unit(setup)
         shown = {"step": said_quantity(step, unit, 6), "written": format_quantity(step, unit), "effect": effect}
         yield Finding("resolution", None, said(text, setup=setup.name, times=step / setup.noise, **shown))
-
-
-def step_of(values: Array, noise: float) -> float | None:
-    """Return the step in which values move, m or rad, where it is coarse beside the noise and no chance; else None.
-
-    values : (m,) m or rad; noise : m or rad
-    """
-    if len(values) < _FEWEST_VALUES:
-        return None
-    decimal = last_decimal(values)
-    whole = np.unique(np.rint(values / decimal))
-    if len(whole) < _FEWEST_VALUES:
-        return None
-    again = len(values) - len(whole)
-    exact = float(np.gcd.reduce(np.diff(whole).astype(np.int64)))
-    if exact < _TOLD:
-        found = _hidden(whole, noise / decimal, again)
-        if found is not None:
-            return found * decimal
-    told = exact * decimal > max(COARSE * noise, FINEST) and _chance(exact * decimal / noise, len(whole), again)
-    return exact * decimal if told else None
-
-
-def _chance(steps: float, different: int, again: int) -> bool:
-    """Return whether no chance puts so many values on steps of so many noises that are written out."""
-    finer, beside = math.ceil(steps / COARSE), different - 1
-    tail = float(finer) ** -beside * (1 + finer / (beside - 1))
-    return tail * _same(steps, steps / finer) ** again <= _RARELY
-
-
-def _same(steps: float, finer: float) -> float:
-    """Return how probable it is at most that a display of finer steps, in noises, shows one of the coarse ones."""
-    edges = [(j * steps - finer / 2, j * steps + finer / 2) for j in (-1, 0, 1)]
-    return min(1.0, sum(math.erf(high / math.sqrt(2)) - math.erf(low / math.sqrt(2)) for low, high in edges) / 2)
-
-
-def _hidden(whole: Array, noise: float, again: int) -> float | None:
-    """Return the largest step that is hidden by rounding to whole numbers, if there is one that is no chance.
-
-    whole : (m,) increasing; noise : in their unit
-    """
-    gaps = np.sort(np.diff(whole))
-    further = np.concatenate([gaps, whole[1:] - whole[0]])
-    for parts in range(1, int(gaps[0] / max(COARSE * noise, _TOLD)) + 1):
-        step = float(gaps[0]) / parts
-        finer = math.ceil(step / (COARSE * noise))
-        each = max(3.0 / step, 1.0 / finer)
-        if parts * each ** (len(whole) - 2) * _same(step / noise, step / noise / finer) ** again > _RARELY:
-            return None  # smaller parts are rather by chance still
-        found = _within(further, step, 1.0 / parts)
-        if found is not None:
-            return found
-    return None
-
-
-def _within(gaps: Array, step: float, slack: float) -> float | None:
-    """Return the step, off by up to `slack`, of which all gaps, each off by up to 1, are multiples; None if none is."""
-    low, high = step - slack, step + slack
-    for gap in gaps.tolist():
-        count = round(gap / ((low + high) / 2))
-        low, high = max(low, (gap - 1) / count), min(high, (gap + 1) / count)
-        if low > high:
-            return None
-    middle = (low + high) / 2
-    rounded = (float(f"{middle:.{digits}g}") for digits in _DIGITS)
-    return next((each for each in rounded if low <= each <= high), middle)
 
 
 _FAR_FROM_STATED = 3.0

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from datetime import UTC, date, datetime
+from functools import cache
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from markupsafe import Markup
 
@@ -40,6 +41,9 @@ from axiscal.present.summary import CurveSummary, HistoryRow, Summary
 from axiscal.present.volume_error import PlaneSummary
 from axiscal.record.signing import signed_xml
 
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
 _CIRCLE = 340.0
 """Pixels of the picture of a ball bar: a third of a page on a screen, and the whole of a telephone's."""
 
@@ -56,8 +60,7 @@ def render(summary: Summary) -> str:
         "picture": "" if (bent := summary.bent) is None else for_widths(lambda width: found_and_left(bent, width)),
         "code": Markup("<code>{}</code>").format,
     }
-    templates = environment()
-    page = templates.get_template("report.html").render(report_values(summary) | drawn | inlined())
+    page = _page_templates().get_template("report.html").render(report_values(summary) | drawn | inlined())
     return page.encode("utf-8", "replace").decode("utf-8")  # a file name may hold bytes that are no text
 
 
@@ -269,8 +272,17 @@ def filled(summary: Summary, folder: Path) -> str:
         "picture": "" if summary.bent is None else kept(alone(found_and_left(summary.bent, _PAPER))),
         "day": date.fromisoformat(summary.date),
     }
-    templates = environment(_literal)
-    return templates.get_template("report.typ").render(report_values(summary) | drawn)
+    return _paper_templates().get_template("report.typ").render(report_values(summary) | drawn)
+
+
+@cache
+def _page_templates() -> Environment:
+    return environment()
+
+
+@cache
+def _paper_templates() -> Environment:
+    return environment(_literal)
 
 
 def _literal(value: object) -> Markup:
@@ -322,27 +334,37 @@ _UNKNOWN_COUNTRY = "ZZ"
 
 def certificate(summary: Summary) -> bytes:
     """Return the certificate as XML; raises SummaryError for a figure that is not finite, RecordError for a bad key."""
-    templates, told = environment(), summary.particulars
-    templates.filters |= {
+    told = summary.particulars
+    known = "" if summary.record is None else summary.record.hash
+    text = (
+        _certificate_templates()
+        .get_template("certificate.xml")
+        .render(
+            s=summary,
+            told=told,
+            country=told.country.upper() or _UNKNOWN_COUNTRY,
+            identifier=" ".join(part for part in (summary.particulars.number, known) if part) or summary.title,
+            measured=[row for row in summary.answer.rows if row.measured],
+            whole="space" if summary.expanded.along == "xyz" else in_space(summary.expanded),
+            curves=[*summary.curves, *summary.reversals],
+            constants=[each for each in summary.constants if ": " not in each.name],
+        )
+    )
+    document = "".join(f"{line}\n" for line in text.splitlines() if line).encode()
+    return signed_xml(document, "Digital Calibration Certificate")
+
+
+@cache
+def _certificate_templates() -> Environment:
+    made = environment()
+    made.filters |= {
         "plain": _plain,
         "si": lambda unit: _plain(_UNITS.get(str(unit), str(unit))),
         "figure": lambda value: f"{number(value, 'a figure of the certificate'):.6g}",
         "half": lambda std: BAND * std,
     }
-    templates.globals |= {"unsaid": _UNSAID, "band": BAND, "level": LEVEL, "level_percent": f"{LEVEL:.0%}"}
-    known = "" if summary.record is None else summary.record.hash
-    text = templates.get_template("certificate.xml").render(
-        s=summary,
-        told=told,
-        country=told.country.upper() or _UNKNOWN_COUNTRY,
-        identifier=" ".join(part for part in (summary.particulars.number, known) if part) or summary.title,
-        measured=[row for row in summary.answer.rows if row.measured],
-        whole="space" if summary.expanded.along == "xyz" else in_space(summary.expanded),
-        curves=[*summary.curves, *summary.reversals],
-        constants=[each for each in summary.constants if ": " not in each.name],
-    )
-    document = "".join(f"{line}\n" for line in text.splitlines() if line).encode()
-    return signed_xml(document, "Digital Calibration Certificate")
+    made.globals |= {"unsaid": _UNSAID, "band": BAND, "level": LEVEL, "level_percent": f"{LEVEL:.0%}"}
+    return made
 
 
 def _plain(text: str) -> str:

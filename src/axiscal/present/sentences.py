@@ -225,6 +225,7 @@ def environment(written: Callable[[object], object] | None = None) -> Environmen
 
     made = Environment(
         loader=PackageLoader("axiscal.present"),
+        optimized=False,  # a text that a filter says is said in the language of each rendering
         autoescape=True,
         undefined=StrictUndefined,
         finalize=written,

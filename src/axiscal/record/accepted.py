@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from axiscal.measurement.reading import Reading
 class Accepted:
     """A mistake of `estimation.promise.agreement` that a person accepted or, of a jump, told.
 
-    mistake : jump, backlash, sign, unit, swapped, shifted, stuck or frame; setups : whose readings
+    mistake : one of `KNOWN`; setups : whose readings; last : number of the last one that is wrong, 0 for all later ones
     reading : number of the first one behind a jump, in another unit or stuck, 0 for all; behind a jump perhaps to come
         of backlash, of the first one behind the turn, which then counts as right
     name : of the set-up that those before a jump then belong to
@@ -32,6 +32,7 @@ class Accepted:
     reading: int = 0
     factor: float = 1.0
     name: str = ""
+    last: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,8 +94,26 @@ def _backlash(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accept
 
 
 def _times(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
-    wrong = [i for i in mine[0] if readings[i].numbered(i) >= accepted.reading]
-    return {i: _multiplied(readings[i], accepted.factor) for i in wrong}
+    return {i: _multiplied(readings[i], accepted.factor) for i in _between(readings, mine[0], accepted)}
+
+
+def _between(readings: Sequence[Reading], mine: Sequence[int], accepted: Accepted) -> list[int]:
+    """Return which readings of a set-up are wrong, by index."""
+    last = accepted.last or max(readings[i].numbered(i) for i in mine)
+    return [i for i in mine if accepted.reading <= readings[i].numbered(i) <= last]
+
+
+def _sides(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
+    wrong = _between(readings, mine[0], accepted)
+    return {i: replace(readings[i], approach=tuple(-side for side in readings[i].approach)) for i in wrong}
+
+
+def _mirrored(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
+    wrong = _between(readings, mine[0], accepted)
+    passes = [[*each] for _, each in groupby(wrong, key=lambda i: readings[i].approach)]
+    return {
+        i: _with_value_of(readings[i], readings[j]) for each in passes for i, j in zip(each, each[::-1], strict=True)
+    }
 
 
 def _multiplied(reading: Reading, factor: float) -> Reading:
@@ -139,6 +158,8 @@ MISTAKES: Mapping[str, Callable[[Sequence[Reading], Sequence[Sequence[int]], Acc
     "swapped": _swapped,
     "shifted": _shifted,
     "stuck": _stuck,
+    "sides": _sides,
+    "mirrored": _mirrored,
 }
 """Mistakes that need nothing but the readings."""
 KNOWN = (*MISTAKES, "frame")

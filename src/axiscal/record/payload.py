@@ -79,6 +79,8 @@ def _fields(event: events.Event) -> dict[str, object]:
             return {**numbered, **_place_fields(reading.place), **of_value, **circumstances}
         case events.Skipped(reason, False):
             return {"reason": reason}  # as older versions wrote it
+        case Accepted(last=0):
+            return {name: value for name, value in asdict(event).items() if name != "last"}  # nor did they say this
     return {name: value for name, value in asdict(event).items() if name in _KEYS[type(event).__name__.lower()]}
 
 
@@ -151,7 +153,7 @@ def _accepted(fields: Mapping[str, Any]) -> Accepted:
         raise ValueError(f"{factor:g} is no factor of a mistake")
     if bool(name) != (mistake == "jump"):
         raise ValueError("a jump names another set-up, and nothing else does")
-    return Accepted(mistake, setups, _is(int, fields["reading"]), factor, name)
+    return Accepted(mistake, setups, _is(int, fields["reading"]), factor, name, _is(int, fields.get("last", 0)))
 
 
 def _finished(fields: Mapping[str, Any]) -> events.Finished:

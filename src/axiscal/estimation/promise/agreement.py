@@ -58,8 +58,10 @@ _INCH = 25.4
 _FACTORS = (1000.0, 1 / 1000.0, _INCH, 1 / _INCH)
 """By definition: mm for um, and inches for mm."""
 
-Mistake = Literal["jump", "sign", "unit", "swapped", "shifted", "stuck", "frame", "direction", "place"]
-ASKED = ("jump", "stuck")
+Mistake = Literal[
+    "jump", "sign", "unit", "swapped", "shifted", "stuck", "frame", "direction", "place", "sides", "mirrored"
+]
+ASKED = ("jump", "stuck", "sign", "sides", "mirrored")
 """Mistakes that a person is asked about where the readings agree."""
 _DESCRIBED = ("direction", "place")
 """Mistakes of a file, not of readings."""
@@ -74,7 +76,7 @@ class Explained(NamedTuple):
     """A mistake that explains readings that contradict.
 
     log_odds : beside no mistake; setups : whose readings
-    reading : index of the first that is wrong, for a jump, a unit that changed, and an instrument that is stuck
+    reading : index of the first that is wrong, −1 for all; last : of the last one, −1 for all later ones
     factor : by which values are too large or too small, for a unit; axes : that count the other way
     backlash : explains a jump as well: it is where the axis turned
     """
@@ -86,6 +88,7 @@ class Explained(NamedTuple):
     factor: float = 1.0
     axes: tuple[str, ...] = ()
     backlash: bool = False
+    last: int = -1
 
     @property
     def least(self) -> float:

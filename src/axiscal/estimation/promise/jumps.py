@@ -1,10 +1,8 @@
 """A zero that jumped between two readings of one set-up, or what stands on the table and moved there.
 
 Sizes that are learnt swallow a jump: a drift of a hundred noises has it between any two readings. So it is sought at
-sizes as stated, and at three times these. With the columns B of its ways, each of standard deviation s, the gain of log
-L is
-
-    ½ gᵀ(F + s⁻²)⁻¹g − ½ log |1 + s² F|,    g = BᵀK⁻¹y, F = BᵀK⁻¹B
+sizes as stated, and at three times these, by the gain of its columns (`axiscal_core.mistaken`); beside it signs, sides
+and places that are wrong for a stretch.
 
 The likeliest one is then weighed with the sizes integrated out, by the evidence of the readings with its columns and
 without. No size is beyond ten times what is stated (`description.usual`), so none stands for a jump. At odds above 20 :
@@ -40,6 +38,7 @@ from axiscal.numerics import Array
 from axiscal_core.draws import Weighed, as_stated, sized
 from axiscal_core.from_scipy import chi_square_tail
 from axiscal_core.left_out import BAD_SHARE
+from axiscal_core.mistaken import gains_of_columns, log_odds_of, stretches
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
 from axiscal_core.unknowns import space_of
@@ -55,25 +54,22 @@ _BAD = float(np.log(BAD_SHARE / BAD.size))
 """Of log odds: what a bad reading costs."""
 _ALIKE = 1e-6
 """Of a column: rounding, below which others make it as well."""
-_WEIGHED = 2
+_WEIGHED = 3
 """Suspects that are weighed: each costs as much as an estimate."""
 
 
 class Suspect(NamedTuple):
-    """A jump that readings may tell.
-
-    columns : (k, m) what one standard deviation of each of its ways adds, over the noise; places : it is one of
-    """
+    """A mistake that readings may tell.  other : they as a problem with it; places : it is one of"""
 
     mistake: Explained
-    columns: Array
+    other: Problem
     places: int
 
 
 class Jumped(NamedTuple):
     """problem : with columns for the jumps; found, without : its draws, and those for the readings without any jump
 
-    jumps : in the order found; log_prior : of all of them
+    jumps : in the order found; log_prior : of all of them; rivals : that do as well as the last one
     """
 
     problem: Problem
@@ -81,6 +77,7 @@ class Jumped(NamedTuple):
     without: Weighed[Given]
     jumps: tuple[Explained, ...] = ()
     log_prior: float = 0.0
+    rivals: tuple[Tried, ...] = ()
 
     @property
     def log_odds(self) -> float:
@@ -122,7 +119,8 @@ def likelier(
         return ()
     if len(every) - len(mine) + len(moved.jumps) > MOST_BAD * len(every):
         return ()
-    return tuple(Tried(each._replace(log_odds=moved.log_odds), p) for each in moved.jumps)
+    told = tuple(Tried(each._replace(log_odds=moved.log_odds), p) for each in moved.jumps)
+    return told + moved.rivals
 
 
 def _evidence(problem: Problem, found: Weighed[Given], kept: NDArray[np.intp]) -> float:
@@ -132,14 +130,18 @@ def _evidence(problem: Problem, found: Weighed[Given], kept: NDArray[np.intp]) -
 
 
 def _weighed(known: Jumped, suspected: list[Suspect]) -> Jumped | None:
-    """Return what is known with one more jump, None where readings tell no other."""
+    """Return what is known with one more mistake, None where readings tell no other."""
+    each = list[Jumped]()
     for suspect in sorted(suspected, key=lambda one: -one.mistake.log_odds)[:_WEIGHED]:
-        wider = known.problem.wider(suspect.columns)
-        prior = float(np.log(PRIOR / suspect.places))
-        more = known._replace(problem=wider, found=sized(space_of(wider)), log_prior=known.log_prior + prior)
-        if more.log_odds - known.log_odds > _NAMED:
-            return more._replace(jumps=(*known.jumps, suspect.mistake))
-    return None
+        prior = known.log_prior + float(np.log(PRIOR / suspect.places))
+        found = sized(space_of(suspect.other))
+        each.append(Jumped(suspect.other, found, known.without, (*known.jumps, suspect.mistake), prior))
+    best, *others = sorted(each, key=lambda one: -one.log_odds)
+    if best.log_odds - known.log_odds <= _NAMED:
+        return None
+    rivals = [one for one in others if one.log_odds > best.log_odds - _NAMED]
+    tried = [Tried(one.jumps[-1]._replace(log_odds=one.log_odds), tail_of(one.problem, one.found)) for one in rivals]
+    return best._replace(rivals=tuple(tried))
 
 
 def at_turns(problem: Problem, found: Weighed[Given], sure: Collection[int]) -> Iterator[Tried]:
@@ -155,10 +157,9 @@ def at_turns(problem: Problem, found: Weighed[Given], sure: Collection[int]) -> 
         suspect = _suspect(problem, _as_stated_or_larger(problem, found.drawn.stated), mine, np.array([turn]), False)
         if suspect.mistake.log_odds <= -_NAMED:
             continue
-        wider = problem.wider(suspect.columns)
-        beside = sized(space_of(wider))
+        beside = sized(space_of(suspect.other))
         odds = beside.log_evidence - found.log_evidence + float(np.log(PRIOR / suspect.places))
-        yield Tried(suspect.mistake._replace(log_odds=odds), tail_of(wider, beside))
+        yield Tried(suspect.mistake._replace(log_odds=odds), tail_of(suspect.other, beside))
 
 
 def turn_of(problem: Problem, mine: NDArray[np.bool_]) -> int:
@@ -187,7 +188,7 @@ def suspects(problem: Problem, told: Sequence[Explained] = (), sure: Collection[
     for setup in np.unique(problem.setup).tolist():
         mine = problem.setup == setup
         of = np.unique(problem.reading[mine])
-        before = np.searchsorted(of, [each.reading for each in told if setup in each.setups])
+        before = np.searchsorted(of, [each.reading for each in told if each.mistake == "jump" and setup in each.setups])
         readings = of[_BEYOND : len(of) - _BEYOND + 1]
         near = np.abs(np.searchsorted(of, readings)[:, None] - before) < SEVERAL
         readings = readings[~near.any(axis=1)]
@@ -197,6 +198,10 @@ def suspects(problem: Problem, told: Sequence[Explained] = (), sure: Collection[
             readings = np.append(of[0], readings)
         if len(readings):
             yield _suspect(problem, each, mine, readings, bool(readings[0] == of[0]))
+        for one in stretches(problem, each, mine):
+            odds, factor = one.log_odds + float(np.log(PRIOR / one.places)), -1.0 if one.wrong == "sign" else 1.0
+            wrong = Explained(one.wrong, odds, (setup,), one.first, factor, last=one.last)
+            yield Suspect(wrong, one.other, one.places)
 
 
 def _as_stated_or_larger(problem: Problem, stated: Given) -> list[Given]:
@@ -212,27 +217,14 @@ def _suspect(
     """Return the likeliest of the jumps before some readings.  stands : the first of them is that of the set-up"""
     ways = ways_of(problem, mine) / problem.noise * float(np.median(problem.noise[mine]))
     columns = (problem.reading >= readings[:, None])[:, None] * ways
-    gains = np.array([_gains(given, columns, problem.values) for given in each])
-    densities = np.array([given.density for given in each])
-    log_odds = np.logaddexp.reduce(gains + densities[:, None, None]) - np.logaddexp.reduce(densities)
+    log_odds = log_odds_of(each, np.array([gains_of_columns(given, columns, problem.values, _JUMPS) for given in each]))
     places = len(_JUMPS) * len(readings)
     size, best = np.unravel_index(np.argmax(log_odds), log_odds.shape)
     name: Mistake = "place" if stands and best == 0 else "jump"
     odds = float(log_odds[size, best] + np.log(PRIOR / places))
     setup, first = int(problem.setup[mine][0]), int(readings[best])
     mistake = Explained(name, odds, (setup,), first, backlash=first == turn_of(problem, mine))
-    return Suspect(mistake, _JUMPS[size] * columns[best], places)
-
-
-def _gains(given: Given, columns: Array, values: Array) -> Array:
-    """Return the gain of log L of each size of a jump, (s, r).  columns : (r, k, m)"""
-    weighted = given.judged(columns.reshape(-1, len(values)).T).T.reshape(columns.shape)
-    fisher, pulled = columns @ weighted.transpose(0, 2, 1), weighted @ values
-    alone, gains = np.eye(columns.shape[1]), np.empty((len(_JUMPS), len(columns)))
-    for k, size in enumerate(_JUMPS):
-        solved = np.linalg.solve(fisher + size**-2 * alone, pulled[:, :, None])[:, :, 0]
-        gains[k] = 0.5 * (np.sum(pulled * solved, axis=1) - np.linalg.slogdet(alone + size**2 * fisher)[1])
-    return gains
+    return Suspect(mistake, problem.wider(_JUMPS[size] * columns[best]), places)
 
 
 def ways_of(problem: Problem, mine: NDArray[np.bool_]) -> Array:

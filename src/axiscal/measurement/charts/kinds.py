@@ -199,12 +199,6 @@ class Balls(Chart):
         points = np.array([chart.point for chart in self.each])
         return self.each[0].poses_at(points[self._which(places[:, 0])], places[:, 1:])
 
-    def breaks(self, number: int, place: Array, levels: tuple[Array, ...]) -> Array:
-        """Return where an axis is at one of its levels while a rotary axis turns at one ball."""
-        if number == 0:
-            return np.arange(len(self.each), dtype=np.float64)
-        return self.each[int(self._which(place[:1])[0])].breaks(number - 1, place[1:], levels)
-
     def feasible(self, poses: Array) -> NDArray[np.bool_]:
         """Return which poses can be taken at the ball next to them."""
         found, which = np.zeros(len(poses), dtype=bool), self._nearest(poses)

@@ -11,6 +11,7 @@ others need steps, and each of their values has pieces of its own.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise, product
@@ -29,7 +30,7 @@ from axiscal.measurement.candidates import (
     smoothness_along,
     turned_to,
 )
-from axiscal.measurement.charts.room import KNOWN, Chart, crossings, has_room, starts_of_ways
+from axiscal.measurement.charts.room import KNOWN, Chart, has_room, starts_of_ways
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.travel import sides_of
@@ -43,8 +44,10 @@ _EVEN = 73
 """Places along a coordinate of a chart that are looked at: every five degrees of a turn."""
 _LOOKED_AT = 721
 """Places along a coordinate at which it is looked whether they can be taken: every half degree of a turn."""
-_PARTS, _ROUNDS = 32, 10
-"""An edge is looked for in so many parts at once, so often: to the last bits of a float64."""
+_HALVINGS = 60
+"""To the last bit of a float64."""
+_SAME = 1e-11
+"""m or rad, of an axis that stands at a knot: rounding does not pass it."""
 _WITHIN = 1e-10
 """Share of a coordinate by which an edge is kept off: a pose there is in travel as written, and computed anew."""
 _SHORTEST = 1e-9
@@ -165,21 +168,51 @@ class _OnChart:
         return end.values if end.step > 0 else np.linspace(end.low, end.high, _EVEN)
 
     def pieces(self, number: int, place: Array, sides: Array) -> Array:
-        """Return the pieces; of a place its own value of the coordinate does not matter."""
-        chart, axes = self.chart, range(len(self.observation.machine.axes))
+        """Return the pieces; of a place its own value of the coordinate does not matter.
+
+        Between their ends no axis passes a knot, comes from another side, or is where it cannot be.
+        """
+        chart, machine = self.chart, self.observation.machine
         low, high, *_ = chart.coordinates[number]
+        knots = [breaks_along(self.observation, k, self.setup) for k in range(len(machine.axes))]
+        least = KNOWN * np.array([axis.overrun for axis in machine.axes])
+
+        def taken(values: Array) -> NDArray[np.bool_]:
+            return has_room(chart, places_along(place, number, values), np.tile(sides, (len(values), 1)))
+
+        def beyond(values: Array) -> NDArray[np.bool_]:
+            places = places_along(place, number, values)
+            poses = chart.poses(places)
+            way = poses - chart.poses(starts_of_ways(chart, places, np.tile(sides, (len(values), 1))))
+            passed = [poses[:, [k]] > each + _SAME for k, each in enumerate(knots)]
+            return np.hstack([*passed, way > least, way > -least])
+
         grid = np.linspace(low, high, _LOOKED_AT)
-        taken = _taken(chart, number, place, sides, grid)
-        if not taken.any():
+        if not taken(grid).any():
             return np.zeros((0, 2))
-        knots = tuple(breaks_along(self.observation, k, self.setup) for k in axes)
-        ends = np.concatenate([grid[taken][[0, -1]], _edges(chart, number, place, sides, (grid, taken))])
-        turns = _turns_of_sides(self.observation, chart, number, place, sides)
-        everything = np.unique(np.concatenate([ends, chart.breaks(number, place, knots), turns]))
+        left, right = changes(lambda values: taken(values)[:, None], grid).T
+        off = np.where(taken(left), -1.0, 1.0) * _WITHIN * (high - low)
+        edges = np.where(off < 0, left, right) + off
+        outer = grid[taken(grid)][[0, -1]]
+        everything = np.unique(np.concatenate([outer, edges, changes(beyond, grid).mean(axis=1)]))
         left, right = everything[:-1], everything[1:]
-        inside = _taken(chart, number, place, sides, (left + right) / 2)
-        kept = inside & (right - left > _SHORTEST * (high - low))
+        kept = taken((left + right) / 2) & (right - left > _SHORTEST * (high - low))
         return np.stack([left[kept], right[kept]], axis=1)
+
+
+def changes(states: Callable[[Array], NDArray[np.bool_]], grid: Array) -> Array:
+    """Return between which values, to the last bits, a state changes, (n, 2).
+
+    states : values (p,) -> (p, s); grid : (g,) values that are looked at, of which changes back and forth lie apart
+    """
+    seen = states(grid)
+    where, which = np.nonzero(seen[1:] != seen[:-1])
+    left, right, before, every = grid[where], grid[where + 1], seen[where, which], np.arange(len(where))
+    for _ in range(_HALVINGS if len(where) else 0):
+        middle = (left + right) / 2
+        same = states(middle)[every, which] == before
+        left, right = np.where(same, middle, left), np.where(same, right, middle)
+    return np.stack([left, right], axis=1)
 
 
 def _spans(observation: Observation) -> Array:
@@ -217,38 +250,6 @@ def places_along(place: Array, number: int, values: Array) -> Array:
     places = np.tile(place, (len(values), 1))
     places[:, number] = values
     return places
-
-
-def _taken(chart: Chart, number: int, place: Array, sides: Array, values: Array) -> NDArray[np.bool_]:
-    places = places_along(place, number, values)
-    return has_room(chart, places, np.tile(sides, (len(values), 1)))
-
-
-def _edges(chart: Chart, number: int, place: Array, sides: Array, seen: tuple[Array, NDArray[np.bool_]]) -> Array:
-    """Return the last places that can be taken before those that cannot, to a little more than rounding."""
-    grid, taken = seen
-    change = np.flatnonzero(taken[1:] != taken[:-1])
-    inside = np.where(taken[change], grid[change], grid[change + 1])
-    outside = np.where(taken[change], grid[change + 1], grid[change])
-    every = np.arange(len(change))
-    for _ in range(_ROUNDS if len(change) else 0):
-        parts = inside[:, None] + (outside - inside)[:, None] * np.linspace(0.0, 1.0, _PARTS + 1)
-        good = _taken(chart, number, place, sides, parts[:, 1:-1].ravel()).reshape(len(change), -1)
-        last = np.where(good.all(axis=1), _PARTS - 1, good.argmin(axis=1))
-        inside, outside = parts[every, last], parts[every, last + 1]
-    return np.asarray(inside + np.sign(inside - outside) * _WITHIN * (grid[-1] - grid[0]), dtype=np.float64)
-
-
-def _turns_of_sides(observation: Observation, chart: Chart, number: int, place: Array, sides: Array) -> Array:
-    """Return where it changes from which side an axis comes that follows, or whether anybody knows."""
-    low, high, *_ = chart.coordinates[number]
-    least = KNOWN * np.array([axis.overrun for axis in observation.machine.axes])
-
-    def way(values: Array) -> Array:
-        places = places_along(place, number, values)
-        return chart.poses(places) - chart.poses(starts_of_ways(chart, places, np.tile(sides, (len(values), 1))))
-
-    return crossings(way, low, high, tuple(np.array([-each, each]) for each in least))
 
 
 _AXES, _ON_CHART = 3, 1
