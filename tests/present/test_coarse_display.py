@@ -14,8 +14,8 @@ from axiscal.estimation.intervals import as_shown
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal.numerics.displays import step_of
 from axiscal.present.findings import coarse_displays
-from axiscal_core.displays import step_of
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
 NOISE = 0.5

@@ -33,8 +33,8 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.numerics import Array
+from axiscal.numerics.displays import COARSE, step_of
 from axiscal.numerics.gaussian import of_rank
-from axiscal_core.displays import COARSE, step_of
 from axiscal_core.from_scipy import log_normal_share
 from axiscal_core.spaces import turned
 

@@ -29,11 +29,11 @@ from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.reading import Reading, place_text, reading_unit
 from axiscal.measurement.setup import Setup
+from axiscal.numerics.displays import last_decimal
 from axiscal.planning.unseen import hidden_of
 from axiscal.present.beside import beside_the_tool
 from axiscal.present.summary import Finding
 from axiscal.units import format_quantity, from_unit, said_quantity, to_unit
-from axiscal_core.displays import last_decimal
 from axiscal_core.theta import Kind
 
 _BY_CHANCE = 1e-4

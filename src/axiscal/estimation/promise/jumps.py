@@ -1,7 +1,7 @@
 """A zero that jumped between two readings of one set-up, or what stands on the table and moved there.
 
 Sizes that are learnt swallow a jump: a drift of a hundred noises has it between any two readings. So it is sought at
-sizes as stated, and at three times these, by the gain of its columns (`axiscal_core.mistaken`); beside it signs, sides
+sizes as stated, and at three times these, by the gain of its columns (`mistaken`); beside it signs, sides
 and places that are wrong for a stretch.
 
 The likeliest one is then weighed with the sizes integrated out, by the evidence of the readings with its columns and
@@ -34,11 +34,11 @@ from axiscal.estimation.promise.agreement import (
     numbers_of_one,
     tail_of,
 )
+from axiscal.estimation.promise.mistaken import gains_of_columns, log_odds_of, stretches
 from axiscal.numerics import Array
 from axiscal_core.draws import Weighed, as_stated, sized
 from axiscal_core.from_scipy import chi_square_tail
 from axiscal_core.left_out import BAD_SHARE
-from axiscal_core.mistaken import gains_of_columns, log_odds_of, stretches
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
 from axiscal_core.unknowns import space_of

@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from axiscal_core.refusals import Array
+from axiscal.numerics import Array
 
 COARSE = 3.0
 """Steps of so many standard deviations of the scatter are taken as intervals."""

@@ -24,8 +24,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.numerics import Array
 from axiscal_core.problem import Problem
-from axiscal_core.refusals import Array
 from axiscal_core.spaces import Given
 from axiscal_core.theta import Kind
 
