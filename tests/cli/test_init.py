@@ -26,7 +26,7 @@ from axiscal.description.first_files import (
     instruments_of,
     of_builtin,
     of_text,
-    offered_words,
+    offered_names,
     with_travels,
 )
 from axiscal.estimation.inheritance import case_of
@@ -222,7 +222,7 @@ def test_an_empty_answer_is_the_usual_one(tmp_path: Path, monkeypatch: pytest.Mo
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_instruments_are_named_as_people_name_them(language: str) -> None:
     with speaking(language):
-        assert instruments_of(", ".join(offered_words())) == list(OFFERED)
+        assert instruments_of(", ".join(offered_names().values())) == list(OFFERED)
         named = instruments_of("Laser and ball-bar, touch probe dial indicator level")
         assert named == ["interferometer", "ballbar", "sphere", "dial", "level"]
         named = instruments_of("Messuhr und Winkelnormal, Kugelstab Laser Tracker")

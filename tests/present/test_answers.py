@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.exceptions import AxiscalError
+from axiscal.exceptions import AxiscalError, ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import sense
 from axiscal.measurement.setup import Setup
@@ -94,6 +94,12 @@ def test_words_are_no_readings(text: str, word: Word) -> None:
 @pytest.mark.parametrize("text", ["foo", "1.2.3", "3 kg", "1 2", "--4", "1,2,3", "5 arcsec", "nan", "inf um", "1e999"])
 def test_anything_else_is_refused_in_words(text: str) -> None:
     with pytest.raises(AxiscalError):
+        answer(text, DIAL)
+
+
+@pytest.mark.parametrize("text", ["1.234,5", "1,234.5", "5 5", "1.2.3"])
+def test_digits_that_are_no_one_number_are_said_to_be_none(text: str) -> None:
+    with pytest.raises(ReadingError, match="is no number"):
         answer(text, DIAL)
 
 

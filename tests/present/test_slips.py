@@ -19,7 +19,8 @@ from axiscal.description.first_files import (
 from axiscal.exceptions import ReadingError
 from axiscal.machine import machine_from_text
 from axiscal.planning.helping import rows_shown
-from axiscal.present.guide.question import Question
+from axiscal.present.guide import slips
+from axiscal.present.guide.question import ExpectedNumber, Question
 from axiscal.present.guide.slips import CAUSES, Cause, causes, jog, keep_as, surprise_text, try_jog
 from axiscal.record.events import Asked
 from tests.generators.texts import FOUR_READINGS
@@ -84,7 +85,10 @@ def asked(campaign: Campaign) -> Question:
 
 @pytest.mark.parametrize(
     ("typed", "cause", "kept"),
-    [(-400e-6, "sign", 400e-6), (0.4e-6, "mm", 400e-6), (-300e-6, "really", -300e-6), (-300e-6, "bumped", -300e-6)],
+    [
+        *((-400e-6, "sign", 400e-6), (0.4e-6, "mm", 400e-6), (400e-6 / 25400, "inch", 400e-6)),
+        *((-300e-6, "really", -300e-6), (-300e-6, "bumped", -300e-6)),
+    ],
 )
 def test_a_cause_does_what_it_says_and_is_noted(campaign: Campaign, typed: float, cause: Cause, kept: float) -> None:
     question, value = asked(campaign), np.array([typed])
@@ -97,6 +101,18 @@ def test_a_cause_does_what_it_says_and_is_noted(campaign: Campaign, typed: float
     assert noted == ([] if cause == "really" else [f"reading 2: {CAUSES[cause]}"])
     assert bool(told) is (cause != "really")
     assert [each.mistake for each in campaign.state.accepted] == ["jump"] * (cause == "bumped")
+
+
+def test_a_value_that_comes_again_is_asked_about_where_chance_seldom_does_that(campaign: Campaign) -> None:
+    question, value = asked(campaign), np.array([400e-6])
+    wide, narrow = (
+        question.model_copy(update={"expected": [ExpectedNumber(mean=400.0, half=half)]}) for half in (200.0, 1.0)
+    )
+    slips.refuse_surprising(campaign, wide, value + 0.1e-6)
+    slips.refuse_surprising(campaign, narrow, value)
+    with pytest.raises(slips.SurprisingError, match="Reading 1 showed exactly this") as strange:
+        slips.refuse_surprising(campaign, wide, value)
+    assert strange.value.causes == ("really", "keep")
 
 
 def test_a_cause_that_explains_nothing_is_refused(campaign: Campaign) -> None:

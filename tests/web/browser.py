@@ -174,6 +174,11 @@ class Page:
         """Type letters where the focus is."""
         self.call("Input.insertText", text=text)
 
+    def enter(self, text: str) -> None:
+        """Type letters where the focus is, and Enter."""
+        self.type(text)
+        self.press("Enter")
+
     def press(self, key: str) -> None:
         """Press and release a key."""
         text, code = _KEYS[key]

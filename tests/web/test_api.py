@@ -113,7 +113,7 @@ def test_what_is_typed_is_understood_before_it_is_sent(still: Served) -> None:
     meant = still.call("typed?text=0%2C0021%20mm").document
     assert (meant["values"], meant["surprising"], meant["sentence"]) == ([pytest.approx(2.1)], False, "")
     assert still.call("typed?text=99%20mm").document["surprising"]
-    assert "no word known here" in still.call("typed?text=twelve").document["sentence"]
+    assert "Type the number that" in still.call("typed?text=twelve").document["sentence"]
 
 
 @pytest.mark.long

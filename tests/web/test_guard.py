@@ -23,6 +23,7 @@ HOSTS = ["evil.example", "127.0.0.1", "127.0.0.1:1", "localhost", "[::1]:{port}"
 HOSTS += ["127.0.0.1.evil.example:{port}", "localhost.:{port}", "evil.example:{port}", "127.0.0.1:{port}@evil.example"]
 HOSTS += ["", " ", "127.1:{port}", "2130706433:{port}", "127.0.0.1:{port}/", "127.0.0.1:0{port}"]
 HOSTS += [f"{n}.rebind.example:{{port}}" for n in range(84)]
+STATIC = resources.files("axiscal.web").joinpath("static")
 _STEPS = ["..", "%2e%2e", "..%2f", "%2e%2e%2f", "..%5c", "..\\", "%c0%ae%c0%ae", "....//", "%252e%252e%252f", ".%00."]
 _GOALS = ["etc/passwd", "mill.axiscal", "page.py", "mill.axiscal%00.css", "\\\\host\\share\\file"]
 _ROOTS = ["/", "/report.html/", "/page.css/", "/api/1/"]
@@ -110,7 +111,7 @@ def test_every_answer_forbids_scripts_that_are_not_ours(page: Served) -> None:
         policy = page.ask("GET", path).headers["content-security-policy"]
         assert "default-src 'none'" in policy
         assert "unsafe" not in policy
-    start = resources.files("axiscal.web").joinpath("static", "start.html").read_text()
+    start = STATIC.joinpath("start.html").read_text()
     html = page.ask("GET", "/").body.decode() + start
     assert "<script>" not in html
     assert re.search(r"\son\w+=", html) is None
@@ -118,11 +119,7 @@ def test_every_answer_forbids_scripts_that_are_not_ours(page: Served) -> None:
 
 
 def test_the_script_writes_text_and_nothing_else() -> None:
-    sources = [
-        path.read_text()
-        for path in resources.files("axiscal.web").joinpath("static").iterdir()
-        if path.name.endswith(".js")
-    ]
+    sources = [path.read_text() for path in STATIC.iterdir() if path.name.endswith(".js")]
     assert len(sources) == 8
     makes_markup = r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|\beval\b|Function\(|DOMParser|srcdoc"
     assert [found for text in sources for found in re.findall(makes_markup, text)] == []
@@ -131,9 +128,7 @@ def test_the_script_writes_text_and_nothing_else() -> None:
 def test_every_file_of_the_page_is_in_the_package() -> None:
     project = tomllib.loads((Path(__file__).resolve().parents[2] / "pyproject.toml").read_text())
     kinds = {pattern.rpartition(".")[2] for pattern in project["tool"]["setuptools"]["package-data"]["axiscal"]}
-    assert {
-        path.name.rpartition(".")[2] for path in resources.files("axiscal.web").joinpath("static").iterdir()
-    } <= kinds
+    assert {path.name.rpartition(".")[2] for path in STATIC.iterdir()} <= kinds
 
 
 def test_a_large_body_is_refused(page: Served) -> None:

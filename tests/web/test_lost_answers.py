@@ -113,8 +113,7 @@ def test_the_page_sends_what_the_killed_server_did_not_answer(browser: Browser, 
     with killed_at_a_step(record, MOMENTS[moment], "--port", port) as second:
         page.open(second.address)
         page.until("document.activeElement.id === 'field'")
-        page.type("0.5")
-        page.press("Enter")
+        page.enter("0.5")
     page.until("document.getElementById('heard').textContent.startsWith('No answer yet')")
     assert re.findall('"text":"([^"]*)"', str(outbox(page))) == ["0.5"]
     with served(record, "--port", port) as third:
@@ -135,16 +134,14 @@ def test_a_minute_without_network_keeps_what_is_typed(browser: Browser, tmp_path
         stand(page)
         page.until("document.activeElement.id === 'field'")
         os.kill(server.process, signal.SIGSTOP)  # it takes in what is sent, and answers later
-        page.type("-1.7")
-        page.press("Enter")
+        page.enter("-1.7")
         page.until("localStorage.getItem('axiscal steps').includes('-1.7')")
         os.kill(server.process, signal.SIGCONT)
         page.until("document.getElementById('count').textContent === '2 of 4'")
         page.call("Network.enable")
         gone = {"latency": 0, "downloadThroughput": -1, "uploadThroughput": -1}
         page.call("Network.emulateNetworkConditions", offline=True, **gone)
-        page.type("0.5")
-        page.press("Enter")
+        page.enter("0.5")
         page.until("document.getElementById('heard').textContent.startsWith('No answer yet')")
         assert kept(record) == [-1.7]
         page.call("Network.emulateNetworkConditions", offline=False, **gone)

@@ -22,7 +22,7 @@ from axiscal.web.shop import CODE_LASTS, ShopDoor
 from tests.commands import Command
 from tests.web.browser import Browser, Page
 from tests.web.served import Answer, Served, served, started
-from tests.web.test_page import SHOWN, looked_at, type_reading
+from tests.web.test_page import SHOWN, looked_at, stand, type_reading
 
 SHOP = ("--shop", "--person", "Anna", "--person", "Ben", "--at", "127.0.0.1:0")
 
@@ -179,8 +179,7 @@ def test_a_tablet_scans_the_code_that_the_computer_shows(
         computer.open(page.address)
         computer.until("document.activeElement.id === 'stands'")
         computer.value("document.getElementById('device').click()")
-        computer.type("Anna")
-        computer.press("Enter")
+        computer.enter("Anna")
         words = computer.until("document.getElementById('device-words').textContent")
         code = str(words).split()[-1]
         drawn = computer.value("document.querySelector('#device-picture path').getAttribute('d')")
@@ -203,11 +202,6 @@ def _measured_on(tablet: Page, code: str) -> None:
     tablet.open(code)
     tablet.until("document.getElementById('who').textContent.includes('Anna')")
     tablet.until("document.activeElement.id === 'stands'")
-    tablet.press("Enter")
-    tablet.until("document.activeElement.id === 'jogged'")
-    tablet.type("100")
-    tablet.press("Enter")
-    tablet.until("document.activeElement.id === 'sentence'")
-    tablet.press("Enter")
+    stand(tablet)
     type_reading(tablet, "-1.7")
     tablet.until("document.getElementById('latest').textContent.includes('by Anna')")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -12,9 +13,10 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from tests.commands import Command
+from tests.measurement.test_written_instruments import GRID
 from tests.web.browser import Browser, Page
 from tests.web.served import PATIENCE, Served, served
-from tests.web.test_page import SHOWN, focus, looked_at, type_reading
+from tests.web.test_page import SHOWN, looked_at, stood, type_reading
 
 PRINTER = """\
 [printer]
@@ -106,19 +108,12 @@ class Person:
     def mount(self) -> None:
         """Say that it stands, and type what the display shows after the jog that is asked for."""
         self.press("It stands")
-        self.page.until("['jogged', 'field', 'sentence'].includes(document.activeElement.id)")
-        if focus(self.page) == "jogged":
-            jogged = self.page.value("document.getElementById('jog-words').textContent")
-            self.type("-100" if " -0.100" in jogged else "100")
-            self.sees("that is kept in the record")  # the news of it may come before the answer
-        if focus(self.page) == "sentence":
-            self.type("")  # nobody knows the temperature
+        stood(self.page)  # nobody knows the temperature
 
     def type(self, text: str) -> None:
         """Type where the focus is, and press Enter."""
         self.actions += 2
-        self.page.type(text)
-        self.page.press("Enter")
+        self.page.enter(text)
 
     def read(self, text: str) -> None:
         """Type the first reading, which the page asks for."""
@@ -183,6 +178,10 @@ def test_from_nothing_to_the_first_reading_of_a_router(browser: Browser, start: 
     person.tick("squareness YZ")
     person.until("squareness YZ", there=False)
     person.sees("squareness XY")
+    person.write("target", "1")
+    assert page.value("document.getElementById('begin').disabled")  # what is shown is the plan of another target
+    person.write("target", " ")
+    person.actions -= 2
     person.press("Plan")
     page.until("document.getElementById('buying').offsetParent !== null")
     looked_at(page)
@@ -216,6 +215,12 @@ def test_a_printer_by_the_file_of_its_control(browser: Browser, start: Served) -
     file = start.record / "printer.cfg"
     file.write_text(PRINTER)
     person = arrived(browser, start, 768)
+    (start.record / "photo.jpg").write_bytes(bytes(range(256)))
+    person.drop(start.record / "photo.jpg")
+    person.sees("a picture or a workbook, no text")
+    person.sees("Which machine is most like yours?")
+    looked_at(person.page)
+    person.actions = 0
     person.drop(file)
     person.sees("printer.cfg says: 3D printer (corexy)")
     assert person.page.value("document.getElementById('travel-Y').value") == "210 mm"
@@ -226,6 +231,9 @@ def test_a_printer_by_the_file_of_its_control(browser: Browser, start: Served) -
     person.mount()
     person.read("12")
     assert person.actions <= 8
+    wide = [["", "found", "U (95 %)", "left with klipper", "marlin", "reprapfirmware"], ["volume", *["120 um"] * 5]]
+    person.page.value(f"import('/elements.js').then(m => m.renderWords(['X'], {json.dumps(wide)}))")
+    looked_at(person.page)
     assert person.page.complaints() == []
     assert (start.record / "3d-printer-corexy" / "3d-printer-corexy.axiscal").is_file()
 
@@ -349,8 +357,23 @@ def test_what_is_wrong_is_said_by_its_field(start: Served) -> None:
     assert "interferometer" in made["offered"]
     assert "square" not in made["offered"]
     assert start.call("draft", machine="one-axis", travels={"X": "0,4"}).document["faults"]["travels.X"]
+    assert start.call("draft", machine="one-axis", travels={"X": "1.000 mm"}).document["faults"]["travels.X"]
     made = start.call("draft", machine="one-axis", travels={"X": "40 cm"}).document
     assert (made["faults"], made["lengths"]) == ({}, {"X": 400.0})
+
+
+def test_an_instrument_that_a_package_brings_is_offered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    brought = tmp_path / "acme-1.dist-info"
+    brought.mkdir()
+    (brought / "entry_points.txt").write_text("[axiscal.instruments]\nacme = acme_grid:Grid\n")
+    (tmp_path / "acme_grid.py").write_text(GRID)
+    monkeypatch.setenv("PYTHONPATH", f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}")
+    with served(tmp_path) as start:
+        assert start.call("start").document["instruments"]["acme"] == "acme"
+        assert "acme" in start.call("draft", machine="router").document["offered"]
+        assert "positioning X" in start.call("rows?instrument=acme").document["rows"]
+        drawn = start.ask("GET", "/machine.svg?width=400&instrument=acme", Authorization=f"Bearer {start.token}")
+        assert b"acme" in drawn.body
 
 
 @pytest.mark.long
@@ -372,7 +395,7 @@ def test_a_plan_that_is_overtaken_by_another_choice_is_broken_off(start: Served)
     start.call("draft", instruments=["dial", "square"], **chosen)
     with ThreadPoolExecutor(1) as aside:
         first = aside.submit(start.call, "plan")
-        while not start.call("stage").document["stage"]:
+        while not start.call("stage").document["sentence"]:
             time.sleep(0.05)
         start.call("draft", instruments=["interferometer"], without=["volume"], **chosen)
         plan = start.call("plan").document

@@ -90,9 +90,8 @@ def mistake_words(each: Explained, known: Estimation) -> str:
         what = 'the zero of "{setup}" jumped before {reading}. Take readings before and after it again'
         return said(what, setup=names[0], reading=known.name_of(each.reading))
     if stretch := _stretch_words(each, known):
-        if each.last < 0:
-            return said("{what} (or the earlier ones do: accept earlier). Correct them", what=stretch)
-        return said("{what}. Correct them", what=stretch)
+        what = "{what} (or the earlier ones do: accept earlier). Correct them"
+        return said("{what}. Correct them" if each.last >= 0 else what, what=stretch)
     if each.mistake == "sign":
         return said('all values of "{setup}" have the wrong sign. Record them anew with the other sign', setup=names[0])
     if each.mistake == "unit":

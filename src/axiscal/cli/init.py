@@ -17,7 +17,7 @@ import typer
 from axiscal.answers.answer_words import WIDTH
 from axiscal.cli.printing import ask, complain, say, say_document
 from axiscal.description.campaign_schema import SCHEMAS
-from axiscal.description.first_campaign import OFFERED, Purpose
+from axiscal.description.first_campaign import Purpose
 from axiscal.description.first_files import (
     Beginning,
     first_described,
@@ -27,7 +27,7 @@ from axiscal.description.first_files import (
     of_builtin,
     of_ini,
     of_printer,
-    offered_words,
+    offered_names,
     with_travels,
     write_files,
 )
@@ -63,7 +63,7 @@ def init(
     ] = None,
     instrument: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help=f"Of {', '.join(offered_words())}, or grid.py:Grid; several times."),
+        typer.Option(metavar="NAME", help=f"Of {', '.join(offered_names().values())}, or grid.py:Grid; several times."),
     ] = None,
     target: Annotated[
         str | None,
@@ -137,10 +137,9 @@ def _instruments(begun: Beginning) -> list[str]:
         first_described(begun, names, Purpose())  # refuses those that it has none for
         return names
 
-    known = offered_words()
-    usual = known[list(OFFERED).index(begun.instrument)]
-    question = said("Which instruments are there? Enter for {usual}", usual=usual)
-    return _answered(question, known, offered)
+    known = offered_names()
+    question = said("Which instruments are there? Enter for {usual}", usual=known[begun.instrument])
+    return _answered(question, known.values(), offered)
 
 
 def _answered(question: str, known: Iterable[str], read: Callable[[str], _Answer]) -> _Answer:

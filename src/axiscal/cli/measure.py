@@ -24,7 +24,6 @@ from axiscal.language.spoken import counted, decimals, listed, put, said, speaki
 from axiscal.numerics import Array
 from axiscal.present.guide import progress, slips
 from axiscal.present.guide.question import (
-    SURPRISING,
     Question,
     Word,
     action,
@@ -40,7 +39,7 @@ from axiscal.present.whose_language import chosen
 from axiscal.record.events import Asked
 from axiscal.units import um_text
 
-_LETTERS: dict[slips.Cause, str] = {"sign": "s", "mm": "m", "anew": "a", "bumped": "b", "really": "v", "keep": "k"}
+_LETTERS = dict(zip(slips.CAUSES, "smiabvk", strict=True))
 """What is typed for a cause of a surprise."""
 _Then = Literal["same", "anew", "stands", "finish", "pause"]
 """What comes after something was typed: the same prompt, the question anew, a reading, the end, or a pause."""
@@ -138,9 +137,11 @@ class Prompt:
 
     def _keep(self, typed: Array, question: Question) -> _Then:
         cause: slips.Cause | None = None
-        if question.surprise(typed) >= SURPRISING:
-            say(f"  {slips.surprise_text(question, typed)}.")
-            named_by = {_LETTERS[each]: each for each in slips.causes(question, typed)}
+        try:
+            slips.refuse_surprising(self.campaign, question, typed)
+        except slips.SurprisingError as strange:
+            say(f"  {strange.what}.")
+            named_by = {_LETTERS[each]: each for each in strange.causes}
             known = listed(
                 ", ", [put("{letter} {cause}", letter=k, cause=said(slips.CAUSES[v])) for k, v in named_by.items()]
             )

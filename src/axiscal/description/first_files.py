@@ -61,9 +61,10 @@ class FirstFiles(NamedTuple):
     setups: int
 
 
-def offered_words() -> list[str]:
-    """Return how each instrument that is offered is called in the language that is spoken."""
-    return [said(offer.words).partition(",")[0] for offer in OFFERED.values()]
+def offered_names() -> dict[str, str]:
+    """Return how each instrument that is offered is called in the language that is spoken, by its name."""
+    named = {name: said(offer.words).partition(",")[0] for name, offer in OFFERED.items()}
+    return named | {name: name for name in ports.names(PORTS)}
 
 
 def instruments_of(text: str) -> list[str]:
@@ -81,8 +82,7 @@ def instruments_of(text: str) -> list[str]:
             if not count:
                 what = "{name} is no instrument whose set-ups can be offered"
                 remedy = "docs/campaign.md shows how others are written. Offered are {known}"
-                every = ", ".join([*offered_words(), *brought])
-                raise DescriptionError(what, remedy, name=shown(words[0]), known=every)
+                raise DescriptionError(what, remedy, name=shown(words[0]), known=", ".join(offered_names().values()))
             found.append(names[_unspaced(words[:count])])
             del words[:count]
     return [name for name in dict.fromkeys(found) if name]
@@ -185,6 +185,7 @@ def of_text(text: str, name: str) -> Beginning:
 
 _OF_LINUXCNC = re.compile(r"^\s*\[(EMC|TRAJ|KINS|(AXIS|JOINT)_\w)\]", re.MULTILINE)
 _KINDS = {
+    later("a picture or a workbook, no text"): re.compile(r"[\x01-\x08]"),
     later("an empty file"): re.compile(r"^\Z"),
     later("a record of axiscal: put it into the folder of this page, and the start shows it"): re.compile(r"^axiscal"),
     later("a JSON document"): re.compile(r"^[{[]\s*[\"{\[\]}]"),
@@ -261,7 +262,7 @@ def first_described(begun: Beginning, instruments: Sequence[str], purpose: Purpo
     """
     if not instruments:
         raise DescriptionError(
-            "No instrument was named", "Name one or more of {known}", known=", ".join(offered_words())
+            "No instrument was named", "Name one or more of {known}", known=", ".join(offered_names().values())
         )
     if purpose.target:
         parse_quantity(purpose.target, "length")

@@ -19,6 +19,7 @@ from axiscal.errors.volume import MovedErrors, VolumeMoments, of_rests, volume_m
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
+from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.causes import contributions
 from axiscal.estimation.promise.problem import Inherited
@@ -141,6 +142,12 @@ class Case:
         machine = self.description.machine
         axes = tuple(axis.turned if axis.name in names else axis for axis in machine.axes)
         return replace(self, description=replace(self.description, machine=replace(machine, axes=axes)))
+
+    def shown_by(self, readings: Sequence[Reading]) -> Case:
+        """Return the case with the steps of displays that readings show; itself where all are stated."""
+        stated = self.description.setups
+        setups = as_shown(stated, readings) if len(readings) > 2 else stated  # two are any step apart
+        return self if setups == stated else replace(self, description=replace(self.description, setups=setups))
 
     def _plain(self, description: CampaignDescription) -> Case:
         """Return the case of another description, with set-ups read as it allows and no rivals."""

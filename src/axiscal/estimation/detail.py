@@ -75,7 +75,7 @@ def _halved(case: Case, names: Sequence[str]) -> Case:
 
 def _posed(finer: Case, known: Estimation, judged: Problem) -> Problem:
     """Return the readings of a problem by a case with other knots, linear where it has them so."""
-    at = finer.linear_as(known.case)
+    at = finer.shown_by(known.readings).linear_as(known.case)
     if at.about is not None:
         across, point = carried_over(known.case.errors, finer.errors), at.about.point
         size = known.case.errors.size

@@ -37,6 +37,7 @@ def estimated(stated: Case, readings: Sequence[Reading]) -> Estimation:
 
 def _estimated(stated: Case, case: Case, readings: Sequence[Reading]) -> Estimation:
     """Return what readings make known by one of the beliefs, linearised about the machine that they show."""
+    case = case.shown_by(readings)
     times = timed(case, readings)
     implausible = judged(case, times.readings)
     if not times.readings:
@@ -87,7 +88,8 @@ def _answered(case: Case, known: Estimation, kept: Sorted | None = None) -> Esti
 
     kept : what is sorted out of the same readings where `case` has them linear
     """
-    readings, at = known.readings, case.linear_as(known.case)
+    readings, case = known.readings, case.shown_by(known.readings)
+    at = case.linear_as(known.case)
     taken = taken_as_normal(known.absorbed, readings)
     stays = taken is readings and at.observation.about == case.observation.about and at.description == case.description
     if kept is None:

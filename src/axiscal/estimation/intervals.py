@@ -20,6 +20,7 @@ All numbers of all readings are estimated at once, each with its own precision. 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -32,14 +33,31 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.numerics import Array
-from axiscal_core.displays import COARSE
+from axiscal.numerics.gaussian import of_rank
+from axiscal_core.displays import COARSE, step_of
 from axiscal_core.from_scipy import log_normal_share
 from axiscal_core.spaces import turned
 
 _SWEEPS, _DAMPING, _SETTLED = 30, 0.5, 1e-4
 """Sweeps end where the intervals settle; half steps keep them from swinging."""
+_MOST = 1e3
+"""Noises: values in larger steps are in another unit, and no display is so coarse."""
 _TAIL = 1e-300
 """The smallest that has a logarithm."""
+
+
+def as_shown(setups: Sequence[Setup], readings: Sequence[Reading]) -> tuple[Setup, ...]:
+    """Return set-ups with the step that their values show, or those of their instrument, where it is not stated."""
+    found, of = list[Setup](), {each.name: each.instrument for each in setups}
+    for setup in setups:
+        alike = [each for each in readings if of[each.setup] == setup.instrument and each.std is None]
+        own = [number for each in alike if each.setup == setup.name for number in each.values]
+        every = [number for each in alike if own for number in each.values]
+        step = step_of(np.array(own), setup.noise) or step_of(np.array(every), setup.noise) or 0.0
+        variance = max(setup.noise**2 - setup.rounding**2, 0.0) + step**2 / 12.0
+        coarser = setup.interval + FINEST < step < _MOST * setup.noise
+        found.append(replace(setup, resolution=step, noise=math.sqrt(variance)) if coarser else setup)
+    return tuple(found)
 
 
 def is_coarse(setup: Setup) -> bool:
@@ -125,7 +143,7 @@ class Fitted:
     """
 
     def __init__(self, features: Array, noise: Array, values: Array, reading: NDArray[np.intp]) -> None:
-        self._features, self.noise, self.values, self.reading = _short(features), noise, values, reading
+        self._features, self.noise, self.values, self.reading = of_rank(features), noise, values, reading
 
     @classmethod
     def expected(
@@ -143,11 +161,3 @@ class Fitted:
         spread = self._features @ np.asarray(np.linalg.inv(information), dtype=float)
         mean: Array = spread @ (self._features.T @ (precisions * values))
         return mean, np.einsum("mr,mr->m", spread, self._features)
-
-
-def _short(features: Array) -> Array:
-    """Return features with the same products of rows, no more of them than there are rows."""
-    if features.shape[1] <= len(features):
-        return features
-    triangle: Array = np.asarray(np.linalg.qr(features.T, mode="r"))
-    return triangle.T

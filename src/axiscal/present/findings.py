@@ -22,6 +22,7 @@ from axiscal.errors.gauge import undescribed
 from axiscal.errors.iso230 import words
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, paths
+from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.promise.agreement import AGREES
 from axiscal.language.spoken import capital, later, listed, put, said
 from axiscal.machine.axis import Axis
@@ -32,7 +33,7 @@ from axiscal.planning.unseen import hidden_of
 from axiscal.present.beside import beside_the_tool
 from axiscal.present.summary import Finding
 from axiscal.units import format_quantity, from_unit, said_quantity, to_unit
-from axiscal_core.displays import last_decimal, step_of
+from axiscal_core.displays import last_decimal
 from axiscal_core.theta import Kind
 
 _BY_CHANCE = 1e-4
@@ -100,23 +101,15 @@ def _telling(values: Sequence[tuple[float, ...]], noise: float) -> int:
 def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
     """Yield warnings of set-ups whose values move in coarse steps, by their own or those of their instrument."""
     text = (
-        'The values of "{setup}" move in steps of {step}, {times:.3g} times its noise: as they stand, the same number '
-        'read again passes for better knowledge. State resolution = "{written}" or, if the display shows finer steps '
-        "and the values were written with too few decimals, write them all. {effect}"
+        'The values of "{setup}" move in steps of {step}, {times:.3g} times its noise: that is taken as its '
+        'resolution, and what is rounded off as unknown. State resolution = "{written}" or, if the display shows finer '
+        "steps and the values were written with too few decimals, write them all."
     )
-    of_own = {setup.name: [r for r in readings if r.setup == setup.name and r.std is None] for setup in setups}
-    values = {name: np.array([number for r in mine for number in r.values]) for name, mine in of_own.items()}
-    for setup in (setup for setup in setups if of_own[setup.name]):
-        alike = np.concatenate([values[each.name] for each in setups if each.instrument == setup.instrument])
-        step = step_of(values[setup.name], setup.noise) or step_of(alike, setup.noise)
-        if step is None or step <= setup.interval * (1 + 1e-6):
-            continue
-        effect = said("Each reading counts as the interval it fell into where that is stated.")
-        if values_of(setup) > 1:
-            effect = said("What is rounded off counts as noise where that is stated.")
-        unit = reading_unit(setup)
-        shown = {"step": said_quantity(step, unit, 6), "written": format_quantity(step, unit), "effect": effect}
-        yield Finding("resolution", None, said(text, setup=setup.name, times=step / setup.noise, **shown))
+    for setup, shown in zip(setups, as_shown(setups, readings), strict=True):
+        if shown is not setup:
+            step, unit = shown.resolution, reading_unit(setup)
+            steps = {"step": said_quantity(step, unit, 6), "written": format_quantity(step, unit)}
+            yield Finding("resolution", None, said(text, setup=setup.name, times=step / setup.noise, **steps))
 
 
 _FAR_FROM_STATED = 3.0

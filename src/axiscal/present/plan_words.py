@@ -66,9 +66,12 @@ def reach_text(reach: ReachAnswer, rows: Sequence[PlannedRow] = ()) -> str:
     return text if reach.helps is None else put("{text} {helps}", text=text, helps=helping_words(reach.helps))
 
 
-def open_questions(description: CampaignDescription) -> list[str]:
-    """Return what descriptions leave open: sizes that can hardly be meant, a compensation that may be active."""
-    open_yet = [unasked(description), unused_artefacts(description.text)]
+def open_questions(description: CampaignDescription, *, asked: bool = False) -> list[str]:
+    """Return what descriptions leave open: sizes that can hardly be meant, a compensation that may be active.
+
+    asked : whether a person has been asked about a compensation already
+    """
+    open_yet = ["" if asked else unasked(description), unused_artefacts(description.text)]
     open_yet += [each.words for each in description.unsourced]
     beside = (
         'How far does the probe of "{setup}" stand beside the nozzle? Write it as offset = ["-33 mm", "-46 mm", '

@@ -6,25 +6,17 @@ from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 
-from axiscal.answers.answer_words import digits
 from axiscal.campaign.agreement_words import agreement_words
-from axiscal.document.durable import write_whole
 from axiscal.document.ports import part
 from axiscal.estimation.estimation import Estimation
-from axiscal.evaluation.check import Check, Taken
+from axiscal.evaluation.check import Check
 from axiscal.exceptions import TableError, TargetError
 from axiscal.language.spoken import said
-from axiscal.measurement.readers.csv_readings import filled_sheet
-from axiscal.measurement.reading import Places
-from axiscal.present.check_answer import check_answer, check_plan, check_sentences
-from axiscal.present.guide.checking import check_places, typed_readings
-from axiscal.present.sentences import spelt
-from axiscal.record.signing import hand_now
+from axiscal.present.guide.checking import CheckJudged, CheckToTake
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions, informed
-from axiscal.units import to_unit
 from axiscal.web.desk import Desk
-from axiscal.web.shapes import CheckedRequest, CheckedShape, CheckShape, TextsShape
+from axiscal.web.shapes import CheckedRequest, TextsShape
 
 
 def table_texts(desk: Desk, control: str) -> TextsShape:
@@ -63,31 +55,12 @@ def measure_again(record: Path, files: Iterable[Path]) -> str:
     return said("Measure again: {day}.", day=next(days, said("another campaign of this machine says when")))
 
 
-def check(desk: Desk, control: str) -> CheckShape:
+def check(desk: Desk, control: str) -> CheckToTake:
     """Return where the tables of a control are to be checked, and by which tolerance."""
-    checked, places = _check(desk, control)
-    lines = check_plan(checked, places)[1]
-    return CheckShape(
-        sentences=[spelt(line) for line in lines],
-        tolerance=f"{digits(to_unit(checked.allowed(None) or checked.tables.certain, 'um'))} um",
-        places=check_places(checked, places, desk.virtual),
-    )
+    return CheckToTake.of(Check.from_campaign(desk.campaign, control), desk.virtual)
 
 
-def judge(desk: Desk, asked: CheckedRequest) -> CheckedShape:
+def judge(desk: Desk, asked: CheckedRequest) -> CheckJudged:
     """Return what readings without the tables and with them say, or what is wrong with each by its field."""
-    checked, places = _check(desk, asked.control)
-    readings, faults = typed_readings(checked, places, asked.found, asked.left, asked.tolerance)
-    if faults:
-        return CheckedShape(faults=faults)
-    for name, each in zip(("found.csv", "left.csv"), readings, strict=True):  # as `axiscal verify` takes them
-        sheet = filled_sheet(checked.description.machine.axes, each)
-        write_whole(desk.campaign.path.with_name(name), sheet.encode())
-    judged = checked.judged(readings, asked.tolerance)
-    answer = check_answer(judged, len(places), checked.tables.certain, Taken(hand_now().person, "page"))
-    return CheckedShape(verdict=answer.verdict, sentences=[spelt(line) for line in check_sentences(answer)])
-
-
-def _check(desk: Desk, control: str) -> tuple[Check, Places]:
-    check = Check.from_campaign(desk.campaign, control)
-    return check, check.planned(tolerance=check.allowed(None))
+    check = Check.from_campaign(desk.campaign, asked.control)
+    return CheckJudged.of(check, asked.found, asked.left, asked.tolerance, desk.campaign.path.parent)

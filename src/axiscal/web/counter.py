@@ -11,7 +11,7 @@ import logging
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import copy_context
 from pathlib import Path
 from threading import Lock, get_ident
@@ -70,7 +70,6 @@ class Counter:
         self._ending, self._asked, self._news = False, set[Future[str]](), asyncio.Event()
         self._stages = list[Stage]()
         self._desk: Desk | None = None
-        self._state: shapes.StateShape | None = None
         if record is not None:
             self._submitted(lambda: self._open(record)).result()
 
@@ -85,11 +84,6 @@ class Counter:
         if self._desk is None:
             raise RecordError("No campaign is open on this page", "Begin one, or go on with one, at its start")
         return self._desk
-
-    @property
-    def state(self) -> shapes.StateShape:
-        """The newest document, that a page is shown at once; raises as `desk`."""
-        return self._state or self.desk.state
 
     @property
     def stage(self) -> str:
@@ -111,7 +105,7 @@ class Counter:
             return said("{record} is open.", record=record.name)
 
         self._break_off()
-        sentence = await self.work(opened)
+        sentence = await asyncio.wrap_future(self._submitted(opened))
         self._think()
         return sentence
 
@@ -120,14 +114,10 @@ class Counter:
 
         def closed() -> None:
             self.desk.campaign.close()
-            self._desk = self._state = None
+            self._desk = None
 
-        await self.work(closed)
-        self._news.set()
-
-    async def work(self, work: Callable[[], _Result]) -> _Result:
-        """Return what a function of no record returns, on the thread of the campaign."""
-        return await asyncio.wrap_future(self._submitted(work))
+        await asyncio.wrap_future(self._submitted(closed))
+        self._publish()
 
     async def draw_up(self, work: Callable[[], _Result]) -> _Result:
         """Return what a function of the draft returns; raises OvertakenError where a newer one has broken it off."""
@@ -151,7 +141,7 @@ class Counter:
 
     async def ask(self, look: Callable[[Desk], _Result]) -> _Result:
         """Return what the desk says to a question that changes nothing, after the steps that are under way."""
-        return await self.work(lambda: look(self.desk))
+        return await asyncio.wrap_future(self._submitted(lambda: look(self.desk)))
 
     async def watch(self) -> None:
         """Look at the record again and again, for what others write."""
@@ -165,21 +155,16 @@ class Counter:
 
     async def newer(self, seen: int, wait: float) -> shapes.StateShape:
         """Return the state as soon as its version is another one than `seen`, or after `wait` s."""
-        clock = asyncio.get_running_loop().time
-        deadline = clock() + wait
-        while self.state.version == seen and not self._ending and (left := deadline - clock()) > 0:
-            news = self._news
-            try:
-                await asyncio.wait_for(news.wait(), left)
-            except TimeoutError:
-                break
-        return self.state
+        with suppress(TimeoutError):
+            async with asyncio.timeout(wait):
+                while self.desk.state.version == seen and not self._ending:
+                    await self._news.wait()
+        return self.desk.state
 
     def end(self) -> None:
         """Let nobody wait any longer: the server is about to end."""
         self._ending = True
-        if self.open:
-            self._publish(self.state)
+        self._publish()
 
     def close(self) -> str:
         """Break off what is under way, leave what waits, close the record; return what is to be said of it.
@@ -245,11 +230,11 @@ class Counter:
         if failure is not None and not self._ending:
             logging.getLogger(__name__).error("axiscal: %s: %s", type(failure).__name__, failure)
 
-    def _publish(self, state: shapes.StateShape) -> None:
-        """Take a new state from the campaign's thread."""
+    def _publish(self) -> None:
+        """Tell all who wait, from any thread, that there is a new state."""
         if self._loop is not None:
-            self._loop.call_soon_threadsafe(self._take, state)
+            self._loop.call_soon_threadsafe(self._tell)
 
-    def _take(self, state: shapes.StateShape) -> None:
-        news, self._news, self._state = self._news, asyncio.Event(), state
-        news.set()
+    def _tell(self) -> None:
+        self._news.set()
+        self._news.clear()

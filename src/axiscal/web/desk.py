@@ -11,68 +11,32 @@ from pathlib import Path
 
 from axiscal.answers.answer import PlannedAnswer, ResultAnswer
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside, standing_answer
-from axiscal.answers.answer_words import answer_text
-from axiscal.campaign.agreement_words import agreement_words, change_words
+from axiscal.campaign.agreement_words import change_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
-from axiscal.campaign.evidence import evidence_words
-from axiscal.campaign.sources import virtual_in, virtual_machine
-from axiscal.campaign.sources.source import SimulatedSource
+from axiscal.campaign.sources import virtual_in
 from axiscal.estimation.promise.agreement import Explained
-from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError, RecordError
-from axiscal.language.spoken import decimals, said, spoken_now
-from axiscal.measurement.simulation import Simulator
-from axiscal.numerics import Array
+from axiscal.exceptions import AxiscalError, OvertakenError, RecordError
+from axiscal.language.spoken import said, spoken_now
 from axiscal.present.guide import progress, slips
-from axiscal.present.guide.question import SURPRISING, Question, asked_text, stands
+from axiscal.present.guide.known import KnownInWords
+from axiscal.present.guide.question import Question, asked_text, measured, stands
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer
-from axiscal.present.plan_words import plan_text
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.record.signing import step_now
 from axiscal.tables import registry
-from axiscal.units import to_unit
-from axiscal.web.shapes import (
-    AnswerShape,
-    SentenceShape,
-    StateShape,
-    TypedShape,
-)
-
-
-def _answer(campaign: Campaign, answer: ResultAnswer | PlannedAnswer, results: Path) -> AnswerShape:
-    """Return what is known, in the words of every report; before the first reading, in those of the plan."""
-    if isinstance(answer, PlannedAnswer):
-        text = plan_text(answer, campaign.path.name)
-    else:
-        agreement = agreement_words(campaign.so_far()) if answer.readings else ""
-        text = answer_text(answer, agreement, campaign.path.name, results.name, evidence_words(campaign))
-    return AnswerShape.of(text, answer)
-
-
-Publisher = Callable[[StateShape], None]
-"""Takes a new state."""
-
-
-class SurprisingError(ReadingError):
-    """A reading so far from what is expected that it is asked about before it is kept.
-
-    surprise : in standard deviations
-    """
-
-    def __init__(self, question: Question, values: Array) -> None:
-        self.surprise = question.surprise(values)
-        super().__init__(spelt(slips.surprise_text(question, values)), said("Read again, or say what it was"))
+from axiscal.web.shapes import SentenceShape, StateShape
 
 
 class Desk:
     """One campaign and what is shown of it.
 
-    publish : called with every new state but the first; state : the newest, all that a page shows
+    publish : called at every new state but the first; state : the newest, all that a page shows
     """
 
-    def __init__(self, campaign: Campaign, publish: Publisher) -> None:
+    def __init__(self, campaign: Campaign, publish: Callable[[], None]) -> None:
         self.campaign, self.publish, self.virtual = campaign, publish, virtual_in(campaign.state.notes)
         self._question: Question | None = None
         self._ended: str | None = None
@@ -101,7 +65,8 @@ class Desk:
                 self._trouble = str(failure)
                 self._version += 1
                 told = {"trouble": self._trouble, "version": self._version}
-                self.publish(self.state.model_copy(update=told))
+                self.state = self.state.model_copy(update=told)
+                self.publish()
             return
         if moved:
             self._show()
@@ -128,22 +93,9 @@ class Desk:
         state = self.campaign.state
         return state.readings, state.plan, state.finished, state.warmed
 
-    def read(self, text: str) -> TypedShape:
+    def read(self, text: str) -> slips.Meant:
         """Return what a typed text would mean for the question that is open."""
-        question = self._question
-        if question is None or not text.strip():
-            return TypedShape()
-        try:
-            values = self._value(text, question)
-        except AxiscalError as failure:
-            return TypedShape(sentence=str(failure))
-        surprise = question.surprise(values)
-        shown = [float(to_unit(float(each), question.unit)) for each in values]
-        if surprise < SURPRISING:
-            return TypedShape(values=shown, surprise=surprise)
-        named, sentence = slips.causes(question, values), str(SurprisingError(question, values))
-        words = {cause: said(slips.CAUSES[cause]) for cause in named}
-        return TypedShape(values=shown, surprise=surprise, surprising=True, sentence=sentence, causes=words)
+        return slips.Meant.of_text(self.campaign, self._question, text)
 
     def once(self, step: Callable[[Desk], str], after: int | None = None) -> str:
         """Do a step, unless the record has it: where its answer got lost on the way it is sent again.
@@ -163,9 +115,9 @@ class Desk:
         """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one."""
         asked = self.campaign.open_question()
         question = self._question or Question.from_campaign(self.campaign, asked)
-        typed = self._value(text, question)
-        if question.surprise(typed) >= SURPRISING and cause is None:
-            raise SurprisingError(question, typed)
+        typed = measured(text, self.campaign.description.setup(question.setup), stands(self.campaign))
+        if cause is None:
+            slips.refuse_surprising(self.campaign, question, typed)
         before, jump = progress.doubted(self.campaign), progress.named_now(self.campaign)
         kept, told = slips.keep_as(self.campaign, question, typed, cause)
         self._before, self._named = before, jump
@@ -278,12 +230,12 @@ class Desk:
             self._alike.clear()
             self._asks = None
         self.state = self._renewed()
-        self.publish(self.state)
+        self.publish()
 
     def _renewed(self) -> StateShape:
         self._version += 1
         self._question, self._ended, self._trouble = self._asked()
-        campaign, state, results = self.campaign, self.campaign.state, self.results
+        campaign, state, results, answer = self.campaign, self.campaign.state, self.results, self._answer
         written = state.finished is not None and (results / "report.html").is_file()
         overtaken = self._ended is not None and self._answers != self._stands  # it would contradict what ended it
         return StateShape(
@@ -297,7 +249,7 @@ class Desk:
             ended=None if self._ended is None else spelt(because_text(self._ended)),
             finished=None if state.finished is None else spelt(because_text(state.finished)),
             jog=slips.jog(campaign),
-            shows=self._shows(),
+            shows="" if self._question is None else slips.shown_on(campaign, self.virtual),
             trouble=self._trouble,
             readings=list(progress.latest(campaign)),
             notes=state.notes,
@@ -307,7 +259,7 @@ class Desk:
             named=state.finished is None and self._explained() is not None,
             asks="" if self._asks is None else spelt(self._asks.question),
             choices={} if self._asks is None else self._asks.choices,
-            answer=None if self._answer is None or overtaken else _answer(campaign, self._answer, results),
+            answer=None if answer is None or overtaken else KnownInWords.of_campaign(campaign, answer),
             results=results.name if written else "",
             tables=sorted(each.name for each in (results / "tables").glob("*/")) if written else (),
             controls=registry.controllers(),
@@ -325,18 +277,6 @@ class Desk:
             return None, asked.because, ""
         return Question.from_campaign(self.campaign, asked), None, ""
 
-    def _shows(self) -> str:
-        """Return what the instrument on a virtual machine shows at the question, "" where there is none."""
-        asked = self.campaign.state.pending
-        if not self.virtual or self._question is None or asked is None:
-            return ""
-        if (test := slips.jog(self.campaign)) is not None:
-            return decimals(f"{test.shows:.2f}")
-        description = self.campaign.description
-        simulator = Simulator(description.machine, description.setups)
-        answer = SimulatedSource(*virtual_machine(self.virtual, simulator)).read(self.campaign.request(asked))
-        return slips.display_text([answer.value, *answer.others], description.setup(asked.place.setup))
-
     def _next(self) -> Asked | Ended:
         """Return what is asked; another program may be asking at the same moment."""
         try:
@@ -345,6 +285,3 @@ class Desk:
             self.campaign.looked_at_again()
             self._alike.clear()
             return self.campaign.next()
-
-    def _value(self, text: str, question: Question) -> Array:
-        return slips.value_of(text, self.campaign.description.setup(question.setup), stands(self.campaign))

@@ -27,9 +27,10 @@ from axiscal.exceptions import AxiscalError, DescriptionError, InputError, PlanE
 from axiscal.language.spoken import later, said
 from axiscal.machine import machine_from_text
 from axiscal.planning.helping import rows_shown
+from axiscal.present.guide.known import KnownInWords
 from axiscal.present.machine_drawing.setup_picture import machine_scene, setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer, minutes_curve
-from axiscal.present.plan_words import open_questions, plan_text
+from axiscal.present.plan_words import open_questions
 from axiscal.present.sentences import spelt
 from axiscal.record.copies import opened_log
 from axiscal.record.store import record_errors
@@ -54,8 +55,8 @@ _ACTIVE = {"no": "compensation_active = false", "yes": "compensation_active = tr
 """The line of campaign.toml by the answer of a person."""
 _LISTED = 20
 """Records that are shown, those of the last days first."""
-_SHORTEST, _LONGEST = 1e-3, 1e3
-"""m of a travel; any that no machine has would do."""
+_SHORTEST, _LONGEST = 1e-2, 1e3
+"""m of a travel; any that no machine has would do, and 1.000 mm is none: who writes it means a metre."""
 _FINEST = 1e-9
 """m of an uncertainty that can be wanted; nobody measures a machine better."""
 
@@ -63,13 +64,12 @@ _FINEST = 1e-9
 def start(here: Path) -> shapes.StartShape:
     """Return all that the start shows of a folder; raises RecordError."""
     draft, (begun, left_out) = kept(here), _records(here)
-    instruments = dict(zip(OFFERED, first_files.offered_words(), strict=True))
     return shapes.StartShape(
         folder=str(here),
         begun=begun,
         left_out=left_out,
         machines={name: said(words) for name, words in MACHINES.items()},
-        instruments=instruments,
+        instruments=first_files.offered_names(),
         draft=draft,
         machine=_shown(draft),
     )
@@ -99,11 +99,12 @@ def plan(here: Path) -> shapes.PlanShape:
     """Return the plan of the draft, made where there is none yet; raises InputError for what cannot be planned."""
     with _planned(here) as campaign:
         answer = coming_answer(campaign)
-        minds = open_questions(campaign.description)
-    if answer is None:
-        raise PlanError("No reading of these set-ups is worth its time", "Choose other instruments")
-    text = plan_text(answer, campaign.path.name)
-    return shapes.PlanShape(answer=shapes.AnswerShape.of(text, answer), minds=[spelt(mind) for mind in minds])
+        if answer is None:
+            raise PlanError("No reading of these set-ups is worth its time", "Choose other instruments")
+        minds = open_questions(campaign.description, asked=True)
+        return shapes.PlanShape(
+            answer=KnownInWords.of_campaign(campaign, answer), minds=[spelt(mind) for mind in minds]
+        )
 
 
 def _begun(here: Path) -> Path:
@@ -156,8 +157,8 @@ def curve(here: Path) -> shapes.CurveShape:
 
 
 def _with(begun: first_files.Beginning, instrument: str) -> CampaignDescription:
-    if instrument not in OFFERED:
-        raise DescriptionError("There is no such instrument", "Known are {known}", known=", ".join(OFFERED))
+    if instrument not in (known := first_files.offered_names()):
+        raise DescriptionError("There is no such instrument", "Known are {known}", known=", ".join(known))
     return first_files.first_described(begun, [instrument], Purpose())
 
 
@@ -204,7 +205,7 @@ def _beginning(draft: shapes.DraftShape, faults: dict[str, InputError]) -> first
     for axis in first_files.linear_travels(begun):
         if typed := draft.travels.get(axis, "").strip():
             try:
-                lengths[axis] = to_unit(within(_length(typed, "mm"), "length", _SHORTEST, _LONGEST), "mm")
+                lengths[axis] = to_unit(within(_length(typed, "mm", 0.0), "length", _SHORTEST, _LONGEST), "mm")
             except InputError as failure:
                 faults[f"travels.{axis}"] = failure
     if draft.compensated and begun.active == UNSAID:
@@ -215,7 +216,7 @@ def _beginning(draft: shapes.DraftShape, faults: dict[str, InputError]) -> first
     )
 
 
-def _length(text: str, unit: str, least: float = _SHORTEST) -> str:
+def _length(text: str, unit: str, least: float) -> str:
     """Return a length with its unit, which may be left out; raises InputError."""
     text = text.strip().replace(",", ".")
     with suppress(ValueError):
@@ -247,7 +248,11 @@ def _shown(draft: shapes.DraftShape) -> shapes.MachineShape:
         carried=[axis.name for axis in machine.axes if axis.workpiece_side],
         radii=[axis.name for axis in machine.axes if axis.diameters],
         look=begun.look,
-        offered=[name for name, offer in OFFERED.items() if next(offer.setups(machine), None) is not None],
+        offered=[
+            name
+            for name in first_files.offered_names()
+            if name not in OFFERED or next(OFFERED[name].setups(machine), None) is not None
+        ],
         asks=begun.active in (UNSAID, *_ACTIVE.values()),
     )
 

@@ -15,9 +15,9 @@ from __future__ import annotations
 
 import hmac
 import secrets
-from collections.abc import Callable, Collection
-from functools import partial
+from collections.abc import Callable
 from importlib import resources
+from pathlib import Path
 from time import monotonic
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -34,17 +34,21 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from axiscal.answers.answer import AnswerDocument
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import messages, spoken_now
+from axiscal.present.guide.slips import SurprisingError
+from axiscal.present.sentences import spelt
 from axiscal.record.signing import writing
-from axiscal.web.desk import SurprisingError
 from axiscal.web.shapes import ProblemShape
 
 ROOT = "/api/1"
-DEVICES = f"{ROOT}/devices"
-"""Where a device comes in with a code."""
+_DEVICES, _CODES = f"{ROOT}/devices", f"{ROOT}/codes"
+"""Where a device comes in with a code, and where the page of this computer asks for one."""
 LARGEST = 64 * 1024
 """Bytes of a request's body; what a person types is far smaller."""
 _What = TypeVar("_What")
-_KINDS = {"css": "text/css", "js": "text/javascript", "svg": "image/svg+xml", "html": "text/html"}
+_KINDS = {".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml", ".html": "text/html"}
+_STATIC = Path(str(resources.files("axiscal.web"))) / "static"
+FREE = {"/", "/words.json", *(f"/{file.name}" for file in _STATIC.iterdir() if file.suffix != ".html")}
+"""Paths of what everybody may see: the page and the files that it loads."""
 _REFUSALS: dict[int | str, dict[str, Any]] = {
     status: {"model": ProblemShape, "description": "Not done, and why"} for status in (400, 403, 409, 413, 422)
 }
@@ -57,19 +61,20 @@ _NOTHING_HERE = {
 """Status, code and sentence of what is refused before a function is called, by the status that it has."""
 
 
-def page_application(page: Callable[[], str], files: tuple[str, ...], **settings: Any) -> FastAPI:
+def page_application(page: Callable[[], str], **settings: Any) -> FastAPI:
     """Return the application of a page, with the files that it loads.
 
     page : says which file it is now; settings : as of FastAPI
     Its guard asks for the token; here it is only described.
     """
     token = HTTPBearer(scheme_name="token", description="The token that axiscal serve prints", auto_error=False)
-    named: dict[str, Callable[[], str]] = {"/": page, **{f"/{name}": partial(str, name) for name in files}}
+
+    async def shown(request: Request) -> Response:
+        file = _STATIC / (request.url.path.lstrip("/") or page())
+        return Response(file.read_bytes(), media_type=_KINDS[file.suffix])
+
     return FastAPI(
-        routes=[
-            *(Route(path, partial(_file, name), methods=["GET"]) for path, name in named.items()),
-            Route("/words.json", _words, methods=["GET"]),
-        ],
+        routes=[Route(path, _words if path == "/words.json" else shown, methods=["GET"]) for path in FREE],
         exception_handlers={
             RequestValidationError: _malformed, AxiscalError: _refused, HTTPException: _not_here, Exception: _defect
         },
@@ -83,9 +88,10 @@ def page_application(page: Callable[[], str], files: tuple[str, ...], **settings
     )  # fmt: skip
 
 
-def document(shape: AnswerDocument, status: int = 200) -> Response:
-    """Return an answer that is a document."""
-    return Response(shape.model_dump_json().encode("utf-8", "replace"), status, media_type="application/json")
+def document(shape: AnswerDocument | None, status: int = 200) -> Response:
+    """Return an answer that is a document, or null."""
+    text = "null" if shape is None else shape.model_dump_json()
+    return Response(text.encode("utf-8", "replace"), status, media_type="application/json")
 
 
 def problem(status: int, code: str, sentence: str, surprise: float | None = None) -> Response:
@@ -98,12 +104,6 @@ async def _words(request: Request) -> Response:
     return JSONResponse({"language": spoken_now(), "messages": messages(spoken_now())})
 
 
-async def _file(named: Callable[[], str], request: Request) -> Response:
-    name = named()
-    kind, folder = name.rpartition(".")[2], resources.files("axiscal.web").joinpath("static")
-    return Response(folder.joinpath(name).read_bytes(), media_type=_KINDS[kind])
-
-
 async def _malformed(request: Request, failure: Exception) -> Response:
     assert isinstance(failure, RequestValidationError)
     first = failure.errors()[0]
@@ -113,7 +113,7 @@ async def _malformed(request: Request, failure: Exception) -> Response:
 
 async def _refused(request: Request, failure: Exception) -> Response:
     if isinstance(failure, SurprisingError):
-        return problem(409, "surprising", str(failure), failure.surprise)
+        return problem(409, "surprising", spelt(str(failure)), failure.surprise)
     if isinstance(failure, OvertakenError):
         return problem(409, "overtaken", str(failure))
     return problem(422, "refused", str(failure))
@@ -193,15 +193,12 @@ class Door(NamedTuple):
 class Guard:
     """Lets a request through to `app`, or refuses it with its reason; sets the headers of every answer.
 
-    free : paths of what everybody may see: the files of the page
     port : we listen on; shop : the door for devices; address : to open, with a token that is new at every start
     The token stands behind the #, which a browser sends to nobody.
     """
 
-    def __init__(
-        self, app: ASGIApp, port: int, free: Collection[str], addresses: Addresses, shop: Door | None = None
-    ) -> None:
-        self._app, self._free, self._addresses = app, free, addresses
+    def __init__(self, app: ASGIApp, port: int, addresses: Addresses, shop: Door | None = None) -> None:
+        self._app, self._addresses = app, addresses
         token, hosts = secrets.token_urlsafe(TOKEN_BYTES), (f"127.0.0.1:{port}", f"localhost:{port}")
         own = Door("http", hosts, {token: ""}, "Open the address that axiscal serve has printed: it holds the token")
         self._doors = {each.scheme: each for each in (own, shop) if each is not None}
@@ -235,6 +232,8 @@ class Guard:
             return problem(400, "host", f"This page answers under {door.scheme}://{door.hosts[0]} only")
         if headers.get("origin") not in (None, *(f"{door.scheme}://{host}" for host in door.hosts)):
             return problem(403, "forbidden", "This request comes from another page")
+        if (door.scheme, asked.scope["path"]) == ("https", _CODES):
+            return problem(403, "forbidden", "Codes are shown at the computer alone")
         scheme, _, token = headers.get("authorization", "").partition(" ")
         for bearer, person in door.bearers.items():
             ours = hmac.compare_digest(token.encode("utf-8", "replace"), bearer.encode())
@@ -245,11 +244,11 @@ class Guard:
     def _is_free(self, scope: Scope) -> bool:
         """Return whether a request needs no token; one for an address that answers once is led to what that means."""
         if scope["method"] not in ("GET", "HEAD"):
-            return bool(scope["path"] == DEVICES)  # a code is asked for there
+            return bool(scope["path"] == _DEVICES)  # a code is asked for there
         meant = self._addresses.redeem(scope["path"])
         if meant is not None:
             scope["path"], scope["raw_path"], scope["query_string"] = meant[0], meant[0].encode(), meant[1].encode()
-        return meant is not None or scope["path"] in self._free
+        return meant is not None or scope["path"] in FREE
 
 
 def _bounded(receive: Receive) -> Receive:

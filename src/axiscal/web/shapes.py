@@ -3,46 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, BoughtAccuracy, PlannedAnswer, ResultAnswer
-from axiscal.answers.answer_words import AnswerText
+from axiscal.answers.answer import AnswerDocument, BoughtAccuracy
 from axiscal.campaign.possible import LONGEST_TEXT
-from axiscal.present.guide.checking import CheckPlace
+from axiscal.present.guide.known import KnownInWords
 from axiscal.present.guide.progress import Answer, Due, KeptReading, Progress
 from axiscal.present.guide.question import Question
 from axiscal.present.guide.slips import Cause, Jog
-from axiscal.present.sentences import spelt
 from axiscal.record.events import Note
 
 LONGEST = 25.0
 """s that a request may wait for news: less than what programs between us and a browser would take for a fault."""
 After = Annotated[int, Field(ge=0, description="`last` of the state that is answered; 409 if it has changed")]
 Short = Annotated[str, Field(max_length=LONGEST_TEXT)]
-
-
-class AnswerShape(AnswerDocument):
-    """The result, or before the first reading the plan, in words as every screen has it, and as their document.
-
-    first : the first line in parts; rows : heading and cells
-    """
-
-    first: list[str]
-    rows: list[list[str]]
-    sentences: list[str]
-    document: ResultAnswer | PlannedAnswer
-
-    @classmethod
-    def of(cls, text: AnswerText, document: ResultAnswer | PlannedAnswer) -> Self:
-        """Return a document with its words."""
-        return cls(
-            first=[spelt(part) for part in text.first.parts],
-            rows=[[spelt(cell) for cell in row] for row in text.rows],
-            sentences=[spelt(sentence) for sentence in text.sentences],
-            document=document,
-        )
 
 
 class StateShape(AnswerDocument):
@@ -77,7 +53,7 @@ class StateShape(AnswerDocument):
     named: bool
     asks: str
     choices: Mapping[Answer, str]
-    answer: AnswerShape | None
+    answer: KnownInWords | None
     results: str
     tables: Sequence[str]
     controls: Sequence[str]
@@ -102,28 +78,12 @@ class TextsShape(AnswerDocument):
     files: Mapping[str, str]
 
 
-class CheckShape(AnswerDocument):
-    """A check of loaded tables: what is read and why, in words; tolerance : the largest deviation, as text"""
-
-    sentences: Sequence[str]
-    tolerance: str
-    places: Sequence[CheckPlace]
-
-
 class CheckedRequest(TablesQuery):
     """Readings of a check as they are typed, in the order of its places, without the tables and with them."""
 
     tolerance: Short
     found: Annotated[Sequence[Short], Field(max_length=500)]
     left: Annotated[Sequence[Short], Field(max_length=500)]
-
-
-class CheckedShape(AnswerDocument):
-    """What a check says; faults : what is wrong, by its field ("tolerance", "found.0", "left.0")."""
-
-    verdict: str = ""
-    sentences: Sequence[str] = ()
-    faults: Mapping[str, str] = {}
 
 
 class DraftShape(AnswerDocument):
@@ -223,14 +183,8 @@ class CurveShape(AnswerDocument):
 class PlanShape(AnswerDocument):
     """The plan of a draft; minds : what nobody has said yet."""
 
-    answer: AnswerShape
+    answer: KnownInWords
     minds: Sequence[str]
-
-
-class StageShape(AnswerDocument):
-    """What is being computed, "" for nothing that is worth a word."""
-
-    stage: str
 
 
 class AddressRequest(AnswerDocument):
@@ -263,18 +217,23 @@ class OpenRequest(AnswerDocument):
     record: Short
 
 
-class MachineQuery(AnswerDocument):
+class PictureQuery(AnswerDocument):
+    """A picture.  width : pixels; version : anything that is another one when what it shows is"""
+
+    width: Annotated[float, Field(ge=120, le=2000, allow_inf_nan=False)]
+    version: Annotated[int, Field(ge=0)] = 0
+
+
+class MachineQuery(PictureQuery):
     """A picture of a machine.
 
     machine : built-in, "" for that of the draft; instrument : that stands on it, "" for none
-    small : without words below it; version : anything that is another one when the draft is
+    small : without words below it
     """
 
-    width: Annotated[float, Field(ge=120, le=2000, allow_inf_nan=False)]
     machine: Short = ""
     instrument: Short = ""
     small: bool = False
-    version: Annotated[int, Field(ge=0)] = 0
 
 
 class CostQuery(AnswerDocument):
@@ -284,16 +243,9 @@ class CostQuery(AnswerDocument):
 
 
 class SentenceShape(AnswerDocument):
-    """An answer in words: what skipping costs, or when the machine is due."""
+    """An answer in words, "" for nothing that is worth a word."""
 
     sentence: str
-
-
-class PictureQuery(AnswerDocument):
-    """How wide the picture is, pixels, of which version."""
-
-    width: Annotated[float, Field(ge=200, le=2000, allow_inf_nan=False)]
-    version: Annotated[int, Field(ge=0)] = 0
 
 
 class WaitQuery(AnswerDocument):
@@ -355,19 +307,6 @@ class TypedQuery(AnswerDocument):
     """A text as it is typed."""
 
     text: Short
-
-
-class TypedShape(AnswerDocument):
-    """What a typed text means: its values in the unit of the question, how surprising; what there is to say of it.
-
-    causes : what may be behind a surprise, in words
-    """
-
-    values: Sequence[float] = ()
-    surprise: float = 0.0
-    surprising: bool = False
-    sentence: str = ""
-    causes: Mapping[Cause, str] = {}
 
 
 class DoneShape(AnswerDocument):

@@ -22,7 +22,7 @@ from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import times_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import lower_root
+from axiscal.numerics.gaussian import lower_root, of_rank
 from axiscal_core import causes
 from axiscal_core.theta import Kind, Sizes
 
@@ -94,9 +94,12 @@ def passing_columns(
 def drift_functions(setup: Setup, clock: Array) -> Array:
     """Return how far a zero of a set-up has drifted at some times, of unknowns of variance one, (r, 21) m or rad.
 
-    clock : (r,) s
+    clock : (r,) s; their size is usual of the noise, with what is stated or usual of the zero
     """
-    return _drift_size(setup, causes.time_of(clock)) * causes.drift_functions(clock)
+    usual, stated = DRIFT.size * setup.noise, 0.0
+    if setup.drift > 0:
+        stated = float(np.sqrt(wandering(setup.drift, [causes.time_of(clock)])[0, 0] / 2))
+    return float(np.hypot(usual, stated)) * causes.drift_functions(clock)
 
 
 def growth_functions(setup: Setup, clock: Array) -> Array:
@@ -171,7 +174,7 @@ def turning(observation: Observation, index: int, poses: Array, approaches: Arra
 
 def _of_zeros(mine: _Mine, numbers: int) -> Iterator[tuple[Kind, Array]]:
     """Yield the columns of drift and cycle of each zero of a set-up."""
-    functions: list[tuple[Kind, Array]] = [("drift", _of_rank(drift_functions(mine.setup, mine.clock)))]
+    functions: list[tuple[Kind, Array]] = [("drift", of_rank(drift_functions(mine.setup, mine.clock)))]
     alike = causes.cycle_correlation(mine.clock, numbers)
     if alike is not None:
         functions.append(("cycle", CYCLE.size * mine.setup.noise * lower_root(alike)))
@@ -194,24 +197,10 @@ def _of_each_zero(mine: _Mine, numbers: int, functions: Sequence[tuple[Kind, Arr
             yield kind, columns
 
 
-def _of_rank(functions: Array) -> Array:
-    """Return functions with the covariance Z Zᵀ of these, no more of them than readings.  functions : Z (r, q)"""
-    readings, count = functions.shape
-    return functions if count <= readings else np.asarray(np.linalg.qr(functions.T, mode="r")).T
-
-
-def _drift_size(setup: Setup, length: float) -> float:
-    """Return the size of line and Brownian motion: as usual of the noise, with what is stated or usual of the zero."""
-    usual, stated = DRIFT.size * setup.noise, 0.0
-    if setup.drift > 0:
-        stated = float(np.sqrt(wandering(setup.drift, [length])[0, 0] / 2))
-    return float(np.hypot(usual, stated))
-
-
 def _of_axes(observation: Observation, mine: _Mine, numbers: int) -> Iterator[tuple[Kind, Array]]:
     """Yield the columns of the growth of each axis."""
     axes = growing(observation, mine.index, mine.poses)
-    functions = _of_rank(growth_functions(mine.setup, mine.clock)) if axes else np.zeros((0, 0))
+    functions = of_rank(growth_functions(mine.setup, mine.clock)) if axes else np.zeros((0, 0))
     for axis in axes:
         columns = np.zeros((numbers, functions.shape[1]))
         for number, share in enumerate(axis):

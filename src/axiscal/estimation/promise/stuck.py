@@ -118,21 +118,10 @@ def stuck(problem: Problem, found: Weighed[Given], repeated: Iterable[Repeats]) 
         pairs = zip(problem.setup[again].tolist(), problem.noise[again].tolist(), strict=True)
         steps = (each.steps[setup] / noise for setup, noise in pairs)
         prior = math.log(PRIOR) - each.log_places - sum(math.log(max(step, _FINEST)) for step in steps)
-        if prior - _log_density_as_stated(problem, found, again) <= math.log(NAMED):
+        if prior - found.drawn.stated.log_density_of(again) <= math.log(NAMED):
             continue
         rest = problem.only(~again)
         others = sized(space_of(rest))
         density = found.log_evidence - others.log_evidence - 0.5 * int(again.sum()) * math.log(2 * math.pi)
         first = int(each.readings.min())
         yield Tried(Explained("stuck", prior - density, each.setups, first), tail_of(rest, others))
-
-
-def _log_density_as_stated(problem: Problem, found: Weighed[Given], some: NDArray[np.bool_]) -> float:
-    """Return log p(yₛ | others) at the sizes as stated: Λ = (K⁻¹)ₛₛ is the precision of yₛ, given the others."""
-    given = found.drawn.stated
-    alone = np.zeros((len(some), int(some.sum())))
-    alone[some] = np.eye(alone.shape[1])
-    weighted = given.judged(np.column_stack([alone, problem.values]))[some]
-    precision, pulled = weighted[:, :-1], weighted[:, -1]
-    square = float(pulled @ np.linalg.solve(precision, pulled))
-    return 0.5 * float(np.linalg.slogdet(precision / (2 * np.pi))[1] - square)

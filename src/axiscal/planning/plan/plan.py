@@ -251,7 +251,7 @@ def _any_time(task: Task, within: Limits, patience: float, usual: bool) -> Place
         setups = chosen_setups(task, limits)
     with stage("readings chosen together"):
         scores = _together(task, within.readings or MANY, setups, _RANDOM * patience)
-    with stage("off the lattice"):
+    with stage("places between the steps"):
         polish(scores, affordable(times, setups, 0.0), ROUNDS, Patience(patience))
     order = in_order(task, irregular(task, limits, scores.places) if usual and len(scores.places) else scores.places)
     return interleaved(task, within, order) if usual else order

@@ -55,7 +55,7 @@ _SHORTEST = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class _Axes:
+class Ground:
     """Coordinates u of readings of a set-up, here the axes that move, and the sides +1, −1 from which these come."""
 
     observation: Observation
@@ -74,7 +74,7 @@ class _Axes:
     @cached_property
     def spans(self) -> Array:
         """The travel of every axis of the machine, (q,)."""
-        return _spans(self.observation)
+        return np.array([axis.length for axis in self.observation.machine.axes])
 
     @cached_property
     def continuous(self) -> list[int]:
@@ -96,8 +96,9 @@ class _Axes:
         """Return places and sides, (m, size) each.  poses, approaches : (m, q)"""
         return poses[:, self._moves], approaches[:, self._moves]
 
-    def approachable(self, places: Array, sides: Array) -> None:
+    def approachable(self, places: Array, sides: Array) -> NDArray[np.bool_] | None:
         """Return which places can be come to from their sides, (m,); None where that is all of them."""
+        return None
 
     def as_poses(self, places: Array, sides: Array) -> tuple[Array, Array]:
         """Return poses and approaches, (m, q) each."""
@@ -123,20 +124,14 @@ class _Axes:
 
 
 @dataclass(frozen=True, eq=False)
-class _OnChart:
+class _OnChart(Ground):
     """The same on a chart; what lies outside the travels, or has no room to come from its side, is not taken."""
 
-    observation: Observation
-    setup: int
     chart: Chart
 
     @cached_property
     def ends(self) -> Array:
         return np.array([each[:2] for each in self.chart.coordinates])
-
-    @cached_property
-    def spans(self) -> Array:
-        return _spans(self.observation)
 
     @cached_property
     def continuous(self) -> list[int]:
@@ -145,10 +140,6 @@ class _OnChart:
     @cached_property
     def choices(self) -> Array:
         return chart_sides(self.observation.machine, self.observation.setups[self.setup], self.chart)
-
-    @cached_property
-    def sided(self) -> NDArray[np.intp]:
-        return np.flatnonzero(np.ptp(self.choices, axis=0) > 0)
 
     def as_places(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
         places = self.chart.places(poses)
@@ -215,18 +206,10 @@ def changes(states: Callable[[Array], NDArray[np.bool_]], grid: Array) -> Array:
     return np.stack([left, right], axis=1)
 
 
-def _spans(observation: Observation) -> Array:
-    return np.array([axis.length for axis in observation.machine.axes])
-
-
-Ground = _Axes | _OnChart
-"""What a set-up may change."""
-
-
 def ground_of(observation: Observation, setup: int) -> Ground:
     """Return what a set-up may change."""
     chart = observation.setups[setup].chart
-    return _Axes(observation, setup) if chart is None else _OnChart(observation, setup, chart)
+    return Ground(observation, setup) if chart is None else _OnChart(observation, setup, chart)
 
 
 def sides(observation: Observation, setup: int) -> list[Array]:

@@ -39,6 +39,7 @@ from axiscal.record.events import Asked
 from axiscal.units import parse_quantity, to_unit
 
 _PLAIN = re.compile(r"[+−-]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][+-]?[0-9]+)?")
+_MORE = re.compile(r"\s*[+−-]?[0-9.,]")
 _SEVERAL = re.compile(r"\s*[;/]\s*|\s*,\s+|(?<=[^\W\d]),|\s+(?=[+−-]?[.,]?[0-9])")
 
 
@@ -91,11 +92,19 @@ def answer(text: str, setup: Setup, stands: Stands | None = None) -> Array | Wor
         return Word("show")
     if (wanted := action(word)) is not None:
         return Word(wanted, rest.strip())
-    if stands is not None and (met := found_at(text, setup, stands)) is not None:
-        return met
-    if word[0].isalpha():
+    if word[0].isalpha() and word.lower() not in (_FOUND, said(_FOUND).lower()):
         what = said('"{text}" is no reading and no word known here', text=text.strip())
         raise ReadingError(what, said("Type ? for what can be typed"))
+    return measured(text, setup, stands)
+
+
+def measured(text: str, setup: Setup, stands: Stands | None = None) -> Array:
+    """Return the reading that was typed, (k,) m or rad; arguments and errors as of `answer`."""
+    if stands is not None and (met := found_at(text, setup, stands)) is not None:
+        return met
+    if not text.strip() or text.strip()[0].isalpha():
+        what = said('"{text}" is no reading', text=text.strip())
+        raise ReadingError(what, said("Type the number that the instrument shows"))
     of = model_of(setup).reads_each(setup)
     each = zip(value_texts(text.strip(), setup), units_of(setup), of, strict=True)
     return np.array([parse_quantity(_with_unit(part, unit), reads) for part, unit, reads in each])
@@ -115,10 +124,16 @@ def found_at(text: str, setup: Setup, stands: Stands) -> Array | None:
 
 
 def _with_unit(text: str, unit: str) -> str:
-    """Return a number with a decimal point and its unit, which is `unit` where none is said; another text as it is."""
+    """Return a number with a decimal point and its unit, which is `unit` where none is said; another text as it is.
+
+    Raises ReadingError for digits behind a number.
+    """
     found = _PLAIN.match(text)
     if found is None:
         return text
+    if _MORE.match(text, found.end()):
+        what = said('"{text}" is no number', text=text)
+        raise ReadingError(what, said("Write its digits together, with one point or comma, as in 1234.5"))
     return found[0].replace(",", ".").replace("−", "-") + (text[found.end() :].strip() or unit)
 
 

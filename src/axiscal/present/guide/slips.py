@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from typing import Literal
+from collections.abc import Mapping, Sequence
+from typing import Literal, Self
 
 import numpy as np
 
 from axiscal.answers.answer import AnswerDocument
 from axiscal.answers.answer_words import digits
 from axiscal.campaign.campaign import Campaign
-from axiscal.exceptions import ReadingError
+from axiscal.campaign.sources import virtual_machine
+from axiscal.campaign.sources.source import SimulatedSource
+from axiscal.estimation.promise.agreement import PRIOR
+from axiscal.estimation.promise.stuck import repeats
+from axiscal.exceptions import AxiscalError, ReadingError
 from axiscal.language.spoken import decimals, later, put, said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.reading import Reading, reading_unit
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import set_anew
-from axiscal.present.guide.question import SURPRISING, Question, Stands, Word, answer
+from axiscal.present.guide.question import BAND, SURPRISING, Question, measured, stands
+from axiscal.present.sentences import spelt
 from axiscal.units import to_unit
 
 _STEP = 1e-4
@@ -34,18 +40,19 @@ _STILL = 0.01
 """Of what it should show: a display that moves by less stands still, in whatever unit."""
 _PASSED = re.compile(r'test of sign "(.*)": .* \((?:right|taken all the same)\)')
 
-Cause = Literal["sign", "mm", "anew", "bumped", "really", "keep"]
+Cause = Literal["sign", "mm", "inch", "anew", "bumped", "really", "keep"]
 CAUSES: dict[Cause, str] = {
     "sign": later("wrong sign"),
     "mm": later("in mm"),
+    "inch": later("in inches"),
     "anew": later("zero set anew"),
     "bumped": later("bumped"),
     "really": later("really so"),
     "keep": later("keep it, unsure"),
 }
 """What may be behind a surprise, in words."""
-_FACTORS: dict[Cause, float] = {"sign": -1.0, "mm": 1000.0}
-"""By definition: what a value is multiplied by, mm for um."""
+_FACTORS: dict[Cause, float] = {"sign": -1.0, "mm": 1000.0, "inch": 25400.0}
+"""By definition: what a value is multiplied by, mm or inches for um."""
 
 
 class Jog(AnswerDocument):
@@ -60,18 +67,79 @@ class Jog(AnswerDocument):
     unit: str
 
 
-def value_of(text: str, setup: Setup, stands: Stands | None = None) -> Array:
-    """Return a reading that was typed, (k,) m or rad, as `answer` does; raises ReadingError, also for a word."""
-    typed = answer(text, setup, stands)
-    if isinstance(typed, Word):
-        what = said('"{text}" is no reading', text=text.strip())
-        raise ReadingError(what, said("Type the number that the instrument shows"))
-    return typed
-
-
 def display_text(values: Sequence[float], setup: Setup) -> str:
     """Return what a display shows of a reading.  values : m or rad"""
     return " ".join(decimals(f"{each:.2f}") for each in to_unit(np.array(values), reading_unit(setup)))
+
+
+class SurprisingError(ReadingError):
+    """A reading that is asked about before it is kept.
+
+    surprise : how far it is from what is expected, in standard deviations; causes : what may be behind it
+    """
+
+    def __init__(self, what: str, surprise: float, causes: Sequence[Cause]) -> None:
+        self.surprise, self.causes = surprise, causes
+        super().__init__(what, said("Read again, or say what it was"))
+
+
+class Meant(AnswerDocument):
+    """What a typed text means: its values in the unit of the question, how surprising; what there is to say of it.
+
+    causes : what may be behind a surprise, in words
+    """
+
+    values: Sequence[float] = ()
+    surprise: float = 0.0
+    surprising: bool = False
+    sentence: str = ""
+    causes: Mapping[Cause, str] = {}
+
+    @classmethod
+    def of_text(cls, campaign: Campaign, question: Question | None, text: str) -> Self:
+        """Return what a text would mean for a question, nothing where there is none."""
+        if question is None or not text.strip():
+            return cls()
+        try:
+            values = measured(text, campaign.description.setup(question.setup), stands(campaign))
+        except AxiscalError as failure:
+            return cls(sentence=str(failure))
+        shown = [float(to_unit(float(each), question.unit)) for each in values]
+        try:
+            refuse_surprising(campaign, question, values)
+        except SurprisingError as strange:
+            words = {cause: said(CAUSES[cause]) for cause in strange.causes}
+            sentence = spelt(str(strange))
+            return cls(values=shown, surprise=strange.surprise, surprising=True, sentence=sentence, causes=words)
+        return cls(values=shown, surprise=question.surprise(values))
+
+
+def refuse_surprising(campaign: Campaign, question: Question, values: Array) -> None:
+    """Raise SurprisingError for a reading far from what is expected, or that seldom repeats by chance what was shown.
+
+    values : (k,) m or rad
+    """
+    surprise = question.surprise(values)
+    if surprise >= SURPRISING:
+        raise SurprisingError(surprise_text(question, values), surprise, causes(question, values))
+    if (before := _repeated(campaign, question, values)) is not None:
+        what = "Reading {number} showed exactly this, which is rare by chance"
+        raise SurprisingError(said(what, number=before), surprise, ("really", "keep"))
+
+
+def shown_on(campaign: Campaign, virtual: str) -> str:
+    """Return what the instrument on a virtual machine shows at the reading that is asked for, "" where there is none.
+
+    virtual : the source of the machine, "" of a real one
+    """
+    asked, description = campaign.state.pending, campaign.description
+    if not virtual or asked is None:
+        return ""
+    if (test := jog(campaign)) is not None:
+        return decimals(f"{test.shows:.2f}")
+    simulator = Simulator(description.machine, description.setups)
+    answer = SimulatedSource(*virtual_machine(virtual, simulator)).read(campaign.request(asked))
+    return display_text([answer.value, *answer.others], description.setup(asked.place.setup))
 
 
 def surprise_text(question: Question, values: Array) -> str:
@@ -81,6 +149,26 @@ def surprise_text(question: Question, values: Array) -> str:
     most = int(np.argmax(away / halves))
     what = "It is about {away} {unit} away from what is expected, ± {half}"
     return said(what, away=digits(float(away[most])), unit=question.units[most], half=digits(float(halves[most])))
+
+
+def _repeated(campaign: Campaign, question: Question, values: Array) -> int | None:
+    """Return the number of the last reading where this one shows the same, and chance does so less often than slips do.
+
+    Of a display with steps q, k numbers are equal by chance with probability Π q φ((y − m) / s) / s.
+    """
+    asked, readings, setups = campaign.state.pending, campaign.state.readings, campaign.description.setups
+    if asked is None or not readings or (readings[-1].setup, readings[-1].values) != (question.setup, tuple(values)):
+        return None
+    place, (value, *others) = asked.place, values.tolist()
+    twice = [*readings, Reading(place.setup, place.pose, place.approach, value, others=tuple(others))]
+    (step,) = {
+        step for each in repeats(setups, twice) for k, step in each.steps.items() if setups[k].name == place.setup
+    }
+    means, halves = np.array([(each.mean, each.half) for each in question.expected]).T
+    stds = halves / BAND
+    z = (to_unit(values, question.unit) - means) / stds
+    chance = np.prod(to_unit(step, question.unit) / (stds * np.sqrt(2 * np.pi)) * np.exp(-(z**2) / 2))
+    return readings[-1].numbered(len(readings) - 1) if chance < PRIOR else None
 
 
 def causes(question: Question, values: Array) -> list[Cause]:
@@ -103,7 +191,7 @@ def keep_as(campaign: Campaign, question: Question, values: Array, cause: Cause 
     value, *others = (factor * float(each) for each in values)
     kept = campaign.record(value, accepted=cause == "really", others=tuple(others))
     told = set_anew(campaign, question.setup, kept.number) if cause in ("anew", "bumped") else ""
-    if cause in ("sign", "mm", "bumped"):
+    if cause in (*_FACTORS, "bumped"):
         told = told or said("It is put right, and that is noted.")
         campaign.note(put("reading {number}: {cause}", number=kept.number or 0, cause=said(CAUSES[cause])))
     return kept, told
@@ -156,7 +244,7 @@ def try_jog(campaign: Campaign, text: str, *, anyway: bool = False) -> str:
     if test is None or asked is None:
         raise ReadingError(said("There is nothing to test"), said("Go on with the readings"))
     setup = campaign.description.setup(asked.place.setup)
-    ratio = float(to_unit(value_of(text, setup)[0], test.unit)) / test.shows
+    ratio = float(to_unit(measured(text, setup)[0], test.unit)) / test.shows
     wrong = _wrong(ratio)
     verdict = "taken all the same" if anyway and wrong else wrong[0] if wrong else "right"
     campaign.note(f'test of sign "{setup.name}": {test.far} shows {text.strip()} ({verdict})')

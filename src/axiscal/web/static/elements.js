@@ -70,7 +70,7 @@ const PATIENCE = 1000; // ms after which it is said what is being computed
 export async function waiting(work) {
   const look = setInterval(async () => {
     const now = await call("/stage", undefined, PATIENCE).catch(() => null);
-    if (now?.ok) text("doing", [said("one moment"), now.document.stage].filter((words) => words).join(": "));
+    if (now?.ok) text("doing", [said("one moment"), now.document.sentence].filter((words) => words).join(": "));
   }, PATIENCE);
   try {
     return await work;
@@ -80,10 +80,14 @@ export async function waiting(work) {
   }
 }
 
+const FEW = 4; // columns that a narrow screen has room for; of more each row stands in lines
+
 // A plan or a result in words: its first line in parts, and a table of a heading and rows.
 export function renderWords(first, [heading = [], ...rows]) {
   const line = (kind, cells) => { const row = document.createElement("tr"); row.append(...cells.map((cell) => element(kind, cell))); return row; };
   find("first").replaceChildren(...first.map((part, n) => element(n ? "span" : "strong", part)));
   find("rows").tHead.replaceChildren(...(rows.length ? [line("th", heading)] : []));
   find("rows").tBodies[0].replaceChildren(...rows.map((cells) => line("td", cells)));
+  find("rows").className = heading.length > FEW ? "many" : "";
+  for (const row of find("rows").tBodies[0].rows) [...row.cells].forEach((cell, n) => { cell.dataset.of = heading[n]; });
 }

@@ -86,7 +86,7 @@ function renderQuestion() {
   show("mount", mounting);
   if (question === null) { asked = ""; return; }
   if (!question.mount) mounted = question.setup;
-  text("mount-title", `${said("Set-up")} “${question.setup}”`);
+  text("mount-title", said('Set-up "{setup}"', question));
   text("mount-sentence", `${question.mount_sentence[0].toUpperCase()}${question.mount_sentence.slice(1)}.`);
   find("mount-steps").replaceChildren(...question.mounting.flatMap((s) => [element("dt", s.name), element("dd", s.what)]));
   text("setup", question.setup);

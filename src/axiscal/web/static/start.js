@@ -41,6 +41,7 @@ function choose(change) {
   draft = { ...draft, ...change };
   const chosen = draft;
   render();
+  if (planned.of !== planOf()) outdate();
   turn = turn.then(async () => {
     if (chosen !== draft) return;
     const made = await asked("/draft", chosen);
@@ -117,10 +118,11 @@ function renderStart() {
 }
 
 function renderMachine() {
-  show("kinds", draft.file === "");
+  const read = draft.file !== "" && machine.title !== "";
+  show("kinds", !read);
   for (const button of find("kinds").children) button.setAttribute("aria-pressed", button.dataset.machine === draft.machine);
-  show("read", draft.file !== "" && machine.title !== "");
-  text("machine-title", draft.file ? said("Is this your machine?") : said("Which machine is most like yours?"));
+  show("read", read);
+  text("machine-title", read ? said("Is this your machine?") : said("Which machine is most like yours?"));
   text("read", said("{file} says: {machine}", { file: draft.file, machine: machine.title }));
   text("file-fault", machine.faults.file ?? "");
   const axes = Object.keys(machine.lengths), shown = [...find("travels").querySelectorAll("input")].map((field) => field.dataset.axis);
@@ -134,7 +136,7 @@ function renderMachine() {
   }
   show("sizes", axes.length > 0);
   for (const button of find("sizes").children) button.setAttribute("aria-pressed", button.dataset.size === draft.size);
-  find("look").replaceChildren(...machine.look.map((words) => element("li", said("To be looked at in machine.toml: {what}", { what: words }))));
+  find("look").replaceChildren(...machine.look.map((words) => element("li", said("The file does not say: {what}", { what: words }))));
 }
 
 function travel(axis) {
@@ -254,14 +256,25 @@ async function openRecord(record) {
   else find("begin").disabled = leaving = false;
 }
 
+// The choices that a plan is of.
+function planOf() {
+  const { screen, ...chosen } = draft;
+  return JSON.stringify(chosen);
+}
+
+// What is shown is the plan of other choices: nothing begins by it.
+function outdate() {
+  find("begin").disabled = true;
+  find("coming").className = "old";
+  show("buying", false);
+}
+
 // A plan is made for each choice; one that has been overtaken by another says nothing.
 async function makePlan() {
   if (find("coming").hidden) return;
-  const { screen, ...chosen } = draft, of = JSON.stringify(chosen);
+  const of = planOf();
   if (planned.of !== of) {
-    find("begin").disabled = true;
-    find("coming").className = "old";
-    show("buying", false);
+    outdate();
     text("doing", said("one moment"));
     const { ok, document: plan } = await waiting(call("/plan"));
     if (plan === null) return;
@@ -325,7 +338,7 @@ function mounted({ setup, readings, minutes }) {
 async function take(file) {
   const known = start.begun.find((each) => each.record.split("/").at(-1) === file.name);
   if (known) return openRecord(known.record);
-  const letters = (await file.slice(0, LONGEST).text()).replaceAll("\0", " ").slice(0, LONGEST);
+  const letters = (await file.slice(0, LONGEST).text()).replaceAll("\0", "\x01").slice(0, LONGEST);
   const name = file.name.slice(-60).replace(/^\.+/, "");
   const usual = /^\s*\[stepper_/m.test(letters) ? ["probe"] : [];
   draft = { ...draft, ...OF_MACHINE, file: name, text: letters, machine: "", instruments: usual };
