@@ -37,7 +37,7 @@ class Curve:
     known: Normal
 
     def __init__(
-        self, travel: Sequence[Quantity], std: Quantity, knots: int = 7, length: Quantity | None = None
+        self, travel: Sequence[Quantity] | Array, std: Quantity, knots: int = 7, length: Quantity | None = None
     ) -> None:
         start, stop = quantities(travel, "Curve", "travel", (2,))
         if start >= stop:

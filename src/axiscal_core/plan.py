@@ -27,7 +27,7 @@ from axiscal_core.refusals import Array, InputError, whole, within
 from axiscal_core.state import State, joined
 from axiscal_core.step import climbed
 from axiscal_core.threads import one_thread
-from axiscal_core.units import METRES, SECONDS, Quantity, si
+from axiscal_core.units import METRES, Quantity, in_minutes, si
 
 _STARTS = 12  # beside the greedy one: with 3 J of eight drawn plans is up to 1.3 times as large, with 24 up to 8 % less
 _CLIMBED = 3  # of what they end in: the best on the candidates is not always the best off them
@@ -78,9 +78,7 @@ def planned(
     if readings is None and minutes is None and rms is None:
         raise InputError(where, "readings", "is not said, nor minutes, nor rms", "Say when the plan ends")
     count = None if readings is None else whole(where, "readings", readings, 1)
-    by = 60 if isinstance(minutes, str) else 1  # a text has its own unit
-    said = None if minutes is None else si(minutes, where, "minutes", SECONDS) / by
-    limit = None if said is None else within(where, "minutes", said, 0.0, open_end=True)
+    limit = None if minutes is None else in_minutes(minutes, where, "minutes")
     target = None if rms is None else within(where, "rms", si(rms, where, "rms", METRES), 0.0, open_end=True)
     if isinstance(candidates, Places):
         lattice = case.checked(candidates, where, "candidates")

@@ -68,7 +68,7 @@ def listed(function: str, argument: str, value: Sequence[Given]) -> Sequence[Giv
     return value
 
 
-def one(function: str, argument: str, value: Given, kind: type[Any], remedy: str) -> Given:
+def one(function: str, argument: str, value: Given, kind: type[Any] | tuple[type[Any], ...], remedy: str) -> Given:
     """Return what is of a class.  remedy : how such a one is made"""
     if not isinstance(value, kind):
         raise InputError(function, argument, f"= {value!r} is none", f"Give {remedy}")

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from axiscal_core.refusals import Array, InputError, finite
+from axiscal_core.refusals import Array, InputError, finite, within
 
 Quantity = float | str
 """A number in m, rad, s or 1/s of them, or a text such as "12 um"."""
@@ -45,9 +45,15 @@ def si(value: object, function: str, argument: str, of: Of = EITHER, pose: int |
     return number
 
 
+def in_minutes(value: object, function: str, argument: str) -> float:
+    """Return a time that is above zero: a number of minutes, or a text with a unit of its own."""
+    number = si(value, function, argument, SECONDS) / (60 if isinstance(value, str) else 1)
+    return within(function, argument, number, 0.0, open_end=True)
+
+
 def _read(text: str, function: str, argument: str, of: Of, pose: int | None) -> float:
     units = {name: factor for each in of for name, factor in _units(each).items()}
-    found = _TEXT.fullmatch(text)
+    found = _TEXT.fullmatch(text.translate({ord("µ"): "u", ord("μ"): "u"}))
     number = float(found[1]) if found else float("nan")
     times, by = units.get(found[2] if found else "", (0.0, 1.0))
     if not times or not np.isfinite(number):

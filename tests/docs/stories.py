@@ -20,7 +20,7 @@ _HEAD = """\
 # axiscal from Python
 
 Two stories with public names only. Each is a file in [examples/](../examples) that runs by itself, and a cell of
-[python.ipynb](python.ipynb), which the tests execute. Numbers are metres, radians and seconds; text carries its unit.
+[python.ipynb](python.ipynb), both tested. Numbers are metres, radians and seconds; set-ups take text with units.
 Every public name is on [api.md](api.md); the fields of `result.json` on [result.md](result.md). Instruments, errors and
 machines of your own are on [core.md](core.md).
 """

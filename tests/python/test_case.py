@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -15,6 +16,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.python.measured_case import Case
+from axiscal_core import InputError
 from axiscal_core.instrument import At, Instrument, Unknowns
 from axiscal_core.units import Quantity
 
@@ -65,11 +67,14 @@ def test_a_class_of_ones_own_is_an_instrument(tmp_path: Path) -> None:
         (Reading("lazer", (0.1, 0.1, 0.2), (1, 0, 0), 1e-6), 'line 2: there is no set-up "lazer"'),
         (Reading("laser", (0.1, 0.1, 0.2), (1, 0, 0), 1e-6, others=(0.0,)), "line 2: .* gives 1 values a reading"),
         (Reading("laser", (9.0, 0.1, 0.2), (1, 0, 0), 1e-6), "line 2: X = 9000 mm"),
+        (Reading("laser", (0.1, 0.1, 0.2), (3, 0, 0), 1e-6), "line 2: pose and approach"),
+        (Reading("laser", (0.1, 0.1, 0.2), (1, 0, 0), np.nan), "line 2: its values or its std are no numbers"),
+        (Reading("laser", (0.1, 0.1, 0.2), (1, 0, 0), 1e-6, std=-1e-6), "line 2: its values or its std"),
     ],
 )
 def test_a_reading_that_no_setup_takes_is_refused_by_its_number(wrong: Reading, says: str) -> None:
     with pytest.raises(ReadingError, match=says):
-        ac.estimate(case(), [Reading("laser", (0.1, 0.1, 0.2), (1, 0, 0), 1e-6), wrong])
+        ac.estimate(case(), iter([Reading("laser", (0.1, 0.1, 0.2), (1, 0, 0), 1e-6), wrong]))
 
 
 def test_a_plan_says_its_figures_and_shows_itself() -> None:
@@ -85,6 +90,14 @@ def test_a_plan_says_its_figures_and_shows_itself() -> None:
     assert plan.plot().figures[0]["data"][0]["y"] == pytest.approx(
         [document["before_rms_um"], *(p["rms_um"] for p in document["points"])]
     )
+
+
+@pytest.mark.parametrize(
+    "end", [{"readings": 2.5}, {"readings": -1}, {"rms": -1e-6}, {"minutes": "3 mm"}, {"readings": 3, "candidates": 0}]
+)
+def test_an_end_that_makes_no_sense_is_refused(end: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match=r"Case\.plan: "):
+        case().plan(**end)
 
 
 def test_a_hostile_name_stays_text() -> None:

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import axiscal as ac
-from axiscal.exceptions import ShapeError, UnitError
+from axiscal.exceptions import ShapeError
 from axiscal.numerics import Array
+from axiscal_core import InputError
 from axiscal_core.splines import matern
 
 NOISE = 0.3e-6
@@ -52,8 +53,10 @@ def test_a_curve_is_not_changed_by_reading() -> None:
 
 def test_a_curve_says_what_it_is() -> None:
     assert repr(ac.Curve(["0 mm", "600 mm"], std="10 um")).startswith("<Curve curve: from 0 to 600 mm, known to ")
-    with pytest.raises(UnitError):
+    with pytest.raises(InputError, match="'600 s' is no length"):
         ac.Curve(["0 mm", "600 s"], std="10 um")
+    with pytest.raises(InputError, match="outside the travel"):
+        ac.Curve(["0 mm", "600 mm"], std="10 um")("601 mm")
 
 
 def test_what_no_spline_follows_is_not_averaged_away() -> None:

@@ -7,7 +7,6 @@ import sys
 from types import ModuleType
 
 import jedi
-import numpy as np
 import pytest
 
 import axiscal as ac
@@ -36,17 +35,6 @@ def test_an_editor_completes_the_names(package: ModuleType, before: str, complet
     text = f"import {package.__name__} as ac\ncase = ac.Case(ac.Machine(), [])\nplan = case.plan(readings=6)\n"
     looked_at = jedi.Script(f"{text}{before or 'ac'}.", environment=jedi.InterpreterEnvironment())
     assert {each.name for each in looked_at.complete()} >= (complete or {*package.__all__})
-
-
-def test_the_contract_in_a_few_lines() -> None:
-    spline = ac.NaturalSpline(np.linspace(0, 1, 5))
-    assert spline.rows([0.1, 0.2]).shape == (2, 5)
-    assert spline.gram().shape == (5, 5)
-    assert ac.CyclicSpline(np.linspace(0, 1, 5)).size == 4
-    assert ac.Constant().size == 1
-    belief = ac.Belief(np.zeros(5), np.eye(5)).update(spline.rows([0.5]), [1.0], [0.01])
-    assert belief.predict(spline.rows(0.5)).mean[0] == pytest.approx(1 / 1.01)
-    assert ac.load_machine("dmu60").name
 
 
 def test_nothing_is_loaded_before_it_is_used() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -33,9 +33,14 @@ def predict_poses(estimation: Estimation, wanted: Sequence[RawPose], file: Path)
     Raises ReadingError with file and line for an unknown axis or a position outside the travel.
     """
     machine = estimation.case.description.machine
-    placed = [_placed(raw, machine, file) for raw in wanted]
-    poses = np.array([pose for pose, _ in placed]).reshape(len(placed), len(machine.axes))
-    approaches = np.array([approach for _, approach in placed]).reshape(poses.shape)
+    found = []
+    for raw in wanted:
+        try:
+            found.append(pose_and_sides(machine, in_radii(raw.position, machine.axes), raw.approach))
+        except ReadingError as failure:
+            raise failure.placed(file, raw.line) from None
+    poses = np.array([pose for pose, _ in found]).reshape(len(found), len(machine.axes))
+    approaches = np.array([approach for _, approach in found]).reshape(poses.shape)
     return tcp_prediction(estimation, poses, approaches)
 
 
@@ -61,26 +66,27 @@ def tcp_prediction(estimation: Estimation, poses: Array, approaches: Array) -> t
     return mean, np.sqrt(known + loose + beside**2)
 
 
-def _placed(raw: RawPose, machine: Machine, file: Path) -> tuple[list[float], list[float]]:
+def pose_and_sides(
+    machine: Machine, position: Mapping[str, float], approach: Mapping[str, int]
+) -> tuple[list[float], list[float]]:
+    """Return pose and approach, (q,) each; raises ReadingError for an axis that is not there, or a place outside.
+
+    position, approach : by axis, m or rad; one that is left out stands in the middle of its travel
+    """
     names = [axis.name for axis in machine.axes]
-    try:
-        position = in_radii(raw.position, machine.axes)
-    except ReadingError as failure:
-        raise ReadingError(failure.what, failure.remedy, file, raw.line) from None
-    for name in (*position, *raw.approach):
+    for name in (*position, *approach):
         if name not in names:
             what = 'the machine has no axis "{name}"'
-            raise ReadingError(what, "Its axes are {known}", file, raw.line, name=name, known=", ".join(names))
+            raise ReadingError(what, "Its axes are {known}", name=name, known=", ".join(names))
     pose = []
     for axis in machine.axes:
         low, high = axis.travel
         at = position.get(axis.name, (low + high) / 2)
         if not low - _SLACK <= at <= high + _SLACK:
             what, shown = "{axis} = {shown} is outside the travel", f"{to_unit(at, axis.unit):g} {axis.unit}"
-            remedy, travel = "{axis} goes from {travel}", axis.travel_text
-            raise ReadingError(what, remedy, file, raw.line, axis=axis.name, shown=shown, travel=travel)
+            raise ReadingError(what, "{axis} goes from {travel}", axis=axis.name, shown=shown, travel=axis.travel_text)
         pose.append(at)
-    return pose, [float(raw.approach.get(name, 0)) for name in names]
+    return pose, [float(approach.get(name, 0)) for name in names]
 
 
 def expectation(known: Estimation, place: Place) -> Band:

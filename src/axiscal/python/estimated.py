@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
+from numbers import Real
 from pathlib import Path
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from axiscal.answers.prediction import tcp_prediction
+from axiscal.answers.prediction import pose_and_sides, tcp_prediction
 from axiscal.campaign.beginning import campaign_with_sisters
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.description.campaign import CampaignDescription
@@ -31,13 +31,16 @@ from axiscal.measurement.reading import Reading, refuse_other_values
 from axiscal.present.delivery import deliver, evaluated, write_files
 from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, line_trace
 from axiscal.present.summarising import Extras
-from axiscal.python.measured_case import FILL, HEIGHT, LINE, Case, NotebookPicture, Quantity, html_table, si
+from axiscal.python.measured_case import FILL, HEIGHT, LINE, Case, NotebookPicture, html_table
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.units import format_quantity, to_unit
 from axiscal_core import curve as alone
 from axiscal_core.normal import Normal
+from axiscal_core.places import sided
+from axiscal_core.refusals import Array, finite, one
 from axiscal_core.splines import Spline
+from axiscal_core.units import EITHER, METRES, RADIANS, Quantity, quantities, si
 
 _SHOWN = 201
 """Points of a drawn line: more than a page has pixels for its bends."""
@@ -48,14 +51,14 @@ class Curve:
 
     travel : its two ends; std : of its values before any reading; length : over which they are alike, None for
         independent control values; knots : how many, evenly spaced
-    raises UnitError, axiscal_core.InputError
+    raises axiscal_core.InputError
     """
 
     def __init__(
         self, travel: Sequence[Quantity], std: Quantity, length: Quantity | None = None, knots: int = 7
     ) -> None:
-        over = None if length is None else si(length, "length")
-        self._known = alone.Curve([si(end, "length") for end in travel], si(std, "length"), knots, over)
+        ends = quantities(travel, "Curve", "travel", (2,), [METRES])
+        self._known = alone.Curve(ends, si(std, "Curve", "std", METRES), knots, length)
         self.name, self.rest, self.unit, self.position_unit = "curve", 0.0, "um", "mm"
 
     @classmethod
@@ -82,9 +85,9 @@ class Curve:
         """What is known of its control values."""
         return Belief(self._known.known.mean, self._known.known.covariance)
 
-    def __call__(self, t: ArrayLike) -> Band:
-        """Return mean and standard deviation at positions t, m or rad: a number, or (m,)."""
-        known = self._known.known.through(self.spline.rows(t))
+    def __call__(self, t: Quantity | Sequence[Quantity] | Array) -> Band:
+        """Return mean and standard deviation at positions t within the travel, m or rad: a number, or (m,)."""
+        known = self._known(t)
         return Band(known.mean, np.hypot(known.std, self.rest))
 
     @property
@@ -94,7 +97,7 @@ class Curve:
 
     def next(self, noise: Quantity) -> float:
         """Return where a reading lets the mean variance over the travel fall most, exactly (B&H eq. 27), m or rad."""
-        return self._known.next(si(noise, "length"))
+        return self._known.next(noise)
 
     def read(self, t: Quantity, value: Quantity, noise: Quantity) -> Self:
         """Return the curve after a reading at t; raises ShapeError for one of an estimate, which has its readings.
@@ -103,9 +106,8 @@ class Curve:
         """
         if self.rest > 0:
             raise ShapeError(f"{self.name} has a rest that readings share; give its readings to `ac.estimate`")
-        at, read, std = (si(each, "length") for each in (t, value, noise))
         after = copy(self)
-        after._known = self._known.read(at, read, std)
+        after._known = self._known.read(t, value, noise)
         return after
 
     def plot(self) -> NotebookPicture:
@@ -128,27 +130,25 @@ class Curve:
         return f"<Curve {self.name}: from {low:g} to {high:g} {self.position_unit}, {size}>"
 
 
-Pose = Mapping[str, Quantity]
-"""Coordinates by axis, m or rad or text; an axis that is left out stands in the middle of its travel."""
-
-
-def estimate(campaign: Case | str | Path, readings: Sequence[Reading] | str | Path) -> Estimated:
+def estimate(campaign: Case | str | Path, readings: Iterable[Reading] | str | Path) -> Estimated:
     """Return what readings make known of a machine.
 
     campaign : a case, or the file campaign.toml; readings : of `Reading`, or a file that `axiscal data estimate` reads
     Raises InputError with file, line, value and remedy.
     """
+    one("estimate", "campaign", campaign, (Case, str, Path), 'a case, or "campaign.toml"')
+    one("estimate", "readings", readings, (Iterable, str, Path), 'a list of Reading, or "readings.csv"')
     description = (
         campaign.description if isinstance(campaign, Case) else campaign_with_sisters(campaign, target_needed=False)
     )
-    if isinstance(readings, str | Path):
-        raw = read_any(Path(readings), description.machine.axes, description.setups)
-        file = readings
-        description, readings = file_readings(raw, description, readings)
-        refuse_implausible(readings, description, file)
-    else:
-        _refuse_foreign(readings, description)
-    return Estimated(description, tuple(readings))
+    if not isinstance(readings, str | Path):
+        taken = tuple(readings)
+        _refuse_foreign(taken, description)
+        return Estimated(description, taken)
+    raw = read_any(Path(readings), description.machine.axes, description.setups)
+    description, found = file_readings(raw, description, readings)
+    refuse_implausible(found, description, readings)
+    return Estimated(description, tuple(found))
 
 
 def _refuse_foreign(readings: Sequence[Reading], description: CampaignDescription) -> None:
@@ -156,11 +156,14 @@ def _refuse_foreign(readings: Sequence[Reading], description: CampaignDescriptio
     names = [axis.name for axis in description.machine.axes]
     for number, reading in enumerate(readings, start=1):
         try:
-            setup = description.setup(reading.setup)
+            setup = description.setup(one("estimate", "readings", reading, Reading, "a list of Reading").setup)
             refuse_other_values(setup, len(reading.values))
-            if len(reading.pose) != len(names) or len(reading.approach) != len(names):
+            sides, numbers = reading.approach, (*reading.values, 1.0 if reading.std is None else reading.std)
+            if len(reading.pose) != len(names) or len(sides) != len(names) or {*sides} - {-1, 0, 1}:
                 remedy = "Give each of {axes} a coordinate and a side"
                 raise ReadingError("pose and approach do not have one number an axis", remedy, axes=joined(names))
+            if not all(isinstance(each, Real) and np.isfinite(each) for each in numbers) or numbers[-1] <= 0:
+                raise ReadingError("its values or its std are no numbers", "Give finite ones, and a std above zero")
             placed_pose(setup, description.machine, dict(zip(names, reading.pose, strict=True)))
         except InputError as failure:
             raise ReadingError(failure.what, failure.remedy, "readings", number) from None
@@ -205,30 +208,25 @@ class Estimated(Mapping[str, Curve]):
     def deviation(self, *poses: Mapping[str, Quantity], approach: Mapping[str, int] | None = None) -> Band:
         """Return the deviation of the tool point in the workpiece frame, mean and standard deviation, (m, 3), m.
 
+        poses : coordinates by axis, m or rad or text; one that is left out stands in the middle of its travel
         approach : +1 or −1 by axis, from which side it comes; raises ReadingError outside the travel
         """
-        at = np.array([self._pose(pose) for pose in poses])
-        sides = np.array([float((approach or {}).get(axis.name, 0)) for axis in self.machine.axes])
-        return Band(*tcp_prediction(self.estimation, at, np.tile(sides, (len(at), 1))))
-
-    def _pose(self, pose: Pose) -> list[float]:
-        axes = {axis.name: axis for axis in self.machine.axes}
-        for name in pose:
-            if name not in axes:
-                remedy = "Its axes are {known}"
-                raise ReadingError('the machine has no axis "{name}"', remedy, name=name, known=", ".join(axes))
+        where, axes = (
+            "Estimated.deviation",
+            {axis.name: RADIANS if axis.rotary else METRES for axis in self.machine.axes},
+        )
+        finite(where, "approach", [*(approach or {}).values()], (None,))
         found = []
-        for name, axis in axes.items():
-            value = si(pose[name], axis.dimension) if name in pose else sum(axis.travel) / 2
-            if not axis.travel[0] <= value <= axis.travel[1]:
-                what = "{axis} = {shown} is outside the travel"
-                shown, travel = f"{value:g}", axis.travel_text
-                raise ReadingError(what, "{axis} goes from {travel}", axis=name, shown=shown, travel=travel)
-            found.append(value)
-        return found
+        for pose in poses:
+            given = one(where, "poses", pose, Mapping, '{"X": "300 mm"}').items()
+            position = {name: si(at, where, name, axes.get(name, EITHER)) for name, at in given}
+            found.append(pose_and_sides(self.machine, position, approach or {}))
+        at, sides = np.array(found).reshape(-1, 2, len(axes)).transpose(1, 0, 2)
+        return Band(*tcp_prediction(self.estimation, at, sided(where, sides, sides.shape)))
 
     def export(self, controller: str, folder: str | Path) -> list[Path]:
         """Write the files of a controller with their README.txt and return them; raises InputError, OSError."""
+        one("Estimated.export", "controller", controller, str, 'such as "linuxcnc"')
         offered = registry.export(self.estimation.estimate(), controller, ExportOptions())
         write_files(offered, Path(folder))
         return [Path(folder) / name for name in (*offered.files, "README.txt")]

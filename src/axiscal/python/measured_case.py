@@ -1,13 +1,6 @@
 """A machine and the set-ups to measure on it, in Python, without a file on disk.
 
-machine = ac.load_machine("three-axis-mill")
-case = ac.Case(machine, [ac.setup("interferometer", "x", moves=["X"]), ac.setup("level", "y", moves=["X"])])
-plan = case.plan(readings=12)
-
-Its plan shows figures, places, a table and a picture.
-
-Set-ups have the keys of campaign.toml. Quantities are as a person may give them: a number in SI units, or a text with
-its unit.
+Set-ups have the keys of campaign.toml, whose quantities are texts with their units.
 """
 
 from __future__ import annotations
@@ -15,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from types import MappingProxyType
 from typing import Any
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.document.quoting import toml_value
 from axiscal.estimation.case import Case as Mathematics
 from axiscal.estimation.inheritance import case_of
+from axiscal.exceptions import DescriptionError
 from axiscal.machine.description import Machine
 from axiscal.measurement.instruments.written import name_of
 from axiscal.measurement.reading import Place, approach_text, place_text
@@ -31,8 +24,10 @@ from axiscal.planning.proposal import Proposal, proposed
 from axiscal.present.drawing.svg_picture import Figure, alone, axis_style, layout, line_trace, picture
 from axiscal.present.plan_answer import PlanAnswer, plan_answer
 from axiscal.present.plan_words import bound_sentence
-from axiscal.units import Dimension, format_quantity, from_unit, parse_quantity, to_unit
+from axiscal.units import format_quantity, from_unit, to_unit
 from axiscal_core.instrument import Instrument
+from axiscal_core.refusals import listed, one, whole, within
+from axiscal_core.units import METRES, Quantity, in_minutes, si
 
 
 def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str) -> str:
@@ -66,15 +61,6 @@ class NotebookPicture:
         return "".join(self.svg)
 
 
-Quantity = float | int | str
-"""A number in m, rad or s, or text such as "12 um"."""
-
-
-def si(value: Quantity, dimension: Dimension) -> float:
-    """Return a quantity in SI units; raises UnitError for text that is none."""
-    return parse_quantity(value, dimension) if isinstance(value, str) else float(value)
-
-
 SetupKeys = Mapping[str, Any]
 """A set-up before it stands on a machine: the keys of a [[setups]] table of campaign.toml."""
 
@@ -93,6 +79,7 @@ def setup(
     direction : "x", "-y" or a vector, for instruments that read along or about one; moves : axes, default all
     keys : of campaign.toml, quantities as text: noise="0.3 um", approach="both", park={"Y": "250 mm"}
     """
+    one("setup", "instrument", instrument, (str, type), '"interferometer", or a class of your own')
     if isinstance(instrument, type):
         name, instrument = name or instrument.__name__.lower(), name_of(instrument)
     usual = " ".join([instrument, *([direction] if isinstance(direction, str) else []), *(moves or ())])
@@ -170,32 +157,36 @@ class PlanResult:
         return html_table(heads, rows, bound_sentence(self.answer))
 
 
-_NO_KEYS: Mapping[str, Any] = MappingProxyType({})
-
-
 class Case:
     """A machine and set-ups on it.
 
     machine : of `load_machine`; setups : of `setup`; target : keys of [target] in campaign.toml, such as
         {"rms": "2 um"}; learn : sizes, smoothness and noise are learnt from the readings
-    raises DescriptionError or UnitError for what makes no sense on this machine
+    raises DescriptionError, UnitError or axiscal_core.InputError for what makes no sense on this machine
     """
 
     def __init__(
         self,
         machine: Machine,
         setups: Sequence[SetupKeys],
-        target: Mapping[str, Any] = _NO_KEYS,
+        target: Mapping[str, Any] | None = None,
         learn: bool = False,
     ) -> None:
-        keys = {"machine": machine.name, "scales": "estimate" if learn else "stated", "target": target}
-        text = "".join(f"{key} = {toml_value(value)}\n" for key, value in {**keys, "setups": setups}.items())
+        one("Case", "machine", machine, Machine, 'load_machine("dmu60")')
+        scales, every = "estimate" if learn else "stated", listed("Case", "setups", setups)
+        keys = {"machine": machine.name, "scales": scales, "target": {} if target is None else target, "setups": every}
+        try:
+            text = "".join(f"{key} = {toml_value(value)}\n" for key, value in keys.items())
+        except TypeError as fault:
+            what, remedy = "a set-up cannot be written ({fault})", "Give texts, numbers, lists and mappings"
+            raise DescriptionError(what, remedy, fault=fault) from fault
         described = campaign_from_texts(text, "the case", machine.text, machine.name, fine_knots=machine.fine_knots)
         self.description, self.inner = described, case_of(described)
 
     @classmethod
     def of(cls, description: CampaignDescription) -> Case:
         """Return the case of a campaign that was described in a file."""
+        one("Case.of", "description", description, CampaignDescription, 'read_campaign("campaign.toml")')
         case = cls.__new__(cls)
         case.description, case.inner = description, case_of(description)
         return case
@@ -205,16 +196,20 @@ class Case:
         readings: int | None = None,
         *,
         rms: Quantity | None = None,
-        minutes: float | None = None,
+        minutes: Quantity | None = None,
         candidates: int = CANDIDATES,
     ) -> PlanResult:
-        """Return the readings that serve best together, with what no plan can beat; raises PlanError.
+        """Return the readings that serve best together, with what no plan can beat.
 
         At least one of them ends it: so many readings, an RMS over the volume reached, so many minutes.
+        raises PlanError, axiscal_core.InputError
         """
-        wanted, seconds = None if rms is None else si(rms, "length"), None if minutes is None else 60.0 * minutes
-        limits = Limits(readings, wanted, None, seconds)
-        proposal = proposed(self.inner, limits, candidates, bounded=True)
+        where = "Case.plan"
+        count = None if readings is None else whole(where, "readings", readings, 1)
+        wanted = None if rms is None else within(where, "rms", si(rms, where, "rms", METRES), 0.0, open_end=True)
+        seconds = None if minutes is None else 60.0 * in_minutes(minutes, where, "minutes")
+        limits = Limits(count, wanted, None, seconds)
+        proposal = proposed(self.inner, limits, whole(where, "candidates", candidates, 1), bounded=True)
         return PlanResult(self.inner, proposal, plan_answer(self.inner, proposal, limits))
 
     def __repr__(self) -> str:
