@@ -71,6 +71,9 @@ _LENGTHS: dict[str, _Scale] = {
     "km": (1e3, 1),
     "in": (254, 1e4),
     "inch": (254, 1e4),
+    "ft": (3048, 1e4),
+    "thou": (254, 1e7),
+    "uin": (254, 1e10),
 }
 """By definition."""
 _ANGLES: dict[str, _Scale] = {
@@ -86,6 +89,7 @@ _ANGLES: dict[str, _Scale] = {
     "nm/m": (1, 1e9),
     "um/m": (1, 1e6),
     "mm/m": (1, 1e3),
+    "in/ft": (1, 12),
 }
 """By definition."""
 _TIMES: dict[str, _Scale] = {"us": (1, 1e6), "ms": (1, 1e3), "s": (1, 1), "min": (60, 1), "h": (3600, 1)}

@@ -161,7 +161,7 @@ def read(machine: Machine, setup: Setup) -> list[Reading]:
 
 @pytest.mark.parametrize("against", [False, True])
 @pytest.mark.parametrize(("stands", "reversed_axes"), [({}, ()), ({"C": 180}, ()), ({"C": 90}, ("X",))])
-def test_a_test_of_an_axis_and_a_column_named_after_an_error_follow_the_axis(
+def test_a_test_of_an_axis_follows_the_axis(
     stands: Mapping[str, float], reversed_axes: tuple[str, ...], against: bool
 ) -> None:
     machine = five(*reversed_axes)
@@ -170,5 +170,5 @@ def test_a_test_of_an_axis_and_a_column_named_after_an_error_follow_the_axis(
     (block,) = iso230_blocks(campaign, read(machine, setup))
     assert block.axis == "X"
     assert block.figures["B_mean"] == pytest.approx(-LAGS * 1e6, abs=0.01)
-    raw = RawReading("", {"X": 0.1}, {}, 1e-6, None, "length", 1, error="EXX")
-    assert setup_of(raw, campaign) == (setup, -1 if against != bool(reversed_axes) else 1)
+    raw = RawReading("", {"": 0.1}, {"": 1}, 1e-6, None, "length", 1, test="positioning")
+    assert setup_of(raw, campaign) == (setup, -1 if against else 1)

@@ -17,7 +17,6 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import rows_at, visited
 from axiscal.measurement.setup import Approach, Setup, Unknown
 from axiscal.numerics import Array
-from axiscal.planning.gains.covariance import RunningAccuracy
 from axiscal.planning.plan.task import Goal, Task
 
 
@@ -94,7 +93,7 @@ def rms_of(asked: Task, rms: float, unsure: float = 1.0) -> Goal:
 
     def left(places: Places) -> float:
         factor = asked.state.after_readings(places).factor
-        return RunningAccuracy.from_factor(asked.yardstick, factor).accuracy.rms
+        return asked.yardstick.measure_factor(factor).rms
 
     return Goal(lambda places: left(places) <= rms, lambda places: unsure * left(places) <= rms)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -225,7 +226,7 @@ HEADERS = [
 
 
 @pytest.mark.parametrize(("header", "between", "ways"), HEADERS)
-@pytest.mark.parametrize("mark", ["", "\ufeff", "sep"])
+@pytest.mark.parametrize("mark", ["", "\ufeff", "sep", "Test of X;;;\nSerial no.;4711;;\n;;;\n"])
 def test_spreadsheets_of_europe_are_read(tmp_path: Path, header: str, between: str, ways: str, mark: str) -> None:
     rows = [(at, way, run, 0.01 * at + run - 3 * way) for run in (1, 2) for way in (0, 1) for at in (-40.5, 0, 310)]
     point = "." if between == "," else ","
@@ -236,6 +237,16 @@ def test_spreadsheets_of_europe_are_read(tmp_path: Path, header: str, between: s
     found = read(tmp_path, first + "\n".join([header, *lines, between * 3, ""])).found.readings
     values = [(1e3 * each.position[""], 1 - 2 * (each.approach[""] < 0), each.run, 1e6 * each.value) for each in found]
     assert values == [pytest.approx((at, 1 - 2 * way, run, value)) for at, way, run, value in rows]
+
+
+TRADES = tomllib.loads((Path(__file__).parent / "trade_files.toml").read_text(encoding="utf-8"))["files"]
+
+
+@pytest.mark.parametrize(("unit", "says", "text"), [row[1:] for row in TRADES], ids=[row[0] for row in TRADES])
+def test_a_file_of_a_trade_is_read_as_it_is_meant(tmp_path: Path, unit: str, says: list[object], text: str) -> None:
+    last = read(tmp_path, text, unit=unit).found.readings[-1]
+    assert [*last.position.values(), last.value] == pytest.approx(says[:2])
+    assert [*last.approach.values(), last.run, last.axis] == says[2:]
 
 
 @pytest.mark.parametrize(
@@ -278,19 +289,12 @@ def test_a_straightness_test_is_without_its_line(tmp_path: Path) -> None:
     assert read(tmp_path, text, unit="mm").found.readings[0].value == pytest.approx(
         1e3 * read_as[0].found.readings[0].value
     )
-    with pytest.raises(ReadingError, match="line 3: furlong is no unit of a straightness"):
+    with pytest.raises(ReadingError, match="line 3: furlong is no unit of deviations"):
         read(tmp_path, text.replace("rts\n", "rts\nUnits: furlong\n"))
-    with pytest.raises(ReadingError, match="line 3: the header names its unit, and --unit names another"):
+    with pytest.raises(ReadingError, match="line 3: the file names its unit, and --unit names another"):
         read(tmp_path, named[0], unit="mm")
     figures = evaluate(positioning_test(read_as[0])).figures
     assert 1e6 * figures["E_up"] == pytest.approx(np.ptp(bent - np.polyval(np.polyfit(at, bent, 1), at)), abs=1e-5)
-
-
-def test_a_table_of_readings_may_have_semicolons_and_inches(tmp_path: Path) -> None:
-    text = "setup;X_in;approach;value_in\n\"'+probe; long\";1,5;'-;0,0001\n".replace("'-", "X-")
-    (reading,) = read(tmp_path, text).found.readings
-    assert (reading.setup, reading.approach) == ("+probe; long", {"X": -1})
-    assert (reading.position["X"], reading.value) == pytest.approx((0.0381, 2.54e-6))
 
 
 def test_klipper_prints_where_its_nozzle_stood_and_since_2025_where_the_bed_is_met(tmp_path: Path) -> None:

@@ -109,11 +109,6 @@ def test_files_of_the_same_form_are_other_tests(tmp_path: Path, kind: str, test:
     assert (found.unit, found.target_unit) == (unit, "mm")
 
 
-def test_the_flags_can_say_that_all_runs_go_up(tmp_path: Path) -> None:
-    directions = {tuple(r.approach.values()) for r in read_any(_file(tmp_path, RTL.replace("0 0 2 0", "0 1 2 0")))}
-    assert directions == {(1,)}
-
-
 def test_a_height_map_of_version_one_has_one_spacing(tmp_path: Path) -> None:
     old = MAP.replace("v2", "v1").replace("xspacing,yspacing", "spacing").replace("30.00,30.00,3", "30.00,3")
     assert len(read_any(_file(tmp_path, old))) == 4

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from dataclasses import replace
 from math import pi, radians
 from pathlib import Path
 
@@ -20,10 +21,10 @@ from axiscal.measurement.readers.csv_table import (
     csv_text,
     parse_table,
     read_poses,
-    read_table,
     unshielded,
 )
 from axiscal.measurement.readers.files import read_any
+from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.simulation import read_truth
 
 READINGS = """setup,X_mm,Y_mm,B_deg,approach,value_um,value_arcsec,std_um
@@ -63,14 +64,9 @@ def test_readings_are_in_si_units(tmp_path: Path) -> None:
 def test_readings_of_an_iso_230_2_test(tmp_path: Path) -> None:
     text = "# one slide\ndirection,target_mm,deviation_um,run\n-,-20,4.5,3\n+,0,1,1\n"
     first, second = read_any(written(tmp_path, text))
-    assert first == RawReading("", {"": -0.02}, {"": -1}, 4.5 / 1e6, None, "length", 3, test="positioning", run=3)
+    raw = RawReading("", {"": -0.02}, {"": -1}, 4.5 / 1e6, None, "length", 3, test="positioning", run=3)
+    assert first == replace(raw, rounding={"": 0.5 / 1e3})
     assert (second.position, second.approach) == ({"": 0.0}, {"": 1})
-
-
-def test_readings_of_a_rotary_iso_230_2_test(tmp_path: Path) -> None:
-    (reading,) = read_any(written(tmp_path, "direction,target_deg,deviation_arcsec,run\n-,180,1,3\n"))
-    assert reading.position == {"": pytest.approx(pi)}
-    assert reading.dimension == "angle"
 
 
 @pytest.mark.parametrize("approach", ["X+ Y-", "X+;Y-", " X+ ;  Y- ", '"X+ Y-"'])
@@ -124,22 +120,27 @@ def test_numbers_come_back_as_written(rows: list[list[float]]) -> None:
     assert [[row.quantity(column) for column in table.columns] for row in table.rows] == rows
 
 
-@given(st.text(alphabet="0123456789.,eE+-_ naif١²", min_size=1))
-def test_a_number_is_read_only_when_every_other_program_reads_it_so(cell: str) -> None:
+@given(st.text(alphabet="0123456789.,'eE+-_ naif١²", min_size=1))
+def test_a_number_is_read_only_when_everybody_reads_it_so(cell: str) -> None:
+    """A mark that stands once is the decimal one, unless three digits behind it may be thousands."""
     table = parse_table('X_m,Y_m\n"' + cell + '",1\n', "file.csv")
     try:
         value = table.rows[0].quantity(table.columns[0])
     except ReadingError:
         return
-    assert value == float(cell)
-    assert set(cell.strip()) <= set("0123456789.eE+-")
+    marks = [letter for letter in cell if letter in ".,"]
+    decimal = marks[-1] if marks and marks.count(marks[-1]) == 1 else ""
+    kept = (each for each in cell.strip(" '") if each == decimal or each not in ".,' ")
+    plain = "".join("." if each == decimal else each for each in kept)
+    assert value == float(plain)
+    assert set(plain) <= set("0123456789.eE+-")
 
 
 def test_a_table_that_cannot_be_opened_is_named(tmp_path: Path) -> None:
     with pytest.raises(ReadingError, match="there is no such file"):
-        read_table(tmp_path / "none.csv")
+        read_text(tmp_path / "none.csv")
     with pytest.raises(ReadingError, match="is not a file name"):
-        read_table("a\0b.csv")
+        read_text("a\0b.csv")
 
 
 FORMULAS = [

@@ -7,7 +7,7 @@ import pytest
 
 from axiscal.planning.gains import covariance
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import ReadNumbers, RunningAccuracy, after_each
+from axiscal.planning.gains.covariance import ReadNumbers, after_each
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Task
 from tests.generators.designs import levered, splines
@@ -85,13 +85,9 @@ def test_the_figures_after_each_reading_are_those_of_readings_one_by_one(
     monkeypatch.setattr(covariance, "_TOGETHER", together)
     chosen = np.random.default_rng(3).permutation(len(asked.lattice))[:20]
     order, state = asked.lattice.within(np.concatenate([chosen, chosen[:3]])), asked.state
-    found, meter = (
-        list(after_each(state, asked.yardstick, order)),
-        RunningAccuracy.from_factor(asked.yardstick, state.factor),
-    )
+    found = list(after_each(state, asked.yardstick, order))
     assert len(found) == len(order)
     for i, (value, accuracy) in enumerate(found):
-        state, change = state.entered(order.single(i))
-        meter = meter.after(change)
+        state, _ = state.entered(order.single(i))
         assert value == pytest.approx(state.value, rel=1e-8)
-        np.testing.assert_allclose(accuracy, meter.accuracy, rtol=1e-8)
+        np.testing.assert_allclose(accuracy, asked.yardstick.measure_factor(state.factor), rtol=1e-8)

@@ -256,7 +256,7 @@ def _why(rows: Sequence[AnswerRow]) -> str:
         return said("not read")
     size = _within(worst.known_to, worst.unit)
     if not places:
-        return said("readings elsewhere tell too little: {size}", size=size)
+        return said("not read; the other readings leave {size}", size=size)
     one, many = "{count} place read tells too little: {size}", "{count} places read tell too little: {size}"
     return counted(one, many, places, size=size)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from axiscal.answers.answer import AnswerLine, AnswerRow, PlannedRow, ScrewTurn, SignedNumber
+from axiscal.answers.answer import AnswerRow, PlannedRow, ScrewTurn, SignedNumber
 from axiscal.description.target import Kind
 from axiscal.language.spoken import joined, later, listed, put, said
 
@@ -47,7 +47,9 @@ def row_name(kind: Kind, axes: Sequence[Sequence[str]]) -> str:
 def row_names(rows: Sequence[PlannedRow]) -> str:
     """Return the name of rows of one kind; of a volume that is a line, that."""
     if rows[0].kind == "volume" and any(line.at for line in rows[0].lines):
-        return _line_name(rows[0].lines[0])
+        line = rows[0].lines[0]
+        at = [put("{axis} {value:.6g}", axis=axis, value=value) for axis, value in line.at.items()]
+        return said("{axis} on the line {at}", axis=line.axis, at=listed(", ", at))
     return row_name(rows[0].kind, [row.axes for row in rows])
 
 
@@ -56,11 +58,6 @@ def said_row(name: str) -> str:
     kind, _, axes = name.partition(" ")
     words = next(words for each, words in _KINDS.items() if each == kind)
     return said(words, axes=axes.removeprefix("of "))
-
-
-def _line_name(line: AnswerLine) -> str:
-    at = [put("{axis} {value:.6g}", axis=axis, value=value) for axis, value in line.at.items()]
-    return said("{axis} on the line {at}", axis=line.axis, at=listed(", ", at))
 
 
 def signed_text(rows: Sequence[AnswerRow]) -> str:

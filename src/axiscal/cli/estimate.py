@@ -104,7 +104,7 @@ def estimate(
         description, placed = file_readings(read.found.readings, description, readings)
         refuse_implausible(placed, description, readings)
         told = read.sentence([each.setup for each in placed])
-        if read.found.readings[0].test == "positioning":
+        if read.found.readings[0].test == "positioning" and len({each.setup for each in placed}) == 1:
             (axis,) = description.setup(placed[0].setup).moves
             tested = iso230_block(description.machine.axes[axis].name, evaluate(positioning_test(read)))
             extras = Extras(iso230=[tested])

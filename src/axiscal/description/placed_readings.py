@@ -27,7 +27,7 @@ from axiscal.measurement.charts.kinds import Circle, Held
 from axiscal.measurement.charts.room import Chart
 from axiscal.measurement.instrument import instrument_of, values_of
 from axiscal.measurement.readers.csv_readings import RawReading
-from axiscal.measurement.readers.csv_table import parse_table, read_approach, read_position
+from axiscal.measurement.readers.csv_table import RawPose, parse_table, raw_pose
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.readers.touch_log import LISTS, LoggedTouch, TouchLog, plan_code, read_touch_log
 from axiscal.measurement.reading import Reading, in_radii, refuse_other_values
@@ -35,15 +35,6 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import TOUCHES, met_from, off_ball, read_as
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
-
-
-@dataclass(frozen=True, slots=True)
-class ListedPlace:
-    """A reading of a list: its set-up, its coordinates (m or rad) and sides by axis."""
-
-    setup: str
-    position: Mapping[str, float]
-    approach: Mapping[str, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +55,12 @@ def logged_readings(file: Path, folder: Path, campaign: CampaignDescription) -> 
     planned = _planned(log, file, folder)
     runs = [(number, tuple(each)) for number, each in groupby(log.touches, key=lambda touch: touch.reading)]
     faults, readings, found = Faults(), list[RawReading](), list(log.said)
-    _refuse_doubled(runs, file)
+    first = dict[int, int]()
     for number, touched in runs:
+        if first.setdefault(number, touched[0].line) < touched[0].line:
+            what = "reading {number} was touched in the lines from {earlier} on, and here again"
+            remedy = "Take out the lines of the run that does not count"
+            raise ReadingError(what, remedy, file, touched[0].line, number=number, earlier=first[number])
         with faults.noted():
             if number not in planned:
                 what = "the plan has no reading {number}"
@@ -86,7 +81,7 @@ def logged_readings(file: Path, folder: Path, campaign: CampaignDescription) -> 
 _AS_WRITTEN = "Give the file as the control wrote it"
 
 
-def _planned(log: TouchLog, file: Path, folder: Path) -> dict[int, ListedPlace]:
+def _planned(log: TouchLog, file: Path, folder: Path) -> dict[int, RawPose]:
     """Return the readings of the lists in a folder by number; raises ReadingError unless they are of the log's plan."""
     names = folder / LISTS.format(log.code)
     if not names.is_file():
@@ -99,27 +94,12 @@ def _planned(log: TouchLog, file: Path, folder: Path) -> dict[int, ListedPlace]:
     if code != log.code:
         what = "the lists of plan {code} have been changed, or written anew for another plan"
         raise ReadingError(what, "Write the programs of that plan into a folder of their own", names, code=log.code)
-    return {number: each for path, text in texts.items() for number, each in _rows(text, str(path))}
-
-
-def _rows(text: str, name: str) -> list[tuple[int, ListedPlace]]:
-    table = parse_table(text, name)
-    number, setup = table.one_of("reading", "reading"), table.one_of("setup", "setup")
-    rows = []
-    for row in table.rows:
-        planned = ListedPlace(row.text(setup), read_position(table, row), read_approach(table, row))
-        rows.append((int(row.text(number)), planned))
-    return rows
-
-
-def _refuse_doubled(runs: Sequence[tuple[int, Sequence[LoggedTouch]]], file: Path) -> None:
-    first: dict[int, int] = {}
-    for number, touched in runs:
-        if number in first:
-            what = "reading {number} was touched in the lines from {earlier} on, and here again"
-            remedy = "Take out the lines of the run that does not count"
-            raise ReadingError(what, remedy, file, touched[0].line, number=number, earlier=first[number])
-        first[number] = touched[0].line
+    planned = dict[int, RawPose]()
+    for table in (parse_table(text, str(path)) for path, text in texts.items()):
+        number, setup = table.one_of("reading", "reading"), table.one_of("setup", "setup")
+        for row in table.rows:
+            planned[int(row.text(number))] = replace(raw_pose(table, row), setup=row.text(setup))
+    return planned
 
 
 def _whole(number: int, touched: Sequence[LoggedTouch], broken: bool, file: Path) -> bool:
@@ -139,7 +119,7 @@ def _whole(number: int, touched: Sequence[LoggedTouch], broken: bool, file: Path
 
 
 def _reading(
-    number: int, touched: Sequence[LoggedTouch], planned: ListedPlace, campaign: CampaignDescription, file: Path
+    number: int, touched: Sequence[LoggedTouch], planned: RawPose, campaign: CampaignDescription, file: Path
 ) -> RawReading:
     machine, line = campaign.machine, touched[0].line
     try:
@@ -176,7 +156,7 @@ def placed_readings(
     readings, faults = list[Reading](), Faults()
     for row in raw:
         try:
-            readings += _ends_of(row, campaign) if row.whole else (_placed(row, campaign),)
+            readings += _ends_of(row, campaign) if row.form == "length" else (_placed(row, campaign),)
         except InputError as failure:
             faults.found.append(ReadingError(failure.what, failure.remedy, file, row.line))
     faults.refuse()
@@ -261,20 +241,19 @@ def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int])
 
 def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     setup, sign = setup_of(row, campaign)
-    named = values_of(setup) == 1 or row.by_station == bool(setup.stations)
+    named = values_of(setup) == 1 or (row.form == "stations") == bool(setup.stations)
     refuse_other_values(setup, 1 + len(row.others) if named else 0, row.dimension)
     refuse_other_base(row, setup)
     if row.test == "circle":
         pose, directions = _on_circle(row, setup, campaign.machine)
     else:
-        position = row.position
-        if row.test is not None:
-            position = {campaign.machine.axes[setup.moves[0]].name: position[""]}
-        numbers = (in_radii(each, campaign.machine.axes) for each in (position, row.rounding))
+        only = campaign.machine.axes[setup.moves[0]].name if row.test else ""
+        by_axis = ({axis or only: at for axis, at in each.items()} for each in (row.position, row.rounding))
+        numbers = (in_radii(each, campaign.machine.axes) for each in by_axis)
         pose = placed_pose(setup, campaign.machine, *numbers)
         directions = placed_approach(setup, campaign.machine, row.approach)
     value, *others = sign * row.value, *row.others
-    if row.met:
+    if row.form == "found":
         value, *others = off_ball(campaign.machine, setup, np.array(pose), (value, *others))
     reading = Reading(setup.name, pose, directions, value, row.std, row.line, others=tuple(others), time=row.time)
     return replace(reading, number=row.number, check=row.check)
@@ -332,19 +311,20 @@ def _coordinate(setup: Setup, axis: Axis, index: int, position: _ByAxis, roundin
 
 def _refuse_outside(setup: Setup, axis: Axis, index: int, value: float) -> NoReturn:
     """Raise ReadingError that names the limit: the travel, or the reach of the set-up."""
-    reached = replace(axis, travel=axis.travel if setup.reach is None else setup.reach[index])
-    limit = axis if reached.travel == axis.travel or not axis.travel[0] <= value <= axis.travel[1] else reached
+    reach = axis.travel if setup.reach is None else setup.reach[index]
+    within = reach != axis.travel and axis.travel[0] <= value <= axis.travel[1]
+    low, high = limit = reach if within else axis.travel
     what, remedy = "{axis} = {shown} is outside the travel", "{axis} goes from {travel}"
-    if limit.travel[0] <= value <= limit.travel[1]:
+    if low <= value <= high:
         what = "at {axis} = {shown} a foot of the {instrument} stands outside the travel"
-        what = what if limit is axis else "at {axis} = {shown} a foot of the {instrument} stands outside the reach"
+        what = "at {axis} = {shown} a foot of the {instrument} stands outside the reach" if within else what
         remedy = "Give where the middle of its base of {base} stood; {axis} goes from {travel}"
-    elif limit is reached:
+    elif within:
         what = '{axis} = {shown} is within the travel and outside the reach of the set-up "{setup}"'
         remedy = "Its reach is {travel}: correct the reading, or the reach in campaign.toml"
     shown, base = (format_quantity(each, axis.unit, 9) for each in (value, setup.base or 0.0))
-    whose = {"setup": setup.name, "instrument": setup.instrument, "base": base}
-    raise ReadingError(what, remedy, None, None, axis=axis.name, shown=shown, travel=limit.travel_text, **whose)
+    whose = {"axis": axis.name, "setup": setup.name, "instrument": setup.instrument, "base": base, "shown": shown}
+    raise ReadingError(what, remedy, None, None, travel=replace(axis, travel=limit).travel_text, **whose)
 
 
 def off_chart(machine: Machine, chart: Chart, pose: Array) -> float:
@@ -370,18 +350,14 @@ def file_readings(
     told = next((row for row in raw if row.beside is not None), None)  # all readings of a file are by one probe
     if told is not None and told.beside is not None:
         try:
-            campaign = _with_beside(campaign, setup_of(told, campaign)[0].name, told.beside)
+            setup = setup_of(told, campaign)[0]
+            if setup.offset is None:
+                campaign = with_offset(campaign, setup.name, told.beside)
+            elif math.dist(told.beside, setup.offset[:2]) > _SAME:
+                pairs = told.beside, setup.offset[:2]
+                said, stated = (" ".join(format_quantity(each, "mm", 6) for each in pair) for pair in pairs)
+                what = 'the probe stands {said} beside the nozzle along x and y by this file, and {stated} by "{setup}"'
+                raise ReadingError(what, "Correct offset in campaign.toml", said=said, setup=setup.name, stated=stated)
         except InputError as failure:
             raise ReadingError(failure.what, failure.remedy, file, told.line) from None
     return campaign, placed_readings(raw, campaign, file)
-
-
-def _with_beside(campaign: CampaignDescription, name: str, beside: tuple[float, float]) -> CampaignDescription:
-    own = campaign.setup(name).offset
-    if own is None:
-        return with_offset(campaign, name, beside)
-    if math.dist(beside, own[:2]) > _SAME:
-        said, stated = (" ".join(format_quantity(each, "mm", 6) for each in pair) for pair in (beside, own[:2]))
-        what = 'the probe stands {said} beside the nozzle along x and y by this file, and {stated} by "{setup}"'
-        raise ReadingError(what, "Correct offset in campaign.toml", said=said, setup=name, stated=stated)
-    return campaign

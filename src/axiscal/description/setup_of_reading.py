@@ -8,7 +8,6 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import joined, later
 from axiscal.machine import Machine
-from axiscal.machine.entry import parse_error_name
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.charts.kinds import Circle
 from axiscal.measurement.instrument import model_of, reads_angles
@@ -24,7 +23,7 @@ _SAME = 1e-6
 
 
 def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:
-    """Return the set-up of a reading, and −1 where it reads against the error that the file names."""
+    """Return the set-up of a reading, and −1 where it reads downwards, or against the way of a tested axis."""
     if row.setup:
         return campaign.setup(row.setup), 1
     if row.test is not None:
@@ -33,21 +32,15 @@ def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int
         return _only_setup(campaign), 1
     if row.error == "slope":
         return _levelled(row, campaign), 1
-    component = 2 if row.error == "z" else parse_error_name(row.error).component % 3
     moving = {campaign.machine.index(name) for name in row.position}
-    reads = (setup for setup in campaign.setups if model_of(setup).reads == row.dimension)
-    moves = ((setup, _direction_in_frame(setup, campaign.machine)) for setup in reads if moving <= set(setup.moves))
-    fitting = [(setup, along) for setup, way in moves if abs(along := way[component]) > _ALONG]
+    reads = (s for s in campaign.setups if model_of(s).reads == row.dimension and moving <= set(s.moves))
+    ways = ((setup, float(_direction_in_frame(setup, campaign.machine)[2])) for setup in reads)
+    fitting = [(setup, along) for setup, along in ways if abs(along) > _ALONG]
     if len(fitting) != 1:
-        what = "no set-up reads a length along {axis} while {moving} moves"
-        if row.dimension == "angle":
-            what = "no set-up reads a rotation about {axis} while {moving} moves"
-        if fitting:
-            what = "several set-ups read a length along {axis} while {moving} moves"
-            if row.dimension == "angle":
-                what = "several set-ups read a rotation about {axis} while {moving} moves"
+        what = "several set-ups read a length along z while {moving} moves"
+        what = what if fitting else "no set-up reads a length along z while {moving} moves"
         remedy = "Describe exactly one set-up for it, or give READINGS.csv with a column setup"
-        raise ReadingError(what, remedy, axis="xyz"[component], moving=", ".join(row.position))
+        raise ReadingError(what, remedy, moving=", ".join(row.position))
     ((setup, along),) = fitting
     return setup, 1 if along > 0 else -1
 
@@ -66,9 +59,7 @@ def _levelled(row: RawReading, campaign: CampaignDescription) -> Setup:
 
 
 def _same_base(row: RawReading, setup: Setup) -> bool:
-    if row.base is None or setup.base is None:
-        return row.base is setup.base
-    return abs(row.base - setup.base) <= _SAME
+    return abs((row.base or 0.0) - (setup.base or 0.0)) <= _SAME  # one that rides on what moves has none
 
 
 def refuse_other_base(row: RawReading, setup: Setup) -> None:
@@ -120,7 +111,7 @@ def _reads_test(row: RawReading, setup: Setup, machine: Machine) -> bool:
     fits = reads == "angle" or abs(_along(setup, machine)) < _ASIDE
     if row.test == "positioning":
         fits = abs(_along(setup, machine)) > 1 - _ASIDE
-    return fits and axis.rotary == (row.target_dimension == "angle")
+    return fits and row.axis in ("", axis.name) and axis.rotary == (row.target_dimension == "angle")
 
 
 def _along(setup: Setup, machine: Machine) -> float:

@@ -124,6 +124,9 @@ def positioning_test(read: Recognised) -> PositioningTest:
     if readings[0].test is None:
         what = "this is {title}, and no test of an axis or a circle"
         raise ReadingError(what, "`axiscal data estimate` evaluates readings", read.file, title=said(read.title))
+    if len(axes := {reading.axis for reading in readings}) > 1:
+        what = "the file holds tests of the axes {axes}"
+        raise ReadingError(what, "give a file for each axis", read.file, axes=joined(sorted(axes)))
     rotary, angular = readings[0].target_dimension == "angle", readings[0].dimension == "angle"
     for reading in readings:
         seen.setdefault(reading.position[""], set()).add((reading.approach[""], reading.run))

@@ -52,16 +52,11 @@ class Owned:
         found: dict[Key, tuple[int, Unknown]] = {}
         columns = []
         for number, setup in enumerate(setups):
-            keys = [key_of(number, unknown) for unknown in setup.unknowns]
+            keys = [(unknown.owner or f"set-up {number}", unknown.name) for unknown in setup.unknowns]
             for key, unknown in zip(keys, setup.unknowns, strict=True):
                 found.setdefault(key, (len(found), unknown))
             columns.append(np.array([found[key][0] for key in keys], dtype=np.intp))
         return cls(tuple(unknown for _, unknown in found.values()), tuple(columns))
-
-
-def key_of(number: int, unknown: Unknown) -> Key:
-    """Return what an unknown of the number-th set-up is known by."""
-    return unknown.owner or f"set-up {number}", unknown.name
 
 
 def unknowns_at(artefact: Artefact, balls: tuple[int, ...]) -> tuple[Unknown, ...]:
@@ -251,17 +246,13 @@ class Observation:
         if self.setups[setup].base is not None:
             yield from (self._first_order(setup, poses, approaches, point) for point in points)
             return
-        kind = self._kinds[setup]
+        kind, names = self._kinds[setup], [unknown.name for unknown in self.setups[setup].unknowns]
         at = kind.places(poses, approaches)
         moved = deviations_of(self.errors, points[:, : self.errors.size], poses, approaches)
         for point, actual in zip(points, moved, strict=True):
             there = at._replace(moved=actual.displacement, turned=actual.rotation)
-            yield kind.shown(there, self.own_values(setup, point))
-
-    def own_values(self, setup: int, point: Array) -> dict[str, float]:
-        """Return the unknowns of one set-up by name.  point : (k,) errors, then unknowns"""
-        names = [unknown.name for unknown in self.setups[setup].unknowns]
-        return dict(zip(names, point[self.unknowns_of(setup)].tolist(), strict=True))
+            own = point[self.unknowns_of(setup)].tolist()
+            yield kind.shown(there, dict(zip(names, own, strict=True)))
 
     def _first_order(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
         """Return the rows of each number of readings times errors and unknowns, (m, k)."""

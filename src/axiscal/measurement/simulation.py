@@ -26,15 +26,9 @@ from axiscal.machine.kinematics import Deviation, actual_deviation
 from axiscal.measurement.cells import MEMORY
 from axiscal.measurement.instrument import model_of, scales_of, values_of
 from axiscal.measurement.observation import Owned
-from axiscal.measurement.readers.csv_table import (
-    ANGLES,
-    LENGTHS,
-    TEXT,
-    Column,
-    CsvTable,
-    Row,
-    read_table,
-)
+from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, Column
+from axiscal.measurement.readers.csv_table import CsvTable, Row, table_of
+from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import belongs
@@ -53,24 +47,20 @@ class TruthCurve(NamedTuple):
 
 def read_truth(path: str | Path) -> dict[str, TruthCurve]:
     """Read the curves of a file by canonical error name, in the order of the file; raises ReadingError."""
-    table = read_table(path).allow(_LAYOUT)
+    table = table_of(read_text(path)).allow(_LAYOUT)
     error = table.one_of("error", "error")
     for stem, example in (("position", "position_mm"), ("value", "value_um")):
         if not table.all_of(stem):
             table.one_of(stem, example)
     curves: dict[str, list[tuple[float, float]]] = {}
     for row in table.rows:
-        name = _name(row, error)
+        try:
+            name = parse_error_name(row.text(error))
+        except DescriptionError as fault:
+            raise row.fail(fault.what, fault.remedy) from None
         points = curves.setdefault(name.canonical, [])
         points.append(_point(table, row, name, points))
     return {name: TruthCurve(*np.array(points).T) for name, points in curves.items()}
-
-
-def _name(row: Row, column: Column) -> ErrorName:
-    try:
-        return parse_error_name(row.text(column))
-    except DescriptionError as fault:
-        raise row.fail(fault.what, fault.remedy) from None
 
 
 def _point(table: CsvTable, row: Row, name: ErrorName, before: list[tuple[float, float]]) -> tuple[float, float]:
@@ -80,7 +70,10 @@ def _point(table: CsvTable, row: Row, name: ErrorName, before: list[tuple[float,
         raise row.fail("{name} has no value here", remedy, name=name.canonical)
     _fits(row, value, name, "angle" if name.angular else "length")
     if position is None:
-        return _constant(row, name, before), row.quantity(value)
+        if name.kind == "motion" or before:
+            remedy = "write the position; only a constant, given in one line, goes without"
+            raise row.fail("{name} has no position here", remedy, name=name.canonical)
+        return 0.0, row.quantity(value)
     _fits(row, position, name, "angle" if name.axis[0] in "ABC" else "length")
     at = row.quantity(position)
     if before and at <= before[-1][0]:
@@ -88,14 +81,6 @@ def _point(table: CsvTable, row: Row, name: ErrorName, before: list[tuple[float,
         remedy = "sort the positions of each error and give each once"
         raise row.fail(what, remedy, text=row.text(position), name=name.canonical)
     return at, row.quantity(value)
-
-
-def _constant(row: Row, name: ErrorName, before: list[tuple[float, float]]) -> float:
-    """Return the position of a constant, which is given only once."""
-    if name.kind == "motion" or before:
-        remedy = "write the position; only a constant, given in one line, goes without"
-        raise row.fail("{name} has no position here", remedy, name=name.canonical)
-    return 0.0
 
 
 def _fits(row: Row, column: Column, name: ErrorName, dimension: str) -> None:
@@ -258,10 +243,6 @@ class Simulator:
         each = tuple(_rough(f, coefficients[f.columns], rng) for f in model.terms)
         return VirtualMachine(model, each, *self._mounted(seed))
 
-    def from_curves(self, path: Path, seed: int) -> VirtualMachine:
-        """Return a machine whose errors are the curves of a file; raises ReadingError with file and line."""
-        return self.with_curves(read_truth(path), seed, path)
-
     def with_curves(self, curves: Mapping[str, TruthCurve], seed: int, path: Path | None = None) -> VirtualMachine:
         """Return a machine with the given curves, linear between their points; errors that have none are zero.
 
@@ -276,7 +257,7 @@ class Simulator:
                 raise ReadingError(what, remedy, path, name=name, axis=axis, machine=self.machine.name, known=known)
         errors = tuple(ErrorEntry(name, std=1.0, knots=4) for name in curves)
         model = ErrorModel(replace(self.machine, errors=errors, planes=()))
-        return VirtualMachine(model, tuple(_through(curve) for curve in curves.values()), *self._mounted(seed))
+        return VirtualMachine(model, tuple(map(_through, curves.values())), *self._mounted(seed))
 
     def _mounted(self, seed: int) -> tuple[Mapping[str, Mapping[str, float]], Mapping[str, Wander]]:
         """Return the unknowns of the set-ups and the drifts of their zeros."""

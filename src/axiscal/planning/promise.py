@@ -12,7 +12,7 @@ import numpy as np
 
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import floor_of
-from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
+from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case, timed
 from axiscal.estimation.judged import Doubt
@@ -48,11 +48,6 @@ def asked(target: Target, yardstick: Yardstick) -> tuple[WantedAccuracy, ...]:
     """Return the accuracies that a target asks for; a campaign ends at the first that is reached."""
     given = ("rms", target.rms), ("worst", target.worst), ("U", target.expanded)
     return tuple(WantedAccuracy(name, limit, floor_of(name, yardstick)) for name, limit in given if limit is not None)
-
-
-def promised(case: Case, knowledge: Knowledge, places: Sequence[Place]) -> Accuracy:
-    """Return how well the machine would be known after readings at these places, whatever they showed."""
-    return case.yardstick.measure(knowledge.read(blank_readings(case.description.setups, places)).belief)
 
 
 def foreseen(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -> Knowledge:

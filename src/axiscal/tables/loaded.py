@@ -184,10 +184,6 @@ class Loaded:
         old = np.sum([each.at(x, y) for each in self.meshes], axis=0) if self.meshes else np.zeros(len(x))
         return replace(mesh, added=mesh.added + old.reshape(mesh.added.shape))
 
-    def under_skew(self, skew: Skew) -> Skew:
-        """Return the tangents with the old ones added, for the planes that were seen."""
-        return {plane: tangent + self.skew.get(plane, 0.0) for plane, tangent in skew.items()}
-
     def _summed(
         self, kind: tuple[str, str], table: CompensationTable | None, machine: Machine, most: int, even: bool
     ) -> CompensationTable:

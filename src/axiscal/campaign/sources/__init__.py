@@ -75,7 +75,9 @@ def virtual_machine(text: str, simulator: Simulator) -> tuple[VirtualMachine, in
     if kind == "truth":
         if not rest.strip():
             raise _nothing_named(text, kind)
-        return simulator.from_curves(Path(rest), TRUTH_SEED), TRUTH_SEED
+        from axiscal.measurement.simulation import read_truth  # which whoever has a simulator has loaded
+
+        return simulator.with_curves(read_truth(Path(rest)), TRUTH_SEED, Path(rest)), TRUTH_SEED
     seed = _seed(rest) if colon else 0
     return simulator.drawn(seed), seed
 

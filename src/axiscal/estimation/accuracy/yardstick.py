@@ -204,7 +204,11 @@ class Yardstick:
 
     def measure(self, belief: Belief) -> Accuracy:
         """Return the figures of a belief."""
-        return self.figures(self.root.criterion(belief.factor), self.variances(belief.factor))
+        return self.measure_factor(belief.factor)
+
+    def measure_factor(self, factor: Array) -> Accuracy:
+        """Return the figures of a covariance C = F Fᵀ.  factor : F (n, r)"""
+        return self.figures(self.root.criterion(factor), self.variances(factor))
 
     def accuracies(self, factor: Array, losses: Array, ends: NDArray[np.intp]) -> list[Accuracy]:
         """Return the figures after each of many readings.

@@ -1,94 +1,93 @@
 """Tests of one axis as tables, and circles: `target_mm,direction,run,deviation_um`, a column a run, or `angle_deg`.
 
-Deviations in arcsec over targets in mm are an angular test. A table with a column a run has headers such as
-`Pos;1+;1-;2+;2-`; it is in mm and um where it names no unit. Headers are English, German, French, Spanish or Italian.
-A direction is + or -, forward or reverse, CCW or CW (counter-clockwise is positive).
+Deviations in arcsec over targets in mm are an angular test. `actual_mm` is where the axis stood, in place of the
+deviation; `axis` names the axis of each line. A table with a column a run has headers such as `Pos;1+;1-;2+;2-`; it is
+in mm and um where it names no unit. A direction is + or -, forward or reverse, CCW (+) or CW.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from typing import Literal
 
-from axiscal.language.spoken import said
-from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, Test
-from axiscal.measurement.readers.csv_table import (
+from axiscal.language.spoken import later, said
+from axiscal.measurement.readers.columns import (
+    ACTUAL,
     ANGLES,
     LENGTHS,
+    STEMS,
     TEXT,
     Column,
-    CsvTable,
-    Row,
-    header_of,
-    table_of,
+    column_of,
+    run_of,
+    sign_of,
+    whole,
 )
+from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, Test, read_times
+from axiscal.measurement.readers.csv_table import CsvTable, Row, header_of, table_of
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import said_quantity
 
-_OF_TEST = {"target": LENGTHS + ANGLES, "direction": TEXT, "run": TEXT, "deviation": LENGTHS + ANGLES}
+_BOTH = LENGTHS + ANGLES
+_OF_TEST = {"target": _BOTH, "direction": TEXT, "run": TEXT, "deviation": _BOTH}
 _OF_CIRCLE = {"angle": ANGLES, "direction": TEXT, "deviation": LENGTHS}
-_CALLED = {
-    "target": "target pos pos. position soll sollposition ziel zielposition cible consigne posición posicion posizione",
-    "direction": "direction dir richtung sens dirección direccion direzione verso",
-    "run": "run cycle lauf messlauf durchgang zyklus passage pasada ciclo passata",
-    "deviation": "deviation dev error abweichung fehler écart ecart erreur desviación desviacion scostamento errore",
-    "angle": "angle winkel ángulo angulo angolo",
-}
-_STEMS = {word: stem for stem, words in _CALLED.items() for word in words.split()}
-_WAYS = {
-    +1: "+ forward forwards fwd positive pos up ccw vor vorwärts vorwaerts hin aller avant adelante avanti",
-    -1: "- reverse rev backward backwards back negative neg down cw rück zurück rückwärts rueckwaerts retour arrière "
-    "atrás atras indietro",
-}
-"""Words of directions by their sign."""
-_SIGNS = {word: sign for sign, words in _WAYS.items() for word in words.split()}
-_PARTS = re.compile(r"\d{1,9}|[+-]|[^\W\d_]+")
-_RUN = re.compile(r"[0-9]{1,9}")
+_BESIDE = {"setup": TEXT, "axis": TEXT, "time": TEXT}
+_NUMBERED = later("number the runs 1, 2, 3, ...")
+_TOWARDS = later("write + for the approach in the positive direction, - for the negative one")
+_UNIT_IN_WORDS = re.compile(r"\b(inch(es)?|in|thou|zoll|pouces?|mm|[uµμ]m|microns?)\b", re.IGNORECASE)
 
 
-def is_circle(file: TextFile) -> bool:
-    """Return whether the columns are those of a circular test."""
-    return {column.stem for column in _named(header_of(file))} >= _OF_CIRCLE.keys()
-
-
-def is_long(file: TextFile) -> bool:
-    """Return whether a column is one of an ISO 230-2 test, and none names a set-up."""
-    stems = {column.stem for column in _named(header_of(file))}
-    return bool(stems & _OF_TEST.keys()) and "setup" not in stems
-
-
-def is_wide(file: TextFile) -> bool:
-    """Return whether each column after the targets is one run in one direction."""
-    first, *others = _named(header_of(file)) or (Column("", "", None),)
-    return first.stem == "target" and bool(others) and all(_run_of(column) for column in others)
+def test_of(file: TextFile) -> Literal["circle", "wide", "long"] | None:
+    """Return which test the columns are of: wide has a column a run, long a line a reading; None of no test."""
+    first, *others = header_of(file, STEMS) or (Column("", "", None),)
+    stems = {column.stem for column in (first, *others)}
+    if stems >= _OF_CIRCLE.keys():
+        return "circle"
+    if first.stem == "target" and others and all(run_of(column.stem) for column in others):
+        return "wide"
+    return "long" if stems & _OF_TEST.keys() and "setup" not in stems else None
 
 
 def circle(file: TextFile, around: Around) -> Found:
     """Return the readings of a circular test; raises ReadingError."""
-    table = _renamed(file)
-    angle, direction, deviation = table.needed(_OF_CIRCLE | {"setup": TEXT}, "angle_deg", "direction", "deviation_um")
-    named = next(iter(table.all_of("setup")), None)
-    read = (_read(row, angle, _direction(row, direction), 0, deviation, "circle") for row in table.rows)
-    if named is not None:
-        read = (replace(each, setup=row.text(named)) for each, row in zip(read, table.rows, strict=True))
-    return Found(tuple(read))
+    table = table_of(file, words=STEMS)
+    angle, direction, deviation = table.needed(_OF_CIRCLE | _BESIDE, "angle_deg", "direction", "deviation_um")
+    return Found(tuple(_lines(table, angle, direction, None, deviation, "circle")))
 
 
 def long_table(file: TextFile, around: Around) -> Found:
     """Return the readings of a table with a line for each; raises ReadingError, also for one that stands twice."""
-    table = _renamed(file)
-    target, direction, run, deviation = table.needed(_OF_TEST, "target_mm", "direction", "run", "deviation_um")
-    kind = _kind(table, target, deviation)
-    rows = ((row, _direction(row, direction), _run(row, run)) for row in table.rows)
-    return Found(distinct(file, [_read(row, target, way, number, deviation, kind) for row, way, number in rows]))
+    table = table_of(file, words=STEMS)
+    target, way, run, read = table.needed(_OF_TEST | _BESIDE, "target_mm", "direction", "run", "deviation_um")
+    found = distinct(file, _lines(table, target, way, run, read, _kind(table, target, read)))
+    if column_of(read.name).stem.lower() in ACTUAL:
+        found = tuple(replace(each, value=each.value - each.position[""]) for each in found)
+    return Found(found)
+
+
+def _lines(
+    table: CsvTable, target: Column, direction: Column, run: Column | None, value: Column, kind: Test
+) -> Iterator[RawReading]:
+    """Yield the reading of each line, with what stands beside it; raises ReadingError."""
+    setup, axis, time = (next(iter(table.all_of(stem)), None) for stem in _BESIDE)
+    for row, seconds in zip(table.rows, read_times(table.rows, time), strict=True):
+        named, moved = (row.text(column) if column else "" for column in (setup, axis))
+        number = row.meant(run, whole, later("run {text!r} is not a whole number"), _NUMBERED) if run else 0
+        way = row.meant(direction, sign_of, later("direction {text!r} is not known"), _TOWARDS)
+        read = _read(row, target, way, number, value, kind)
+        yield replace(read, setup=named, axis=moved, time=seconds)
 
 
 def wide_table(file: TextFile, around: Around) -> Found:
     """Return the readings of a table with a column for each run, there and back; raises ReadingError."""
-    table = _renamed(file)
+    table = table_of(file, words=STEMS)
     if file.unit:
-        table.allow(dict.fromkeys((column.stem for column in table.columns), LENGTHS + ANGLES))
+        table.allow(dict.fromkeys((column.stem for column in table.columns), _BOTH))
+    silent = not (file.unit or any(column.unit for column in table.columns))
+    if silent and any(map(_UNIT_IN_WORDS.search, file.lines[: table.line - 1])):
+        raise table.fail("a title names a unit, and no column does", "write Pos_mm and 1+_um in the header, or such")
     target, *others = (
         replace(column, stated=column.stated or ("um" if number else "mm"))
         for number, column in enumerate(table.columns)
@@ -98,10 +97,9 @@ def wide_table(file: TextFile, around: Around) -> Found:
         raise table.fail("some runs are lengths, and some are angles", "give a file for each test")
     (kind,) = kinds
     for column in others:
-        run, way = _run_of(column) or (0, 0)
+        run, way = run_of(column.stem) or (0, 0)
         rows = [row for row in table.rows[::way] if row.text(column)]
         found += [_read(row, target, way, run, column, kind) for row in rows]
-    silent = not (file.unit or target.unit or any(column.unit for column in others))
     return Found(distinct(file, found), note=said("in mm and um (it names no unit)") if silent else "")
 
 
@@ -116,13 +114,13 @@ def _kind(table: CsvTable, target: Column, deviation: Column) -> Test:
 
 def distinct(file: TextFile, readings: Iterable[RawReading]) -> tuple[RawReading, ...]:
     """Return readings of a test; raises ReadingError where one stands twice, or none is there."""
-    seen = dict[tuple[float, int, int], RawReading]()
+    seen = dict[tuple[str, float, int, int], RawReading]()
     for each in readings:
-        key = (each.position[""], each.approach[""], each.run)
+        key = (each.axis, each.position[""], each.approach[""], each.run)
         if key in seen:
             what = "target {target}, direction {direction}, run {run} was read in line {earlier} already"
-            target = said_quantity(key[0], "deg" if each.target_dimension == "angle" else "mm")
-            at = {"target": target, "direction": "+" if key[1] > 0 else "-", "run": each.run}
+            target = said_quantity(each.position[""], "deg" if each.target_dimension == "angle" else "mm")
+            at = {"target": target, "direction": "+" if each.approach[""] > 0 else "-", "run": each.run}
             raise file.fail(what, "give each reading its own run number", each.line, earlier=seen[key].line, **at)
         seen[key] = each
     if not seen:
@@ -130,41 +128,7 @@ def distinct(file: TextFile, readings: Iterable[RawReading]) -> tuple[RawReading
     return tuple(seen.values())
 
 
-def _named(columns: Iterable[Column]) -> tuple[Column, ...]:
-    """Return the columns with the stems of a test, whatever the language of their headers."""
-    return tuple(replace(column, stem=_STEMS.get(column.stem.lower(), column.stem)) for column in columns)
-
-
-def _renamed(file: TextFile) -> CsvTable:
-    table = table_of(file)
-    return replace(table, columns=_named(table.columns))
-
-
-def _run_of(column: Column) -> tuple[int, int] | None:
-    """Return the run and the direction that a header such as `1+` or `Run 2 reverse` names, None for another."""
-    words = _PARTS.findall(column.stem.lower().replace("\N{MINUS SIGN}", "-"))
-    runs = [word for word in words if _RUN.fullmatch(word)]
-    ways = [_SIGNS[word] for word in words if word in _SIGNS]
-    others = [word for word in words if word not in _SIGNS and word not in runs and _STEMS.get(word) != "run"]
-    return (int(runs[0]), ways[0]) if len(runs) == len(ways) == 1 and not others else None
-
-
-def _direction(row: Row, column: Column) -> int:
-    text = row.text(column)
-    sign = _SIGNS.get(text.lower().replace("\N{MINUS SIGN}", "-"))
-    if sign is None:
-        remedy = "write + for the approach in the positive direction, - for the negative one"
-        raise row.fail("direction {text!r} is not known", remedy, text=text[:40])
-    return sign
-
-
-def _run(row: Row, column: Column) -> int:
-    text = row.text(column)
-    if not _RUN.fullmatch(text):
-        raise row.fail("run {text!r} is not a whole number", "number the runs 1, 2, 3, ...", text=text[:40])
-    return int(text)
-
-
 def _read(row: Row, target: Column, way: int, run: int, value: Column, test: Test) -> RawReading:
-    at, read = row.quantity(target), row.quantity(value)
-    return RawReading("", {"": at}, {"": way}, read, None, value.dimension, row.line, test=test, run=run)
+    at, rounding, read = row.quantity(target), row.rounding(target), row.quantity(value)
+    found = RawReading("", {"": at}, {"": way}, read, None, value.dimension, row.line, test=test, run=run)
+    return replace(found, rounding={"": rounding})

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -38,7 +38,7 @@ _AT_BED = re.compile(r"probe: at ([^\s,]+),([^\s,]+) bed will contact at z=(\S+)
 """What Klipper prints of each touch, until 2025 and since."""
 _TIME = r"(?:[\d-]{10} )?\d\d?:\d\d(?::\d\d)?(?:[.,]\d+)?\s*(?:[AP]M\s*)?(?:- )?"
 _LOG = re.compile(rf"^\s*(?:\[?{_TIME}\]?\s*(?::\s+)?)?(?:Recv:|<<<|>>>|[<>])?\s*(?:echo:|//)?\s*")
-_NUMBER = re.compile(r"[-+]?[\d.]+(?:e[-+]?\d+)?|nan")
+_NUMBER = re.compile(r"[-+]?[\d.]+(?:e[-+]?\d+)?|=+|nan", re.IGNORECASE)
 _TRAMMED = re.compile("Making the following Z adjustments")
 """Behind it the gantry lies anew: what was probed before is no part of a map."""
 _MAPPED = re.compile("Mesh Bed Leveling Complete|G29 Auto Bed Leveling")
@@ -50,6 +50,9 @@ _MOST = 1000
 """Nodes along a side."""
 _KEYS = "{0}min min{1} min_{0}", "{0}max max{1} max_{0}", "{0}num num{1} {0}_count", "{0}spacing spacing{1} spacing"
 """Of a side: as RepRapFirmware writes them today, in its newest version, and Klipper, or its first version."""
+
+
+_Kind = TypeVar("_Kind")
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +163,7 @@ def height_map(file: TextFile, around: Around) -> Found:
         raise file.fail("the height map is cut off", "copy the whole heightmap.csv", len(file.lines))
     head = dict(zip(_cells(file.lines[1]), _cells(file.lines[2]), strict=False))
     rows = [(n, _cells(line)) for n, line in enumerate(file.lines[3:], 4) if line.strip()]
-    found = grid(file, head, rows, 3, spaced=True)
+    found = grid(file, keyed(file, head, 3, spaced=True), rows, 3)
     radius = file.length(head.get("radius", "-1"), "radius", 3)
     places = (
         (i, j, x, cells[i : i + 1], y) for j, (y, _, cells) in enumerate(found.rows) for i, x in enumerate(found.x)
@@ -189,7 +192,7 @@ def mesh(file: TextFile, around: Around, filled: bool = False) -> Found:
             text = option[2] if inside else ""
         if inside and text:
             points.append((number, _cells(text.rstrip(", "))))
-    found = grid(file, keys, points, begin)
+    found = grid(file, keyed(file, keys, begin), points, begin)
     return found.readings(set() if filled else found.filled())
 
 
@@ -202,43 +205,41 @@ def moonraker(file: TextFile, around: Around) -> Found:
     held = _status(document)
     whole, _, named = file.name.rpartition("#")
     active = str(held.get("profile_name") or "")
-    name = named if whole and not Path(file.name).exists() else active
-    saved = {str(key): _table(value) for key, value in _table(held.get("profiles")).items()}
-    if _sequence(held.get("probed_matrix")) not in ([], [[]]) and name == active:
+    named = named if whole and not Path(file.name).exists() else ""
+    name = named or active
+    saved = {str(key): _as(dict, value) for key, value in _as(dict, held.get("profiles")).items()}
+    if _as(list, held.get("probed_matrix")) not in ([], [[]]) and name == active:
         saved[name] = _in_force(held)
     if not name and len(saved) > 1:
         raise _several(file, list(saved), 1)
     if not saved or (name not in saved and named):
         raise _unsaved(file, name, list(saved))
     chosen = saved.get(name) or next(iter(saved.values()))
-    points = [(1, [str(cell) for cell in _sequence(row)]) for row in _sequence(chosen.get("points"))]
-    found = grid(file, {str(key): str(value) for key, value in _table(chosen.get("mesh_params")).items()}, points, 1)
+    points = [(1, [str(cell) for cell in _as(list, row)]) for row in _as(list, chosen.get("points"))]
+    keys = {str(key): str(value) for key, value in _as(dict, chosen.get("mesh_params")).items()}
+    found = grid(file, keyed(file, keys, 1), points, 1)
     return found.readings(found.filled())
 
 
-def _status(document: object) -> Mapping[str, Any]:
+def _status(document: object) -> dict[str, Any]:
     """Return the table of a document that holds a matrix or profiles, an empty one where there is none."""
     while isinstance(document, dict) and not {"probed_matrix", "profiles"} & document.keys():
         document = next((document[key] for key in ("result", "status", "bed_mesh") if key in document), None)
-    return _table(document)
+    return _as(dict, document)
 
 
-def _in_force(held: Mapping[str, Any]) -> Mapping[str, Any]:
+def _in_force(held: Mapping[str, Any]) -> dict[str, Any]:
     """Return the mesh in force as a profile is saved."""
-    rows = _sequence(held["probed_matrix"])
-    keys = {"x_count": len(_sequence(rows[0])), "y_count": len(rows)}
-    for end in ("min", "max"):
-        place = _sequence(held.get(f"mesh_{end}"))
-        keys |= {f"{end}_x": place[0], f"{end}_y": place[1]} if len(place) == 2 else {}
-    return {"points": rows, "mesh_params": keys}
+    rows = _as(list, held["probed_matrix"])
+    low, high = (_as(list, held.get(f"mesh_{end}")) for end in ("min", "max"))
+    names = ("min_x", "min_y", "max_x", "max_y") if len(low) == len(high) == 2 else ()
+    keys = dict(zip(names, (*low, *high), strict=False))
+    return {"points": rows, "mesh_params": {**keys, "x_count": len(_as(list, rows[0])), "y_count": len(rows)}}
 
 
-def _table(value: object) -> Mapping[str, Any]:
-    return value if isinstance(value, dict) else {}
-
-
-def _sequence(value: object) -> list[Any]:
-    return value if isinstance(value, list) else []
+def _as(kind: type[_Kind], value: object) -> _Kind:
+    """Return a value of that kind, an empty one in place of another."""
+    return value if isinstance(value, kind) else kind()
 
 
 def console(file: TextFile, around: Around) -> Found:
@@ -340,33 +341,39 @@ def without_places(file: TextFile, rows: Rows, line: int, around: Around) -> Nod
             'map = {{ X = ["20 mm", "280 mm", {wide}], Y = ["20 mm", "280 mm", {high}] }}'
         )
         raise file.fail(what, remedy, line, wide=wide, high=high)
-    at_x, at_y = (np.linspace(*side, count).tolist() for side, count in zip(ends, (wide, high), strict=True))
-    return NodeGrid(file, at_x, [(at, number, cells) for at, (number, cells) in zip(at_y, rows, strict=True)])
+    return grid(file, [(*side, count) for side, count in zip(ends, (wide, high), strict=True)], rows, line)
 
 
 def _cells(line: str) -> list[str]:
     return [cell.strip() for cell in line.split(",")]
 
 
-def grid(file: TextFile, keys: Mapping[str, str], points: Rows, line: int, spaced: bool = False) -> NodeGrid:
-    """Return the cells at their places; raises ReadingError.  spaced : by a distance that is stated"""
-    x, y = (_side(file, keys, [each.format("xy"[k], k).split() for each in _KEYS], line, spaced) for k in (0, 1))
-    if len(points) != len(y):
+def grid(file: TextFile, sides: Sequence[tuple[float, float, float]], points: Rows, line: int) -> NodeGrid:
+    """Return the cells at their places; raises ReadingError.  sides : first and last node, m, and how many, of x, y"""
+    for low, high, count in sides:
+        if not (float(count).is_integer() and 1 <= count <= _MOST and (high > low if count > 1 else high == low)):
+            what, ends = "{count:g} nodes from {low:g} to {high:g} mm are no map", (1e3 * low, 1e3 * high)
+            raise file.fail(what, "copy the whole map", line, count=count, low=ends[0], high=ends[1])
+    at_x, at_y = (np.linspace(low, high, int(count)).tolist() for low, high, count in sides)
+    if len(points) != len(at_y):
         what = "{count} rows are announced, and there are {rows}"
-        raise file.fail(what, "copy the whole map", line, count=len(y), rows=len(points))
-    return NodeGrid(file, x, [(at, number, cells) for at, (number, cells) in zip(y, points, strict=True)])
+        raise file.fail(what, "copy the whole map", line, count=len(at_y), rows=len(points))
+    return NodeGrid(file, at_x, [(at, number, cells) for at, (number, cells) in zip(at_y, points, strict=True)])
 
 
-def _side(file: TextFile, keys: Mapping[str, str], names: list[list[str]], line: int, spaced: bool) -> list[float]:
-    """Return the coordinates of one side, m."""
-    found = [next((name for name in each if name in keys), "") for each in names[: 3 + spaced]]
-    if "" in found:
-        key = names[found.index("")][0 if spaced else -1]
-        raise file.fail("the map has no {key}", "copy the whole map", line - spaced, key=key)
-    low, high, count, *stated = (file.number(keys[name], name, line) for name in found)
-    spacing = stated[0] if stated else (high - low) / max(count - 1, 1)
-    whole = count.is_integer() and 2 - spaced <= count <= _MOST
-    if not whole or spacing <= 0 or low + (count - 1) * spacing > high + spacing:
-        what = "{count:g} nodes from {low:g} to {high:g} mm, {spacing:g} mm apart, are no map"
-        raise file.fail(what, "copy the whole map", line, count=count, low=low, high=high, spacing=spacing)
-    return [from_unit(low + i * spacing, file.unit or "mm") for i in range(int(count))]
+def keyed(file: TextFile, keys: Mapping[str, str], line: int, spaced: bool = False) -> list[tuple[float, float, float]]:
+    """Return the sides that keys state; raises ReadingError.  spaced : by the distance between nodes"""
+    sides = []
+    for k, letter in enumerate("xy"):
+        known = [each.format(letter, k).split() for each in _KEYS[: 3 + spaced]]
+        found = [next((name for name in each if name in keys), "") for each in known]
+        if "" in found:
+            key = known[found.index("")][0 if spaced else -1]
+            raise file.fail("the map has no {key}", "copy the whole map", line - spaced, key=key)
+        low, high, count, *spacing = (file.number(keys[name], name, line) for name in found)
+        last = low + (count - 1) * spacing[0] if spacing else high
+        if last > high + sum(spacing):
+            what = "{count:g} nodes from {low:g} to {high:g} mm, {spacing:g} mm apart, are no map"
+            raise file.fail(what, "copy the whole map", line, count=count, low=low, high=high, spacing=spacing[0])
+        sides.append((*from_unit(np.array([low, last]), file.unit or "mm").tolist(), count))
+    return sides

@@ -15,24 +15,19 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Literal
 
-from axiscal.document import shown
 from axiscal.exceptions import Faults, UnitError
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import MOST
+from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, Column, whole
 from axiscal.measurement.readers.csv_table import (
-    ANGLES,
     EXAMPLE,
-    LENGTHS,
-    TEXT,
-    Column,
     CsvTable,
     Row,
     axis_columns,
     axis_layout,
     csv_text,
-    read_approach,
-    read_position,
+    raw_pose,
     table_of,
 )
 from axiscal.measurement.readers.text_file import TextFile
@@ -44,15 +39,18 @@ _CLOCK = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d(?:\.\d+)?))?", re.A
 _DAY = re.compile(r"\d{4}-?(\d{2}-?\d{2}|W\d{2}(-?\d)?)", re.ASCII)
 _REMEDY = "write it as 2026-11-20T14:05:30, 14:05:30 or 95 min, and the lines in the order of time"
 
-_LENGTH = ("length",)
 _THREE = ("value_x", "value_y", "value_z")
 _MET = ("found_x", "found_y", "found_z")
 _STATIONS = tuple(f"value_{number}" for number in range(1, MOST + 1))
 """Columns of tracers that read at once."""
-_VALUES = (("value",), _LENGTH, _THREE, _MET, _STATIONS)
-"""One of these each line has."""
-_HIGHEST = 10**6
-"""Of a number of a reading: whoever writes more has slipped."""
+_FORMS: Mapping[tuple[str, ...], Literal["", "stations", "found", "length"]] = {
+    ("value",): "",
+    _THREE: "",
+    ("length",): "length",
+    _MET: "found",
+    _STATIONS: "stations",
+}
+"""Columns, of which each line has those of one row, and what their numbers are."""
 FOUND = ("less_expected", "surprise", "used", "rms_um", "minutes")
 """Columns that results add to their readings; a reading that was not used is left out."""
 _LAYOUT = {
@@ -84,14 +82,13 @@ class RawReading:
     line : line of the file
     others : the values along y and z of an instrument that reads three directions, whose first is `value`, or those of
         the second station and on
-    by_station : the values are one from each station
-    met : the values are the machine's X, Y, Z with the tool point where it found a ball, m
-    whole : the value is not a deviation but the length between the two places of its set-up
+    form : of the values, where they are no deviations of one: "stations" one from each, "found" the machine's X, Y, Z
+        with the tool point where it found a ball, m, "length" that between the two places of its set-up
     test : of one axis, or of a circle, that the reading belongs to; None for none
-    run : of a test
+    run : of a test; axis : that the file of a test names, "" where it names none
     check : its place was drawn at random
     number : under which a program has it, None if not said
-    error : where a file names no set-up but the error that was read, such as "EXX"; "z" a height, "slope" a level's
+    error : what was read, where a file names no set-up: "z" a height, "slope" a level's; "" for anything else
     time : s after the first reading of the file; None where it does not say
     base : how far apart the feet of a level stood, m
     rounding : of the digits of each coordinate, half of the last one, m or rad, by axis; absent where not known
@@ -106,16 +103,15 @@ class RawReading:
     dimension: Literal["length", "angle"]
     line: int
     others: tuple[float, ...] = ()
-    error: str = ""
+    error: Literal["", "z", "slope"] = ""
     time: float | None = None
     base: float | None = None
     beside: tuple[float, float] | None = None
     number: int | None = None
-    by_station: bool = False
-    met: bool = False
-    whole: bool = False
+    form: Literal["", "stations", "found", "length"] = ""
     test: Test | None = None
     run: int = 0
+    axis: str = ""
     check: bool = False
     rounding: Mapping[str, float] = field(default_factory=dict)
 
@@ -169,7 +165,7 @@ def table_readings(file: TextFile, around: Around) -> Found:
     own = {each.name: own_columns(each) for each in around.setups if each.written}
     table.allow(_LAYOUT | {stem: units for each in own.values() for stem, units in each.items()} | axis_layout(table))
     setup = next(iter(table.all_of("setup")), None) if bare else table.one_of("setup", "setup")
-    if not any(table.all_of(first) for first, *_ in (*_VALUES, *own.values())):
+    if not any(table.all_of(first) for first, *_ in (*_FORMS, *own.values())):
         table.one_of("value", "value_um")
     used = next(iter(table.all_of("used")), None)
     table = replace(table, rows=tuple(row for row in table.rows if used is None or row.text(used) != "no"))
@@ -195,14 +191,13 @@ def _numbers(table: CsvTable) -> list[int | None]:
         return [None] * len(table.rows)
     remedy, faults = "write the number that the program gives it, 1 or more, in every line", Faults()
     for row in table.rows:
-        text = row.text(column)
         with faults.noted():
-            if not (text.isascii() and text.isdigit() and 0 < int(text[:9]) <= _HIGHEST and len(text) < 9):
-                raise row.fail("{text} is not the number of a reading", remedy, text=shown(text))
-            if int(text) in lines:
+            what = "{text!r} is not the number of a reading"
+            number = row.meant(column, lambda text: whole(text) or None, what, remedy)
+            if number in lines:
                 what = "reading {number} stands in line {earlier} too"
-                raise row.fail(what, "leave one of them out", number=int(text), earlier=lines[int(text)])
-            lines[int(text)] = row.line
+                raise row.fail(what, "leave one of them out", number=number, earlier=lines[number])
+            lines[number] = row.line
     faults.refuse()
     return list(lines)
 
@@ -216,8 +211,8 @@ def own_columns(setup: Setup) -> dict[str, tuple[str, ...]]:
 
 def _reading(table: CsvTable, row: Row, setup: str, bare: bool, own: Mapping[str, tuple[str, ...]]) -> RawReading:
     """Return the reading of a line; raises ReadingError.  own : columns that its instrument names, {} of one of ours"""
-    first = row.only_filled([column for stems in _VALUES for column in table.all_of(stems[0])])
-    stems = tuple(own) or next((each for each in _VALUES if first is not None and each[0] == first.stem), ())
+    first = row.only_filled([column for stems in _FORMS for column in table.all_of(stems[0])])
+    stems = tuple(own) or next((each for each in _FORMS if first is not None and each[0] == first.stem), ())
     if not stems:
         raise row.fail("the line has no value", "write the deviation that was read, or take out the line")
     if not (setup or bare):
@@ -225,10 +220,10 @@ def _reading(table: CsvTable, row: Row, setup: str, bare: bool, own: Mapping[str
     columns = _filled(table, row, stems, own)
     value, *others = map(row.quantity, columns)
     std = _std(table, row, columns[0])
-    at = setup, read_position(table, row), read_approach(table, row, alone=True)
+    pose = raw_pose(table, row, alone=True)
     rounding = {name: row.rounding(column) for name, column in axis_columns(table, row).items()}
-    raw = RawReading(*at, value, std, columns[0].dimension, row.line, tuple(others))
-    return replace(raw, by_station=stems is _STATIONS, met=stems is _MET, whole=stems is _LENGTH, rounding=rounding)
+    own_form, of = _FORMS.get(stems, ""), (value, std, columns[0].dimension, row.line, tuple(others))
+    return RawReading(setup, pose.position, pose.approach, *of, form=own_form, rounding=rounding)
 
 
 def _filled(table: CsvTable, row: Row, stems: Sequence[str], own: Mapping[str, tuple[str, ...]]) -> list[Column]:

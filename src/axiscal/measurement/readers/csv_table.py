@@ -1,9 +1,9 @@
 """CSV tables whose header names the units, read strictly.
 
-One header line, `#` before a comment line.  A column is `stem` (text), or `stem_unit` or `stem [unit]` (a number).
-The header says what separates the cells: commas, semicolons or tabs. Numbers have a decimal point; between semicolons
-or tabs all of them may have a decimal comma instead.  Nothing is guessed: every fault is a `ReadingError` with file,
-line, value and remedy.
+One header line, `#` before a comment line.  A column is `stem` (text), or `stem_unit` or `stem [unit]` (a number);
+units may stand in a line of their own below.  Lines above are titles, where two names of columns tell the header.
+The header says what separates the cells: commas, semicolons or tabs.  Numbers are as `decimal_marks` has them.
+Nothing is guessed: every fault is a `ReadingError` with file, line, value and remedy.
 
 Text that would be a formula in a spreadsheet is shielded, and read back. A text whose first character, quotes left
 aside, is one of `= + - @`, tab or return gets an apostrophe in front. A spreadsheet takes that for "this is text";
@@ -18,76 +18,52 @@ import csv
 import io
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import zip_longest
 from pathlib import Path
-from typing import Literal
 
 from axiscal.document.quoting import meant
 from axiscal.exceptions import ReadingError
-from axiscal.language.spoken import counted, later, listed, put, said
+from axiscal.language.spoken import later, listed, said
 from axiscal.machine.entry import AXIS_NAME
+from axiscal.measurement.readers.columns import (
+    ANGLES,
+    LENGTHS,
+    OF_READINGS,
+    STEMS,
+    TEXT,
+    Column,
+    column_of,
+    run_of,
+    sign_of,
+    unit_of,
+)
+from axiscal.measurement.readers.decimal_marks import NUMBER, doubtful, half_digit, marks_of, plain
 from axiscal.measurement.readers.text_file import TextFile, lines_of, read_text
 from axiscal.measurement.reading import LARGEST
 from axiscal.units import from_unit
 
 _FORMULA = re.compile(r"'*[=+\-@\t\r]")
 
-LENGTHS = ("mm", "um", "nm", "m", "in", "inch")
-ANGLES = ("deg", "arcsec", "urad", "mrad", "rad")
-SLOPES = ("um/m", "mm/m", "arcsec", "arcmin", "urad", "mrad", "deg", "div")
-"""Of a level: div are divisions, whose value is stated beside."""
-TEXT: tuple[str, ...] = ()
-_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
-_COMMA = re.compile(r"'?[+\-\N{MINUS SIGN}]?(\d+,\d*|,\d+)([eE][+-]?\d+)?", re.ASCII)
-_SWAPPED = str.maketrans(",.", ".,")
 _LONGEST = 60
 """Characters of what is quoted."""
 _SEPARATORS, _QUOTED = ",;\t", re.compile('"[^"]*"')
-_UNITS = {*LENGTHS, *ANGLES, *SLOPES}
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
 _NOTHING = re.compile(r"\s*#|[\s;,]*$")
+_TITLES = 60
+"""Lines with more titles above the header than any program writes are no table."""
 _HINT = re.compile(r"\s*sep=(.)\s*")
 """First line by which a spreadsheet says what separates the cells."""
-_IN_BRACKETS = re.compile(r"(.*?)\s*[\[(]([^\[(]*)[\])]")
-_SPECIAL = re.compile(r'["\r\n\0]')
-_SHORT = 100_000
-"""Characters; the csv module refuses longer cells by itself."""
-
-
-@dataclass(frozen=True, slots=True)
-class Column:
-    """One column: its header as written, what it holds, and in which unit (None for text).
-
-    stated : unit that the file's reader was given for numbers whose header names none, "" where it was given none
-    """
-
-    name: str
-    stem: str
-    unit: str | None
-    stated: str = ""
-
-    @property
-    def dimension(self) -> Literal["length", "angle"]:
-        """What the unit measures."""
-        return "length" if (self.unit or self.stated) in LENGTHS else "angle"
-
-    def fits(self, units: Sequence[str]) -> bool:
-        """Return whether it is in one of these units; in none where there are none, for text."""
-        return (self.unit or (self.stated if units else "")) in (units or ("",))
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One line of data: cells by header, stripped of white space, shields taken away.
-
-    comma : its numbers have a decimal comma
-    """
+    """One line of data: cells by header, stripped of white space, shields taken away."""
 
     file: str
     line: int
     cells: Mapping[str, str]
-    comma: bool = False
 
     def fail(self, what: str, remedy: str, **values: object) -> ReadingError:
         """Return the error that places a fault in this line."""
@@ -110,27 +86,29 @@ class Row:
 
     def number(self, column: Column) -> float:
         """Return a cell as the number that it says; raises ReadingError."""
-        plain = self._plain(column)
-        value = float(plain) if _NUMBER.fullmatch(plain) else math.nan
-        if not math.isfinite(value):
+        text = self._plain(column)
+        value = float(text) if NUMBER.fullmatch(text) else math.nan
+        if not math.isfinite(value) or doubtful(self.text(column), column.mark):
             raise self._no_number(column)
         return value
 
     def rounding(self, column: Column) -> float:
         """Return half of the last digit of a number, in SI units."""
-        head, *power = re.split("[eE]", self._plain(column).lstrip("+-"))
-        half = "e".join([re.sub(r"\d", "0", head) + ("5" if "." in head else ".5"), *power])
-        return from_unit(float(half), column.unit or column.stated)
+        return from_unit(half_digit(self._plain(column)), column.unit or column.stated)
 
     def _plain(self, column: Column) -> str:
-        """Return a cell as a number with a decimal point is written."""
-        plain = self.text(column).replace("\N{MINUS SIGN}", "-")
-        return plain.translate(_SWAPPED) if self.comma else plain
+        return plain(self.text(column), column.mark)
 
     def _no_number(self, column: Column) -> ReadingError:
-        what, remedy = _why_not(self._plain(column), self.comma)
         text = self.text(column)
+        what, remedy = _why_not(text, column.mark)
         return self.fail(what, remedy, column=column.name, text=_quote(text), better=text.replace(",", "."))
+
+    def meant(self, column: Column, read: Callable[[str], int | None], what: str, remedy: str) -> int:
+        """Return what a cell means; raises ReadingError where `read` returns None."""
+        if (found := read(self.text(column))) is None:
+            raise self.fail(what, remedy, text=self.text(column)[:40])
+        return found
 
     def only_filled(self, columns: Sequence[Column]) -> Column | None:
         """Return the one column of several that is filled here, None if all are empty; raises ReadingError for two."""
@@ -162,8 +140,7 @@ class CsvTable:
         if found:
             what = "columns '{name}' and '{other}' say the same"
             raise self.fail(what, "keep one of them", name=found[0].name, other=found[1].name)
-        remedy = "name it in the header; found: {known}"
-        raise self.fail("there is no column '{example}'", remedy, example=example, known=self.header)
+        raise self.fail("there is no column '{example}'", "name it in the header; found: {found}", example=example)
 
     def needed(self, layout: Mapping[str, tuple[str, ...]], *names: str) -> tuple[Column, ...]:
         """Return the columns that names such as `target_mm` are examples of, in whatever units.
@@ -174,13 +151,9 @@ class CsvTable:
         return tuple(self.one_of(column_of(name).stem, name) for name in names)
 
     def fail(self, what: str, remedy: str, **values: object) -> ReadingError:
-        """Return the error that places a fault in the header."""
-        return ReadingError(what, remedy, self.file, self.line, **values)
-
-    @property
-    def header(self) -> str:
-        """The header, as one line."""
-        return ",".join(column.name for column in self.columns)
+        """Return the error that places a fault in the header, `found`."""
+        found = ",".join(column.name for column in self.columns)
+        return ReadingError(what, remedy, self.file, self.line, **{"found": found, **values})
 
     def allow(self, layout: Mapping[str, tuple[str, ...]]) -> CsvTable:
         """Return the table if each column is in `layout` (stem -> units, TEXT for text); raises ReadingError if not.
@@ -206,11 +179,6 @@ class CsvTable:
         return self.fail("column '{column}' is not known", meant(name, known, every), column=name)
 
 
-def read_table(path: str | Path) -> CsvTable:
-    """Read a table from a file; raises ReadingError when it cannot be opened or is not such a table."""
-    return table_of(read_text(path))
-
-
 def parse_table(text: str, file: str) -> CsvTable:
     """Parse a table from text; `file` is the name that errors carry.  Raises ReadingError."""
     return table_of(TextFile(file, lines_of(text, file)))
@@ -220,75 +188,90 @@ EXAMPLE = "setup,X_mm,approach,value_um"
 """A header."""
 
 
-def table_of(file: TextFile, header: str = EXAMPLE) -> CsvTable:
-    """Return the table that a file holds; raises ReadingError, with a header as example where there is none."""
-    number, separator, columns, data = _begun(file, header)
-    read = [(n, line, _cells(file.name, n, line, separator)) for n, line in data]
-    comma = separator != "," and any(_COMMA.fullmatch(cell) for _, _, cells in read for cell in cells)
-    rows = tuple(_row(file.name, n, line, cells, columns, comma) for n, line, cells in read)
+def table_of(file: TextFile, header: str = EXAMPLE, words: Mapping[str, str] = OF_READINGS) -> CsvTable:
+    """Return the table that a file holds; raises ReadingError, with a header as example where there is none.
+
+    words : stems by what they may be called in the header
+    """
+    number, separator, columns, data = _begun(file, header, words)
+    rows = [_row(file.name, n, line, _cells(file.name, n, line, separator), columns) for n, line in data]
     if not rows:
         raise file.fail("there is a header but no data", "add one line for each reading", number)
-    return CsvTable(file.name, number, columns, rows)
+    marks = marks_of([[row.text(column) for row in rows] for column in columns], separator)
+    columns = tuple(replace(column, mark=each) for column, each in zip(columns, marks, strict=True))
+    return CsvTable(file.name, number, columns, tuple(rows))
 
 
-def header_of(file: TextFile) -> tuple[Column, ...]:
-    """Return the columns that the first line of a file names, none where it is no header."""
+def header_of(file: TextFile, words: Mapping[str, str]) -> tuple[Column, ...]:
+    """Return the columns that the header of a file names, none where it has none."""
     try:
-        return _begun(file, "")[2]
+        return _begun(file, "", words)[2]
     except ReadingError:
         return ()
 
 
-def _begun(file: TextFile, header: str) -> tuple[int, str, tuple[Column, ...], list[tuple[int, str]]]:
+def _begun(
+    file: TextFile, header: str, words: Mapping[str, str]
+) -> tuple[int, str, tuple[Column, ...], list[tuple[int, str]]]:
     """Return the line of the header, what separates cells, the columns, and the lines of data; raises ReadingError."""
     data = [(number, line) for number, line in enumerate(file.lines, 1) if not _NOTHING.match(line)]
     hint = _HINT.fullmatch(data[0][1]) if data else None
     if not data[bool(hint) :]:
         raise file.fail("there is no header and no data", "let the first line name the columns")
-    (number, first), *data = data[bool(hint) :]
-    separator = hint[1] if hint else max(_SEPARATORS, key=_QUOTED.sub("", first).count)
-    return number, separator, _columns(file, number, _cells(file.name, number, first, separator), header), data
+    begin = next((at for at, (_, line) in enumerate(data[:_TITLES]) if _names_columns(line)), int(hint is not None))
+    (number, first), *data = data[begin:]
+    separator = hint[1] if hint else _separator(first)
+    names = _cells(file.name, number, first, separator)
+    while len(names) > 1 and not names[-1]:
+        names.pop()
+    below = _cells(file.name, *data[0], separator) if data else []
+    if any(below) and all(unit_of(cell) or not cell for cell in below):  # the units, in a line of their own
+        units = [unit_of(cell) for cell in below]
+        names = [f"{name} [{unit}]" if unit else name for name, unit in zip_longest(names, units, fillvalue="")]
+        data = data[1:]
+    return number, separator, _columns(file, number, names, header, words), data
+
+
+def _separator(line: str) -> str:
+    """Return what separates the cells of a header."""
+    return max(_SEPARATORS, key=_QUOTED.sub("", line).count)
+
+
+def _names_columns(line: str) -> bool:
+    """Return whether two cells of a line are known as names of columns."""
+    columns, words = [column_of(cell.strip(' "')) for cell in line.split(_separator(line))], STEMS.keys() | OF_READINGS
+    return sum(bool(each.unit or each.stem.lower() in words or run_of(each.stem)) for each in columns) > 1
 
 
 def _cells(file: str, number: int, line: str, separator: str) -> list[str]:
     try:
-        if len(line) < _SHORT and not _SPECIAL.search(line):  # the same, many times faster
-            return [cell.strip() for cell in line.split(separator)]
         return [cell.strip() for cell in next(csv.reader([line], strict=True, delimiter=separator))]
     except csv.Error as error:
         remedy = "close every quote and cell"
         raise ReadingError("the line is not CSV: {error}", remedy, file, number, error=error) from None
 
 
-def _columns(file: TextFile, number: int, names: list[str], header: str) -> tuple[Column, ...]:
-    if any(_NUMBER.fullmatch(name) for name in names):
+def _columns(
+    file: TextFile, number: int, names: list[str], header: str, words: Mapping[str, str]
+) -> tuple[Column, ...]:
+    if any(NUMBER.fullmatch(name) for name in names):
         remedy = "let the first line be the header, such as {header}"
         raise file.fail("the first line holds numbers and names no columns", remedy, number, header=header)
     for index, name in enumerate(names):
         if not name or name in names[:index]:
             what = "column '{name}' is named twice" if name else "column {column} has no name"
-            raise file.fail(
-                what, "give each column one name of its own", number, name=name[:_LONGEST], column=index + 1
-            )
-    return tuple(column_of(name, file.unit) for name in names)
+            name, remedy = name[:_LONGEST], "give each column one name of its own"
+            raise file.fail(what, remedy, number, name=name, column=index + 1)
+    return tuple(column_of(name, file.unit, words) for name in names)
 
 
-def column_of(name: str, stated: str = "") -> Column:
-    """Return the column of a header: `stem_unit`, `stem [unit]` or `stem (unit)`, else text or a number as stated."""
-    plain = name.replace("µ", "u").replace("μ", "u")
-    stem, unit = found.groups() if (found := _IN_BRACKETS.fullmatch(plain)) else plain.rpartition("_")[::2]
-    return Column(name, stem, unit, stated) if stem and unit in _UNITS else Column(name, name, None, stated)
-
-
-def _row(file: str, number: int, line: str, cells: list[str], columns: tuple[Column, ...], comma: bool) -> Row:
-    if len(cells) != len(columns):
+def _row(file: str, number: int, line: str, cells: list[str], columns: tuple[Column, ...]) -> Row:
+    if len(cells) < len(columns) or any(cells[len(columns) :]):
         remedy = "write one cell for each column, and a decimal point in numbers: 1.5, not 1,5"
-        had = counted("the line has {count} cell", "the line has {count} cells", len(cells))
-        wanted = counted("the header {count} column", "the header {count} columns", len(columns))
-        what = put("{had}, {wanted}: {text}", had=had, wanted=wanted, text=_quote(line))
-        raise ReadingError(what, remedy, file, number)
-    named = zip(columns, cells, strict=True)
-    return Row(file, number, {column.name: unshielded(cell) for column, cell in named}, comma)
+        what, text = "the line has {count} cells for {columns} columns: {text}", _quote(line)
+        raise ReadingError(what, remedy, file, number, count=len(cells), columns=len(columns), text=text)
+    named = zip(columns, cells, strict=False)
+    return Row(file, number, {column.name: unshielded(cell) for column, cell in named})
 
 
 def _quote(text: str) -> str:
@@ -296,21 +279,22 @@ def _quote(text: str) -> str:
     return repr(text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "...")
 
 
-def _why_not(text: str, comma: bool) -> tuple[str, str]:
-    """Return what is wrong with a cell that is no number of a machine, and what would be right.
-
-    comma : the file has decimal commas, and points and commas of the text are swapped
-    """
+def _why_not(text: str, mark: str) -> tuple[str, str]:
+    """Return what is wrong with a cell that is no number of a machine, and what would be right."""
+    number, or_out = plain(text, mark), later("write the number that was read, or take out the line")
     if not text:
-        return later("{column} is empty"), later("write the number that was read, or take out the line")
-    if _NUMBER.fullmatch(text) and math.isfinite(float(text)):
+        return later("{column} is empty"), or_out
+    if doubtful(text, mark):
+        remedy = later("write it without a mark of thousands, or with four decimals")
+        return later("{column} {text} is a number of thousands, or one with three decimals"), remedy
+    if NUMBER.fullmatch(number) and math.isfinite(float(number)):
         remedy = later("write the number that was read, in the unit of the header")
         return later("{column} {text} is too large for a machine"), remedy
-    if _NOT_FINITE.fullmatch(text) or _NUMBER.fullmatch(text):
-        return later("{column} {text} is not finite"), later("write the number that was read, or take out the line")
-    if comma and _NUMBER.fullmatch(text.replace(",", ".")):
+    if _NOT_FINITE.fullmatch(number) or NUMBER.fullmatch(number):
+        return later("{column} {text} is not finite"), or_out
+    if NUMBER.fullmatch(text):
         return later("{column} {text} has a decimal point, others have a comma"), later("write all numbers alike")
-    if _NUMBER.fullmatch(text.replace(",", ".")):
+    if NUMBER.fullmatch(text.replace(",", ".")):
         return later("{column} {text} has a decimal comma"), later("write a decimal point: {better}")
     remedy = later("write digits with a decimal point; the unit stands in the header")
     return later("{column} {text} is not a number"), remedy
@@ -319,7 +303,7 @@ def _why_not(text: str, comma: bool) -> tuple[str, str]:
 def csv_text(rows: Iterable[Sequence[str]]) -> str:
     """Return a CSV file of text and of numbers as they are written."""
     text = io.StringIO()
-    shielded = ([f"'{c}" if _FORMULA.match(c) and not _NUMBER.fullmatch(c) else c for c in row] for row in rows)
+    shielded = ([f"'{c}" if _FORMULA.match(c) and not NUMBER.fullmatch(c) else c for c in row] for row in rows)
     csv.writer(text, lineterminator="\n").writerows(shielded)
     return text.getvalue()
 
@@ -329,8 +313,7 @@ def unshielded(cell: str) -> str:
     return cell[1:] if cell[:1] == "'" and _FORMULA.match(cell) else cell
 
 
-_APPROACH = re.compile(f"({AXIS_NAME})([+−-])")
-_APPROACH_ALONE = re.compile(f"({AXIS_NAME}|)([+−-])")
+_APPROACH = re.compile(f"([+−-])?({AXIS_NAME})([+−-])?")
 
 
 _AXIS = re.compile(f"{AXIS_NAME}(?:_radius|_diameter)?")
@@ -346,55 +329,54 @@ def axis_layout(table: CsvTable) -> dict[str, tuple[str, ...]]:
     return {name: ANGLES if name[0] in "ABC" else LENGTHS for name in (*"XYZABC", *axis_names(table))}
 
 
-def read_position(table: CsvTable, row: Row) -> dict[str, float]:
-    """Return the coordinates (m or rad) that a line gives, by axis; an empty cell gives none.  Raises ReadingError."""
-    return {name: row.quantity(column) for name, column in axis_columns(table, row).items()}
-
-
 def axis_columns(table: CsvTable, row: Row) -> dict[str, Column]:
     """Return the column of each coordinate that a line gives, by axis."""
     columns = ((name, row.only_filled(table.all_of(name))) for name in axis_names(table))
     return {name: column for name, column in columns if column is not None}
 
 
-def approach_of(text: str, word: re.Pattern[str] = _APPROACH) -> dict[str, int] | None:
-    """Return the direction of the last motion (+1, -1) by axis from `X+ Y-` or `X+;Y-`, None where it is none."""
-    found = [word.fullmatch(each) for each in re.split(r"[\s,;]+", text) if each]
-    approach = {each[1]: 1 if each[2] == "+" else -1 for each in found if each}
+def approach_of(text: str) -> dict[str, int] | None:
+    """Return the direction of the last motion (+1, -1) by axis from `X+ Y-`, `X+;Y-` or `+X`, None where it is none."""
+    found = [_APPROACH.fullmatch(each) for each in re.split(r"[\s,;]+", text) if each]
+    approach = {each[2]: sign for each in found if each and (sign := sign_of((each[1] or "") + (each[3] or "")))}
     return approach if len(approach) == len(found) else None
-
-
-def read_approach(table: CsvTable, row: Row, *, alone: bool = False) -> dict[str, int]:
-    """Return the approach that a line gives; raises ReadingError.  alone : `+` is taken as well, of the axis ''"""
-    columns = table.all_of("approach")
-    text = row.text(columns[0]) if columns else ""
-    if (approach := approach_of(text, _APPROACH_ALONE if alone else _APPROACH)) is None:
-        remedy = "write each axis once with its direction, as in 'X+' or 'X+ Y-', or leave it empty"
-        raise row.fail("approach {text!r} cannot be read", remedy, text=text)
-    return approach
 
 
 @dataclass(frozen=True, slots=True)
 class RawPose:
-    """One pose as written: coordinate (m or rad) by axis, direction of approach (+1, -1) by axis, line of the file."""
+    """One pose as written: coordinate (m or rad) by axis, direction of approach (+1, -1) by axis, line of the file.
+
+    setup : of a reading that is planned
+    """
 
     position: Mapping[str, float]
     approach: Mapping[str, int]
     line: int
+    setup: str = ""
+
+
+def raw_pose(table: CsvTable, row: Row, *, alone: bool = False) -> RawPose:
+    """Return the pose of a line, without axes whose cells are empty; raises ReadingError.
+
+    alone : the approach may be a direction such as `+`, of the axis ''
+    """
+    position = {name: row.quantity(column) for name, column in axis_columns(table, row).items()}
+    text = next((row.text(column) for column in table.all_of("approach")), "")
+    approach = {"": sign} if alone and (sign := sign_of(text)) else approach_of(text)
+    if approach is None:
+        remedy = "write each axis once with its direction, as in 'X+' or 'X+ Y-', or leave it empty"
+        raise row.fail("approach {text!r} cannot be read", remedy, text=text)
+    return RawPose(position, approach, row.line)
 
 
 def read_poses(path: str | Path) -> tuple[RawPose, ...]:
     """Read poses in the order of the file, each with a coordinate in every axis column; raises ReadingError."""
-    table = read_table(path)
+    table = table_of(read_text(path))
     axes = axis_names(table)
     table.allow({"approach": TEXT} | axis_layout(table))
     if not axes:
         raise table.fail("no column names an axis", "name the axes as in 'X_mm' or 'C_deg'")
-    return tuple(_pose(table, row, len(axes)) for row in table.rows)
-
-
-def _pose(table: CsvTable, row: Row, axes: int) -> RawPose:
-    position = read_position(table, row)
-    if len(position) < axes:
-        raise row.fail("the pose has an empty coordinate", "write a coordinate for every axis of the header")
-    return RawPose(position, read_approach(table, row), row.line)
+    for row in table.rows:
+        if len(axis_columns(table, row)) < len(axes):
+            raise row.fail("the pose has an empty coordinate", "write a coordinate for every axis of the header")
+    return tuple(raw_pose(table, row) for row in table.rows)

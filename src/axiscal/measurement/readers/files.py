@@ -10,9 +10,12 @@ from typing import NamedTuple, Protocol
 from axiscal.document.ports import all_of
 from axiscal.language.spoken import joined, later, put, said
 from axiscal.machine.axis import Axis
-from axiscal.measurement.readers import axis_tests, bed_map, level_survey, marlin_map, point_lists, renishaw
+from axiscal.measurement.readers import bed_map, level_survey, marlin_map, point_lists
+from axiscal.measurement.readers.axis_tests import circle, long_table, test_of, wide_table
+from axiscal.measurement.readers.bed_map import points_of
 from axiscal.measurement.readers.csv_readings import ALONE, Around, Found, RawReading, table_readings
 from axiscal.measurement.readers.probe_offset import offset_in
+from axiscal.measurement.readers.renishaw import file_type, laser_test
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.measurement.setup import Setup
 
@@ -44,12 +47,10 @@ class Format(NamedTuple):
 
 
 FORMATS = (
-    Format(later("a positioning test (.rtl)"), lambda file: renishaw.file_type(file) == "rtl", renishaw.laser_test),
-    Format(later("an angular test (.rta)"), lambda file: renishaw.file_type(file) == "rta", renishaw.laser_test),
-    Format(
-        later("a straightness test (.rts)"), lambda file: renishaw.file_type(file) == "rts", renishaw.laser_test, True
-    ),
-    Format(later("a file of laser software"), lambda file: renishaw.file_type(file) is not None, renishaw.laser_test),
+    Format(later("a positioning test (.rtl)"), lambda file: file_type(file) == "rtl", laser_test, True),
+    Format(later("an angular test (.rta)"), lambda file: file_type(file) == "rta", laser_test, True),
+    Format(later("a straightness test (.rts)"), lambda file: file_type(file) == "rts", laser_test, True),
+    Format(later("a file of laser software"), lambda file: file_type(file) is not None, laser_test, True),
     Format(later("a level survey"), level_survey.is_survey, level_survey.survey_readings),
     Format(later("a RepRapFirmware map"), bed_map.is_height_map, bed_map.height_map),
     Format(later("a Klipper mesh"), bed_map.is_mesh, bed_map.mesh),
@@ -57,7 +58,11 @@ FORMATS = (
     Format(later("a mesh of the Klipper console"), bed_map.is_console, bed_map.console),
     Format(later("probed points of the Klipper console"), bed_map.is_klipper_probed, bed_map.klipper_probed),
     Format(later("a UBL map"), marlin_map.is_topography, marlin_map.topography),
-    Format(later("probed points of Marlin (G29 V4)"), marlin_map.is_probed, marlin_map.probed),
+    Format(
+        later("probed points of Marlin (G29 V4)"),
+        marlin_map.is_probed,
+        lambda file, _: points_of(file, marlin_map.POINT),
+    ),
     Format(later("a linear map of Marlin (G29 T)"), marlin_map.is_linear, marlin_map.linear),
     Format(later("a Marlin map (M420 V)"), marlin_map.is_printed, marlin_map.printed),
     Format(later("a Marlin map (M421, M503)"), marlin_map.is_nodes, marlin_map.nodes),
@@ -66,9 +71,9 @@ FORMATS = (
     Format(later("a bCNC probe file"), point_lists.is_bcnc, point_lists.bcnc, True),
     Format(later("touches of grbl"), point_lists.is_grbl, point_lists.grbl, True),
     Format(later("a list of points X Y Z"), point_lists.is_list, point_lists.listed, True),
-    Format(later("a circular test (ISO 230-4)"), axis_tests.is_circle, axis_tests.circle, True),
-    Format(later("a test of one axis, a column a run"), axis_tests.is_wide, axis_tests.wide_table, True),
-    Format(later("a test of one axis (ISO 230-2)"), axis_tests.is_long, axis_tests.long_table, True),
+    Format(later("a circular test (ISO 230-4)"), lambda file: test_of(file) == "circle", circle, True),
+    Format(later("a test of one axis, a column a run"), lambda file: test_of(file) == "wide", wide_table, True),
+    Format(later("a test of one axis (ISO 230-2)"), lambda file: test_of(file) == "long", long_table, True),
 )
 """In this order: the first that knows a file reads it."""
 _TABLE = Format(later("a table of readings"), lambda file: True, table_readings, True)

@@ -9,11 +9,11 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
+from axiscal.language.spoken import said
 from axiscal.measurement.readers.bed_map import (
     Rows,
     below_title,
     grid,
-    points_of,
     rows_below,
     telling,
     told_lines,
@@ -29,11 +29,10 @@ _PRINTED = re.compile(r"(?:raw |compensated )?Bilinear Leveling Grid:|Measured p
 _LABELLED = re.compile(r"(\d{1,3}) ?\|(.*)")
 _CORNER = re.compile(r"\(\s*(-?[\d.]+),\s*(-?[\d.]+)\)")
 _CELL = re.compile(r"[-+]?[\d.]+|=+|nan", re.IGNORECASE)
-_NUMBERED = re.compile(r"(\d{1,3})((?:\s+(?:[-+]?[\d.]+|=+|nan))+)", re.IGNORECASE)
 _NODE = re.compile(r"(?:N\d{1,9}\s+)?(M421|G29 [WS]3?)(?![\d.])([^;*]*)")
 _INDEX = re.compile(r"\d{1,3}")
 _WORD = re.compile(r"([A-Z]) ?([-+.\w]*)")
-_POINT = re.compile(r"Bed X: ?(\S+) Y: ?(\S+) Z: ?(\S+)(.*)")
+POINT = re.compile(r"Bed X: ?(\S+) Y: ?(\S+) Z: ?(\S+)(.*)")
 _INCHES = re.compile(r"G20\b")
 _BUILT = re.compile(r"; mesh from X (\S+) to (\S+) and Y (\S+) to (\S+)")
 _WHOLE = "copy the whole map as Marlin printed it"
@@ -42,7 +41,8 @@ _WHOLE = "copy the whole map as Marlin printed it"
 _titled, is_linear, is_printed = telling(_TOPOGRAPHY), telling(_LINEAR), telling(_PRINTED)
 """Whether a line begins the topography of UBL (M420 V, G29 T), that of a level plane, or a grid of M420 V."""
 _cornered, _labelled = telling(_CORNER), telling(_LABELLED)
-is_probed, is_nodes = telling(_POINT), telling(_NODE)
+_of_prusa = telling(re.compile("Num X,Y:"))  # G81, the last row along y first
+is_probed, is_nodes = telling(POINT), telling(_NODE)
 """Whether there are lines of G29 V4, or that set a node: M421, or G29 W and G29 S3 of a report of M503."""
 
 
@@ -73,13 +73,11 @@ def topography(file: TextFile, around: Around) -> Found:
         what = "the map has {rows} rows that follow each other from 0 on, and {corners} of 4 corners"
         whole = next((count for count in range(len(rows) + 1) if count not in rows), 0)
         raise file.fail(what, _WHOLE, begin, rows=whole, corners=len(corners))
-    keys = {"x_count": str(len(rows[0][1])), "y_count": str(len(rows))}
-    for side, letter in enumerate("xy"):
-        ends = sorted((corner[side] for corner in corners), key=lambda end: file.number(end, "corner", begin))
-        if ends[0] != ends[1] or ends[2] != ends[3]:
-            raise file.fail("the corners are those of no rectangle", _WHOLE, begin)
-        keys |= {f"min_{letter}": ends[0], f"max_{letter}": ends[-1]}
-    return grid(file, keys, [rows[j] for j in range(len(rows))], begin).readings()
+    x, y = ({file.length(corner[k], "corner", begin) for corner in corners} for k in (0, 1))
+    if len(x) != 2 or len(y) != 2:
+        raise file.fail("the corners are those of no rectangle", _WHOLE, begin)
+    sides = (min(x), max(x), len(rows[0][1])), (min(y), max(y), len(rows))
+    return grid(file, sides, [rows[j] for j in range(len(rows))], begin).readings()
 
 
 def _of_marlin_1(corners: list[tuple[str, str]], rows: Rows) -> list[tuple[str, str]]:
@@ -90,20 +88,16 @@ def _of_marlin_1(corners: list[tuple[str, str]], rows: Rows) -> list[tuple[str, 
 
 
 def printed(file: TextFile, around: Around) -> Found:
-    """Return the readings of the grid of M420 V, the first row along y; raises ReadingError."""
-    begin, below = below_title(file, _PRINTED)
-    rows = Rows()
-    for number, text in below:
-        row = _NUMBERED.fullmatch(text)
-        if row and int(row[1]) == len(rows) and not re.fullmatch(r"[\d\s]+", text):
-            rows.append((number, row[2].split()))
-        elif rows:
-            break
-    if not rows and rows_below(file, _PRINTED)[0]:
+    """Return the readings of the grid of M420 V, the first row along y, or of a Prusa's G81; raises ReadingError."""
+    rows, begin = rows_below(file, _PRINTED)
+    if _of_prusa(file):
+        return replace(without_places(file, rows[::-1], begin, around).readings(), note=said("as if all were probed"))
+    numbered = [(line, cells[1:]) for j, (line, cells) in enumerate(rows[1:]) if cells[0] == str(j)]
+    if len(numbered) < len(rows) - 1:
         what = "these heights lie between the probed ones: they are those that the printer corrects by"
         remedy = "give what was probed: the mesh of printer.cfg, or the answer to BED_MESH_OUTPUT or to M420 V"
         raise file.fail(what, remedy, begin)
-    return without_places(file, rows, begin, around).readings()
+    return without_places(file, numbered, begin, around).readings()
 
 
 def nodes(file: TextFile, around: Around) -> Found:
@@ -142,11 +136,6 @@ def nodes(file: TextFile, around: Around) -> Found:
         around = replace(around, ends=((low_x, top_x), (low_y, top_y)))
     rows = [(line, [found.get((i, j), (0, "nan"))[1] for i in range(wide)]) for j in range(high)]
     return without_places(file, rows, line, around).readings()
-
-
-def probed(file: TextFile, around: Around) -> Found:
-    """Return the readings of lines of G29 V4; raises ReadingError."""
-    return points_of(file, _POINT)
 
 
 def linear(file: TextFile, around: Around) -> Found:

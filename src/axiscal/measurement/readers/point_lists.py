@@ -7,33 +7,29 @@ depth; LinuxCNC (`smartprobe.ngc`) writes all nine axes; grbl answers `[PRB:X,Y,
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 
 from axiscal.document.file import number_or_none
 from axiscal.language.spoken import said
-from axiscal.measurement.readers.bed_map import Rows, grid, height, points_of, probed_of, telling
+from axiscal.measurement.readers.bed_map import Rows, grid, height, keyed, points_of, probed_of, telling
+from axiscal.measurement.readers.columns import Column, column_of
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
+from axiscal.measurement.readers.csv_table import Row
+from axiscal.measurement.readers.decimal_marks import plain
 from axiscal.measurement.readers.text_file import TextFile
 
 _SLACK = 1e-6
 """m, of rounding."""
 _REMARK = re.compile(r"\s*(?:[#%(;]|//|$)")
-_UNIT, _FINER = r"[ _]?[\[(]?(?:mm|in|inch)[\])]?|", r"[ _]?[\[(]?[uµμ]m[\])]?"
-_NAMED = r"(?P<named>[^\s,;]+[\s,;]+)?"
-_HEAD = re.compile(
-    rf"\s*{_NAMED}X(?P<unit>{_UNIT})[\s,;]+Y(?P=unit)[\s,;]+d?Z(?:(?P<height>{_FINER})|(?P=unit))\s*", re.IGNORECASE
-)
-"""Above a list: the columns, the first of which may name the points; heights may have a unit of their own."""
-_NAME = re.compile(r"^\s*[^\s,]+[\s,]+")
+_AXES = "XYZABCUVW"
+"""In the order in which LinuxCNC writes them."""
+_WIDTHS = (3, 4, 9, 10)
+"""Cells of a point with three or nine axes, and its name."""
 _LETTERS = re.compile("".join(rf"\s*{axis}\s*[:=]?\s*([-+.,\d]+)[\s,;]*" for axis in "XYZ"), re.IGNORECASE)
 """A point with its letters: `X20 Y20 Z0.1`."""
-_BRACKETS = re.compile(r"[\W_]")
-_NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?", re.ASCII)
+_BEFORE_UNIT = re.compile(r"\s+(?=[\[(])")
 _COUNT = re.compile(r"\d{1,4}")
 _XML = re.compile(r"<heightmap\b([^>]*)>")
-_POINT = re.compile(r'<point\s+X="(\d{1,4})"\s+Y="(\d{1,4})"\s*>([^<]*)</point>')
-_ATTRIBUTE = re.compile(r'(\w+)="([^"]*)"')
 _OF_XML = {"MinX": "min_x", "MaxX": "max_x", "MinY": "min_y", "MaxY": "max_y", "SizeX": "x_count", "SizeY": "y_count"}
 _WHOLE = "copy the whole file"
 _TOUCH = re.compile(r"(?:\[PRB:([^,\]]+),([^,\]]+),([^,:\]]+)(?:,-?0\.?0*(?=[,:]))*:1]|(?=\[PRB:(?![^][]*:0])))(.*)")
@@ -44,9 +40,10 @@ is_grbl = telling(re.compile(r"\[PRB:"))
 
 
 def is_list(file: TextFile) -> bool:
-    """Return whether the first line is a point: three numbers, or nine of LinuxCNC; X Y Z may stand above."""
-    first = next((line for _, line in _lines(file)), "")
-    return len(cells := _numbers(first, _named(file))) in (3, 9) and all(map(_NUMBER.fullmatch, cells))
+    """Return whether the first line is a point, three numbers or nine of LinuxCNC, or names X, Y and Z and no more."""
+    first = next((_cells(line) for line in file.lines if not _REMARK.match(line)), [])
+    numbers = all(number_or_none(cell.replace(",", ".")) is not None for cell in first)
+    return (len(first) in (3, 9) and numbers) or _axes_of(first, "") is not None
 
 
 def is_bcnc(file: TextFile) -> bool:
@@ -71,14 +68,7 @@ def is_xml(file: TextFile) -> bool:
 
 def listed(file: TextFile, around: Around) -> Found:
     """Return the readings of a list; raises ReadingError.  Axes beside X, Y and Z that are not at 0 are named."""
-    heads = [(number, head) for number, line in enumerate(file.lines, 1) if (head := _HEAD.fullmatch(line))]
-    heights = file
-    for number, head in heads[:1]:
-        if file.unit and (head["unit"] or head["height"]):
-            raise file.fail("the header names its unit, and --unit names another", "leave --unit out", number)
-        units = (each or file.unit for each in (head["unit"], head["height"] or head["unit"]))
-        file, heights = (replace(file, unit=_BRACKETS.sub("", each).lower()) for each in units)
-    return _noted(file, _points(file, list(_lines(file)), _named(file), heights))
+    return _points(file)
 
 
 def grbl(file: TextFile, around: Around) -> Found:
@@ -88,7 +78,7 @@ def grbl(file: TextFile, around: Around) -> Found:
 
 def bcnc(file: TextFile, around: Around) -> Found:
     """Return the readings of a list whose sides stand above it; raises ReadingError."""
-    found = _points(file, [(number, line) for number, line in _lines(file) if number > 3])
+    found = _points(file, 3)
     (low_x, high_x, wide), (low_y, high_y, high) = (line.split() for line in file.lines[:2])
     if found.cells != int(wide) * int(high):
         what = "{count} points are announced, and there are {points}"
@@ -98,18 +88,16 @@ def bcnc(file: TextFile, around: Around) -> Found:
         if off := [each for each in found.readings if not ends[0] <= each.position[axis] <= ends[1]]:
             what = "the point lies outside of the side of {axis}, {low} to {high}"
             raise file.fail(what, _WHOLE, off[0].line, axis=axis, low=low, high=top)
-    return _noted(file, found)
+    return found
 
 
 def candle(file: TextFile, around: Around) -> Found:
     """Return the readings of a map of Candle: corner and size, nodes, and rows along y; raises ReadingError."""
-    keys = dict[str, str]()
-    corner, nodes = (file.lines[line].split(";") for line in (0, 1))
-    for side, letter in enumerate("xy"):
-        low, size = (file.number(corner[at], "border", 1) for at in (side, side + 2))
-        keys |= {f"min_{letter}": repr(low), f"max_{letter}": repr(low + size), f"{letter}_count": nodes[side]}
+    *corner, width, depth = (file.length(each, "border", 1) for each in file.lines[0].split(";"))
+    counts = (file.number(each, "count", 2) for each in file.lines[1].split(";")[:2])
+    sides = [(low, low + size, count) for low, size, count in zip(corner, (width, depth), counts, strict=True)]
     rows: Rows = [(n, [c.strip() for c in line.split(";")]) for n, line in enumerate(file.lines[3:], 4) if line.strip()]
-    return _noted(file, grid(file, keys, rows, 2).readings())
+    return _noted(file, grid(file, sides, rows, 2).readings())
 
 
 def xml(file: TextFile, around: Around) -> Found:
@@ -117,27 +105,26 @@ def xml(file: TextFile, around: Around) -> Found:
 
     Raises ReadingError, also for an attribute that says more.
     """
-    head = next((number, found[1]) for number, line in enumerate(file.lines, 1) if (found := _XML.search(line)))
-    attributes = dict(_ATTRIBUTE.findall(head[1]))
-    for name, value in attributes.items():
+    from xml.etree import ElementTree  # by whom such a file is read: the others start without
+
+    head = next(number for number, line in enumerate(file.lines, 1) if _XML.search(line))
+    try:
+        root = ElementTree.fromstring("\n".join(file.lines[head - 1 :]))
+    except ElementTree.ParseError as fault:
+        raise file.fail("the height map is cut off or edited", _WHOLE, head - 1 + fault.position[0]) from None
+    for name, value in root.attrib.items():
         if name not in _OF_XML and number_or_none(value) != 0:
-            raise file.fail("{name} is not known of a height map", "export it without", head[0], name=name[:40])
-    if not any("</heightmap>" in line for line in file.lines):
-        raise file.fail("the height map is cut off", _WHOLE, len(file.lines))
-    cells = dict[tuple[int, int], tuple[int, str]]()
-    for number, line in enumerate(file.lines, 1):
-        points = _POINT.findall(line)
-        if len(points) != line.count("<point"):
-            raise file.fail("{text!r} is no point of a map", _WHOLE, number, text=line.strip()[:60])
-        cells |= {(int(i), int(j)): (number, cell.strip()) for i, j, cell in points}
-    keys = {key: attributes[name] for name, key in _OF_XML.items() if name in attributes}
-    counts = [keys.get("x_count", ""), keys.get("y_count", "")]
-    wide, high = (int(each) if _COUNT.fullmatch(each) else 0 for each in counts)
-    if outside := [number for (i, j), (number, _) in cells.items() if i >= wide or j >= high]:
-        what = "the point lies outside of the map of {wide} x {high}"
-        raise file.fail(what, _WHOLE, outside[0], wide=wide, high=high)
-    rows: Rows = [(head[0], [cells.get((i, j), (0, ""))[1] for i in range(wide)]) for j in range(high)]
-    return _noted(file, grid(file, keys, rows, head[0]).readings())
+            raise file.fail("{name} is not known of a height map", "export it without", head, name=name[:40])
+    keys = {key: root.attrib[name] for name, key in _OF_XML.items() if name in root.attrib}
+    wide, high = (int(each) if _COUNT.fullmatch(each := keys.get(f"{k}_count", "")) else 0 for k in "xy")
+    cells = dict[tuple[str, str], str]()
+    for point in root.iter("point"):
+        cells[point.get("X", ""), point.get("Y", "")] = (point.text or "").strip()
+    rows: Rows = [(head, [cells.pop((str(i), str(j)), "") for i in range(wide)]) for j in range(high)]
+    for x, y in cells:
+        what = "point {x}, {y} lies outside of the map of {wide} x {high}"
+        raise file.fail(what, _WHOLE, head, x=x[:20], y=y[:20], wide=wide, high=high)
+    return _noted(file, grid(file, keyed(file, keys, head), rows, head).readings())
 
 
 def _noted(file: TextFile, found: Found) -> Found:
@@ -145,47 +132,44 @@ def _noted(file: TextFile, found: Found) -> Found:
     return replace(found, note=said("in {unit}", unit=file.unit or "mm"))
 
 
-def _lines(file: TextFile) -> Iterator[tuple[int, str]]:
-    """Yield the lines of a list with their numbers, without remarks and a head."""
-    for number, line in enumerate(file.lines, 1):
-        if not _REMARK.match(line) and not _HEAD.fullmatch(line):
-            yield number, line
-
-
-def _named(file: TextFile) -> bool:
-    """Return whether a head stands above the first point and has a column before X: names or numbers of the points."""
-    head = _HEAD.fullmatch(next((line for line in file.lines if not _REMARK.match(line)), ""))
-    return head is not None and bool(head["named"])
-
-
-def _numbers(line: str, named: bool = False) -> list[str]:
-    """Return the numbers of a point; a comma is a decimal one where blanks or semicolons separate all of them.
-
-    named : the first cell is the point's name
-    """
-    if named:
-        line = line.partition(";")[2] if ";" in line else _NAME.sub("", line)
+def _cells(line: str) -> list[str]:
+    """Return the cells of a point or of the head of a list, by semicolons, tabs, blanks or commas."""
     if lettered := _LETTERS.fullmatch(line):
-        line = " ".join(lettered.groups())
-    cells = line.replace(";", " ").split()
-    if len(cells) in (3, 9):
-        return [cell.removesuffix(",").replace(",", ".") for cell in cells]
-    return [cell.strip() for cell in line.split(",")]
+        return [cell.strip(",") for cell in lettered.groups()]
+    line = _BEFORE_UNIT.sub("", line.strip().rstrip(";"))
+    cells = re.split("[;\t]", line) if re.search("[;\t]", line) else [cell.removesuffix(",") for cell in line.split()]
+    return [cell.strip() for cell in (cells if len(cells) in _WIDTHS else line.split(","))]
 
 
-def _points(
-    file: TextFile, lines: list[tuple[int, str]], named: bool = False, heights: TextFile | None = None
-) -> Found:
-    """Return the readings of points.  named : the first cell names the point; heights : the file with their unit"""
-    found = list[RawReading]()
-    for number, line in lines:
-        cells = _numbers(line, named)
-        if len(cells) not in (3, 9):
+def _axes_of(cells: list[str], unit: str) -> list[Column] | None:
+    """Return the columns of the head of a list, the first of which may be the points' names; None of no head."""
+    columns = [column_of(cell, unit) for cell in cells]
+    columns = [replace(column, stem=column.stem.upper().removeprefix("D")) for column in columns]
+    axes = [column.stem for column in columns]
+    return columns if sorted(axes[-3:]) == ["X", "Y", "Z"] and len(axes) <= 4 else None
+
+
+def _points(file: TextFile, after: int = 0) -> Found:
+    """Return the readings of the points behind some lines; raises ReadingError."""
+    lines = [(n, _cells(line)) for n, line in enumerate(file.lines, 1) if n > after and not _REMARK.match(line)]
+    number, first = lines[0] if lines else (1, [])
+    head = _axes_of(first, file.unit or "mm")
+    columns = head or [column_of(letter, file.unit or "mm") for letter in _AXES[: max(len(first), 3)]]
+    if file.unit and any(column.unit for column in columns):
+        raise file.fail("the header names its unit, and --unit names another", "leave --unit out", number)
+    comma = any("," in cell for _, cells in lines for cell in cells)
+    columns = [replace(column, mark="," if comma else ".") for column in columns]
+    named, found, points = {column.stem: column for column in columns}, list[RawReading](), lines[bool(head) :]
+    for number, cells in points:
+        if len(cells) != len(columns):
             what = "{text!r} is not X, Y and Z"
-            raise file.fail(what, "write one point a line, three numbers", number, text=line.strip()[:60])
-        x, y, *others = (file.length(cell, "place", number) for cell in [*cells[:2], *cells[3:]])
-        if aside := [letter for letter, value in zip("ABCUVW", others, strict=False) if value]:
+            raise file.fail(what, "write one point a line, three numbers", number, text=" ".join(cells)[:60])
+        row = Row(file.name, number, dict(zip((column.name for column in columns), cells, strict=True)))
+        if aside := [axis for axis in _AXES[3:] if axis in named and row.number(named[axis])]:
             what, remedy = "the point has {axes} beside X, Y and Z", "give a list that was probed without moving them"
             raise file.fail(what, remedy, number, axes=", ".join(aside))
-        found += height(heights or file, x, y, cells[2], number)
-    return probed_of(file, found, len(lines), lines[0][0] if lines else 1)
+        at, rounding = ({axis: of(named[axis]) for axis in "XY"} for of in (row.quantity, row.rounding))
+        z = named["Z"]
+        heights = height(replace(file, unit=z.unit or z.stated), at["X"], at["Y"], plain(row.text(z), z.mark), number)
+        found += (replace(each, rounding=rounding) for each in heights)
+    return _noted(file, probed_of(file, found, len(points), number))

@@ -18,8 +18,6 @@ Beside = tuple[float, float]
 Sections = Mapping[str, Mapping[str, str]]
 _COMMAND = re.compile(r"^[^;\n]*?\b(?:M851|G31)\b([^;\n]*)", re.MULTILINE)
 _WORD = re.compile(r"\b([XY])(-?[\d.]+)")
-_DISPLAY = "display"
-"""A section of Klipper with an x_offset of another kind."""
 
 
 def sections_in(text: str) -> Sections | None:
@@ -34,7 +32,7 @@ def sections_in(text: str) -> Sections | None:
 
 def offset_of(sections: Sections) -> Beside | None:
     """Return how far the probe of a Klipper stands beside the nozzle; None where no section says it."""
-    probes = [keys for name, keys in sections.items() if not name.startswith(_DISPLAY)]
+    probes = [keys for name, keys in sections.items() if not name.startswith("display")]  # which has another x_offset
     stated = next((keys for keys in probes if "x_offset" in keys or "y_offset" in keys), None)
     return None if stated is None else pair_of(stated.get(f"{side}_offset", "0") for side in "xy")
 

@@ -1,41 +1,36 @@
 """Renishaw `.rtl`, `.rta`, `.rts`: tests of positioning, angle and straightness of laser software, `NAME::` a section.
 
-Targets wrap over lines, indices count from 1, odd runs go up and even runs down unless the flags say that all go up.
-Targets are in mm, positions in um, and angles in mm/m (one is 206.26 arcsec). Straightness is in the unit that a line
-`Units: um` of the header names, else `--unit`: programs export it in um and in mm.
+Targets wrap over lines, indices count from 1, odd runs go to the last target and even runs back unless the flags say
+that all go there. Targets are in mm, positions in um, and angles in mm/m (one is 206.26 arcsec). Where that leaves the
+unit open, a line `Units: um` of the header or `--unit` says it: of straightness, which programs export in um and in mm,
+and of deviations where the header says inch. Of a turning axis targets are in deg and deviations in arcsec.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections import Counter
 from typing import Literal
 
+from axiscal.language.spoken import said
 from axiscal.measurement.readers.axis_tests import distinct
+from axiscal.measurement.readers.columns import ANGLES, LENGTHS, unit_of
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, Test
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import from_unit
 
 _Lines = list[tuple[int, str]]
-_ONE_WAY = "1"
 _KINDS: dict[str, tuple[Test, str]] = {
     "rtl": ("positioning", "um"),
     "rta": ("angular", "mm/m"),
     "rts": ("straightness", ""),
 }
 """By `File type`: which test, and the unit of its deviations, "" where the file says it."""
-_UNITS = re.compile(r"(?:deviation )?units?\s*:\s*(.*?)\s*", re.IGNORECASE)
-_LENGTHS = {
-    "um": "um",
-    "\N{MICRO SIGN}m": "um",
-    "\N{GREEK SMALL LETTER MU}m": "um",
-    "microns": "um",
-    "mm": "mm",
-    "in": "in",
-}
+_UNITS = re.compile(r"(deviation )?units?\s*:\s*(.*?)\s*", re.IGNORECASE)
+_CALLED = {"microns": "um", "metric": "mm", "inch": "in", "inches": "in", "imperial": "in"}
 _TYPE = re.compile(r"file type\s*:\s*(.*?)\s*", re.IGNORECASE)
 _OF_TARGETS = ("filetype", "target-count", "targets", "flags")
-_NUMBER = re.compile(r"[0-9]{1,6}")
+_DEVIATION = re.compile(r"([0-9]{1,6})\s+([0-9]{1,6})\s+(\S+)")
 _SHORTENED = "export it again from the laser software; the file seems to be cut or edited"
 
 
@@ -49,79 +44,98 @@ def file_type(file: TextFile) -> str | None:
 
 def laser_test(file: TextFile, around: Around) -> Found:
     """Return the readings of such a file; raises ReadingError."""
-    sections = dict(_sections(file))
+    sections = _sections(file)
     kind = file_type(file)
     if kind not in _KINDS:
         what, known = "files of type {kind} are not known", ", ".join(_KINDS)
         raise file.fail(what, "known are {known}", 2, kind=str(kind)[:40], known=known)
-    test, unit = _KINDS[kind]
-    unit = unit or _stated_unit(file)
-    dimension: Literal["length", "angle"] = "angle" if test == "angular" else "length"
-    targets, one_way = _targets(file, _section(file, sections, "TARGET DATA"))
+    test, usual = _KINDS[kind]
+    targets, rotary, one_way = _targets(file, _section(file, sections, "TARGET DATA"))
+    angles = rotary or test == "angular"
+    along, unit, silent = _units(file, "arcsec" if rotary else usual, angles)
+    at = [from_unit(target, "deg" if rotary else along) for target in targets]
+    rises = 1 if at[-1] >= at[0] else -1
+    dimension: Literal["length", "angle"] = "angle" if angles else "length"
     lines = _section(file, sections, "DEVIATIONS")
     read = [(line, text) for line, text in lines if not text.lower().startswith("run target data")]
-    rows = list[RawReading]()
+    found, first = list[RawReading](), dict[int, int]()
     for line, text in read:
         run, index, value = _row(file, line, text, len(targets))
         way, number = (1, run) if one_way else (1 if run % 2 else -1, (run + 1) // 2)
-        at, read_as = {"": targets[index - 1]}, from_unit(value, unit)
-        rows.append(RawReading("", at, {"": way}, read_as, None, dimension, line, test=test, run=number))
-    found = distinct(file, rows)
-    _refuse_cut(file, sections, found)
-    return Found(found)
+        if way * (index - first.setdefault(run, index)) < 0:
+            what = "run {run} goes the other way than the flags say"
+            remedy = "correct the flags, or export the file again: 0 there and back, 1 always there"
+            raise file.fail(what, remedy, line, run=run)
+        come, read_as = {"": way * rises}, from_unit(value, unit)
+        found.append(RawReading("", {"": at[index - 1]}, come, read_as, None, dimension, line, test=test, run=number))
+    whole = distinct(file, found)
+    _refuse_cut(file, sections, whole)
+    return Found(whole, note=said("deviations in arcsec (it names no unit)") if rotary and silent else "")
 
 
-def _stated_unit(file: TextFile) -> str:
-    """Return the unit of lengths that the header names, or who reads it; raises ReadingError where nobody does."""
-    found = [(number, each[1]) for number, line in enumerate(file.lines, 1) if (each := _UNITS.fullmatch(line.strip()))]
-    for number, text in found:
-        if text.lower() not in _LENGTHS:
-            raise file.fail("{text} is no unit of a straightness", "known are um, mm and in", number, text=text[:20])
-        if file.unit:
-            raise file.fail("the header names its unit, and --unit names another", "leave --unit out", number)
-        return _LENGTHS[text.lower()]
-    if not file.unit:
-        remedy = "say it: --unit um, or --unit mm"
-        raise file.fail("a straightness test (.rts) does not name the unit of its deviations", remedy, 2)
-    return file.unit
+def _units(file: TextFile, usual: str, angles: bool) -> tuple[str, str, bool]:
+    """Return the units of targets and deviations, and whether the header names none; raises ReadingError for none.
+
+    usual : of deviations, "" where the header or who reads the file says it; angles : that is what they are
+    """
+    found = [(number, each) for number, line in enumerate(file.lines, 1) if (each := _UNITS.fullmatch(line.strip()))]
+    number, text, own = next(((at, each[2], each[1]) for at, each in found), (2, "", None))
+    stated = _CALLED.get(text.lower()) or unit_of(text.lower()) or ""
+    if text and not stated:
+        raise file.fail("{text} is no unit of deviations", "known are um, mm, in and arcsec", number, text=text[:20])
+    inches = stated == "in" and not own
+    unit = "" if inches else stated if own or not usual or stated in ANGLES else usual
+    if unit and file.unit:
+        raise file.fail("the file names its unit, and --unit names another", "leave --unit out", number)
+    if not (unit or file.unit):
+        raise file.fail("the file does not name the unit of its deviations", "say it: --unit um, mm or thou", number)
+    unit = unit or file.unit
+    if angles != (unit not in LENGTHS):
+        raise file.fail("{text} is no unit of this test", "say another by --unit", number, text=unit)
+    return "in" if inches else "mm", unit, not text
 
 
-def _sections(file: TextFile) -> Iterator[tuple[str, _Lines]]:
-    """Yield the lines of each section with their numbers; empty lines are left out."""
-    name, lines = "", _Lines()
+def _sections(file: TextFile) -> dict[str, _Lines]:
+    """Return the lines of each section with their numbers, empty ones left out; raises ReadingError for one twice."""
+    sections = {"": (lines := _Lines())}
     for number, line in enumerate(file.lines, 1):
         text = line.strip()
         if text.endswith("::"):
-            yield name, lines
             name, lines = text[:-2].strip().upper(), []
+            if name in sections:
+                raise file.fail("section {name}:: stands here twice", "give each test by itself", number, name=name)
+            sections[name] = lines
         elif text:
             lines.append((number, text))
-    yield name, lines
+    return sections
 
 
 def _section(file: TextFile, sections: dict[str, _Lines], name: str) -> _Lines:
+    """Return the lines of a section, decimal commas as points; raises ReadingError where it is missing."""
     if name not in sections:
         raise file.fail("there is no section {name}::", _SHORTENED, name=name)
-    return sections[name]
+    commas = not any("." in text for _, text in sections[name])
+    return [(number, text.replace(",", ".") if commas else text) for number, text in sections[name]]
 
 
-def _targets(file: TextFile, lines: _Lines) -> tuple[list[float], bool]:
-    """Return the targets in m, and whether all runs go up."""
-    stated, targets, one_way, key = None, list[float](), False, ""
+def _targets(file: TextFile, lines: _Lines) -> tuple[list[float], bool, bool]:
+    """Return the targets, whether they are angles, and whether all runs go to the last one."""
+    stated, targets, rotary, one_way, key = None, list[float](), False, False, ""
     for number, text in lines:
         begins, colon, rest = text.partition(":")
         if colon:
             key, text = begins.strip().lower(), rest
-            if key not in _OF_TARGETS or rest.strip().lower() == "rotary":
-                raise file.fail(
-                    "{text!r} is not known here", "give the test of a linear axis", number, text=f"{begins}:{rest}"[:40]
-                )
+            turns = key == "filetype" and rest.strip().lower() == "rotary"
+            if key not in _OF_TARGETS or (turns and file_type(file) != "rtl"):
+                what, name = "{text!r} is not known here", f"{begins}:{rest}"[:40]
+                raise file.fail(what, "give the test of a linear axis", number, text=name)
+            rotary |= turns
         if key == "target-count":
             stated = (number, text.strip())
         if key == "flags":
-            one_way = text.split()[1:2] == [_ONE_WAY]
+            one_way = text.split()[1:2] == ["1"]
         if key == "targets":
-            targets += [from_unit(file.number(word, "target", number), "mm") for word in text.split()]
+            targets += [file.number(word, "target", number) for word in text.split()]
     if not targets:
         raise file.fail("there are no targets", _SHORTENED, lines[0][0] if lines else None)
     if stated is not None and stated[1] != str(len(targets)):
@@ -129,26 +143,24 @@ def _targets(file: TextFile, lines: _Lines) -> tuple[list[float], bool]:
         raise file.fail(what, _SHORTENED, stated[0], stated=stated[1][:40], count=len(targets))
     if len(set(targets)) < len(targets):
         raise file.fail("a target is named twice", "name each once", lines[0][0])
-    return targets, one_way
+    return targets, rotary, one_way
 
 
 def _row(file: TextFile, line: int, text: str, targets: int) -> tuple[int, int, float]:
     """Return run, index of the target, and what was read."""
-    words = text.split()
-    if len(words) != 3 or not all(_NUMBER.fullmatch(word) for word in words[:2]):
+    found = _DEVIATION.fullmatch(text)
+    if found is None:
         raise file.fail("{text!r} is not run, target and deviation", _SHORTENED, line, text=text[:40])
-    run, index = int(words[0]), int(words[1])
+    run, index = int(found[1]), int(found[2])
     if run < 1 or not 1 <= index <= targets:
         what = "target {index} of run {run} is not there: targets go from 1 to {count}"
         raise file.fail(what, _SHORTENED, line, index=index, run=run, count=targets)
-    return run, index, file.number(words[2], "deviation", line)
+    return run, index, file.number(found[3], "deviation", line)
 
 
 def _refuse_cut(file: TextFile, sections: dict[str, _Lines], readings: tuple[RawReading, ...]) -> None:
     """Raise ReadingError where announced runs are missing, or the file has no end and its last run is short."""
-    sizes = dict[tuple[int, int], int]()
-    for each in readings:
-        sizes[each.approach[""], each.run] = sizes.get((each.approach[""], each.run), 0) + 1
+    sizes = Counter((each.approach[""], each.run) for each in readings)
     for number, text in sections.get("RUNS", []):
         key, _, stated = (part.strip() for part in text.partition(":"))
         if key.lower() == "run-count" and stated != str(len(sizes)):

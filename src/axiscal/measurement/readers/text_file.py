@@ -30,21 +30,19 @@ class TextFile:
         """Return the error that places a fault in a line, counted from 1."""
         return ReadingError(what, remedy, self.name, line, **values)
 
-    def length(self, text: str, what: str, line: int) -> float:
+    def length(self, text: str, name: str, line: int) -> float:
         """Return a length, m, in mm unless another unit was given; raises ReadingError."""
-        return from_unit(self.number(text, what, line), self.unit or "mm")
+        return from_unit(self.number(text, name, line), self.unit or "mm")
 
-    def number(self, text: str, what: str, line: int) -> float:
+    def number(self, text: str, name: str, line: int) -> float:
         """Return a number of a machine; raises ReadingError."""
         value = number_or_none(text)
         if value is not None and abs(value) < _LARGEST:
             return value
-        shown = text if len(text) <= 40 else text[:37] + "..."
+        what, remedy = "{name} {shown!r} is not a finite number", "write digits with a decimal point"
         if value is not None:
-            remedy = "write the number that was read"
-            raise self.fail("{name} {shown!r} is too large for a machine", remedy, line, name=what, shown=shown)
-        remedy = "write digits with a decimal point"
-        raise self.fail("{name} {shown!r} is not a finite number", remedy, line, name=what, shown=shown)
+            what, remedy = "{name} {shown!r} is too large for a machine", "write the number that was read"
+        raise self.fail(what, remedy, line, name=name, shown=text if len(text) <= 40 else text[:37] + "...")
 
 
 def content(path: str | Path) -> bytes:

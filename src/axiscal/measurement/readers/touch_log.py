@@ -16,8 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from axiscal.exceptions import ReadingError
-from axiscal.measurement.readers.text_file import TextFile, read_text
+from axiscal.measurement.readers.text_file import read_text
 from axiscal.units import from_unit
 
 LISTS = "AXISCAL_PLAN_{}.txt"
@@ -28,6 +27,8 @@ _LENGTH = r"([+-]? *(?:\d{1,6}\.\d{0,15}|\d{1,6}|\.\d{1,15}))"
 _TOUCH = re.compile(rf"R *{_WHOLE} +T *{_WHOLE} +X *{_LENGTH} *Y *{_LENGTH} *Z *{_LENGTH}")
 _MISS = re.compile(rf"MISS R *{_WHOLE} +T *{_WHOLE}")
 _END = re.compile(rf"END *{_WHOLE}")
+_AS_WRITTEN = "Give the file as the control wrote it"
+_CUT = "a run did not come to its end"
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f%]")
 """Device codes of a serial line, and the sign that begins and ends a tape."""
 
@@ -56,62 +57,39 @@ def plan_code(listings: Sequence[str]) -> str:
     return hashlib.sha256("\0".join(listings).encode()).hexdigest()[:8].upper()
 
 
-_Line = tuple[int, re.Pattern[str], Sequence[str]]
-"""A line of a log: its number, which kind of line it is, and what it says."""
-
-
 def read_touch_log(path: str | Path) -> TouchLog:
     """Read a log; raises ReadingError for a line of another kind, or for several plans."""
-    file = read_text(path)
-    texts = (" ".join(_CONTROL.sub(" ", line).split()) for line in file.lines)
-    lines = [_understood(file, number, text) for number, text in enumerate(texts, start=1) if text]
-    if not lines:
+    file, code, running = read_text(path), "", False
+    touches, said, taken = list[LoggedTouch](), list[str](), set[int]()
+    for number, line in enumerate(file.lines, start=1):
+        text = " ".join(_CONTROL.sub(" ", line).split())
+        if begin := _HEAD.fullmatch(text):
+            if code not in ("", begin[1]):
+                what = "here begins the log of plan {code}, and above stands that of plan {other}"
+                raise file.fail(what, "Give the log of each plan by itself", number, code=begin[1], other=code)
+            said += [_CUT] * running
+            code, running, taken = begin[1], True, set()
+            continue
+        touch, miss, end = (pattern.fullmatch(text) for pattern in (_TOUCH, _MISS, _END))
+        if text and not (touch or miss or end):
+            shown = text if len(text) <= 60 else text[:57] + "..."
+            raise file.fail(
+                "{shown!r} is no line of a log", "Give the file as the control wrote it", number, shown=shown
+            )
+        if text and not running:
+            what = "this touch stands outside of any run: the line that begins one is missing"
+            raise file.fail(what, _AS_WRITTEN, number)
+        if touch:
+            x, y, z = (float(from_unit(float(each.replace(" ", "")), "mm")) for each in touch.groups()[2:])
+            touches.append(LoggedTouch(int(touch[1]), int(touch[2]), (x, y, z), number))
+            taken.add(int(touch[1]))
+        elif miss:
+            said.append(f"at touch {miss[2]} of reading {miss[1]} the probe met nothing (line {number})")
+        elif end and len(taken) != int(end[1]):
+            what = "the run that ends here took {count} readings, and {taken} of them stand in the log"
+            remedy = "Lines are missing: give the file as the control wrote it"
+            raise file.fail(what, remedy, number, count=int(end[1]), taken=len(taken))
+        running = running and not (miss or end)
+    if not code:
         raise file.fail("this is no log of a measuring program", "Its first line is AXISCAL LOG 1 PLAN ... MM")
-    begins = [i for i, (_, kind, _) in enumerate(lines) if kind is _HEAD]
-    if begins[:1] != [0]:
-        raise _outside(file, lines[0])
-    code, touches, said = lines[0][2][0], list[LoggedTouch](), list[str]()
-    for begin, end in zip(begins, [*begins[1:], len(lines)], strict=True):
-        number, _, (other,) = lines[begin]
-        if other != code:
-            what = "here begins the log of plan {code}, and above stands that of plan {other}"
-            raise file.fail(what, "Give the log of each plan by itself", number, code=other, other=code)
-        taken, gap = _run(file, lines[begin + 1 : end])
-        touches += taken
-        said += gap
-    return TouchLog(code, tuple(touches), tuple(said))
-
-
-def _understood(file: TextFile, number: int, text: str) -> _Line:
-    for kind in (_HEAD, _TOUCH, _MISS, _END):
-        if (found := kind.fullmatch(text)) is not None:
-            return number, kind, found.groups()
-    shown = text if len(text) <= 60 else text[:57] + "..."
-    raise file.fail("{shown!r} is no line of a log", "Give the file as the control wrote it", number, shown=shown)
-
-
-def _run(file: TextFile, lines: Sequence[_Line]) -> tuple[list[LoggedTouch], list[str]]:
-    """Return the touches of a run, and the gap that its end states; lines : those behind the first."""
-    ends = next((i for i, (_, kind, _) in enumerate(lines) if kind is not _TOUCH), len(lines))
-    touches = list[LoggedTouch]()
-    for number, _, words in lines[:ends]:
-        x, y, z = (float(from_unit(float(each.replace(" ", "")), "mm")) for each in words[2:])
-        touches.append(LoggedTouch(int(words[0]), int(words[1]), (x, y, z), number))
-    if ends == len(lines):
-        return touches, ["a run did not come to its end"]
-    if lines[ends + 1 :]:
-        raise _outside(file, lines[ends + 1])
-    number, kind, words = lines[ends]
-    if kind is _MISS:
-        return touches, [f"at touch {words[1]} of reading {words[0]} the probe met nothing (line {number})"]
-    count, taken = int(words[0]), len({touch.reading for touch in touches})
-    if taken != count:
-        what = "the run that ends here took {count} readings, and {taken} of them stand in the log"
-        remedy = "Lines are missing: give the file as the control wrote it"
-        raise file.fail(what, remedy, number, count=count, taken=taken)
-    return touches, []
-
-
-def _outside(file: TextFile, line: _Line) -> ReadingError:
-    what = "this touch stands outside of any run: the line that begins one is missing"
-    return file.fail(what, "Give the file as the control wrote it", line[0])
+    return TouchLog(code, tuple(touches), tuple(said + [_CUT] * running))

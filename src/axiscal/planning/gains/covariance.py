@@ -3,8 +3,6 @@
 Readings enter by Potter's update of F, with all their numbers at once. The result is C − H M⁻¹ Hᵀ with H = C Gᵀ and M =
 R + G C Gᵀ. Readings leave by the same with −(R − G C Gᵀ)⁻¹. Both keep C = F Fᵀ positive semidefinite. No values are
 needed: the covariance of linear Gaussian readings does not depend on them.
-
-The accuracy that is predicted follows while readings enter a plan (`RunningAccuracy`).
 """
 
 from __future__ import annotations
@@ -215,33 +213,6 @@ def _information(scaled: Array) -> Array:
 
 _TOGETHER = 80
 """Readings that are taken in at once: of speed, not of the result."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class RunningAccuracy:
-    """total : tr(V C Vᵀ) of the volume, m²; variances : of the TCP at the yardstick's poses, (m,) m²."""
-
-    yardstick: Yardstick
-    total: float
-    variances: Array
-
-    @classmethod
-    def from_factor(cls, yardstick: Yardstick, factor: Array) -> RunningAccuracy:
-        """Return the accuracy of a covariance C = F Fᵀ.  factor : F (n, r)."""
-        return cls(yardstick, yardstick.root.criterion(factor), yardstick.variances(factor))
-
-    def after(self, change: LowRank) -> RunningAccuracy:
-        """Return the accuracy after a change C ← C − H η Hᵀ."""
-        root, rows = self.yardstick.root, self.yardstick.rows
-        reach, seen = root.times(change.h), rows @ change.h[: rows.shape[2]]
-        total = self.total - float(np.sum(reach @ change.eta * reach))
-        variances = self.variances - np.sum(seen @ change.eta * seen, axis=(1, 2))
-        return RunningAccuracy(self.yardstick, total, variances)
-
-    @property
-    def accuracy(self) -> Accuracy:
-        """The figures."""
-        return self.yardstick.figures(self.total, self.variances)
 
 
 def after_each(state: Covariance, yardstick: Yardstick, order: Places) -> Iterator[tuple[float, Accuracy]]:

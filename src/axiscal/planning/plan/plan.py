@@ -27,7 +27,7 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import reading_seconds
 from axiscal.planning.bound.lower_bound import Bound, lower_bound
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import RunningAccuracy, after_each
+from axiscal.planning.gains.covariance import after_each
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.beginnings import best_of_random, plain_designs
 from axiscal.planning.plan.exchange import ROUNDS, SWEEPS, drop, exchange, polish
@@ -317,7 +317,7 @@ def judged(task: Task, limits: Limits, places: Places, bounded: bool = True) -> 
     bounded : whether the lower bound is wanted
     """
     state = task.state
-    before = RunningAccuracy.from_factor(task.yardstick, state.factor).accuracy
+    before = task.yardstick.measure_factor(state.factor)
     ends = np.cumsum(seconds_each(task, places)).tolist()
     known = zip(after_each(state, task.yardstick, places), ends, strict=True)
     readings = tuple(PlannedReading(value, accuracy, seconds) for (value, accuracy), seconds in known)

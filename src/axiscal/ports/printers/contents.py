@@ -35,7 +35,8 @@ def content_of(estimate: Estimate, options: ExportOptions, points: int | None) -
     meshes = tuple(mesh.zeroed(*_zero_of(mesh, options)) for mesh in found)
     lost = ((axis, value) for axis, value in backlash(estimate).items() if value > 0)
     play = summed([*lost, *play_of(old).items()])
-    return Loaded(lost_motion(estimate.machine, play), meshes, old.under_skew(skew_of(estimate)))
+    skew = {plane: tangent + old.skew.get(plane, 0.0) for plane, tangent in skew_of(estimate).items()}
+    return Loaded(lost_motion(estimate.machine, play), meshes, skew)
 
 
 def other_words(file: OldFile, allowed: Mapping[str, str]) -> Iterator[TableError]:

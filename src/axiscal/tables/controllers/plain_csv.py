@@ -12,7 +12,8 @@ import numpy as np
 
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
-from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, parse_table
+from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT
+from axiscal.measurement.readers.csv_table import parse_table
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable

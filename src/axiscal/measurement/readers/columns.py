@@ -1,0 +1,103 @@
+"""Columns of tables: their units, and the words for them and for directions in five languages."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+LENGTHS = ("mm", "um", "nm", "m", "in", "inch", "thou", "uin")
+ANGLES = ("deg", "arcsec", "urad", "mrad", "rad")
+SLOPES = ("um/m", "mm/m", "arcsec", "arcmin", "urad", "mrad", "deg", "in/ft", "div")
+"""Of a level: div are divisions, whose value is stated beside."""
+TEXT: tuple[str, ...] = ()
+UNITS = {*LENGTHS, *ANGLES, *SLOPES}
+_IN_BRACKETS = re.compile(r"(.*?)\s*[\[(]([^\[(]*)[\])]")
+_CANONICAL = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})
+_CALLED = {
+    "target": "target pos pos. position soll sollposition ziel zielposition cible consigne posición posicion posizione",
+    "direction": "direction dir richtung sens dirección direccion direzione verso",
+    "run": "run cycle lauf messlauf durchgang zyklus passage pasada ciclo passata",
+    "deviation": "deviation dev error abweichung fehler écart ecart erreur desviación desviacion scostamento errore",
+    "angle": "angle winkel ángulo angulo angolo",
+    "axis": "axis achse axe eje asse",
+    "time": "time timestamp zeit uhrzeit zeitpunkt heure hora ora",
+    "setup": "setup",
+}
+ACTUAL = ("actual", "measured", "ist", "istposition", "istwert", "mesuré", "mesure", "medido", "misurato")
+"""Words for where an axis stood, which says its deviation."""
+STEMS = {word: stem for stem, words in _CALLED.items() for word in words.split()} | dict.fromkeys(ACTUAL, "deviation")
+"""Of tests, by the words of their headers."""
+OF_READINGS = {word: word for word in ("setup", "approach", "reading", "check", "time", "value")}
+_WAYS = {
+    +1: "+ 1 +1 \N{UPWARDS ARROW} \N{RIGHTWARDS ARROW} forward forwards fwd positive pos up ccw "
+    "vor vorwärts vorwaerts hin aller avant adelante avanti",
+    -1: "- -1 \N{DOWNWARDS ARROW} \N{LEFTWARDS ARROW} reverse rev backward backwards back bwd negative neg down cw "
+    "rück zurück rückwärts rueckwaerts her retour arrière atrás atras indietro",
+}
+"""Words of directions by their sign."""
+_SIGNS = {word: sign for sign, words in _WAYS.items() for word in words.split()}
+_PARTS = re.compile(r"\d{1,9}|[+\-\u2190-\u2193]|[^\W\d_]+")
+RUN = re.compile(r"[0-9]{1,6}")
+"""Of a run or a reading: whoever writes more has slipped."""
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One column: its header as written, what it holds, and in which unit (None for text).
+
+    stated : unit that the file's reader was given for numbers whose header names none, "" where it was given none
+    mark : decimal mark of its numbers, "" where none of them decides
+    """
+
+    name: str
+    stem: str
+    unit: str | None
+    stated: str = ""
+    mark: str = "."
+
+    @property
+    def dimension(self) -> Literal["length", "angle"]:
+        """What the unit measures."""
+        return "length" if (self.unit or self.stated) in LENGTHS else "angle"
+
+    def fits(self, units: Sequence[str]) -> bool:
+        """Return whether it is in one of these units; in none where there are none, for text."""
+        return (self.unit or (self.stated if units else "")) in (units or ("",))
+
+
+def column_of(name: str, stated: str = "", words: Mapping[str, str] = OF_READINGS) -> Column:
+    """Return the column of a header: `stem_unit`, `stem [unit]` or `stem (unit)`, else text or a number as stated.
+
+    words : stems by what they may be called
+    """
+    plain = name.translate(_CANONICAL)
+    stem, unit = found.groups() if (found := _IN_BRACKETS.fullmatch(plain)) else plain.rpartition("_")[::2]
+    stem, unit = (stem, unit_of(unit)) if stem and unit_of(unit) else (name, None)
+    return Column(name, words.get(stem.lower(), stem), unit, stated)
+
+
+def unit_of(text: str) -> str | None:
+    """Return the unit that a text is, in brackets or not; None where it is none."""
+    plain = text.translate(_CANONICAL).strip(" []()").replace("°", "deg").lower()
+    return plain if plain in UNITS else None
+
+
+def sign_of(text: str) -> int | None:
+    """Return the sign of a direction by its word, None for another word."""
+    return _SIGNS.get(text.lower().replace("\N{MINUS SIGN}", "-"))
+
+
+def whole(text: str) -> int | None:
+    """Return the number of a run or a reading, None for another text."""
+    return int(text) if RUN.fullmatch(text) else None
+
+
+def run_of(stem: str) -> tuple[int, int] | None:
+    """Return the run and the direction that a header such as `1+` or `Run 2 reverse` names, None for another."""
+    words = _PARTS.findall(stem.lower().replace("\N{MINUS SIGN}", "-"))
+    runs = [word for word in words if RUN.fullmatch(word)]
+    ways = [sign for word in words if word not in runs and (sign := sign_of(word))]
+    others = [word for word in words if not sign_of(word) and word not in runs and STEMS.get(word) != "run"]
+    return (int(runs[0]), ways[0]) if len(runs) == len(ways) == 1 and not others else None
