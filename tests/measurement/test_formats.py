@@ -181,6 +181,7 @@ def test_a_unit_is_taken_where_the_file_names_none(tmp_path: Path) -> None:
         assert found.sentence(["probe"]).endswith("25 of 25 cells, in inch, for set-up probe.")
     table = read(tmp_path, "setup;X;value\nprobe;1;0,001\n", unit="inch").found.readings[0]
     assert (table.position["X"], table.value) == pytest.approx((0.0254, 25.4e-6))
+    assert heights(read(tmp_path, "$13=1\n[PRB:1.0,2.0,-0.1:1]\n")) == {(25.4, 50.8): pytest.approx(-2.54)}
     for head in ("X [in];Y [in];Z [in]", "x_inch y_inch z_inch", "X (IN)\tY (IN)\tZ (IN)"):
         assert heights(read(tmp_path, f"{head}\n1;2;0,1\n")) == {(25.4, 50.8): pytest.approx(2.54)}
     for head in ("X [mm]\tY [mm]\tZ [µm]", "x_mm;y_mm;dz_um", "X (mm) Y (mm) Z (µm)"):

@@ -26,7 +26,6 @@ _AXES = "XYZABCUVW"
 _WIDTHS = (3, 4, 9, 10)
 """Cells of a point with three or nine axes, and its name."""
 _LETTERS = re.compile("".join(rf"\s*{axis}\s*[:=]?\s*([-+.,\d]+)[\s,;]*" for axis in "XYZ"), re.IGNORECASE)
-"""A point with its letters: `X20 Y20 Z0.1`."""
 _BEFORE_UNIT = re.compile(r"\s+(?=[\[(])")
 _COUNT = re.compile(r"\d{1,4}")
 _XML = re.compile(r"<heightmap\b([^>]*)>")
@@ -72,7 +71,8 @@ def listed(file: TextFile, around: Around) -> Found:
 
 
 def grbl(file: TextFile, around: Around) -> Found:
-    """Return the readings of touches in the log of a sender; raises ReadingError."""
+    """Return the readings of touches in the log of a sender, in inches where it has $13=1; raises ReadingError."""
+    file = replace(file, unit=file.unit or "in" * any(line.strip() == "$13=1" for line in file.lines))
     return _noted(file, points_of(file, _TOUCH))
 
 
