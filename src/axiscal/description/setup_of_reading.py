@@ -6,8 +6,9 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import ReadingError
-from axiscal.language.spoken import joined, later
+from axiscal.language.spoken import joined, later, said
 from axiscal.machine import Machine
+from axiscal.machine.entry import parse_error_name
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.charts.kinds import Circle
 from axiscal.measurement.instrument import model_of, reads_angles
@@ -23,7 +24,7 @@ _SAME = 1e-6
 
 
 def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:
-    """Return the set-up of a reading, and −1 where it reads downwards, or against the way of a tested axis."""
+    """Return the set-up of a reading, and −1 where it reads against the error that the file names."""
     if row.setup:
         return campaign.setup(row.setup), 1
     if row.test is not None:
@@ -32,15 +33,17 @@ def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int
         return _only_setup(campaign), 1
     if row.error == "slope":
         return _levelled(row, campaign), 1
+    component = 2 if row.error == "z" else parse_error_name(row.error).component % 3
     moving = {campaign.machine.index(name) for name in row.position}
     reads = (s for s in campaign.setups if model_of(s).reads == row.dimension and moving <= set(s.moves))
-    ways = ((setup, float(_direction_in_frame(setup, campaign.machine)[2])) for setup in reads)
+    ways = ((setup, float(_direction_in_frame(setup, campaign.machine)[component])) for setup in reads)
     fitting = [(setup, along) for setup, along in ways if abs(along) > _ALONG]
     if len(fitting) != 1:
-        what = "several set-ups read a length along z while {moving} moves"
-        what = what if fitting else "no set-up reads a length along z while {moving} moves"
+        what = "several set-ups read {error} while {moving} moves"
+        what = what if fitting else "no set-up reads {error} while {moving} moves"
         remedy = "Describe exactly one set-up for it, or give READINGS.csv with a column setup"
-        raise ReadingError(what, remedy, moving=", ".join(row.position))
+        error = said("a length along z") if row.error == "z" else row.error
+        raise ReadingError(what, remedy, error=error, moving=", ".join(row.position))
     ((setup, along),) = fitting
     return setup, 1 if along > 0 else -1
 

@@ -88,7 +88,7 @@ class RawReading:
     run : of a test; axis : that the file of a test names, "" where it names none
     check : its place was drawn at random
     number : under which a program has it, None if not said
-    error : what was read, where a file names no set-up: "z" a height, "slope" a level's; "" for anything else
+    error : where a file names no set-up but the error that was read, such as "EXX"; "z" a height, "slope" a level's
     time : s after the first reading of the file; None where it does not say
     base : how far apart the feet of a level stood, m
     rounding : of the digits of each coordinate, half of the last one, m or rad, by axis; absent where not known
@@ -103,7 +103,7 @@ class RawReading:
     dimension: Literal["length", "angle"]
     line: int
     others: tuple[float, ...] = ()
-    error: Literal["", "z", "slope"] = ""
+    error: str = ""
     time: float | None = None
     base: float | None = None
     beside: tuple[float, float] | None = None
