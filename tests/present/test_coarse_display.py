@@ -115,6 +115,13 @@ def test_the_step_is_said_with_what_to_state() -> None:
     assert 'resolution, and what is rounded off as unknown. State resolution = "10 um"' in finding.text
 
 
+@pytest.mark.parametrize("count", [4, 21])
+def test_a_lead_error_at_equal_places_is_no_step(count: int) -> None:
+    exact = np.linspace(0, 300, count)
+    assert list(coarse_displays(taken(exact * 1e-6), setups(""))) == []
+    assert len(list(coarse_displays(taken(shown(np.linspace(0, 307, 12), 20.0)), setups("")))) == 1
+
+
 def test_what_is_stated_is_not_asked_for() -> None:
     readings = taken(shown(curve(3, 26), 10.0))
     assert list(coarse_displays(readings, setups('resolution = "10 um"'))) == []

@@ -146,7 +146,7 @@ def test_a_place_outside_the_travel_is_refused() -> None:
 
 
 def test_tables_are_those_of_the_command(tmp_path: Path) -> None:
-    known = ac.estimate(case(), [Reading("laser", (x, 0.1, 0.2), (1, 0, 0), 6e-5 * x) for x in (0.1, 0.2, 0.3, 0.5)])
+    known = ac.estimate(case(), [Reading("laser", (x, 0.1, 0.2), (1, 0, 0), 3e-4 * x) for x in (0.1, 0.2, 0.3, 0.5)])
     files = known.export("linuxcnc", tmp_path)
     assert sorted(file.name for file in files) == sorted(file.name for file in tmp_path.iterdir())
     assert (tmp_path / "X.comp").is_file()

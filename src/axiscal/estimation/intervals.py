@@ -21,7 +21,7 @@ All numbers of all readings are estimated at once, each with its own precision. 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -42,22 +42,38 @@ _SWEEPS, _DAMPING, _SETTLED = 30, 0.5, 1e-4
 """Sweeps end where the intervals settle; half steps keep them from swinging."""
 _MOST = 1e3
 """Noises: values in larger steps are in another unit, and no display is so coarse."""
+_PASSED = 0.1
+"""Of a step: what is rounded off spreads over ten times as much."""
 _TAIL = 1e-300
 """The smallest that has a logarithm."""
 
 
 def as_shown(setups: Sequence[Setup], readings: Sequence[Reading]) -> tuple[Setup, ...]:
     """Return set-ups with the step that their values show, or those of their instrument, where it is not stated."""
-    found, of = list[Setup](), {each.name: each.instrument for each in setups}
+    found = list[Setup]()
     for setup in setups:
-        alike = [each for each in readings if of[each.setup] == setup.instrument and each.std is None]
-        own = [number for each in alike if each.setup == setup.name for number in each.values]
-        every = [number for each in alike if own for number in each.values]
-        step = step_of(np.array(own), setup.noise) or step_of(np.array(every), setup.noise) or 0.0
+        alike = (each.name for each in setups if each.instrument == setup.instrument)
+        of = {name: [each for each in readings if each.setup == name and each.std is None] for name in alike}
+        step = _step_shown([of[setup.name]], setup.noise) or _step_shown(of.values(), setup.noise)
         variance = max(setup.noise**2 - setup.rounding**2, 0.0) + step**2 / 12.0
-        coarser = setup.interval + FINEST < step < _MOST * setup.noise
+        coarser = setup.interval + FINEST < step < _MOST * setup.noise and of[setup.name]
         found.append(replace(setup, resolution=step, noise=math.sqrt(variance)) if coarser else setup)
     return tuple(found)
+
+
+def _step_shown(of_setups: Iterable[Sequence[Reading]], noise: float) -> float:
+    """Return the step in which the values of set-ups move, m or rad; 0 for none, and where their places make it."""
+    every = [each for each in of_setups if each]
+    step = step_of(np.array([number for own in every for each in own for number in each.values]), noise) or 0.0
+    return 0.0 if all(_passed(own, step) for own in every) else step
+
+
+def _passed(readings: Sequence[Reading], step: float) -> bool:
+    """Return whether a line along the axes passes all values far within a step: equal ways then give equal steps."""
+    along = np.array([[1.0, *each.pose, *each.approach] for each in readings])
+    values = np.array([each.values for each in readings])
+    line, _, rank, _ = np.linalg.lstsq(along, values)
+    return len(readings) > rank and bool(np.abs(values - along @ line).max() < _PASSED * step)
 
 
 def is_coarse(setup: Setup) -> bool:
