@@ -37,7 +37,7 @@ def times() -> list[tuple[float, float]]:
     """Return wall and processor seconds from each Enter to the next question."""
     found = []
     with tempfile.TemporaryDirectory() as folder, opened(Path(folder)) as campaign:
-        desk = Desk(campaign, lambda _: None)
+        desk = Desk(campaign, lambda: None)
         while (question := desk.state.question) is not None:
             typed = " ".join(f"{expected.mean + 0.2 * expected.half:.2f}" for expected in question.expected)
             wall, processor = time.perf_counter(), time.process_time()

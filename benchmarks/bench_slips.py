@@ -181,7 +181,7 @@ def met(slip: Slip, record: Path, seed: int) -> tuple[int, bool]:
     """Return after how many readings a slip is named, 0 for before any and -1 for never, and if it is noticed."""
     with Campaign.open(record) as campaign:
         person = Person(campaign, seed)
-        desk, heard = Desk(campaign, lambda _: None), ""
+        desk, heard = Desk(campaign, lambda: None), ""
         for number, words in enumerate(told(slip, desk, person)):
             if number >= WITHIN:
                 break
@@ -225,7 +225,7 @@ def off(slip: Slip, record: Path, seed: int) -> float:
     """Return what 95 % of the places of the row are off by at the end, of its U: the largest over the rows."""
     with Campaign.open(record) as campaign:
         person = Person(campaign, seed)
-        measured(slip, Desk(campaign, lambda _: None), person)
+        measured(slip, Desk(campaign, lambda: None), person)
         known, found = campaign.so_far(), list[float]()
         estimate, errors = known.estimate(), known.printed.belief
         for asked in asked_rows(campaign.description, known.readings, whole=True):

@@ -20,6 +20,13 @@ def machine(condition: str, places: str, seed: int) -> Right:
     return right(seed, everywhere(TARGETS, 1, job)[places], strain)
 
 
+def as_described(condition: str, places: str) -> Animal:
+    """Return it as an animal."""
+    job, _ = CONDITIONS[condition]
+    name = f"as described, {condition}: {places}"
+    return Animal(name, job, lambda seed: machine(condition, places, seed).met)
+
+
 def foreign(truth: Foreign, places: str) -> Animal:
     """Return a foreign truth that perfect instruments read."""
     where = everywhere(TARGETS, 1, PERFECT)[places]

@@ -32,6 +32,11 @@ class Kind:
         """The mean share of the truth inside U; None where no U is printed or every cause is named."""
         return float(np.mean([how.inside for how in self.intervals])) if self.intervals else None
 
+    @property
+    def least_kept(self) -> float | None:
+        """The least share of a slope that a table keeps."""
+        return min((each.kept.share for each in self.found if each.kept is not None), default=None)
+
     def faults(self) -> Iterator[str]:
         """Yield what falls short."""
         for each in self.found:
