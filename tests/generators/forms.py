@@ -11,7 +11,7 @@ from axiscal.measurement.candidates import breaks_along, smoothness_along
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
-from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.gains.covariance import Scorer
 from axiscal_core.roots import node_count, nodes
 
 

@@ -19,7 +19,6 @@ from axiscal.estimation.promise.agreement import Explained
 from axiscal.exceptions import AxiscalError, OvertakenError, RecordError
 from axiscal.language.spoken import said, spoken_now
 from axiscal.present.guide import progress, slips
-from axiscal.present.guide.known import KnownInWords
 from axiscal.present.guide.question import Question, asked_text, measured, stands
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer
@@ -27,7 +26,7 @@ from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.record.signing import step_now
 from axiscal.tables import registry
-from axiscal.web.shapes import SentenceShape, StateShape
+from axiscal.web.shapes import AnswerShape, SentenceShape, StateShape
 
 
 class Desk:
@@ -259,7 +258,7 @@ class Desk:
             named=state.finished is None and self._explained() is not None,
             asks="" if self._asks is None else spelt(self._asks.question),
             choices={} if self._asks is None else self._asks.choices,
-            answer=None if answer is None or overtaken else KnownInWords.of_campaign(campaign, answer),
+            answer=None if answer is None or overtaken else AnswerShape.of_campaign(campaign, answer),
             results=results.name if written else "",
             tables=sorted(each.name for each in (results / "tables").glob("*/")) if written else (),
             controls=registry.controllers(),

@@ -27,7 +27,6 @@ from axiscal.exceptions import AxiscalError, DescriptionError, InputError, PlanE
 from axiscal.language.spoken import later, said
 from axiscal.machine import machine_from_text
 from axiscal.planning.helping import rows_shown
-from axiscal.present.guide.known import KnownInWords
 from axiscal.present.machine_drawing.setup_picture import machine_scene, setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer, minutes_curve
 from axiscal.present.plan_words import open_questions
@@ -103,7 +102,7 @@ def plan(here: Path) -> shapes.PlanShape:
             raise PlanError("No reading of these set-ups is worth its time", "Choose other instruments")
         minds = open_questions(campaign.description, asked=True)
         return shapes.PlanShape(
-            answer=KnownInWords.of_campaign(campaign, answer), minds=[spelt(mind) for mind in minds]
+            answer=shapes.AnswerShape.of_campaign(campaign, answer), minds=[spelt(mind) for mind in minds]
         )
 
 

@@ -3,22 +3,53 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, BoughtAccuracy
+from axiscal.answers.answer import AnswerDocument, BoughtAccuracy, PlannedAnswer, ResultAnswer
+from axiscal.answers.answer_of_campaign import results_beside
+from axiscal.answers.answer_words import answer_text
+from axiscal.campaign.agreement_words import agreement_words
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import LONGEST_TEXT
-from axiscal.present.guide.known import KnownInWords
 from axiscal.present.guide.progress import Answer, Due, KeptReading, Progress
 from axiscal.present.guide.question import Question
 from axiscal.present.guide.slips import Cause, Jog
+from axiscal.present.plan_words import plan_text
+from axiscal.present.sentences import spelt
 from axiscal.record.events import Note
 
 LONGEST = 25.0
 """s that a request may wait for news: less than what programs between us and a browser would take for a fault."""
 After = Annotated[int, Field(ge=0, description="`last` of the state that is answered; 409 if it has changed")]
 Short = Annotated[str, Field(max_length=LONGEST_TEXT)]
+
+
+class AnswerShape(AnswerDocument):
+    """The result, or the plan, in words and as their document.  first : the first line in parts; rows : with heading"""
+
+    first: list[str]
+    rows: list[list[str]]
+    sentences: list[str]
+    document: ResultAnswer | PlannedAnswer
+
+    @classmethod
+    def of_campaign(cls, campaign: Campaign, answer: ResultAnswer | PlannedAnswer) -> Self:
+        """Return the answer of a campaign with its words."""
+        record, results = campaign.path.name, results_beside(campaign.path).name
+        if isinstance(answer, PlannedAnswer):
+            text = plan_text(answer, record)
+        else:
+            agreement = agreement_words(campaign.so_far()) if answer.readings else ""
+            text = answer_text(answer, agreement, record, results, evidence_words(campaign))
+        return cls(
+            first=[spelt(part) for part in text.first.parts],
+            rows=[[spelt(cell) for cell in row] for row in text.rows],
+            sentences=[spelt(sentence) for sentence in text.sentences],
+            document=answer,
+        )
 
 
 class StateShape(AnswerDocument):
@@ -53,7 +84,7 @@ class StateShape(AnswerDocument):
     named: bool
     asks: str
     choices: Mapping[Answer, str]
-    answer: KnownInWords | None
+    answer: AnswerShape | None
     results: str
     tables: Sequence[str]
     controls: Sequence[str]
@@ -183,7 +214,7 @@ class CurveShape(AnswerDocument):
 class PlanShape(AnswerDocument):
     """The plan of a draft; minds : what nobody has said yet."""
 
-    answer: KnownInWords
+    answer: AnswerShape
     minds: Sequence[str]
 
 

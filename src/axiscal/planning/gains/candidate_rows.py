@@ -20,8 +20,7 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import cells_shown, numbers_of_setups, with_cells
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import bernstein, coefficients_between
-from axiscal.planning.gains.covariance import Covariance
-from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.gains.covariance import Covariance, Scorer
 from axiscal_core.from_scipy import sparse_product
 
 _BLOCK = 4096

@@ -3,6 +3,10 @@
 Readings enter by Potter's update of F, with all their numbers at once. The result is C − H M⁻¹ Hᵀ with H = C Gᵀ and M =
 R + G C Gᵀ. Readings leave by the same with −(R − G C Gᵀ)⁻¹. Both keep C = F Fᵀ positive semidefinite. No values are
 needed: the covariance of linear Gaussian readings does not depend on them.
+
+The gain of a reading follows from one product with [F, C Vᵀ]: ΔJ = gᵀCWCg / (σ² + gᵀCg), and with several numbers ΔJ =
+tr(M⁻¹ N), N = G C W C Gᵀ, as these share information. As a ratio of two smooth functions of the place it is
+tr(adj(M) N) / det(M). Both are divided by the same power of the noise, to stay within the range of numbers.
 """
 
 from __future__ import annotations
@@ -15,13 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.accuracy.yardstick import Accuracy, Root, Yardstick
-from axiscal.measurement.observation import Observation
+from axiscal.measurement.observation import JointRows, Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import PlaceRows, rows_at, visited
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import condition, lower_root
-from axiscal.planning.gains.gain import Scorer
 from axiscal_core.from_scipy import solution, solution_of_product, take_off
+from axiscal_core.state import joint_gains
 
 _MODERATE = 1e13
 """By Cholesky up to here, by singular values beyond: the first loses digits only near the inverse of rounding."""
@@ -58,6 +62,44 @@ class LowRank(NamedTuple):
     def gain(self) -> float:
         """By how much J = tr(W C) falls."""
         return float(np.sum(self.eta * self.omega))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Scorer:
+    """Gains under one belief.
+
+    factor : F (n, r) with C = F Fᵀ; weighted : V F (w, r); both : [F, C Vᵀ], (n, r + w)
+    """
+
+    observation: Observation
+    factor: Array
+    weighted: Array
+    both: Array
+
+    def widened(self, columns: Array, reach: Array) -> Scorer:
+        """Return the gains where the covariance is larger by D Dᵀ.  columns : D (n, k); reach : V D (w, k)"""
+        factor, weighted = np.hstack([self.factor, columns]), np.hstack([self.weighted, reach])
+        target = self.both[:, self.rank :] + columns @ reach.T
+        return Scorer(self.observation, factor, weighted, np.hstack([factor, target]))
+
+    @property
+    def rank(self) -> int:
+        """Number of columns of F: the rest of `both` belongs to the numerator."""
+        return int(self.factor.shape[1])
+
+    def split_all(self, seen: JointRows) -> tuple[Array, Array]:
+        """Return N = G C W C Gᵀ and M = R + G C Gᵀ of readings with all their numbers, each (m, k, k)."""
+        (count, values, size), rank = seen.rows.shape, self.rank
+        products = (seen.rows.reshape(-1, size) @ self.both).reshape(count, values, -1)
+        far, near = products[..., rank:], products[..., :rank]
+        if values == 1:  # sums of squares are faster so
+            above, below = np.einsum("mkx,mkx->m", far, far), np.einsum("mkx,mkx->m", near, near)
+            return above[:, None, None], seen.covariances + below[:, None, None]
+        return far @ far.swapaxes(1, 2), seen.covariances + near @ near.swapaxes(1, 2)
+
+    def gains_at(self, setup: int, poses: Array, approaches: Array) -> Array:
+        """Return the gain at poses, (m,).  poses, approaches : (m, q)."""
+        return joint_gains(*self.split_all(self.observation.numbers(setup, poses, approaches)))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import Covariance, LowRank, ReadNumbers
-from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.gains.covariance import Covariance, LowRank, ReadNumbers, Scorer
 from axiscal_core.state import joint_gains
 
 _SMALLEST = 1e-9

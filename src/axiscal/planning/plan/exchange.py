@@ -25,8 +25,7 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import Covariance, unexplained
-from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.gains.covariance import Covariance, Scorer, unexplained
 from axiscal.planning.gains.running_gains import Allowed, Scores
 from axiscal.planning.plan.task import Clock, Patience, work_of_climb
 from axiscal.planning.step.ground import ground_of
