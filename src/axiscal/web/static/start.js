@@ -244,7 +244,7 @@ async function look(name) {
 // The machine with its travels, and on it the instrument that was touched last.
 function drawMachine() {
   const kind = machine.title ? "" : Object.keys(start.machines)[0], place = find("machine-drawing"), width = Math.round(Math.min(place.clientWidth, 900));
-  if (width < 200) return;
+  if (width < 200 || leaving) return;
   const instrument = ["start", "machine"].includes(draft.screen) ? "" : touched || (draft.instruments.at(-1) ?? "");
   draw(place, `/machine.svg?${new URLSearchParams({ width, machine: kind, instrument, version })}`, machine.title || start.machines[kind]);
 }
