@@ -11,8 +11,9 @@ tr(adj(M) N) / det(M). Both are divided by the same power of the noise, to stay 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -36,11 +37,34 @@ _NOUGHT = 1e-300
 
 
 class ReadNumbers(NamedTuple):
-    """Numbers of readings that enter or leave together.  rows : (k, n); variances : (k,)"""
+    """ReadNumbers of readings that enter or leave together.  rows : (k, n); variances : (k,)"""
 
     rows: Array
     variances: Array
     leaving: bool = False
+
+
+class _Turn(NamedTuple):
+    """A factor F becomes F T, T = I − U s Uᵀ.  basis : U (r, k); values : σ; turn : Qᵀ (k, k); weights : η; shrink : s
+
+    Let Fᵀ Gᵀ R^-½ = U σ Qᵀ. Where readings enter, s = 1 − 1/√(1 + σ²) and η = 1/(1 + σ²). Where they leave, s = 1 −
+    √(1 + σ²/e) and η = −1/e, e = 1 − σ².
+    """
+
+    basis: Array
+    values: Array
+    turn: Array
+    weights: Array
+    shrink: Array
+
+    @classmethod
+    def from_numbers(cls, seen: Array, leaving: bool) -> _Turn:
+        """Return what numbers make of a factor.  seen : Fᵀ Gᵀ R^-½ (r, k)"""
+        basis, values, turn = _singular(seen)
+        if leaving:
+            left = np.maximum(1.0 - values**2, _OPEN)
+            return cls(basis, values, turn, -1.0 / left, 1.0 - np.sqrt(1.0 + values**2 / left))
+        return cls(basis, values, turn, 1.0 / (1.0 + values**2), 1.0 - 1.0 / np.hypot(1.0, values))
 
 
 class LowRank(NamedTuple):
@@ -57,6 +81,11 @@ class LowRank(NamedTuple):
     z: Array
     omega: Array
     back: Array
+
+    @classmethod
+    def by_turn(cls, turn: _Turn, sizes: Array, h: Array, z: Array, reach: Array) -> LowRank:
+        """Return what numbers change.  sizes : the std of each, (k,); reach : V H (w, k)"""
+        return cls(np.diag(turn.weights), h, z, reach.T @ reach, sizes[:, None] * turn.turn.T)
 
     @property
     def gain(self) -> float:
@@ -156,30 +185,38 @@ class Covariance:
         """Return the state after readings, and what all their numbers changed."""
         state = self.opened(places)
         rows, variances, _ = state.rows(places)
-        return state.changed_by(ReadNumbers(rows, variances))
+        after, (change,) = state.changed_by(ReadNumbers(rows, variances))
+        return after, change
 
-    def changed_by(self, part: ReadNumbers) -> tuple[Covariance, LowRank]:
-        """Return the state after readings have entered or left, and what that changed.
+    def changed_by(self, *parts: ReadNumbers) -> tuple[Covariance, tuple[LowRank, ...]]:
+        """Return the state after one part after another has entered or left, and what each of them changed.
 
-        F becomes F (I − U s Uᵀ) with Fᵀ Gᵀ R^-½ = U σ Qᵀ. Where readings enter, s = 1 − 1/√(1 + σ²) and η = 1/(1 + σ²).
-        Where they leave, s = 1 − √(1 + σ²/e) and η = −1/e, e = 1 − σ².
+        F T, T = T₁ T₂ ... of `_Turn`. A part sees T of those before it: the factor is read as often as for one part.
         """
-        sizes = np.sqrt(part.variances)
-        basis, values, turn = _singular(((part.rows / sizes[:, None]) @ self.factor).T)
-        if part.leaving:
-            left = np.maximum(1.0 - values**2, _OPEN)
-            eta, shrink = -1.0 / left, 1.0 - np.sqrt(1.0 + values**2 / left)
-        else:
-            eta, shrink = 1.0 / (1.0 + values**2), 1.0 - 1.0 / np.hypot(1.0, values)
-        reach = (self.weighted @ basis) * values
+        sizes = [np.sqrt(part.variances) for part in parts]
+        told = (
+            np.concatenate([part.rows / size[:, None] for part, size in zip(parts, sizes, strict=True)]) @ self.factor
+        )
+        cuts, turns, bases = _cuts(parts), list[_Turn](), list[Array]()
+        for part, cut in zip(parts, cuts, strict=True):
+            turn = _Turn.from_numbers(_turned(told[cut].T, turns), part.leaving)
+            bases.append(_turned(turn.basis, turns[::-1]))
+            turns.append(turn)
+        turned = np.concatenate(bases, axis=1)
+        values = np.concatenate([turn.values for turn in turns])
+        reach = (self.weighted @ turned) * values
         felt = (reach.T @ self.weighted).T
-        seen = (np.hstack([basis, felt]).T @ self.both.T).T  # thin factors first: twice as fast
+        for number, cut in enumerate(cuts[1:], start=1):
+            felt[:, cut] = _turned(_turned(felt[:, cut], turns[:number]), turns[:number][::-1])
+        seen = (np.hstack([turned, felt]).T @ self.both.T).T  # thin factors first: twice as fast
         along, count = seen[:, : len(values)], len(reach)
-        taken = self.both.copy()
-        take_off(taken, along * shrink, basis.T)
         h, z = along[count:] * values, seen[count:, len(values) :]
-        change = LowRank(np.diag(eta), h, z, reach.T @ reach, sizes[:, None] * turn.T)
-        return replace(self, both=taken), change
+        shrunk = along * np.concatenate([turn.shrink for turn in turns])
+        taken = self.both.copy()
+        take_off(taken, shrunk, np.concatenate([turn.basis for turn in turns], axis=1).T)
+        made = zip(turns, sizes, cuts, strict=True)
+        changes = tuple([LowRank.by_turn(turn, size, h[:, cut], z[:, cut], reach[:, cut]) for turn, size, cut in made])
+        return replace(self, both=taken), changes
 
     def after_readings(self, places: Places) -> Covariance:
         """Return the state after readings, all at once."""
@@ -197,6 +234,19 @@ class Covariance:
         """Return the gains under this state."""
         weighted = self.weighted
         return Scorer(self.observation, self.factor, weighted, np.hstack([self.factor, self.factor @ weighted.T]))
+
+
+def _cuts(parts: Sequence[ReadNumbers]) -> list[slice]:
+    """Return where the numbers of each part are among those of all."""
+    ends = list(accumulate([len(part.variances) for part in parts]))
+    return [slice(end - len(part.variances), end) for part, end in zip(parts, ends, strict=True)]
+
+
+def _turned(vectors: Array, turns: Sequence[_Turn]) -> Array:
+    """Return ... T₂ T₁ v of vectors (r, k)."""
+    for turn in turns:
+        vectors = vectors - (turn.basis * turn.shrink) @ (turn.basis.T @ vectors)
+    return vectors
 
 
 def _singular(matrix: Array) -> tuple[Array, Array, Array]:

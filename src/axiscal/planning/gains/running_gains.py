@@ -1,16 +1,19 @@
-"""Gains of a whole lattice, kept up to date while readings enter and leave: O(M n) per change, bound by memory traffic.
+"""Gains of a whole lattice, kept up to date while readings enter and leave: O(M N) per change, bound by memory traffic.
 
 A change C ← C − H η Hᵀ has K = G H and T = G Z. Let S = K η and U = T − S Ω/2. The matrices of each reading change: M −
-R = G C Gᵀ to G C Gᵀ − S Kᵀ. Likewise N = G C W C Gᵀ changes to N − S Uᵀ − U Sᵀ. A reading of the plan that might leave
-needs its columns G C g_l and G C W C g_l of all candidates: one more product of the same size finds them.
+R = G C Gᵀ to G C Gᵀ − S Kᵀ. Likewise N = G C W C Gᵀ changes to N − S Uᵀ − U Sᵀ. The same is true of the columns G C g_l
+and G C W C g_l of the readings in the plan. With them it costs O(M) to take a reading out and to find its best
+replacement.
 
-A reading enters and leaves with all its numbers at once, and so do many readings.
+A reading enters and leaves with all its numbers at once, and so do many readings. A search looks
+at the columns G C Gᵀ and G C W C Gᵀ of one reading at a time. So a change of low rank is written down and taken off
+what is looked at; several are taken off the whole tables together.
 """
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -20,6 +23,7 @@ from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance, LowRank, ReadNumbers, Scorer
+from axiscal_core.from_scipy import take_off
 from axiscal_core.state import joint_gains
 
 _SMALLEST = 1e-9
@@ -58,6 +62,7 @@ class Scores:
         self.places, self.noise = Places.none(pool.lattice.poses.shape[1]), np.zeros(0)
         self.rows = np.zeros((0, pool.width, state.observation.size))
         self.above, self.below = pool.gain_forms(state.scorer())
+        self._columns: ReadingColumns | None = None
         self._leavings: Leavings | None = None
         self._bare: tuple[Covariance, Scorer] | None = None
 
@@ -73,13 +78,14 @@ class Scores:
         other = copy.copy(self)
         other.above, other.below = self.above.copy(), self.below.copy()
         other.rows, other.noise = self.rows.copy(), self.noise.copy()
+        other._columns = None if self._columns is None else self._columns.copy()
         return other
 
     def among(self, setups: Collection[int]) -> Self:
         """Return a copy that has the candidates of some set-ups alone, and goes its own way."""
         other, kept = copy.copy(self), np.isin(self.pool.lattice.setups, list(setups))
         columns = np.concatenate([np.flatnonzero(kept), len(self.pool) + np.arange(len(self.places))])
-        other.pool = self.pool.among(setups)
+        other.pool, other._columns = self.pool.among(setups), None
         other.above, other.below = (np.take(each, columns, axis=2) for each in (self.above, self.below))
         other.rows, other.noise = self.rows.copy(), self.noise.copy()
         return other
@@ -100,9 +106,10 @@ class Scores:
     def exchange(self, slot: int, what: int | Places) -> float:
         """Put a candidate, or a reading at another single place, where another stands; return by how much J falls."""
         place, rows, variance = self._read(what)
-        lost = self._without(slot)
+        self._make_room()
+        leaving = self._leaving(slot)
         self.places = self.places.exchanged(slot, place)
-        return self._taken(np.array([slot]), rows, np.zeros(len(rows), dtype=np.intp), np.array([variance])) - lost
+        return self._taken(np.array([slot]), rows, np.zeros(len(rows), dtype=np.intp), np.array([variance]), leaving)
 
     def _read(self, what: int | Places) -> tuple[Places, Array, float]:
         """Return a reading's place, rows (k, n) and variance, with columns for the cells that it opens."""
@@ -124,18 +131,29 @@ class Scores:
         self.places = Places.joined([self.places, places])
         return self._taken(slots, rows, owner, variances[np.searchsorted(owner, np.arange(len(places)))])
 
-    def _taken(self, slots: NDArray[np.intp], rows: Array, owner: NDArray[np.intp], noise: Array) -> float:
-        """Take readings in, and return by how much J falls.
+    def _taken(
+        self, slots: NDArray[np.intp], rows: Array, owner: NDArray[np.intp], noise: Array, *leaving: ReadNumbers
+    ) -> float:
+        """Take readings in.
 
         slots : (m,); rows : (k, n) of all numbers; owner : (k,) of which reading; noise : (m,)
+        leaving : the one that stood there
         """
         inside = np.arange(len(rows)) - np.searchsorted(owner, owner)
         self._make_room()
         self.rows[slots], self.noise[slots] = 0.0, noise
         self.rows[slots[owner], inside] = rows
-        self._change(*self.state.changed_by(ReadNumbers(rows, noise[owner])))
+        state, changes = self.state.changed_by(*leaving, ReadNumbers(rows, noise[owner]))
+        seen = self._products(changes)
+        for change, each in zip(changes[:-1], seen[:-1], strict=True):
+            self._changed(change, *each)
+        self.last = changes[-1]
+        if self._columns is not None:
+            self._columns.put(int(slots[0]), *(self._back(self.last, each) for each in seen[-1]))
+        self._changed(self.last, *seen[-1])
+        self.state = state
         self._own(slots, owner, inside)
-        return self.last.gain
+        return sum([change.gain for change in changes])
 
     def _own(self, slots: NDArray[np.intp], owner: NDArray[np.intp], inside: NDArray[np.intp]) -> None:
         """Find N and M of readings that have entered: a zero that opened before them is a million times their noise.
@@ -152,10 +170,17 @@ class Scores:
             whole[:, :, own] = (turned @ back.swapaxes(1, 2)).transpose(1, 2, 0)
         self.below[:, :, own] += np.eye(width)[:, :, None] * self.noise[slots]
 
+    def _back(self, change: LowRank, turned: Array) -> Array:
+        """Return what candidates see of the numbers of one reading, (w, w, M).  turned : (k, w, M + N)"""
+        columns = np.zeros((self.pool.width, self.pool.width, len(self.pool)))
+        columns[: len(turned)] = np.tensordot(change.back, turned[:, :, : len(self.pool)], 1)
+        return columns
+
     def _make_room(self) -> None:
         """Make room for as many readings as there are places, over all unknowns."""
         more, size = len(self.places) - len(self.noise), self.state.observation.size
         if more:
+            self._columns = None
             self.above, self.below = (np.pad(each, ((0, 0), (0, 0), (0, more))) for each in (self.above, self.below))
             self.noise = np.pad(self.noise, (0, more))
         if more or size > self.rows.shape[2]:
@@ -163,24 +188,23 @@ class Scores:
 
     def leave(self, slot: int) -> float:
         """Take a reading out of the plan, and return by how much J rises."""
-        lost, own = self._without(slot), len(self.pool) + slot
+        self.state, self.last = self.known_without(slot)
+        self._columns = None
+        self._changed(self.last, *self._products([self.last])[0])
+        own = len(self.pool) + slot
         self.above, self.below = np.delete(self.above, own, axis=2), np.delete(self.below, own, axis=2)
         self.rows, self.noise = np.delete(self.rows, slot, axis=0), np.delete(self.noise, slot)
         self.places = self.places.without(slot)
-        return lost
-
-    def _without(self, slot: int) -> float:
-        """Take a reading's information out, and return by how much J rises."""
-        self._make_room()
-        self._change(*self.known_without(slot))
         return -self.last.gain
 
     def known_without(self, slot: int) -> tuple[Covariance, LowRank]:
         """Return the state without a reading of the plan, and what that would change."""
+        state, (change,) = self.state.changed_by(self._leaving(slot))
+        return state, change
+
+    def _leaving(self, slot: int) -> ReadNumbers:
         count = self._numbers(slot)
-        return self.state.changed_by(
-            ReadNumbers(self.rows[slot, :count], np.full(count, self.noise[slot]), leaving=True)
-        )
+        return ReadNumbers(self.rows[slot, :count].copy(), np.full(count, self.noise[slot]), leaving=True)
 
     def scorer(self) -> Scorer:
         """Return the gains as if no cell had been visited, which are found once until a reading moves."""
@@ -196,7 +220,7 @@ class Scores:
     def without(self, slot: int) -> tuple[Array, float]:
         """Return the gains (M,) of the candidates were a reading not taken, and that of the reading itself."""
         left, every = self._left_by(), slice(len(self.pool))
-        cross, reach = self._against(slot)
+        cross, reach = self._followed().against(slot)
         scaled, half = _scaled(-left.grown[slot], left.omega[slot], cross, reach)
         gains = _gains(*_after(self.above[:, :, every], self.below[:, :, every], scaled, half, cross))
         return gains, float(np.sum(left.grown[slot] * left.omega[slot]))
@@ -223,26 +247,40 @@ class Scores:
             self._leavings = Leavings(grown, omega, values[:, 0])
         return self._leavings
 
-    def _against(self, slot: int) -> tuple[Array, Array]:
-        """Return G C Gᵀ and G C W C Gᵀ of the candidates and a reading, each (w, w, M), its own numbers first."""
-        half, weighted = self.state.factor.T @ self.rows[slot].T, self.state.weighted
-        both = self.state.factor @ np.hstack([half, weighted.T @ (weighted @ half)])
-        cross, reach = np.split(self.pool.products(self.state.observation, both), 2)
-        return cross, reach
+    def _followed(self) -> ReadingColumns:
+        """Return the columns of the readings of the plan, kept until there is another number of them."""
+        if self._columns is None:
+            half = self.state.factor.T @ self.rows.reshape(-1, self.rows.shape[2]).T
+            weighted = self.state.weighted
+            both = (self.state.factor @ each for each in (half, weighted.T @ (weighted @ half)))
+            shape = (len(self.rows), self.pool.width, self.pool.width, len(self.pool))
+            seen = (self.pool.products(self.state.observation, each).reshape(shape) for each in both)
+            self._columns = ReadingColumns(*seen)
+        return self._columns
 
     def _numbers(self, slot: int) -> int:
         """Return how many numbers a reading of the plan has."""
         return int(self.pool.numbers[self.places.setups[slot]])
 
-    def _change(self, state: Covariance, change: LowRank) -> None:
-        """Bring everything up to date after C ← C − H η Hᵀ."""
-        vectors, count = np.hstack([change.h, change.z]), len(change.eta)
+    def _products(self, changes: Sequence[LowRank]) -> list[tuple[Array, Array]]:
+        """Return rows times H and Z of each change, for candidates, then readings, each (k, w, M + N)."""
+        vectors = np.concatenate([part for change in changes for part in (change.h, change.z)], axis=1)
         mine = (self.rows @ vectors).transpose(2, 1, 0)
         seen = np.concatenate([self.pool.products(self.state.observation, vectors), mine], axis=2)
-        cross, reach = seen[:count], seen[count:]
+        found, start = list[tuple[Array, Array]](), 0
+        for change in changes:
+            middle, end = start + len(change.eta), start + 2 * len(change.eta)
+            found.append((seen[start:middle], seen[middle:end]))
+            start = end
+        return found
+
+    def _changed(self, change: LowRank, cross: Array, reach: Array) -> None:
+        """Bring everything up to date after C ← C − H η Hᵀ.  cross, reach : as of `_products`"""
         scaled, half = _scaled(change.eta, change.omega, cross, reach)
         self.above, self.below = _after(self.above, self.below, scaled, half, cross)
-        self.state, self.last, self._leavings = state, change, None
+        self._leavings = None
+        if self._columns is not None:
+            self._columns.change(scaled, half, cross)
 
 
 def _scaled(eta: Array, omega: Array, cross: Array, reach: Array) -> tuple[Array, Array]:
@@ -260,3 +298,58 @@ def _after(above: Array, below: Array, scaled: Array, half: Array, cross: Array)
 def _gains(above: Array, below: Array) -> Array:
     """Return the gains (m,).  above, below : N and M, (w, w, m)"""
     return joint_gains(above.transpose(2, 0, 1), below.transpose(2, 0, 1))
+
+
+_WAITING = 48
+"""Columns of changes that wait: of speed, not of the result."""
+
+
+class ReadingColumns:
+    """What the candidates see of each of the readings.  cross, reach : (N, w, w, M), reading by reading."""
+
+    def __init__(self, cross: Array, reach: Array) -> None:
+        readings, self._width, _, self._count = cross.shape
+        self._tables = np.stack([cross, reach]).reshape(2, readings * self._width, -1)
+        self._left, self._right, self._waiting = *self._empty(_WAITING), 0
+
+    def copy(self) -> Self:
+        """Return a copy that goes its own way."""
+        self._settle()
+        shape = (-1, self._width, self._width, self._count)
+        return type(self)(*(table.reshape(shape) for table in self._tables))
+
+    def against(self, slot: int) -> tuple[Array, Array]:
+        """Return G C Gᵀ and G C W C Gᵀ of the candidates and a reading, each (w, w, M), its own numbers first."""
+        own = slice(slot * self._width, (slot + 1) * self._width)
+        found = self._tables[:, own] - self._left[:, own, : self._waiting] @ self._right[: self._waiting]
+        cross, reach = found.reshape(2, self._width, self._width, self._count)
+        return cross, reach
+
+    def put(self, slot: int, cross: Array, reach: Array) -> None:
+        """Put a reading in the place of another.  cross, reach : (w, w, M)"""
+        own = slice(slot * self._width, (slot + 1) * self._width)
+        self._left[:, own] = 0.0
+        self._tables[:, own] = np.stack([cross, reach]).reshape(2, self._width, -1)
+
+    def change(self, scaled: Array, half: Array, cross: Array) -> None:
+        """Take a change off: crossᵀ scaled, and halfᵀ scaled + scaledᵀ half; each (k, w, M + N), as of `Scores`."""
+        readings = [each[:, :, self._count :].transpose(2, 1, 0) for each in (scaled, half, cross)]
+        mine, far, near = (each.reshape(-1, len(scaled)) for each in readings)
+        right = np.concatenate([each[:, :, : self._count].reshape(len(each), -1) for each in (scaled, half)])
+        if self._waiting + len(right) > _WAITING:
+            self._settle()
+            self._left, self._right = self._empty(max(_WAITING, len(right)))
+        into = slice(self._waiting, self._waiting + len(right))
+        self._left[0, :, into], self._left[1, :, into] = np.hstack([near, np.zeros_like(near)]), np.hstack([far, mine])
+        self._right[into], self._waiting = right, into.stop
+
+    def _empty(self, most: int) -> tuple[Array, Array]:
+        """Return room for changes that wait."""
+        _, rows, columns = self._tables.shape
+        return np.zeros((2, rows, most)), np.empty((most, columns))
+
+    def _settle(self) -> None:
+        """Take everything off that waits."""
+        for table, left in zip(self._tables, self._left, strict=True):
+            take_off(table, left[:, : self._waiting], self._right[: self._waiting])
+        self._waiting = 0
