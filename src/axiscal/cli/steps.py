@@ -28,7 +28,8 @@ def accept(
         str | None,
         typer.Argument(
             metavar="CAUSE",
-            help="jump, sign or another that docs/measuring.md tells; without it: what is named.",
+            help="jump, backlash, sign, unit, sides, mirrored, earlier, swapped, shifted, stuck or frame; "
+            "without it: what is named.",
         ),
     ] = None,
     setup: Annotated[str | None, typer.Option(metavar="NAME", help="Whose readings, where several are named.")] = None,
