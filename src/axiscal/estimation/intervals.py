@@ -21,6 +21,7 @@ All numbers of all readings are estimated at once, each with its own precision. 
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
@@ -50,13 +51,15 @@ _TAIL = 1e-300
 
 def as_shown(setups: Sequence[Setup], readings: Sequence[Reading]) -> tuple[Setup, ...]:
     """Return set-ups with the step that their values show, or those of their instrument, where it is not stated."""
-    found = list[Setup]()
+    found, of = list[Setup](), defaultdict[str, list[Reading]](list)
+    for reading in readings:
+        if reading.std is None:
+            of[reading.setup].append(reading)
     for setup in setups:
-        alike = (each.name for each in setups if each.instrument == setup.instrument)
-        of = {name: [each for each in readings if each.setup == name and each.std is None] for name in alike}
-        step = _step_shown([of[setup.name]], setup.noise) or _step_shown(of.values(), setup.noise)
+        alike = [of[each.name] for each in setups if each.instrument == setup.instrument and of[setup.name]]
+        step = _step_shown([of[setup.name]], setup.noise) or _step_shown(alike, setup.noise)
         variance = max(setup.noise**2 - setup.rounding**2, 0.0) + step**2 / 12.0
-        coarser = setup.interval + FINEST < step < _MOST * setup.noise and of[setup.name]
+        coarser = setup.interval + FINEST < step < _MOST * setup.noise
         found.append(replace(setup, resolution=step, noise=math.sqrt(variance)) if coarser else setup)
     return tuple(found)
 
@@ -64,8 +67,8 @@ def as_shown(setups: Sequence[Setup], readings: Sequence[Reading]) -> tuple[Setu
 def _step_shown(of_setups: Iterable[Sequence[Reading]], noise: float) -> float:
     """Return the step in which the values of set-ups move, m or rad; 0 for none, and where their places make it."""
     every = [each for each in of_setups if each]
-    step = step_of(np.array([number for own in every for each in own for number in each.values]), noise) or 0.0
-    return 0.0 if all(_passed(own, step) for own in every) else step
+    step = step_of(np.array([number for own in every for each in own for number in each.values]), noise)
+    return 0.0 if step is None or all(_passed(own, step) for own in every) else step
 
 
 def _passed(readings: Sequence[Reading], step: float) -> bool:

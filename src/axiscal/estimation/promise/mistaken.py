@@ -9,9 +9,9 @@ Sums that grow from part to part give the gain of all stretches at once:
 
     y' = y + Σ dᵢ,    gain = −Σ gᵢ − ½ Σ Fᵢⱼ,    gᵢ = dᵢᵀK⁻¹y, Fᵢⱼ = dᵢᵀK⁻¹dⱼ
 
-Of a sign that turned d is −2 yᵢ, of an axis that is counted from its other end what the values of a pass in opposite
-order change. Sides that are swapped change K: twice each column of backlash comes on top. Stretches reach to the last
-reading, or from one turn to another.
+For a sign that turned, d is −2 yᵢ. For an axis that is counted from its other end, the values of a pass come in
+opposite order, and d is what that changes. Sides that are swapped change K: twice each column of backlash comes on
+top. Stretches reach to the last reading, or from one turn to another.
 """
 
 from __future__ import annotations
