@@ -64,19 +64,6 @@ def test_stations_are_found_where_the_mean_has_them_and_stay_when_they_move_by_n
     assert further.description.setups[1].found == pytest.approx((1e-3 + 1.1e-8, -2e-3, 3e-3), abs=1e-12)
 
 
-def test_another_case_lends_where_readings_are_linear_and_nothing_else() -> None:
-    case = tracers("1 mm", "1 mm")
-    other = case.linear_about(moved(case, (1e-3, 0.0, 0.0)))
-    lent = case.linear_as(other)
-    assert [setup.found for setup in lent.description.setups] == [setup.found for setup in other.description.setups]
-    assert lent.about is other.about
-    assert lent.description.machine is case.description.machine
-    assert other.about is not None
-    assert not other.about.bent
-    assert len(other.about.point) == case.errors.size + len(case.observation.unknowns)
-    assert case.linear_about(case.prior.mean, bent=True).errors is not case.errors
-
-
 def test_what_is_to_be_learnt_is_what_the_campaign_says_and_of_an_inherited_prior_what_readings_alone_suffer() -> None:
     plain = mixed('sure = "exactly"\nusual = "off"')
     assert plain.sizes.of == ()
