@@ -75,19 +75,6 @@ def test_the_likeliest_sign_of_a_stretch_is_that_of_the_dense_density() -> None:
     assert (found.mistake.reading, found.mistake.last) == (3 + int(np.argmax(gains)), -1) == (7, -1)
 
 
-def test_without_a_contradiction_nothing_is_sought() -> None:
-    problem = sized(asked("axis", 9, 5), ())
-    assert list(suspects(problem)) == []
-
-
-def test_a_jump_of_one_number_is_of_its_zero_whatever_else_the_mounting_leaves_open() -> None:
-    problem = sized(asked("axis", 9, 5), ())
-    for unknowns in (0, 2):
-        np.testing.assert_array_equal(
-            ways_of(replace(problem, unknowns=unknowns), problem.setup == 0), np.ones((1, len(problem.values)))
-        )
-
-
 @pytest.mark.parametrize("since", [12, 13])
 def test_a_ball_that_moves_is_a_jump_and_none_of_its_readings_is_bad(since: int) -> None:
     """Sixteen readings of a nest: the last ones stand 60 um off, as if some were bad; three of any time are bad."""
