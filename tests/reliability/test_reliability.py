@@ -74,7 +74,7 @@ def test_nothing_is_lost_or_wrong(tried: Callable[[], Trial], most: int) -> None
 def test_a_number_of_any_length_is_refused_in_words_that_do_not_repeat_it(kind: bad_files.Kind, tmp_path: Path) -> None:
     """Python converts no whole number of more than 4,300 digits; of a table the line is named."""
     path = bad_files.place(kind, tmp_path)
-    for number in list(re.finditer(rb"\d+", kind.good))[:30]:
+    for number in list(re.finditer(rb"\d+", kind.good))[:10]:
         path.write_bytes(kind.good[: number.start()] + b"9" * 5000 + kind.good[number.end() :])
         try:
             kind.read(path)
