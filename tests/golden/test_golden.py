@@ -1,4 +1,4 @@
-"""Campaigns give what they gave, and show it alike on every surface: three in the quick tests, all in the long ones."""
+"""Campaigns give what they gave, and show it alike on every surface: four in the quick tests, all in the long ones."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from tests.golden.surfaces import (
     written_screens,
 )
 
-SMALL = ("contradict", "manners", "programs")
+SMALL = ("contradict", "manners", "plans", "programs")
 """Played in the quick tests."""
 CAMPAIGNS = [pytest.param(name, marks=() if name in SMALL else pytest.mark.long) for name in names()]
 _CUT = re.compile("…|and[0-9]+more|und[0-9]+weitere")
@@ -100,7 +100,7 @@ def test_five_surfaces_show_one_answer(
                 assert page.below in paper
                 assert plain("".join(cell for line in page.cells for cell in line)) in paper
             for shown in surfaces:
-                if "more" in answer:  # those of a plan are held by tests/present/test_plan_screen.py
+                if "more" in answer:  # those of a plan are held by test_screens_say_results.py
                     assert list(differing(shown, answer["rows"], answer)) == []
                 assert shown.first == surfaces[0].first
                 assert surfaces[0].below.startswith(_CUT.split(shown.below)[0])
