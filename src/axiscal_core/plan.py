@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal_core.criterion import Criterion, Goal, goal
-from axiscal_core.from_scipy import chi_square_quantile
+from axiscal_core.from_scipy import chi_square_quantile, solution
 from axiscal_core.model import Model, Numbers
 from axiscal_core.places import Places, Readings
 from axiscal_core.refusals import Array, InputError, whole, within
@@ -32,6 +32,7 @@ from axiscal_core.units import METRES, Quantity, in_minutes, si
 _STARTS = 12  # beside the greedy one: with 3 J of eight drawn plans is up to 1.3 times as large, with 24 up to 8 % less
 _CLIMBED = 3  # of what they end in: the best on the candidates is not always the best off them
 _EXCHANGES, _CLIMBS = 8, 4  # rounds, at most: most searches end before
+_MANY = 100  # readings in minutes from which on one round of exchanges does, and none is moved: of time
 _MOST = 400  # readings until an RMS: who needs more has another problem
 _SHARE = 0.95  # of U
 
@@ -105,7 +106,7 @@ def _ended(search: _Search, count: int | None, limit: float | None, target: floa
     chosen = search.starts(count or _MOST, limit, target)[0]
     if not chosen and not len(search.kept):
         raise InputError("Case.plan", "minutes", f"= {limit:g} are too few for one reading", "Give more")
-    return search.moved(chosen, free)
+    return search.moved(chosen, free and len(chosen) < _MANY)
 
 
 def _told(case: Model, search: _Search, places: Places, after: Readings | Places | None) -> Plan:
@@ -167,13 +168,14 @@ class _Search:
         widths = np.array([len(each) for each in self.own])
         self.groups = [np.flatnonzero(widths == width) for width in np.unique(widths)]
         self.fixed = list(range(len(kept)))
-        self.first = {name: i for i, name in reversed([*enumerate(self.places.instruments)])}
+        self.setup = np.array([case.setups.index(name) for name in self.places.instruments], dtype=np.intp)
+        self.costs, self.begins = np.array([(each.costs, each.begins) for each in case.instruments]).T / 60
 
     def gains(self, beside: Sequence[int]) -> Array:
         """Return what each candidate gains beside others, (candidates,)."""
         at = np.concatenate([np.zeros(0, dtype=np.intp), *(self.own[i] for i in (*self.fixed, *beside))])
         root = np.linalg.cholesky(self.k[np.ix_(at, at)] + np.diag(self.n.noise[at] ** 2))
-        half, known = np.linalg.solve(root, self.k[at]), np.linalg.solve(root, self.reach[at])
+        half, known = solution(root, self.k[at]), solution(root, self.reach[at])
         state, result = self.state, np.full(len(self.own), -np.inf)
         if self.goal.function is not None:
             state = State(self.case, self.goal, self._numbers((*self.fixed, *beside)))
@@ -186,15 +188,13 @@ class _Search:
         result[self.fixed] = -np.inf
         return result
 
-    def grown(
-        self, chosen: Sequence[int], count: int, limit: float | None = None, target: float | None = None
-    ) -> list[int]:
-        """Return candidates with others added that gain most, until one of the ends is reached."""
+    def grown(self, chosen: Sequence[int], count: int, limit: float | None, target: float | None) -> list[int]:
+        """Return candidates with others added that gain most, per minute of a limit, until one of the ends."""
         found = list(chosen)
         while len(found) + len(self.fixed) < count and (target is None or self.rms(found) > target):
             gains = self.gains(found)
             if limit is not None:
-                gains = np.where(self._fits(found, limit), gains, -np.inf)
+                gains = np.where((more := self._more(found, limit)) < np.inf, gains / np.maximum(more, 1e-6), -np.inf)
             if not np.isfinite(gains.max()):
                 break
             found.append(int(np.argmax(gains)))
@@ -203,12 +203,11 @@ class _Search:
     def exchanged(self, chosen: Sequence[int], limit: float | None = None) -> list[int]:
         """Return candidates of which none can be exchanged for a better one.  limit : minutes"""
         found = list(chosen)
-        for _ in range(_EXCHANGES):
+        for _ in range(_EXCHANGES if limit is None or len(found) < _MANY else 1):
             before = list(found)
             for j in range(len(found)):
-                others = found[:j] + found[j + 1 :]
-                gains = self.gains(others)
-                allowed = gains if limit is None else np.where(self._fits(others, limit), gains, -np.inf)
+                gains = self.gains(others := found[:j] + found[j + 1 :])
+                allowed = gains if limit is None else np.where(np.isfinite(self._more(others, limit)), gains, -np.inf)
                 best = int(np.argmax(allowed))
                 found[j] = best if gains[best] > gains[found[j]] else found[j]
             if found == before:
@@ -220,16 +219,19 @@ class _Search:
 
         A greedy choice alone may never begin with an instrument whose zero is unknown: one reading of it tells nothing.
         """
-        generator, more = np.random.default_rng(0), count - len(self.fixed)
-        if limit is not None:
-            more = min(more, int(60 * limit / min(each.costs or 1.0 for each in self.case.instruments)))
-        free = np.arange(len(self.fixed), len(self.own))
-        sizes = [min(more // (1 + i % 2), len(free)) for i in range(_STARTS)]  # all of them drawn, or half
-        drawn = [generator.choice(free, size, replace=False).tolist() for size in sizes]
-        if limit is not None:
-            drawn = [self._within(each, limit) for each in drawn]
-        found = [self.exchanged(self.grown(each, count, limit, target), limit) for each in ([], *drawn)]
-        return sorted(found, key=lambda each: self.value(self._numbers((*self.fixed, *each))))
+        generator, free = np.random.default_rng(0), np.arange(len(self.fixed), len(self.own))
+        if limit is None:
+            sizes = [min((count - len(self.fixed)) // (1 + i % 2), len(free)) for i in range(_STARTS)]  # all, or half
+            drawn = [generator.choice(free, size, replace=False).tolist() for size in sizes]
+        else:
+            most = [min(1 + i % len(self.begins), count - len(self.fixed)) for i in range(_STARTS)]
+            drawn = [self._mounted(generator.permutation(free), each, limit) for each in most]
+        tried = self._best_first([self.grown(each, count, limit, target) for each in ([], *drawn)])
+        best = tried if limit is None else tried[:_CLIMBED]
+        return self._best_first([self.grown(self.exchanged(each, limit), count, limit, target) for each in best])
+
+    def _best_first(self, tried: list[list[int]]) -> list[list[int]]:
+        return sorted(tried, key=lambda each: self.value(self._numbers((*self.fixed, *each))))
 
     def best(self, count: int, free: bool) -> Places:
         """Return the best plan of so many readings that several starts find.  free : it may leave the candidates"""
@@ -280,18 +282,19 @@ class _Search:
     def _with(self, places: Places) -> Numbers:
         return joined([*([] if self.taken is None else [self.taken]), self.case.numbers(places)])
 
-    def _within(self, chosen: Sequence[int], limit: float) -> list[int]:
-        """Return the first of candidates that fit into so many minutes."""
-        counts = [i for i in range(len(chosen) + 1) if self._minutes(chosen[:i]) <= limit + 1e-9]
-        return [*chosen[: counts[-1] if counts else 0]]
+    def _mounted(self, drawn: NDArray[np.intp], most: int, limit: float) -> list[int]:
+        """Return the first candidate of each of so many set-ups, as far as they fit into so many minutes."""
+        found = list[int]()
+        for i in drawn[np.sort(np.unique(self.setup[drawn], return_index=True)[1])][:most].tolist():
+            found += [i] if np.isfinite(self._more(found, limit)[i]) else []
+        return found
 
-    def _fits(self, chosen: Sequence[int], limit: float) -> NDArray[np.bool_]:
-        """Return which candidates fit into so many minutes beside others, (candidates,)."""
-        fits = [name for name in self.first if self._minutes([*chosen, self.first[name]]) <= limit + 1e-9]
-        return np.isin(self.places.instruments, fits)
-
-    def _minutes(self, chosen: Sequence[int]) -> float:
-        return minutes_of(self.case, self.places.at(np.array([*self.fixed, *chosen], dtype=np.intp)))
+    def _more(self, chosen: Sequence[int], limit: float) -> Array:
+        """Return the minutes of each candidate beside others, infinite where they are too many, (candidates,)."""
+        setups = self.setup[[*self.fixed, *chosen]]
+        spent = self.costs[setups].sum() + self.begins[np.unique(setups)].sum()
+        more = (self.costs + np.where(np.isin(np.arange(len(self.begins)), setups), 0.0, self.begins))[self.setup]
+        return np.where(spent + more <= limit + 1e-9, more, np.inf)
 
     def _numbers(self, chosen: Sequence[int]) -> Numbers | None:
         parts = [] if self.taken is None else [self.taken]

@@ -34,8 +34,7 @@ def _mill(**options: str) -> ac.Case:
 
 
 def test_figure_4_one_after_another_and_equation_37() -> None:
-    case, taken = _paper(), ac.Places("dial", np.zeros((0, 1)))
-    falls = []
+    case, taken, falls = _paper(), ac.Places("dial", np.zeros((0, 1))), list[float]()
     for _ in range(7):
         taken = taken + case.next(taken if len(taken) else None, criterion="joint")
         falls.append(case.evaluate(taken, criterion="joint").J)
@@ -51,8 +50,7 @@ def test_readings_chosen_together_beat_those_one_after_another() -> None:
 
 def test_no_places_beat_the_bound() -> None:
     case = _paper()
-    plan = case.plan(readings=7, criterion="joint")
-    found = case.evaluate(plan.places, criterion="joint")
+    found = case.evaluate(case.plan(readings=7, criterion="joint").places, criterion="joint")
     assert found.bound is not None
     assert 0.9 * found.J < found.bound < found.J
 
@@ -84,10 +82,12 @@ def test_readings_that_are_there_count() -> None:
     assert pytest.approx(more.J, rel=1e-9) == case.evaluate(more.places, after=first).J
 
 
-@pytest.mark.parametrize("limit", [0.5, 1.2])
-def test_minutes_are_kept(limit: float) -> None:
-    assert 0.5 * limit < _mill().plan(minutes=limit).minutes <= limit
-    assert _mill().plan(minutes=f"{60 * limit} s").minutes <= limit
+def test_minutes_are_kept_and_more_of_them_leave_less() -> None:
+    mounted = [ac.Laser("dial", "X", noise="9 um", setup_time="1 min"), ac.Laser("laser", "X", setup_time="6 min")]
+    limits, case = np.array([2, 4, 6.5, 8]), ac.Case(_mill().stated, mounted)
+    plans = [case.plan(minutes=each if each < 5 else f"{60 * each} s", candidates=60) for each in limits.tolist()]
+    assert np.abs(np.array([plan.minutes for plan in plans]) - limits).max() < 1e-9
+    assert np.all(np.diff([plan.J for plan in plans]) < 0)
 
 
 def test_an_rms_is_reached_with_as_few_readings_as_do() -> None:
