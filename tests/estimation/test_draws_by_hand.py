@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from axiscal.estimation.promise.posterior import (
-    sorted_out,
-)
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.promise.posterior import _half_and_half, _may_be_a_detail, _surely, sorted_out
+from axiscal.estimation.promise.problem import _cell_root
+from axiscal.machine import load_machine
 from axiscal_core import left_out as left_out_of
 from axiscal_core.draws import Mode, Weighed, draws, mode, weighed
-from axiscal_core.left_out import left_out
+from axiscal_core.left_out import LeftOut, left_out
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
+from axiscal_core.theta import Kind, Sizes
 from axiscal_core.unknowns import Space, space_of
 from tests.generators.dense_posterior import Dense, mixture
 from tests.generators.problems import asked, case_of, readings_of, sized, stated
@@ -87,3 +90,57 @@ def test_a_second_reading_at_its_place_tells_a_slip_from_a_detail(slip: float) -
     alone, again = (sorted_out(stated(case, [*right[:7], wrong, *right[8:], *more])) for more in ([], [right[7]]))
     assert ([*alone.bad], alone.with_details is None) == ([7], False)
     assert ([*again.bad], again.with_details is None) == ([7], True)
+
+
+THETAS = np.log(np.array([[0.5, 1.0, 2.0], [1.0, 2.0, 2.0], [4.0, 3.0, 1.0]]))
+WEIGHTS = np.array([0.005, 0.5, 0.495])
+
+
+def _told() -> tuple[Problem, Weighed[Given]]:
+    """Return three draws of a curve's size, a noise and a length."""
+    of = [SimpleNamespace(kind=kind, owners=owners) for kind, owners in (
+        ("std", ("EXX", "EYX")), ("noise", ("laser",)), ("length", ("EXX",)),
+    )]  # fmt: skip
+    return SimpleNamespace(sizes=Sizes(tuple(of))), SimpleNamespace(thetas=THETAS, weights=WEIGHTS)  # type: ignore
+
+
+def test_of_an_error_so_much_is_there_with_99_percent() -> None:
+    """Below 1.0 are 0.5 %, so that 1 % of the draws are no smaller than 1.0; noises and lengths do not count."""
+    problem, found = _told()
+    assert _surely(problem, found) == pytest.approx(1.0 / float(WEIGHTS @ np.array([0.25, 1.0, 16.0])) ** 0.5)
+    more = SimpleNamespace(thetas=THETAS, weights=np.array([0.02, 0.5, 0.48]))
+    expected = 0.5 / float(more.weights @ np.array([0.25, 1.0, 16.0])) ** 0.5
+    assert _surely(problem, more) == pytest.approx(expected)  # type: ignore[arg-type]
+    large = SimpleNamespace(thetas=0.0 * THETAS, weights=WEIGHTS)
+    assert _surely(problem, large) == 1.0  # type: ignore[arg-type]
+
+
+def test_sizes_of_two_answers_are_in_the_middle_of_their_squares_and_lengths_of_their_logarithms() -> None:
+    one: dict[tuple[Kind, str], float] = {("std", "EXX"): 1.0, ("length", "EXX"): 12.0}
+    other: dict[tuple[Kind, str], float] = {("std", "EXX"): 2.0, ("length", "EXX"): 3.0}
+    assert _half_and_half(one, other) == pytest.approx({("std", "EXX"): 2.5**0.5, ("length", "EXX"): 6.0})
+
+
+def test_rests_of_a_curve_go_together_by_halves_within_six_percent_of_the_travel() -> None:
+    errors = ErrorModel(load_machine("three-axis-mill"))
+    term = next(each for each in errors.functions if each.name == "EXX")
+    wide = round(0.06 * term.cell_count)
+    assert wide > 1
+    cells = [0, wide - 1, wide, 3 * wide, 3 * wide + 1]
+    root = _cell_root(term, cells)
+    expected = np.eye(5)
+    expected[0, 1] = expected[1, 0] = expected[3, 4] = expected[4, 3] = 0.5
+    np.testing.assert_allclose(root @ root.T, expected, atol=1e-12)
+    plane = ErrorModel(load_machine("printer-gantry")).planes[0]
+    np.testing.assert_array_equal(_cell_root(plane, [1, 2]), np.eye(2))
+
+
+def test_a_detail_is_no_larger_than_two_stated_sizes_of_the_curves() -> None:
+    problem, _, _ = _learnt()
+    (curves,), index = problem.curves, 7
+    row = problem.rows[problem.reading == index][:, curves.columns[0]]
+    root = curves.roots(np.zeros(len(problem.sizes)))[0]
+    size = float(np.sqrt(row @ root @ root.T @ row.T)[0, 0])
+    for times, may in ((1.99, True), (2.01, False)):
+        left = LeftOut(np.array([-times * size]), np.eye(1), 0.0, 0.0)
+        assert _may_be_a_detail(problem, index, left) == may

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.numerics import Array
 from tests.generators.field import FIELD
 from tests.zoo.answers import Answer
 from tests.zoo.running import given
@@ -20,7 +19,11 @@ BESIDE = pytest.mark.skipif(not FIELD.is_dir(), reason="needs the files of the f
 
 @BESIDE
 @pytest.mark.parametrize(
-    ("campaign", "readings", "slope"), [("lb", "iso20", 0.02), ("asread", "iso60", 0.06), ("asread", "S11", 0.02)]
+    ("campaign", "readings", "slope"),
+    [
+        ("lb", "iso20", 0.02),
+        *(pytest.param("asread", *each, marks=pytest.mark.long) for each in (("iso60", 0.06), ("S11", 0.02))),
+    ],
 )
 def test_a_straight_line_that_was_read_is_in_the_table(
     tmp_path: Path, campaign: str, readings: str, slope: float
@@ -51,30 +54,6 @@ def estimated(campaign: Path, readings: str, out: Path) -> tuple[Answer, list[di
     assert outcome.status == 0, outcome
     with (out / "data" / "readings.csv").open(encoding="utf-8", newline="") as file:
         return Answer(out, outcome), list(csv.DictReader(file))
-
-
-def heights(rows: list[dict[str, str]]) -> Array:
-    """Return x, y, mm, and height of the bed, um, of readings along z, (3, n)."""
-    return np.array([[float(row["X_mm"]), float(row["Y_mm"]), -float(row["value_um"])] for row in rows]).T
-
-
-def bed(x: Array, y: Array) -> Array:
-    """Return what all maps of the field hold, um."""
-    found: Array = 120 * np.sin(x / 90) + 80 * np.cos(y / 70) + 0.3 * (x - 150)
-    return found
-
-
-@BESIDE
-@pytest.mark.long
-def test_of_two_profiles_one_is_named(tmp_path: Path) -> None:
-    folder = FIELD / "15-two-profiles"
-    both = given("data", "estimate", folder / "campaign.toml", folder / "two.cfg", "--out", tmp_path / "none")
-    both.refused("2 meshes are saved here: default, hot", "two.cfg#hot")
-    for name, cells, lift in (("default", 25, 0.0), ("hot", 49, 50.0)):
-        answer, rows = estimated(folder / "campaign.toml", f"{folder / 'two.cfg'}#{name}", tmp_path / name)
-        x, y, z = heights(rows)
-        assert f"two.cfg#{name}: a Klipper mesh, {cells} of {cells} cells, for set-up probe" in answer.text
-        assert np.abs(z - bed(x, y) - lift).max() < 0.51
 
 
 @BESIDE

@@ -8,6 +8,7 @@ in mm and um where it names no unit. A direction is + or -, forward or reverse, 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Literal
@@ -58,10 +59,15 @@ def circle(file: TextFile, around: Around) -> Found:
 
 
 def long_table(file: TextFile, around: Around) -> Found:
-    """Return the readings of a table with a line for each; raises ReadingError, also for one that stands twice."""
+    """Return the readings of a table with a line for each; raises ReadingError, also for one that stands twice.
+
+    Where no column numbers the runs, a target is read in the first run first.
+    """
     table = table_of(file, words=STEMS)
-    target, way, run, read = table.needed(_OF_TEST | _BESIDE, "target_mm", "direction", "run", "deviation_um")
-    found = distinct(file, _lines(table, target, way, run, read, _kind(table, target, read)))
+    target, way, read = table.needed(_OF_TEST | _BESIDE, "target_mm", "direction", "deviation_um")
+    run = next(iter(table.all_of("run")), None)
+    lines = _lines(table, target, way, run, read, _kind(table, target, read))
+    found = distinct(file, lines if run else _in_order(lines))
     if column_of(read.name).stem.lower() in ACTUAL:
         found = tuple(replace(each, value=each.value - each.position[""]) for each in found)
     return Found(found)
@@ -78,6 +84,15 @@ def _lines(
         way = row.meant(direction, sign_of, later("direction {text!r} is not known"), _TOWARDS)
         read = _read(row, target, way, number, value, kind)
         yield replace(read, setup=named, axis=moved, time=seconds)
+
+
+def _in_order(readings: Iterable[RawReading]) -> Iterator[RawReading]:
+    """Yield readings with their runs: how often each was read until then."""
+    times = Counter[tuple[str, float, int]]()
+    for each in readings:
+        place = (each.axis, each.position[""], each.approach[""])
+        times[place] += 1
+        yield replace(each, run=times[place])
 
 
 def wide_table(file: TextFile, around: Around) -> Found:
