@@ -7,6 +7,7 @@ in mm and um where it names no unit. A direction is + or -, forward or reverse, 
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -54,8 +55,12 @@ def test_of(file: TextFile) -> Literal["circle", "wide", "long"] | None:
 def circle(file: TextFile, around: Around) -> Found:
     """Return the readings of a circular test; raises ReadingError."""
     table = table_of(file, words=STEMS)
+    silent = [column for column in table.all_of("angle") if not column.unit]
+    if any(abs(row.number(column)) > 2 * math.pi for column in silent for row in table.rows):  # above a turn in rad
+        table = replace(table, columns=tuple(replace(c, stated="deg") if c in silent else c for c in table.columns))
     angle, direction, deviation = table.needed(_OF_CIRCLE | _BESIDE, "angle_deg", "direction", "deviation_um")
-    return Found(tuple(_lines(table, angle, direction, None, deviation, "circle")))
+    note = "" if angle.unit else said("angles in deg (it names no unit)")
+    return Found(tuple(_lines(table, angle, direction, None, deviation, "circle")), note=note)
 
 
 def long_table(file: TextFile, around: Around) -> Found:
