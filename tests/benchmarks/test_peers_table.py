@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -87,28 +86,6 @@ def test_missing_environment_is_a_sentence(tmp_path: Path, monkeypatch: pytest.M
     outcome = runner.run(rival_of("trieste"), Posed(CASES[0], "joint"), Bounds())
     assert outcome.sorry == "not installed (no .venv-peers/trieste)"
     assert any("not installed (no .venv-peers/trieste)" in line for line in table(_known(outcome), "joint"))
-
-
-def _endless(monkeypatch: pytest.MonkeyPatch, body: str) -> None:
-    popen = subprocess.Popen
-
-    def start(command: list[str], **keywords: object) -> object:
-        return popen([command[0], "-c", body], **keywords)  # type: ignore[call-overload]
-
-    monkeypatch.setattr(subprocess, "Popen", start)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("body", ["while True: pass", "import time; time.sleep(60)"])
-def test_the_limit_of_time_ends_a_process(monkeypatch: pytest.MonkeyPatch, body: str) -> None:
-    _endless(monkeypatch, body)
-    assert runner.run(rival_of("numpy"), Posed(CASES[0], "joint"), Bounds(0.4)).sorry == "ended after 0 s"
-
-
-def test_the_limit_of_memory_ends_a_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    _endless(monkeypatch, "import time; hoard = bytearray(10**8); time.sleep(60)")
-    sorry = runner.run(rival_of("numpy"), Posed(CASES[0], "joint"), Bounds(60.0, 5e7)).sorry
-    assert sorry == "ended beyond 0.05 GB"
 
 
 @pytest.mark.long

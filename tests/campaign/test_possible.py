@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.exceptions import ReadingError, RecordError
-from axiscal.measurement.reading import Place, Reading
-from axiscal.record.events import Asked, Event, Planned, Recorded
+from axiscal.exceptions import ReadingError
+from axiscal.measurement.reading import Reading
+from axiscal.record.events import Recorded
 from axiscal.record.store import Record
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
@@ -29,32 +28,6 @@ def begun(path: Path) -> Campaign:
 
 def reading(setup: str = "along x", pose: tuple[float, ...] = (0.1, 0.1), value: float = 1e-6) -> Reading:
     return Reading(setup, pose, (0,) * len(pose), value)
-
-
-@pytest.mark.parametrize(
-    ("event", "says"),
-    [
-        (Recorded(reading(pose=(0.31, 0.1))), "X = 310 mm is outside the travel"),
-        (Recorded(reading(pose=(0.1, -0.01))), "Y = -10 mm is outside the travel"),
-        (Recorded(reading(pose=(0.1,))), "1 coordinates, and the machine 2 axes"),
-        (Recorded(reading(pose=(0.1, 0.1, 0.1))), "3 coordinates, and the machine 2 axes"),
-        (Recorded(reading(setup="along w")), 'no set-up "along w"'),
-        (Recorded(reading(value=2e3)), "no deviation of a machine"),
-        (Recorded(replace(reading(), others=(1e-6,))), "gives 1 values a reading"),
-        (Recorded(replace(reading(), std=1e-13)), "1e-13 m or rad is no standard deviation"),
-        (Recorded(replace(reading(), time=1e12)), r"1e\+12 s after its beginning"),
-        (Recorded(replace(reading(), time=-1e10)), r"-1e\+10 s after its beginning"),
-        (Asked(1, Place("along x", (0.4, 0.1), (0, 0))), "X = 400 mm is outside"),
-        (Planned((Place("along x", (0.1, 0.1), (0, 0)), Place("x", (0.1, 0.1), (0, 0)))), 'no set-up "x"'),
-    ],
-)
-def test_an_event_that_cannot_be_is_damage(event: Event, says: str, tmp_path: Path) -> None:
-    path = tmp_path / "r.axiscal"
-    begun(path).close()
-    with Record.open(path) as record:
-        record.append(event)
-    with pytest.raises(RecordError, match=rf"damaged: event 2 cannot be: .*{says}"):
-        Campaign.open(path)
 
 
 def test_the_ends_of_the_travel_are_possible(tmp_path: Path) -> None:

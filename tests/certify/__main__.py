@@ -6,14 +6,12 @@ import argparse
 import sys
 import time
 from collections.abc import Callable, Iterator
-from itertools import count, islice, product
+from itertools import product
 
 import numpy as np
 
 from axiscal_core.threads import one_thread
 from tests.certify import (
-    belief,
-    endings,
     first_lines,
     gcode,
     least_squares,
@@ -54,14 +52,6 @@ def several_joints(cases: int, first: int) -> Iterator[Finding]:
     yield f"missed in {len(missed)} cases" + (f": seeds {missed[:10]}" if missed else ""), not missed
 
 
-def million_updates(updates: int, first: int) -> Iterator[Finding]:
-    """Yield the error of predicted standard deviations after that many updates, against 80 digits."""
-    for (prior, noise), limit in zip(belief.CASES, belief.LIMITS, strict=True):
-        verdict = belief.judged(prior, noise, updates, seed=first + 1)
-        what = f"prior {prior * 1e6:g} um, noise {noise * 1e6:g} um: error of std {verdict.error:.1e}, limit {limit:g}"
-        yield f"{what}, not positive {verdict.bad}", verdict.error <= limit and verdict.bad == 0
-
-
 def random_models(cases: int, first: int) -> Iterator[Finding]:
     """Yield the error of means and standard deviations of random models, against ball arithmetic."""
     worst = max((models.error(models.random_model(np.random.default_rng(s))), s) for s in range(first, first + cases))
@@ -76,16 +66,6 @@ def reference_regressions(cases: int, _first: int) -> Iterator[Finding]:
         more = f", of their standard deviations {deviations:.1f}" if np.isfinite(deviations) else ""
         text = f"{name}: correct digits of the coefficients {found:.1f}{more}, asked {asked:g}"
         yield text, min(found, deviations) >= asked
-
-
-def endings_of_campaigns(cases: int, first: int) -> Iterator[Finding]:
-    """Yield how many campaigns end with a target that can be reached."""
-    each_seed = ((seed, endings.feasible(seed)) for seed in count(first))
-    found = dict(islice(((seed, each) for seed, each in each_seed if each is not None), cases))
-    others = {seed: f"{each.because} after {each.readings}" for seed, each in found.items() if not each.reached}
-    share = 1 - len(others) / cases
-    text = f"targets that can be reached: {share:.1%} reached{f', else {others}' if others else ''}"
-    yield text, share >= endings.LEAST
 
 
 def first_lines_of_screens(cases: int, first: int) -> Iterator[Finding]:
@@ -114,7 +94,6 @@ def rows_of_machines(machines: int, first: int) -> Iterator[Finding]:
 PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
     "one-joint": (one_joint, 10_000, "random joints"),
     "machines": (several_joints, 500, "random machines of two and three joints"),
-    "belief": (million_updates, 1_000_000, "updates of five problems"),
     "models": (random_models, 500, "random models of up to 120 unknowns, up to 12 decades"),
     "regressions": (reference_regressions, len(least_squares.DIGITS), "certified regressions of NIST"),
     "gcode": (
@@ -132,7 +111,6 @@ PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
         2_000,
         "random plans in every dialect, through the tests' own readers",
     ),
-    "endings": (endings_of_campaigns, 20, "random campaigns whose target can be reached"),
     "rows": (rows_of_machines, 200, "virtual machines of two how-tos: whether U of each row holds the truth"),
     "first-lines": (first_lines_of_screens, 100, "campaigns: the first line of the last screen beside the truth"),
 }

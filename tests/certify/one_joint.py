@@ -96,7 +96,7 @@ def _power_rows(t: list[arb], cyclic: bool) -> arb_mat:
     last = len(t) - 1
     size = last if cyclic else last + 1
     h = [t[i + 1] - t[i] for i in range(last)]
-    c = _second(h, size, cyclic)
+    c = second(h, size, cyclic)
     out = arb_mat(size, 4 * last)
     for i in range(last):
         j = (i + 1) % size
@@ -109,7 +109,7 @@ def _power_rows(t: list[arb], cyclic: bool) -> arb_mat:
     return out
 
 
-def _second(h: list[arb], size: int, cyclic: bool) -> arb_mat:
+def second(h: list[arb], size: int, cyclic: bool) -> arb_mat:
     """Return (size, size): c at every knot from the control values."""
     system, load = arb_mat(size, size), arb_mat(size, size)
     for i in range(size):

@@ -32,12 +32,6 @@ def record(tmp_path: Path) -> Path:
     return tmp_path / "mill.axiscal"
 
 
-def test_a_folder_receives_a_copy_of_the_same_name(record: Path, tmp_path: Path, command: Command) -> None:
-    (tmp_path / "stick").mkdir()
-    assert "holds 1 reading" in command("copy", record, tmp_path / "stick").printed
-    assert command("status", tmp_path / "stick" / "mill.axiscal", "--json").document["readings"] == 1
-
-
 def test_report_tables_and_result_name_the_state_of_the_record(record: Path, tmp_path: Path, command: Command) -> None:
     with Campaign.open(record, write=False) as campaign:
         first = 1e3 * campaign.state.readings[0].pose[0]

@@ -1,13 +1,14 @@
-"""Splines against scipy and against 50-digit arithmetic."""
+"""Splines against scipy and against ball arithmetic."""
 
 from __future__ import annotations
 
 import dataclasses
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import pytest
+from flint import arb, ctx
 from scipy.interpolate import CubicSpline
 
 from axiscal.numerics import Array
@@ -21,9 +22,9 @@ from axiscal_core.splines import (
     quadrature,
     spacing_limit,
 )
+from tests.certify.one_joint import BITS, second
 from tests.generators.splines import bending
 
-mpmath = pytest.importorskip("mpmath")  # untyped: Any
 Kind = type[NaturalSpline | CyclicSpline]
 ORDERS = (0, 1, 2, 3)
 SCIPY_HOLDS = [(decades, order) for decades in (0.0, 1.0) for order in ORDERS] + [(4.0, 0), (4.0, 1)]
@@ -62,37 +63,20 @@ def test_rows_agree_with_scipy(kind: Kind, n: int, decades: float, order: int) -
     assert relative(spline.rows(t, order), expected) < 1e-12
 
 
-def exact_second(spline: NaturalSpline | CyclicSpline) -> Any:
-    """Return S'' at the knots from the control values, solved in 50 digits from the float knots: (n, size)."""
-    t = [mpmath.mpf(float(x)) for x in spline.knots]
-    size, cyclic = spline.size, isinstance(spline, CyclicSpline)
-    h = [b - a for a, b in pairwise(t)]
-    system, load = mpmath.zeros(size), mpmath.zeros(size)
-    for i in range(size):
-        if not cyclic and i in (0, size - 1):
-            system[i, i] = 1
-            continue
-        before, after, j, k = h[i - 1], h[i], (i - 1) % size, (i + 1) % size
-        for column, value in ((j, before), (i, 2 * (before + after)), (k, after)):
-            system[i, column] += value
-        for column, value in ((j, 6 / before), (i, -6 / before - 6 / after), (k, 6 / after)):
-            load[i, column] += value
-    inner = system**-1 * load
-    out = mpmath.zeros(len(t), size)
-    for i in range(len(t)):
-        for j in range(size):
-            out[i, j] = inner[i % size, j]
-    return out
+def exact_second(spline: NaturalSpline | CyclicSpline) -> Array:
+    """Return S'' at the knots from the control values, solved in balls of 400 bits from the float knots: (n, size)."""
+    ctx.prec, t = BITS, [arb(x) for x in spline.knots.tolist()]
+    bends = second([b - a for a, b in pairwise(t)], spline.size, isinstance(spline, CyclicSpline))
+    found = 2 * np.array([[float(bends[i, j]) for j in range(spline.size)] for i in range(spline.size)])
+    return found[np.arange(len(t)) % spline.size]
 
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("kind", [NaturalSpline, CyclicSpline])
-def test_curvatures_agree_with_fifty_digits(kind: Kind, seed: int) -> None:
+def test_curvatures_agree_with_ball_arithmetic(kind: Kind, seed: int) -> None:
     """All else follows from them in closed form, and scipy holds less where knots are uneven."""
-    with mpmath.workdps(50):
-        spline = kind(uneven_knots(9, seed))
-        second = np.array(exact_second(spline).tolist(), dtype=float)
-    assert relative(spline.second, second) < 1e-13
+    spline = kind(uneven_knots(9, seed))
+    assert relative(spline.second, exact_second(spline)) < 1e-13
 
 
 def test_two_knots_make_a_straight_line() -> None:

@@ -7,11 +7,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.polynomial import chebyshev
 
 import axiscal_core as ac
 from axiscal_core.criterion import Goal
-from axiscal_core.roots import largest, node_count, nodes
+from axiscal_core.roots import largest
 from axiscal_core.state import State, joint_gains
 from tests.certify.machines import random_case, shortfall
 from tests.certify.one_joint import GainPolynomials, Problem
@@ -19,48 +18,6 @@ from tests.certify.one_joint_cases import judged, random_problem
 from tests.core.strangers import Arm, Probe
 
 CASES, LIMIT = 60, 1e-9
-
-
-@pytest.mark.parametrize("count", [1, 2, 7, 17, 40])
-def test_nodes_are_the_roots_of_a_chebyshev_polynomial(count: int) -> None:
-    assert (np.diff(nodes(count)) > 0).all()
-    np.testing.assert_allclose(chebyshev.chebval(nodes(count), [0.0] * count + [1.0]), 0.0, atol=1e-13)
-
-
-@pytest.mark.parametrize(("degree", "phase"), [(0, 0.5), (3, 1.0), (6, 2.0), (6, 12.0)])
-def test_node_count_holds_sines_to_rounding(degree: int, phase: float) -> None:
-    count = node_count(degree, phase)
-    x = np.linspace(-1, 1, 500)
-
-    def wave(at: ac.Array) -> ac.Array:
-        return np.asarray(at**degree * np.cos(phase / 2 * at + 0.3))
-
-    def followed(count: int) -> ac.Array:
-        return np.asarray(chebyshev.chebval(x, chebyshev.chebfit(nodes(count), wave(nodes(count)), count - 1)))
-
-    np.testing.assert_allclose(followed(count), wave(x), atol=1e-14)
-    assert np.abs(followed(count // 2) - wave(x)).max() > 1e-12
-    assert node_count(degree) == degree + 1
-
-
-@pytest.mark.parametrize("width", [1e-1, 1e-3, 1e-6, 1e-9])
-def test_a_needle_of_a_peak_is_found(width: float) -> None:
-    """1/(1 + ((t − a)/w)²): the denominator spans up to eighteen decades; halving makes it tame."""
-    found = largest(lambda t: (np.ones(len(t)), 1 + ((t - 0.3456) / width) ** 2), np.array([0.0, 1.0]), 3)
-    assert found is not None
-    assert abs(found[0] - 0.3456) <= 1e-6 * width + 1e-16
-    assert found[1] == pytest.approx(1.0, rel=1e-12)
-
-
-def test_the_ratio_is_that_at_its_place_between_the_breaks() -> None:
-    def forms(t: ac.Array) -> tuple[ac.Array, ac.Array]:
-        return 1 + t, 1 + t**2
-
-    found = largest(forms, np.array([-3.0, -1.0, 3.0]), 3)
-    assert found is not None
-    assert found[0] == pytest.approx(np.sqrt(2) - 1, abs=1e-7)
-    assert found[1] == (1 + found[0]) / (1 + found[0] ** 2)
-    assert (largest(forms, np.array([1.0, 2.0, 3.0]), 3) or (0.0,))[0] == 1.0
 
 
 def test_a_flat_ratio_and_what_is_no_polynomial() -> None:

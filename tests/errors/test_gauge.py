@@ -72,23 +72,6 @@ def _curve_rms(model: ErrorModel) -> float:
     return float(np.sqrt(np.mean(np.einsum("mi,ij,mj->m", centred, function.covariance, centred))))
 
 
-def test_a_reversal_read_from_one_side_is_named() -> None:
-    model = ErrorModel(load_machine("one-axis"))
-    rows = model.rows(np.linspace(0, 1, 200)[:, None], np.ones((200, 1)))[:, 0] / 1e-6
-    first = said(model, rows)[0]
-    assert first.names == ("EXX_reversal",)
-    assert first.effect == pytest.approx(1.5e-6, rel=0.05)
-    assert "while X moves and comes from both sides" in first.text
-
-
-def test_squareness_that_no_set_up_sees_asks_for_a_reading_across() -> None:
-    model = with_errors(ErrorEntry("EYY", 1e-5, knots=7), ErrorEntry("C0Y", 3e-5))
-    first = said(model, tool_rows(model, directions=(1, 2)))[0]
-    assert first.names == ("C0Y",)
-    assert first.effect == pytest.approx(30e-6 * 0.4 / np.sqrt(12), rel=1e-3)
-    assert "a reading along x while Y moves would show it" in first.text
-
-
 def test_the_whole_of_what_moves_the_tool_point_is_accounted_for() -> None:
     """Nothing read at all: the effects together are the prior's own RMS, less what shifts the whole volume."""
     machine: Machine = load_machine("three-axis-mill")

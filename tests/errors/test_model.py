@@ -11,21 +11,11 @@ from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import deviation_of, deviations_of, levers_at
 from axiscal.machine import Machine, load_machine, machine_from_text
 from axiscal.machine.entry import ErrorEntry
-from axiscal.machine.kinematics import tool_motion
 from axiscal.numerics import Array
-from axiscal_core.splines import CyclicSpline, matern
+from axiscal_core.splines import CyclicSpline
 from tests.generators.machines import random_machine, random_poses, twin_derivative
 
 UM, URAD, MM = 1e-6, 1e-6, 1e-3
-
-
-def _deviation(model: ErrorModel, coefficients: Array, poses: Array, approaches: Array) -> tuple[Array, Array]:
-    """Return shift and turn of the tool by the full kinematics."""
-    actual = tool_motion(model.machine, poses, model.small_motions(coefficients, poses, approaches))
-    nominal = tool_motion(model.machine, poses, model.small_motions(np.zeros(model.size), poses, approaches))
-    spin = actual.rotation @ np.swapaxes(nominal.rotation, 1, 2)
-    turned = np.stack([spin[:, 2, 1] - spin[:, 1, 2], spin[:, 0, 2] - spin[:, 2, 0], spin[:, 1, 0] - spin[:, 0, 1]])
-    return actual.translation - nominal.translation, turned.T / 2
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -38,17 +28,6 @@ def test_rows_are_the_exact_derivative_on_random_machines(seed: int) -> None:
         position, turned = twin_derivative(model, pose, approach)
         assert np.abs(rows[i] - position).max() < 1e-13
         assert np.abs(angular[i] - turned).max() < 1e-13
-
-
-@pytest.mark.parametrize("name", ["three-axis-mill", "printer-gantry", "dmu60"])
-def test_what_is_left_out_falls_with_the_square_of_the_errors(name: str) -> None:
-    model, rng = ErrorModel(load_machine(name)), np.random.default_rng(4)
-    poses, approaches = random_poses(model.machine, 20, rng)
-    drawn = np.sqrt(np.diagonal(model.prior_covariance())) * rng.standard_normal(model.size)
-    rows, scales = model.rows(poses, approaches), [64.0, 32.0, 16.0, 8.0]
-    left = [np.abs(_deviation(model, s * drawn, poses, approaches)[0] - rows @ (s * drawn)).max() for s in scales]
-    orders = np.diff(np.log(left)) / np.diff(np.log(scales))
-    assert orders == pytest.approx(np.full(3, 2.0), abs=0.05)
 
 
 def with_errors(machine: Machine, *names: str) -> ErrorModel:
@@ -99,17 +78,6 @@ def test_cases_worked_out_on_paper(
     what: str, machine: Machine, name: str, value: float, pose: dict[str, float], expected: tuple[float, ...]
 ) -> None:
     assert _effect(with_errors(machine, name), value, pose) == pytest.approx(expected, abs=1e-12), what
-
-
-def test_a_smooth_prior_is_matern_and_a_plain_one_is_independent() -> None:
-    model = ErrorModel(
-        replace(DMU, errors=(ErrorEntry("EXX", 2.0, knots=5, length=0.3), ErrorEntry("EYX", 3.0, knots=5)))
-    )
-    smooth, plain = (f.covariance for f in model.functions)
-    r = np.sqrt(5) * 0.15 / 0.3
-    assert smooth[1, 2] == pytest.approx(4.0 * (1 + r + r**2 / 3) * np.exp(-r))
-    assert np.array_equal(plain, 9.0 * np.eye(5))
-    assert matern(np.array([0.0])) == pytest.approx([1.0])
 
 
 @pytest.mark.parametrize("length", [0.2, 1.0, 3.0, 30.0])

@@ -43,19 +43,6 @@ def test_what_is_cut_away_is_counted_as_rest() -> None:
     assert plane.rest**2 < 1e-4 * 10e-6**2
 
 
-def test_a_plane_moves_the_frame_of_the_later_axis() -> None:
-    model = ErrorModel(bed())
-    poses = poses_of(bed(), 20)
-    levers = model.levers(poses)
-    alike = {"EZXY": "EZX", "EAYZ": None}
-    for index, plane in enumerate(model.planes, len(model.functions)):
-        twin = alike[plane.name]
-        if twin is not None:
-            own = [f.name for f in model.functions].index(twin)
-            np.testing.assert_array_equal(levers[index], levers[own])
-    assert model.planes_by_name["EAYZ"].axis == model.machine.index("Z")
-
-
 @pytest.mark.parametrize("machine", [bed(), table()], ids=["bed", "table"])
 def test_the_small_motions_are_those_of_the_rows(machine: Machine) -> None:
     """The chain itself, with the plane as a displacement or turn of one frame, against the row times its values."""

@@ -66,18 +66,40 @@ def _small(machine: Machine) -> Machine:
     return replace(machine, errors=tuple(replace(e, knots=4) if e.knots else e for e in machine.errors))
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_two_axes_agree_with_brute_quadrature(seed: int) -> None:
-    model = ErrorModel(random_machine(seed, count=1 + seed % 2))
-    box = whole_travel(model)
-    assert _apart(volume_moments(model, box), _brute(model, box)) < 1e-11
+def _rotary(length: float, primed: bool) -> Machine:
+    """Return a machine whose rotary axis turns by so much."""
+    turn = Axis.named("B", primed, (0.3, 0.3 + length), origin=(0.1, 0.0, -0.2))
+    carriage = Axis.named("X", False, (-0.1, 0.4))
+    rng = np.random.default_rng(1)
+    return Machine("m", (turn, carriage), 0.1, tuple(every_error(turn, rng) + every_error(carriage, rng)), "", "")
 
 
-@pytest.mark.parametrize("machine", [bed(), table()], ids=["bed", "table"])
-def test_errors_of_two_axes_agree_with_brute_quadrature(machine: Machine) -> None:
+_TURN = Axis.named("C", True, (0.0, 2 * np.pi), origin=(0.1, 0.2, 0.0))
+_FULL_TURN = Machine("m", (_TURN,), 0.1, (ErrorEntry("ECC", 1.0, knots=7), ErrorEntry("X0C", 1.0)), "", "")
+_WHOLE = (0.0, 1.0)
+CASES = {
+    **{f"random {seed}": (random_machine(seed, count=1 + seed % 2), _WHOLE, 9, 1e-11) for seed in range(4)},
+    "bed": (bed(), _WHOLE, 5, 1e-8),
+    "table": (table(), _WHOLE, 9, 1e-8),
+    **{f"three axes {seed}": (_small(random_machine(seed, count=3)), _WHOLE, 5, 1e-6) for seed in (1, 2)},
+    **{f"turns by {far}{' primed' * primed}": (_rotary(far, primed), _WHOLE, 9, 1e-11)
+       for far in (0.02, 0.99, 1.0, 1.01, 3.0) for primed in (False, True)},
+    **{f"from {part}": (random_machine(5, count=2), part, 9, 1e-11)
+       for part in ((0.0, 0.5), (0.31, 0.32), (0.25, 0.75), (0.9, 1.0))},
+    **{f"a full turn from {part}": (_FULL_TURN, part, 9, 1e-11) for part in ((0.08, 0.32), _WHOLE, (0.8, 1.0))},
+}  # fmt: skip
+"""By name: the machine, which share of each travel is its box, points of the quadrature, and how near both have to be.
+
+Rotary travels are on both sides of where the number of nodes changes.
+"""
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_moments_agree_with_brute_quadrature(case: str) -> None:
+    machine, (low, high), points, near = CASES[case]
     model = ErrorModel(machine)
-    box = whole_travel(model)
-    assert _apart(volume_moments(model, box), _brute(model, box, points=9 if "C" in machine.chain else 5)) < 1e-8
+    box = tuple((a + low * (b - a), a + high * (b - a)) for a, b in whole_travel(model))
+    assert _apart(volume_moments(model, box), _brute(model, box, points)) < near
 
 
 @pytest.mark.parametrize("counted", [(False, False, True), (True, False, True)])
@@ -90,36 +112,3 @@ def test_directions_that_do_not_count_are_left_out(counted: Counted) -> None:
     assert found.rest == pytest.approx(expected.rest, rel=1e-10)
     np.testing.assert_array_equal(found.mean, every.mean)
     assert np.trace(found.gram) < np.trace(every.gram)
-
-
-@pytest.mark.parametrize("seed", [1, 2])
-def test_three_axes_agree_with_brute_quadrature(seed: int) -> None:
-    model = ErrorModel(_small(random_machine(seed, count=3)))
-    box = whole_travel(model)
-    assert _apart(volume_moments(model, box), _brute(model, box, points=5)) < 1e-6
-
-
-@pytest.mark.parametrize("length", [0.02, 0.99, 1.0, 1.01, 3.0])
-@pytest.mark.parametrize("primed", [False, True])
-def test_rotary_travels_on_both_sides_of_where_the_nodes_change(length: float, primed: bool) -> None:
-    turn = Axis.named("B", primed, (0.3, 0.3 + length), origin=(0.1, 0.0, -0.2))
-    carriage = Axis.named("X", False, (-0.1, 0.4))
-    rng = np.random.default_rng(1)
-    errors = tuple(every_error(turn, rng) + every_error(carriage, rng))
-    model = ErrorModel(Machine("m", (turn, carriage), 0.1, errors, "", ""))
-    box = whole_travel(model)
-    assert _apart(volume_moments(model, box), _brute(model, box)) < 1e-11
-
-
-@pytest.mark.parametrize("part", [(0.0, 0.5), (0.31, 0.32), (0.25, 0.75), (0.9, 1.0)])
-def test_boxes_smaller_than_the_travel(part: tuple[float, float]) -> None:
-    model = ErrorModel(random_machine(5, count=2))
-    box = tuple((a + part[0] * (b - a), a + part[1] * (b - a)) for a, b in whole_travel(model))
-    assert _apart(volume_moments(model, box), _brute(model, box)) < 1e-11
-
-
-def test_a_box_on_a_full_turn_agrees_with_sums() -> None:
-    axis = Axis.named("C", True, (0.0, 2 * np.pi), origin=(0.1, 0.2, 0.0))
-    model = ErrorModel(Machine("m", (axis,), 0.1, (ErrorEntry("ECC", 1.0, knots=7), ErrorEntry("X0C", 1.0)), "", ""))
-    for box in (((0.5, 2.0),), ((0.0, 2 * np.pi),), ((5.0, 2 * np.pi),)):
-        assert _apart(volume_moments(model, box), _brute(model, box)) < 1e-11

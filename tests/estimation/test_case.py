@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,64 +16,11 @@ from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal_core.problem import MOST_NUMBERS, Problem
-from benchmarks.nonlinear.stations import tracers
 from tests.generators import laser_axis
 from tests.generators.campaigns import mixed
 from tests.generators.dense_posterior import Dense
 from tests.generators.problems import asked
 from tests.generators.texts import campaign_text, setup_text
-
-LASER = laser_axis.CASE
-
-
-def moved(case: Case, shifts: Sequence[float], index: int = 1) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """Return the mean of the prior with one station moved, m."""
-    mean = case.prior.mean.copy()
-    mean[list(case.station_columns(index)[0])] += shifts
-    return mean
-
-
-def test_what_was_inherited_is_the_prior_of_the_errors_and_of_nothing_else() -> None:
-    size, rng = LASER.errors.size, np.random.default_rng(1)
-    root = 1e-6 * rng.standard_normal((size, size))
-    belief = Inherited(1e-6 * rng.standard_normal(size), root @ root.T)
-    stated, found = LASER.prior, replace(LASER, inherited=belief).prior
-    assert np.array_equal(found.mean[:size], belief.mean)
-    assert found.covariance[:size, :size] == pytest.approx(belief.covariance, abs=1e-20)
-    assert found.covariance[size:, size:] == pytest.approx(stated.covariance[size:, size:])
-    assert not found.covariance[:size, size:].any()
-    assert not stated.mean.any()
-    assert stated.size > size
-
-
-def test_stations_are_found_where_the_mean_has_them_and_stay_when_they_move_by_nothing() -> None:
-    case = tracers("1 mm", "1 mm")
-    there = case.located(moved(case, (1e-3, -2e-3, 3e-3)))
-    assert there is not None
-    setups = there.description.setups
-    assert setups[1].found == pytest.approx((1e-3, -2e-3, 3e-3))
-    assert [setup.found for setup in (setups[0], *setups[2:])] == [None] * 3
-    assert case.located(moved(case, (0.0, 0.0, 0.0))) is None
-    assert case.located(moved(case, (0.99e-8, -0.99e-8, 0.0))) is None
-    assert case.located(moved(case, (0.0, 0.0, -1.01e-8))) is not None
-    again = there.located(moved(there, (1e-3 + 0.9e-8, -2e-3, 3e-3)))
-    assert again is None
-    further = there.located(moved(there, (1e-3 + 1.1e-8, -2e-3, 3e-3)))
-    assert further is not None
-    assert further.description.setups[1].found == pytest.approx((1e-3 + 1.1e-8, -2e-3, 3e-3), abs=1e-12)
-
-
-def test_another_case_lends_where_readings_are_linear_and_nothing_else() -> None:
-    case = tracers("1 mm", "1 mm")
-    other = case.linear_about(moved(case, (1e-3, 0.0, 0.0)))
-    lent = case.linear_as(other)
-    assert [setup.found for setup in lent.description.setups] == [setup.found for setup in other.description.setups]
-    assert lent.about is other.about
-    assert lent.description.machine is case.description.machine
-    assert other.about is not None
-    assert not other.about.bent
-    assert len(other.about.point) == case.errors.size + len(case.observation.unknowns)
-    assert case.linear_about(case.prior.mean, bent=True).errors is not case.errors
 
 
 def test_what_is_to_be_learnt_is_what_the_campaign_says_and_of_an_inherited_prior_what_readings_alone_suffer() -> None:

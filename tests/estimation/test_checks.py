@@ -12,10 +12,8 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.agreement import CheckReading, Checks
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import places_of, rows_at
-from axiscal_core.left_out import surprises
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
 MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": 'std = "10 um", length = "200 mm", knots = 21'})
@@ -79,12 +77,3 @@ def test_a_slip_of_a_check_is_a_bad_reading_and_widens_nothing() -> None:
     assert bad.checks.s == pytest.approx(good.checks.s, rel=0.5)
     assert "checks: 3 of 4 as promised" in agreement_words(bad)
     assert "checks: 4 of 4 as promised, s = " in agreement_words(good)
-
-
-def test_s_of_readings_of_the_model_is_one_in_the_mean() -> None:
-    rng, count = np.random.default_rng(1), 4000
-    root = np.linalg.cholesky(np.array([[2.0, 0.5, 0.1], [0.5, 1.0, 0.2], [0.1, 0.2, 3.0]]))
-    residuals = rng.standard_normal((count, 3)) @ root.T
-    z = surprises(residuals, np.tile(root @ root.T, (count, 1, 1)))
-    found = Checks(tuple(CheckReading(i, each) for i, each in enumerate(z.tolist())))
-    assert found.s == pytest.approx(1.0, abs=0.03)

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.accuracy.yardstick import Root, joint_root
-from axiscal.estimation.belief import Belief
+from axiscal.estimation.accuracy.yardstick import joint_root
 from axiscal.machine.description import machine_from_text
-from axiscal.numerics import Array
 from tests.generators.texts import machine_text
 
 MACHINE = machine_text(
@@ -17,25 +15,6 @@ MACHINE = machine_text(
     {"X": (0, 300), "Z": (0, 400), "C": (0, 90)},
     {"EXX": 'std = "10 um", knots = 5, length = "150 mm"', "EBX": 'std = "20 urad", knots = 4, length = "200 mm"'},
 )
-
-
-def _covariance(size: int, seed: int) -> Array:
-    factor = np.random.default_rng(seed).standard_normal((size, size))
-    return factor @ factor.T
-
-
-@pytest.mark.parametrize("rank", [1, 3, 6])
-def test_both_give_the_same_j_for_any_rank(rank: int) -> None:
-    """Against tr(V C Vᵀ) written out, of a covariance with two unknowns more."""
-    root, covariance = Root(np.random.default_rng(rank).standard_normal((rank, 6))), _covariance(8, rank)
-    expected = np.trace(root.matrix @ covariance[:6, :6] @ root.matrix.T)
-    factor: Array = np.asarray(np.linalg.cholesky(covariance), dtype=float)
-    assert root.criterion(factor) == pytest.approx(expected, rel=1e-12)
-    assert np.sum(root.weights * covariance[:6, :6]) == pytest.approx(expected, rel=1e-12)
-    again = Root.of_gram(root.weights)
-    assert again.matrix.shape == (rank, 6)
-    assert again.criterion(factor) == pytest.approx(expected, rel=1e-12)
-    assert root.criterion(Belief(np.zeros(8), covariance).factor) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize(("chain", "reach"), [("w-X'-b-Z-C-t", 0.25), ("w-b-C-t", 1.0)])

@@ -8,23 +8,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from scipy.stats import norm
 
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.promise.posterior import (
-    _half_and_half,
-    _judged,
-    _may_be_a_detail,
-    _moments,
-    _surely,
-    sorted_out,
-)
+from axiscal.estimation.promise.posterior import _half_and_half, _may_be_a_detail, _surely, sorted_out
 from axiscal.estimation.promise.problem import _cell_root
 from axiscal.machine import load_machine
 from axiscal_core import left_out as left_out_of
-from axiscal_core.draws import Mode, Weighed, _halved, _wings, draws, mode, redrawn, weighed
+from axiscal_core.draws import Mode, Weighed, draws, mode, weighed
 from axiscal_core.left_out import LeftOut, left_out
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
@@ -44,49 +34,6 @@ def _learnt() -> tuple[Problem, Space, Mode[Given]]:
     return problem, space, best
 
 
-@given(st.floats(-4, 4), st.floats(0.1, 3), st.floats(0.1, 3))
-def test_a_normal_of_two_halves_is_cut_at_nought(point: float, below: float, above: float) -> None:
-    """Each half has the mass of its width, and within it the quantile of its own normal."""
-    ((found,),) = _halved(np.array([[point]]), np.array([[below], [above]]))
-    share = 2 / (below + above)
-    mass = below * share * norm.cdf(found / below) if found <= 0 else (
-        share * (below / 2 + above * (norm.cdf(found / above) - 0.5))
-    )  # fmt: skip
-    assert mass == pytest.approx(norm.cdf(point), rel=1e-6, abs=1e-8)
-
-
-def test_wings_reach_where_the_density_has_fallen_by_its_root_of_two() -> None:
-    """Of a normal all is as wide as its covariance says, and no wing is over twice or below half as wide."""
-    _, space, best = _learnt()
-    widths, axes = np.array([0.5, 0.2]), np.eye(2)
-    (below, above) = _wings(space, best, widths, axes)
-    assert (below[1], above[1]) == (0.2, 0.2)  # of one that is as narrow the normal is enough
-    for found, sign in ((below[0], -1.0), (above[0], 1.0)):
-        x = best.x.copy()
-        x[best.taught[0]] += sign * np.sqrt(2.0) * 0.5
-        there = Dense(space.problem).log_likelihood(space.problem.sizes.theta(x)[0]) - 0.5 * float(x @ x)
-        y = best.x
-        here = Dense(space.problem).log_likelihood(space.problem.sizes.theta(y)[0]) - 0.5 * float(y @ y)
-        assert found == pytest.approx(0.5 * np.clip((here - there) ** -0.5, 0.5, 2.0), rel=1e-4)
-
-
-def test_the_proposal_is_fifteen_parts_of_two_halves_and_one_of_the_prior() -> None:
-    """Its density over the prior's at each draw, and at the sizes as stated behind them."""
-    _, space, best = _learnt()
-    drawn = draws(space, best)
-    values, axes = np.linalg.eigh(best.covariance)
-    wings = 1.2 * _wings(space, best, np.sqrt(values), axes)
-    x = np.vstack([drawn.x, np.zeros(len(best.x))])[:, best.taught]
-    away = (x - best.x[best.taught]) @ axes
-    width = np.where(away > 0, wings[1], wings[0])
-    halves = np.prod(2 / wings.sum(axis=0) * width * norm.pdf(away, scale=width), axis=1)
-    prior = np.prod(norm.pdf(x), axis=1)
-    np.testing.assert_allclose(np.exp(drawn.log_proposal), 15 / 16 * halves / prior + 1 / 16, rtol=1e-6)
-    assert len(drawn.x) == 64
-    untaught = np.delete(drawn.x, best.taught, axis=1)
-    assert not untaught.any()
-
-
 def test_weights_are_likelihood_over_proposal_none_above_the_root_of_their_number_times_the_mean() -> None:
     problem, space, best = _learnt()
     drawn = draws(space, replace(best, covariance=25 * best.covariance))  # far too wide: one draw has too much
@@ -102,36 +49,6 @@ def test_weights_are_likelihood_over_proposal_none_above_the_root_of_their_numbe
     assert found.log_evidence == pytest.approx(float(np.log(np.mean(np.exp(logs - logs.max()))) + logs.max()), abs=1e-4)
     stated = dense.log_likelihood(np.zeros(len(problem.sizes))) - drawn.log_proposal[-1]
     assert found.log_stated == pytest.approx(stated - np.log(64) - found.log_evidence, abs=1e-4)
-
-
-def test_draws_are_made_anew_about_those_that_carry_weight() -> None:
-    """Where twelve count as much as they are, mean and covariance are theirs; where one has all, weights are evened."""
-    _, space, best = _learnt()
-    drawn = draws(space, best)
-    weights = np.where(np.arange(64) % 4 == 1, 1 / 16, 0.0)
-    found = replace(weighed(space, drawn), every=weights)
-    again = redrawn(space, drawn, best, found)
-    chosen = drawn.x[weights > 0]
-    assert len(again.x) == 128
-    own = again.x[np.arange(128) % 16 != 8][:, best.taught]
-    spread = np.sqrt(np.diag(np.cov(chosen[:, best.taught].T, bias=True)) + 0.01)
-    assert np.abs(np.median(own, axis=0) - chosen.mean(axis=0)[best.taught]).max() < 0.6 * spread.max()
-    assert np.all(own.std(axis=0) > 0.5 * spread)
-    assert np.all(own.std(axis=0) < 3 * spread)
-    alone = replace(found, every=np.where(np.arange(64) == 5, 1.0, 1e-6))
-    assert np.all(redrawn(space, drawn, best, alone).x[:, best.taught].std(axis=0) > 0.1)
-
-
-THETAS = np.log(np.array([[0.5, 1.0, 2.0], [1.0, 2.0, 2.0], [4.0, 3.0, 1.0]]))
-WEIGHTS = np.array([0.005, 0.5, 0.495])
-
-
-def _told() -> tuple[Problem, Weighed[Given]]:
-    """Return three draws of a curve's size, a noise and a length."""
-    of = [SimpleNamespace(kind=kind, owners=owners) for kind, owners in (
-        ("std", ("EXX", "EYX")), ("noise", ("laser",)), ("length", ("EXX",)),
-    )]  # fmt: skip
-    return SimpleNamespace(sizes=Sizes(tuple(of))), SimpleNamespace(thetas=THETAS, weights=WEIGHTS)  # type: ignore
 
 
 def _of_three_draws() -> tuple[Problem, Weighed[Given]]:
@@ -165,6 +82,28 @@ def test_of_many_readings_the_heaviest_draw_judges_and_all_of_them_those_that_it
         assert each.z == pytest.approx(abs(each.residual[0]) / each.covariance[0, 0] ** 0.5)
 
 
+@pytest.mark.parametrize("slip", [8e-6, 20e-6])
+def test_a_second_reading_at_its_place_tells_a_slip_from_a_detail(slip: float) -> None:
+    case = case_of("axis")
+    right = readings_of(case, 24, 4)
+    wrong = replace(right[7], value=right[7].value + slip)
+    alone, again = (sorted_out(stated(case, [*right[:7], wrong, *right[8:], *more])) for more in ([], [right[7]]))
+    assert ([*alone.bad], alone.with_details is None) == ([7], False)
+    assert ([*again.bad], again.with_details is None) == ([7], True)
+
+
+THETAS = np.log(np.array([[0.5, 1.0, 2.0], [1.0, 2.0, 2.0], [4.0, 3.0, 1.0]]))
+WEIGHTS = np.array([0.005, 0.5, 0.495])
+
+
+def _told() -> tuple[Problem, Weighed[Given]]:
+    """Return three draws of a curve's size, a noise and a length."""
+    of = [SimpleNamespace(kind=kind, owners=owners) for kind, owners in (
+        ("std", ("EXX", "EYX")), ("noise", ("laser",)), ("length", ("EXX",)),
+    )]  # fmt: skip
+    return SimpleNamespace(sizes=Sizes(tuple(of))), SimpleNamespace(thetas=THETAS, weights=WEIGHTS)  # type: ignore
+
+
 def test_of_an_error_so_much_is_there_with_99_percent() -> None:
     """Below 1.0 are 0.5 %, so that 1 % of the draws are no smaller than 1.0; noises and lengths do not count."""
     problem, found = _told()
@@ -182,38 +121,6 @@ def test_sizes_of_two_answers_are_in_the_middle_of_their_squares_and_lengths_of_
     assert _half_and_half(one, other) == pytest.approx({("std", "EXX"): 2.5**0.5, ("length", "EXX"): 6.0})
 
 
-def test_two_answers_that_count_one_half_each_are_their_mixture() -> None:
-    problem, _, _ = _learnt()
-    each, volume = [_judged(problem, apart) for apart in ((), (3, 7))], np.zeros((0, 0))
-    one, other = (_moments([judged], volume) for judged in each)
-    found_mean, found_covariance, *_, cells = _moments(each, volume)
-    mean, covariance = mixture([one[:2], other[:2]], np.array([0.5, 0.5]))
-    np.testing.assert_allclose(found_mean, mean, rtol=1e-9, atol=1e-12 * np.abs(mean).max())
-    np.testing.assert_allclose(found_covariance, covariance, rtol=1e-9, atol=1e-9 * np.abs(covariance).max())
-    np.testing.assert_allclose(cells, (one[-1] + other[-1]) / 2, rtol=1e-9)
-
-
-def test_a_detail_is_no_larger_than_two_stated_sizes_of_the_curves() -> None:
-    problem, _, _ = _learnt()
-    (curves,), index = problem.curves, 7
-    row = problem.rows[problem.reading == index][:, curves.columns[0]]
-    root = curves.roots(np.zeros(len(problem.sizes)))[0]
-    size = float(np.sqrt(row @ root @ root.T @ row.T)[0, 0])
-    for times, may in ((1.99, True), (2.01, False)):
-        left = LeftOut(np.array([-times * size]), np.eye(1), 0.0, 0.0)
-        assert _may_be_a_detail(problem, index, left) == may
-
-
-@pytest.mark.parametrize("slip", [8e-6, 20e-6])
-def test_a_second_reading_at_its_place_tells_a_slip_from_a_detail(slip: float) -> None:
-    case = case_of("axis")
-    right = readings_of(case, 24, 4)
-    wrong = replace(right[7], value=right[7].value + slip)
-    alone, again = (sorted_out(stated(case, [*right[:7], wrong, *right[8:], *more])) for more in ([], [right[7]]))
-    assert ([*alone.bad], alone.with_details is None) == ([7], False)
-    assert ([*again.bad], again.with_details is None) == ([7], True)
-
-
 def test_rests_of_a_curve_go_together_by_halves_within_six_percent_of_the_travel() -> None:
     errors = ErrorModel(load_machine("three-axis-mill"))
     term = next(each for each in errors.functions if each.name == "EXX")
@@ -226,3 +133,14 @@ def test_rests_of_a_curve_go_together_by_halves_within_six_percent_of_the_travel
     np.testing.assert_allclose(root @ root.T, expected, atol=1e-12)
     plane = ErrorModel(load_machine("printer-gantry")).planes[0]
     np.testing.assert_array_equal(_cell_root(plane, [1, 2]), np.eye(2))
+
+
+def test_a_detail_is_no_larger_than_two_stated_sizes_of_the_curves() -> None:
+    problem, _, _ = _learnt()
+    (curves,), index = problem.curves, 7
+    row = problem.rows[problem.reading == index][:, curves.columns[0]]
+    root = curves.roots(np.zeros(len(problem.sizes)))[0]
+    size = float(np.sqrt(row @ root @ root.T @ row.T)[0, 0])
+    for times, may in ((1.99, True), (2.01, False)):
+        left = LeftOut(np.array([-times * size]), np.eye(1), 0.0, 0.0)
+        assert _may_be_a_detail(problem, index, left) == may

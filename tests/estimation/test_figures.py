@@ -100,23 +100,6 @@ def test_the_worst_is_the_largest_and_rms_the_mean_over_the_volume(
     assert stick.worst_root(known).unknowns == size
 
 
-def test_poses_are_the_corners_and_points_spread_evenly_from_both_sides() -> None:
-    stick = CASE.yardstick
-    poses, sides = stick.poses
-    count = len(stick.places)
-    assert len(poses) == len(sides) == 2 * count == 2 * (4 + 400)
-    np.testing.assert_array_equal(poses[:count], poses[count:])
-    assert (np.unique(sides[:count]).tolist(), np.unique(sides[count:]).tolist()) == ([1.0], [-1.0])
-    corners = {(x, z) for x in (0.0, 0.6) for z in (0.0, 0.4)}
-    assert {tuple(each) for each in poses[~stick.evenly].tolist()} == corners
-    inner = stick.places[stick.evenly[:count]]
-    assert inner.mean(axis=0) == pytest.approx([0.3, 0.2], abs=2e-3)
-    assert inner.std(axis=0) == pytest.approx(np.array([0.6, 0.4]) / np.sqrt(12), abs=2e-3)
-    sampled = replace(stick, sample=np.random.default_rng(1).uniform(0, 0.4, (500, 2)))
-    assert len(sampled.places) == 400
-    assert sampled.evenly.all()
-
-
 def test_endless_readings_leave_the_floor() -> None:
     stick = replace(yardstick_of((False, False, False), ALL), left=1e-6 * np.eye(CASE.errors.size))
     variances = traces_of(defined(stick, 1e-12 * np.eye(CASE.errors.size)), ALL)

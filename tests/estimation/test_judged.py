@@ -15,11 +15,10 @@ from axiscal.estimation.estimation import paths
 from axiscal.estimation.intervals import sited
 from axiscal.estimation.judged import judged
 from axiscal.estimation.located import absorbed, displayed
-from axiscal.estimation.machine_estimate import Estimate, rest_means
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.membership import membership
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.measurement.cells import wandering
-from tests.generators.campaigns import mixed
 from tests.generators.dense_posterior import mixture
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 
@@ -99,13 +98,3 @@ def test_a_shape_is_seen_where_its_standard_deviation_is_less_by_a_twentieth(lef
     rows = np.hstack([rows, np.zeros((9, errors.size - rows.shape[1]))])
     assert estimate.sees(rows) == seen
     assert not estimate.sees(np.tile(rows[:1], (9, 1)))
-
-
-def test_rests_that_were_read_are_those_of_displacements_by_cell() -> None:
-    errors = mixed().errors
-    flat, tilt = (next(i for i, term in enumerate(errors.terms) if term.name == name) for name in ("EYX", "EBX"))
-    found = rest_means(errors, {(flat, 1): 40e-6, (tilt, 1): 41e-6, (flat, 3): 42e-6, (tilt, 0): 43e-6})
-    assert list(found) == [flat]
-    expected = np.zeros(errors.terms[flat].cell_count)
-    expected[[1, 3]] = [40e-6, 42e-6]
-    assert found[flat] == pytest.approx(expected)

@@ -14,11 +14,7 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case, Timed, elapsed, timed
 from axiscal.estimation.promise.passing import (
-    drift_functions,
-    growing,
-    growth_functions,
     passing_columns,
-    turning,
 )
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
@@ -52,15 +48,6 @@ def test_it_is_there_where_both_sides_are_read_and_what_usually_goes_wrong_count
     assert "way" not in {size.kind for size in axis(usual="off").sizes.of}
 
 
-def test_readings_in_another_order_have_turned_elsewhere() -> None:
-    case, poses = axis(), np.array(AT)[:, None]
-    (one,) = turning(case.observation, 0, poses, np.array(SIDES, dtype=float)[:, None])
-    order = np.array([6, 5, 4, 0, 3, 1, 2])
-    there = turning(case.observation, 0, poses[order], np.array(SIDES, dtype=float)[order, None])[0]
-    assert one.missing(poses, order)[:, order] == pytest.approx(there.missing(poses[order], np.arange(7)))
-    assert not np.allclose(one.missing(poses, order), one.missing(poses, np.arange(7)))
-
-
 def _by_kind(case: Case, readings: Sequence[Reading]) -> dict[str, Array]:
     """Return the columns of what passes by kind, of all set-ups and numbers."""
     places = places_of(case.observation.setups, readings)
@@ -77,21 +64,6 @@ def test_readings_of_a_long_day_and_many_of_them_have_no_cycle() -> None:
         times = np.linspace(0, seconds, count)
         readings = [Reading("laser", (0.2,), (1,), 0.0, time=float(time)) for time in times]
         assert ("cycle" in _by_kind(case, readings)) == there
-
-
-@pytest.mark.parametrize("count", [2, 7, 20, 40])
-def test_a_set_up_has_no_more_columns_than_readings_and_they_vary_alike(count: int) -> None:
-    """Of each cause Z Zᵀ of the functions as they stand; of many set-ups with few readings all would be too many."""
-    case = axis()
-    readings = [Reading("laser", (0.1 + 0.5 * n / count,), (1,), 0.0, time=60.0 * n**1.5) for n in range(count)]
-    times = np.array([reading.time for reading in readings])
-    columns, setup = _by_kind(case, readings), case.observation.setups[0]
-    (shown,) = growing(case.observation, 0, np.array([reading.pose for reading in readings]))
-    every = {"drift": drift_functions(setup, times), "growth": shown[0][:, None] * growth_functions(setup, times)}
-    for kind, functions in every.items():
-        covariance = functions @ functions.T
-        assert columns[kind].shape[1] == min(functions.shape)
-        np.testing.assert_allclose(columns[kind] @ columns[kind].T, covariance, atol=1e-12 * covariance.max())
 
 
 CASES = {

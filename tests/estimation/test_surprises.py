@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.campaign import wrong_unit
-from axiscal.campaign.wrong_unit import _with_bends, refuse_implausible
+from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.judged import bent, limit, nearest_first, surprises
@@ -102,20 +102,6 @@ def test_a_tracker_bends_by_half_of_the_square_of_its_turn_at_the_tool() -> None
     assert found == pytest.approx((25e-6 * away / 2) ** 2)
     known = replace(setup, unknowns=tuple(u for u in setup.unknowns if not u.name.startswith("turn")))
     assert bent(case.description.machine, known, Reading("tracker", pose, (1, 1, 1), 0.0)) == 0.0
-
-
-def test_the_noise_of_a_set_up_takes_in_how_much_its_own_readings_bend_at_most() -> None:
-    case = Case(campaign_from_texts(TRACKER, "c.toml", load_machine("three-axis-mill").text, "m"))
-    (setup,) = case.description.setups
-    exact = replace(setup, name="a", unknowns=())
-    unread = replace(setup, name="z")
-    case = Case(replace(case.description, setups=(exact, setup, unread)))
-    places = [Reading("tracker", (x, 0.0, 0.0), (1, 1, 1), 0.0) for x in (0.0, 0.4, 0.2)]
-    found = _with_bends(case, [Reading("a", (0.5, 0.5, 0.0), (1, 1, 1), 0.0), *places])
-    most = max(bent(case.description.machine, setup, each) for each in places)
-    assert [each.noise for each in found.description.setups] == pytest.approx(
-        [setup.noise, np.sqrt(setup.noise**2 + most), setup.noise], rel=1e-12
-    )
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,6 @@ from axiscal.estimation.located import absorbed
 from axiscal.estimation.stations import BentReadings, Optimum, closed_form, mode
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.simulation import Simulator
 from benchmarks.nonlinear.stations import at_once, read, tracers
 from tests.generators.problems import readings_of
 
@@ -38,24 +37,6 @@ def test_the_estimate_is_that_of_four_set_ups_with_the_same_distances() -> None:
     np.testing.assert_allclose(known[0].mean[: len(scale)] / scale, known[1].mean[: len(scale)] / scale, atol=1e-8)
     one, other = (np.sqrt(np.diagonal(each.covariance))[: len(scale)] for each in known)
     np.testing.assert_allclose(one, other, rtol=1e-8)
-
-
-@pytest.mark.long
-def test_four_stations_anywhere_within_300_mm_are_found() -> None:
-    case = at_once("300 mm", "100 mm")
-    machine, readings = Simulator(case.description.machine, case.description.setups).drawn(0), readings_of(case, 25, 0)
-    belief = concluded(case, readings).knowledge.belief
-    names = [unknown.name for unknown in case.description.setups[0].unknowns]
-    truth = np.array([machine.offsets["beams"][name] for name in names])
-    size = case.errors.size
-    off = belief.mean[size : size + 16] - truth
-    assert np.abs(truth).max() > 0.2
-    assert np.abs(off).max() < 1e-3
-    assert (
-        off @ np.linalg.solve(belief.covariance[size : size + 16, size : size + 16], off) < 40
-    )  # χ² of 16: 1 in 1,000
-    start = closed_form(case, readings, case.prior.mean)[size:]
-    assert np.abs(start - truth).max() < 0.05
 
 
 def test_a_station_of_several_that_fits_in_two_places_is_named_with_both() -> None:

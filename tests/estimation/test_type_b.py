@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,7 +11,6 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.type_b import TYPE_B, TypeB
-from axiscal.description.usual import sizes_of
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.promise.causes import contributions
@@ -26,9 +24,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of
 from axiscal.numerics import Array
 from axiscal.units import to_unit
-from axiscal_core.numbers import Numbers
 from axiscal_core.theta import Sizes
-from axiscal_core.unknowns import Space, Unknowns
 from tests.generators.texts import machine_text, setup_text
 
 AXIS = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": ("30 um", 7, 300)}, tool=0, name="one")
@@ -263,53 +259,6 @@ def test_one_laser_has_one_scale_in_all_its_set_ups_and_lies_anew_in_each() -> N
         ("scale", "interferometer"),
         ("temperature", ""),
     ]
-
-
-@pytest.mark.parametrize("room", [Numbers, Unknowns])
-def test_the_mean_is_that_without_the_columns_and_the_covariance_has_what_they_do_to_it(room: type[Space]) -> None:
-    """Dense: G of K without B, C + G B (G B)ᵀ; readings are judged by the inverse of K + B Bᵀ as it stands."""
-    observation, places = observed(described(LASER + STATED)), np.linspace(0.02, 0.98, 9)
-    _, readings = drawn(observation, places, 0.0, 1)
-    columns = np.array([each.column for each in causes(observation, readings, usual=False).values()]).T
-    rows = observation.rows(0, places[:, None], np.ones((9, 1))).rows
-    prior, noise = observation.prior_covariance(), observation.setups[0].noise
-    kept = rows @ prior @ rows.T + noise**2 * np.eye(9)
-    gained = prior @ rows.T @ np.linalg.inv(kept)
-    made = problem(observation, readings, NOBODY, usual=False)
-    found, moved = room(made).given(np.zeros(0)), gained @ columns
-    assert found is not None
-    values = np.array([each.value for each in readings])
-    assert found.posterior().mean == pytest.approx(gained @ values, rel=1e-6, abs=1e-12)
-    covariance = prior - gained @ rows @ prior + moved @ moved.T
-    assert found.posterior().covariance == pytest.approx(covariance, rel=1e-4, abs=1e-16)
-    inverse = np.linalg.inv((kept + columns @ columns.T) / noise**2)
-    assert found.judged(np.eye(9)) == pytest.approx(inverse, rel=1e-6, abs=1e-9)
-    assert found.misfit == pytest.approx(made.values @ inverse @ made.values, rel=1e-6)
-    weighted, blocks = found.left_out(np.arange(9)[:, None])
-    assert weighted[:, 0] == pytest.approx(inverse @ made.values, rel=1e-6, abs=1e-9)
-    assert blocks[:, 0, 0] == pytest.approx(np.diagonal(inverse), rel=1e-6)
-    dets = np.linalg.slogdet(kept / noise**2)[1] + np.linalg.slogdet(inverse)[1]
-    gained_squares = made.values @ np.linalg.inv(kept / noise**2) @ made.values - found.misfit
-    assert found.density - found.value == pytest.approx(0.5 * (gained_squares + dets), rel=1e-5)
-
-
-def test_a_gain_moves_no_mean_and_teaches_no_size() -> None:
-    """Its column is like the readings: in K it would explain a curve whatever it is, with no noise at all."""
-    dial = described(BEDSIDE + 'instrument = "indicator"\ndirection = "x"\nunknowns = { zero = "1 mm" }')
-    observation, places = observed(dial), np.linspace(0.01, 0.99, 40)
-    shown = 20e-6 * np.sin(6 * places) + 1e-6 * np.random.default_rng(1).standard_normal(40)
-    sizes = sizes_of(dial.machine, dial.setups, "roughly", usual=True, inherited=False)
-    made = problem(observation, read_at(places, shown, "s"), sizes)
-    assert made.type_b.shape == (40, 1)
-    found, without = (
-        sorted_out(made).posterior(),
-        sorted_out(replace(made, type_b=np.zeros((40, 0)), causes=(), judging=np.zeros(0, dtype=bool))).posterior(),
-    )
-    assert found.sizes == without.sizes
-    np.testing.assert_array_equal(found.mean, without.mean)
-    grown = np.diagonal(found.covariance - without.covariance)
-    assert np.all(grown >= 0.0)
-    assert grown.max() > 0.0
 
 
 def _inside(strains: Sequence[float], said: str = "", target: str = "", usual: bool = True) -> float:

@@ -19,8 +19,6 @@ from axiscal.estimation.case import Rival
 from axiscal.estimation.data_equation import (
     DataEquation,
     data_equation,
-    log_evidence,
-    shares_of,
 )
 from axiscal.estimation.membership import shares_of_rivals
 from axiscal.estimation.promise.problem import Inherited, problem
@@ -190,25 +188,6 @@ def test_how_probable_each_belief_is_after_readings_is_bayes_rule_written_out(se
     assert found == pytest.approx(shares / shares.sum(), rel=1e-5)
     before = np.array([0.2, 0.5, 0.6]) / 1.3
     assert shares_of_rivals(beliefs, CASE, [], {}) == pytest.approx(before)
-
-
-def _prior(rng: np.random.Generator, size: int) -> Inherited:
-    root = rng.standard_normal((size, size))
-    return Inherited(rng.standard_normal(size), root @ root.T)
-
-
-def test_shares_are_those_of_the_densities() -> None:
-    rng = np.random.default_rng(4)
-    data = DataEquation(rng.standard_normal((3, 4)), rng.standard_normal(3))
-    priors, weights = [_prior(rng, 4) for _ in range(3)], np.array([0.5, 0.3, 0.2])
-    densities = [
-        multivariate_normal(data.rows @ p.mean, data.rows @ p.covariance @ data.rows.T + np.eye(3)).pdf(data.values)
-        for p in priors
-    ]
-    odds = weights * densities
-    np.testing.assert_allclose(shares_of(data, priors, weights), odds / odds.sum(), rtol=1e-10)
-    difference = log_evidence(data, priors[0]) - log_evidence(data, priors[1])
-    np.testing.assert_allclose(difference, np.log(densities[0] / densities[1]), rtol=1e-9)
 
 
 def _posterior(prior: Array, data: DataEquation) -> tuple[Array, Array]:

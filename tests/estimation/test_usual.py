@@ -10,44 +10,11 @@ from scipy.stats import lognorm, norm
 
 from axiscal.description import usual as model
 from axiscal.description.usual import (
-    DRIFT,
-    LENGTH,
-    NOISE,
-    REST,
-    REVERSAL,
-    ROUGH,
     sizes_of,
-    usual_machine,
 )
 from axiscal.machine.entry import Sure
-from axiscal_core.theta import SURE, Kind, Size, Sizes
-from tests.generators.problems import case_of, plain_case, sizes_for
-
-
-def test_a_curve_has_a_rough_part_besides_its_rest() -> None:
-    """Usual where nobody states a rest, else beside the stated one."""
-    described = plain_case("plate").description
-    machine = described.machine
-    for before, after in zip(machine.errors, usual_machine(machine, described.setups).errors, strict=True):
-        white = REST.size * before.std if before.rest is None else before.rest
-        assert after.rest == pytest.approx(np.hypot(white, ROUGH.size * before.std))
-
-
-def test_each_setup_has_its_noise() -> None:
-    sizes = sizes_for(case_of("two set-ups"))
-    assert sizes.index("noise", "probe") != sizes.index("noise", "nest")
-    assert sizes.index("drift", "probe") == sizes.index("drift", "nest") >= 0
-    assert sizes.spreads[sizes.index("noise", "nest")] == pytest.approx(NOISE.spread)
-    assert sizes.spreads[sizes.index("drift", "nest")] == pytest.approx(DRIFT.spread)
-
-
-@pytest.mark.parametrize(("sure", "spread"), [("roughly", np.log(3.0)), ("well", np.log(1.5))])
-def test_how_sure_somebody_is_is_the_spread(sure: Sure, spread: float) -> None:
-    sizes = sizes_for(case_of("axis"), sure)
-    assert sizes.spreads[sizes.index("std", "EXX")] == pytest.approx(spread)
-    assert sizes.spreads[sizes.index("length", "EXX")] == pytest.approx(min(spread, LENGTH.spread))
-    assert sizes.spreads[sizes.index("reversal", "EXX_reversal")] == pytest.approx(min(spread, REVERSAL.spread))
-    assert np.log(SURE[sure]) == pytest.approx(spread)
+from axiscal_core.theta import Kind, Size, Sizes
+from tests.generators.problems import case_of
 
 
 def test_one_error_may_be_known_and_another_not() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -11,35 +10,11 @@ import pytest
 
 from axiscal.answers.budget import budget
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.target import POSES
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.measurement.reading_rows import seen
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.texts import machine_text
-
-
-def aligned(part: bool = True) -> Case:
-    """Return the mill with a part that is aligned before it is machined, or with none."""
-    case = mixed()
-    target = replace(case.description.target, aligned=part)
-    return Case(replace(case.description, target=target))
-
-
-def test_a_part_that_is_aligned_is_measured_at_poses_all_over_the_volume() -> None:
-    case, box = aligned(), aligned(part=False)
-    sample = case.yardstick.sample
-    assert sample is not None
-    assert sample.shape == (POSES, 3)
-    assert box.yardstick.sample is None
-    assert box.yardstick.alignment is None
-    assert case.yardstick.alignment is not None
-    low, high = np.array(case.description.target.volume).T
-    share = (sample - low) / (high - low)
-    assert np.all((share >= 0) & (share <= 1))
-    assert share.mean(axis=0) == pytest.approx(0.5, abs=0.005)
-    assert share.std(axis=0) == pytest.approx(1 / np.sqrt(12), abs=0.005)
-    assert np.corrcoef(share.T) - np.eye(3) == pytest.approx(0.0, abs=0.03)
 
 
 def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:

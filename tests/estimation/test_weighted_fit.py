@@ -7,7 +7,6 @@ import pytest
 
 import axiscal as ac
 from axiscal.measurement.reading import Reading
-from tests.generators.campaigns import drawn, mixed
 
 NOISE, REST = 0.3e-6, 0.3e-6
 """Of one reading, and of EXX of the built-in machine of one axis: what no spline follows."""
@@ -34,15 +33,3 @@ def test_reading_one_place_400_times_leaves_the_rest(one_by_one: bool) -> None:
     std = float(np.linalg.norm(row @ knowledge.belief.factor[: errors.size]))
     assert std == pytest.approx((1 / prior + 1 / (REST**2 + NOISE**2 / 400)) ** -0.5, rel=1e-6)
     assert f"{std * 1e6:.3f}" == "0.300"
-
-
-def test_readings_in_two_parts_are_readings_at_once() -> None:
-    """Cells, drifts and three values at once; what was known before stays as it was."""
-    case = mixed()
-    readings, before = drawn(case, 12), ac.Knowledge.before(case.observation)
-    at_once, in_parts = before.read(readings), before.read(readings[:5]).read(readings[5:])
-    assert at_once.observation.cells == in_parts.observation.cells
-    spread = np.sqrt(np.diag(at_once.belief.covariance))
-    np.testing.assert_array_less(np.abs(at_once.belief.mean - in_parts.belief.mean), 1e-8 * spread)
-    assert before.observation is case.observation
-    assert before.read([]).belief.size == case.observation.size

@@ -55,15 +55,6 @@ def test_a_change_is_the_chi_square_of_the_difference_with_both_uncertainties() 
     assert single.size == pytest.approx(float(moved[now.case.errors.names["EXX_reversal"].columns][0]))
 
 
-def test_a_line_that_has_turned_is_off_by_half_of_the_difference_at_its_end() -> None:
-    line = MACHINE.replace("knots = 21", "knots = 2")
-    before, now = known_with(1, machine_text=line), known_with(2, machine_text=line)
-    own = now.case.errors.names["EXX"]
-    assert own.basis.size == 2
-    moved = (now.printed.belief.mean - before.printed.belief.mean)[own.columns]
-    assert _change(before, now, own).size == pytest.approx((moved[0] - moved[1]) / 2)
-
-
 def test_an_expanded_uncertainty_stands_for_a_standard_one_by_the_factor_of_today() -> None:
     known = concluded(CASE, read(machine(1), 24))
     now = expanded_uncertainty(known)

@@ -9,12 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.cli.app import run
 from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate, positioning_test
 from axiscal.exceptions import EvaluationError
 from axiscal.measurement.readers.files import recognised
-from axiscal.numerics import Array
-from tests.generators.field import FIELD
 from tests.refusals.reading import refusals
 
 GOLDEN = Path(__file__).resolve().parents[1] / "golden" / "iso230"
@@ -130,21 +127,6 @@ def test_a_missing_reading_costs_its_target_alone(tmp_path: Path) -> None:
     assert found.warnings[0] == "Left out, because a run has no reading there: 50 mm."
 
 
-def test_tests_of_the_field_give_what_they_can(capsys: pytest.CaptureFixture[str]) -> None:
-    folder = FIELD / "03-single-run"
-    if folder.is_dir():
-        single, missing = (
-            evaluate(positioning_test(recognised(folder / name))) for name in ("single.rtl", "missing.csv")
-        )
-        assert 1e6 * single.figures["E"] == pytest.approx(9.4957 + 2.1509, abs=1e-9)
-        assert "A" not in single.figures
-        assert 1e6 * missing.figures["A"] == pytest.approx(11.221, abs=0.001)
-        assert "300 mm" in missing.warnings[0]
-        for name in ("single.rtl", "missing.csv"):
-            assert run(["data", "iso230", str(folder / name)]) == 0
-        assert "withheld" in capsys.readouterr().out
-
-
 def test_no_direction_at_all_is_refused() -> None:
     with pytest.raises(EvaluationError, match="no readings"):
         evaluate(PositioningTest(np.zeros(2), None, None))
@@ -173,9 +155,3 @@ def test_the_figures_of_vdi_3441_are_their_definitions_written_out_target_by_tar
     assert found == pytest.approx(expected)
     one_sided = "\n".join(line for line in GOOD.splitlines() if ",-," not in line) + "\n"
     assert evaluated(tmp_path, one_sided).vdi3441 == {}
-
-
-def figures(up: Array, down: Array) -> dict[str, float]:
-    result = evaluate(PositioningTest(np.arange(float(len(up))), up, down))
-    vdi3441 = {f"VDI {name}": value for name, value in result.vdi3441.items()}
-    return {**result.figures, **vdi3441}

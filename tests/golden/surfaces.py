@@ -127,7 +127,7 @@ def written_screens(text: str) -> Iterator[tuple[str, Shown]]:
     """Yield the folder of each results that commands wrote, and the screen that they ended with."""
     for block in text.split("$ axiscal "):
         command, _, said = block.partition("\n")
-        out = re.match(r"(?:estimate|finish|run) .*--out (\S+)", command)
+        out = re.match(r"(?:estimate|finish|run) .*--out (\S+)(?!.*--details)", command)
         screen = said.partition("--- stdout\n")[2].partition("\n--- stderr")[0].partition("\nstatus ")[0]
         if out and "±" in screen:
             yield out[1], of_screen(screen)

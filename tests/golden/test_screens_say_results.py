@@ -35,6 +35,35 @@ def test_most_campaigns_write_results_on_a_screen_in_both_languages() -> None:
     assert sum(len(list(written(campaign))) for campaign in names()) >= 2 * 20
 
 
+PLANS = {
+    "plans": ("plan campaign.toml --readings 4 --candidates 60\n", "04-plan.json"),
+    "programs": ("plan campaign.toml --candidates 40 --gcode linuxcnc", "05-plan.json"),
+}
+"""Commands that show a plan, and the document of the same plan."""
+
+
+@pytest.mark.parametrize("campaign", PLANS)
+def test_a_screen_shows_the_rows_of_the_plan(campaign: str) -> None:
+    command, name = PLANS[campaign]
+    said = (EXPECTED / campaign / "screens.txt").read_text(encoding="utf-8").partition(f"$ axiscal {command}")[2]
+    text, document = said.partition("\nstatus ")[0], json.loads((EXPECTED / campaign / name).read_text())
+    assert f"{document['readings']} READINGS, {document['minutes']:.0f} MIN" in text.replace("readings, ", "READINGS, ")
+    rows = {row["row"]: row for row in document["rows"]}
+    lines = [line for line in text.splitlines() if line.startswith("  ") and "±" in line]
+    assert len(lines) > 2
+    for line in lines:
+        row = rows[re.split(r" {2,}", line.strip())[0]]
+        figures = [float(each) for each in re.findall(r"(?<![A-Za-z])[0-9]+(?:\.[0-9]+)?", line)]
+        read = row["measured"] or row["known_to"] < 0.9 * row["known_before"]
+        limit = [] if row["limit"] is None or not read else [row["limit"]]
+        known = [row["known_to"]] if read else []
+        assert figures == pytest.approx([row["known_before"], *known, *limit], rel=0.051)
+    mounted = [f'"{each["setup"]}" ({each["readings"]} reading' for each in document["setups"]]
+    flat = " ".join(text.partition("Mount in turn")[2].split())
+    assert sorted(mounted, key=flat.index) == mounted
+    assert document["setups"][-1]["minutes"] == pytest.approx(document["minutes"])
+
+
 _WITHIN = r"deviations\s+lie\s+within\s+(\S+)\s+um\."
 _PROMISED = re.compile(rf"Compensation for (\S+), made by axiscal\..*?{_WITHIN}", re.DOTALL)
 _SCREEN = re.compile(rf"^\$ axiscal export [^\n]*--to (\S+)[^$]*?{_WITHIN}", re.MULTILINE)

@@ -10,7 +10,6 @@ import pytest
 
 from axiscal.description.placed_readings import placed_readings
 from axiscal.errors.model import ErrorModel
-from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.charts.kinds import Sight
 from axiscal.measurement.observation import Observation
@@ -79,23 +78,6 @@ def test_readings_of_all_are_columns_in_the_order_of_the_stations(tmp_path: Path
     assert reading.values == pytest.approx((1e-6, -2e-6, 3e-6), rel=1e-12)
     (blank,) = blank_readings(description.setups[:1], [reading.place])
     assert len(blank.values) == 3
-
-
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("setup,X_mm,value_1_um,value_3_um\nbeams,100,1,2", "the line has no value value_2"),
-        ("setup,X_mm,value_1_um,value_2_um\nbeams,100,1,2", "value_1_um, value_2_um and value_3_um"),
-        ("setup,X_mm,value_x_um,value_y_um,value_z_um\nbeams,100,1,2,3", "value_1_um, value_2_um and value_3_um"),
-        ("setup,X_mm,value_um\nbeams,100,1", "value_1_um, value_2_um and value_3_um"),
-    ],
-)
-def test_readings_of_another_form_are_refused(tmp_path: Path, line: str, said: str) -> None:
-    path = tmp_path / "r.csv"
-    path.write_text(line + "\n")
-    with pytest.raises(ReadingError, match=said) as failure:
-        placed_readings(read_any(path), built_in(TOGETHER), path)
-    assert failure.value.line == 2
 
 
 def test_what_nobody_says_is_that_of_each_tracer() -> None:

@@ -130,6 +130,15 @@ def test_a_profile_of_a_file_without_meshes_is_refused(tmp_path: Path) -> None:
     assert len(read_any(tmp_path / "r#1.csv")) == 1
 
 
+def test_what_stands_around_a_mesh_does_not_count(tmp_path: Path) -> None:
+    path, text = tmp_path / "printer.cfg", klipper_file(X, Y, bed(X, Y))
+    path.write_text(text)
+    plain = places(path)
+    for around in (text.replace("#*# version = 1", "#*#\n#*# version = 1\n#*# 1, 2, 3"), text + "[gcode_macro]\n"):
+        path.write_text(around)
+        assert places(path) == plain
+
+
 def test_a_mesh_in_a_file_that_is_included_is_read(tmp_path: Path) -> None:
     (tmp_path / "mesh.cfg").write_text(klipper_file(X, Y, bed(X, Y)).partition("#*#\n")[2].replace("#*# ", ""))
     assert len(places(tmp_path / "mesh.cfg")) == X.size * Y.size

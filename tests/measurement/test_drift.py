@@ -16,7 +16,6 @@ from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import paths
-from axiscal.exceptions import ReadingError
 from axiscal.measurement.cells import MEMORY, STEP, Course, wandering
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place, Reading
@@ -168,20 +167,3 @@ def test_a_table_of_readings_may_say_when_they_were_taken(
     file.write_text("setup,X_mm,value_um,time\n" + "".join(f"laser,{100 * i},1,{t}\n" for i, t in enumerate(times)))
     placed = placed_readings(read_any(file), _description(), file)
     assert [reading.time for reading in placed] == pytest.approx(seconds)
-
-
-@pytest.mark.parametrize("wrong", ["", "soon", "09:59", "25:00", "12 um", "2026-11-20T11:00:00"])
-def test_a_time_that_is_none_is_named_with_its_line(tmp_path: Path, wrong: str) -> None:
-    file = tmp_path / "readings.csv"
-    file.write_text(f"setup,X_mm,value_um,time\nlaser,1,1,10:00\nlaser,2,1,{wrong}\n")
-    with pytest.raises(ReadingError) as caught:
-        read_any(file)
-    assert caught.value.line == 3
-
-
-@pytest.mark.parametrize("day", ["2026-11-20", "20261120", "2026-W47-5"])
-def test_a_day_is_no_time_for_all_its_readings_would_be_taken_at_once(tmp_path: Path, day: str) -> None:
-    file = tmp_path / "readings.csv"
-    file.write_text(f"setup,X_mm,value_um,time\nlaser,1,1,{day}\nlaser,2,1,{day}\n")
-    with pytest.raises(ReadingError, match="without a time of day"):
-        read_any(file)

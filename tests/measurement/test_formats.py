@@ -15,6 +15,7 @@ from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import InputError, ReadingError
 from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.files import FORMATS, Recognised, read_any, recognised
+from axiscal.measurement.readers.text_file import MOST_LINES
 from tests.generators.texts import Said, campaign_text, machine_text, setup_text
 from tests.generators.written_maps import EVERYWHERE, FORMS, DrawnMap, drawn
 from tests.measurement.test_instrument_files import RTL
@@ -75,6 +76,11 @@ def test_a_map_comes_in_as_it_was_drawn(tmp_path: Path, form: str, number: int) 
     assert found.title == form.partition(", ")[0] or found.title in form
     if found.found.cells > len(found.found.readings):
         assert found.found.cells == drawing.z.size
+
+
+def test_a_file_without_end_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ReadingError, match=f"has {MOST_LINES + 2:,} lines, and at most {MOST_LINES:,} are read"):
+        read(tmp_path, "X_mm,value_um\n" * (MOST_LINES + 1))
 
 
 def test_every_format_has_a_good_file(tmp_path: Path) -> None:
@@ -307,25 +313,3 @@ def test_klipper_prints_where_its_nozzle_stood_and_since_2025_where_the_bed_is_m
         path.write_text(f"Send: PROBE\n{text}// Result is z=0.125000\nok\n")
         found = recognised(path, Around(campaign.machine.axes, campaign.setups))
         assert heights(found) == pytest.approx({(100.0, 50.0): 0.125})
-
-
-TOUCHED = ["[PRB:-600.000,-450.000,-6.651:1]", "[PRB:0.000,0.000,0.000:0]", "[PRB:-500.000,-450.000,-6.490,0.000:1]"]
-
-
-@pytest.mark.parametrize(
-    "broken",
-    [
-        "[PRB:",
-        "[PRB:-600.000,-450.0",
-        "[PRB:-600.000,-450.000,-6",
-        "[PRB:-600.000,-450.000,-6.651:",
-        "[PRB:-600.000,-450.0[PRB:0.000,0.000,0.000:0]",
-        "[PRB:0.000,0.000,0.0",
-    ],
-)
-def test_a_touch_of_grbl_that_is_broken_off_is_named_with_its_line(tmp_path: Path, broken: str) -> None:
-    assert len(read(tmp_path, "\n".join(TOUCHED)).found.readings) == 2
-    for place in range(4):
-        lines = [*TOUCHED[:place], broken, *TOUCHED[place:]]
-        with pytest.raises(ReadingError, match=rf"line {place + 1}: .* is not X, Y and Z\. Give the lines as printed"):
-            read(tmp_path, "\n".join(lines))

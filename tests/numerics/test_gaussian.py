@@ -65,22 +65,6 @@ def test_what_is_no_covariance_is_refused(matrix: Array, said: str) -> None:
         gaussian.root_of(matrix)
 
 
-@pytest.mark.parametrize("size", [1, 2, 7, 63, 130])
-def test_an_update_is_the_textbook_formula(size: int) -> None:
-    """B&H eq. 21-23 with the full covariance."""
-    rng = np.random.default_rng(size)
-    matrix, mean, row = covariance(size, size, 1.0, size), rng.standard_normal(size), rng.standard_normal(size)
-    value, variance = 0.7, 0.3
-    given = row[None], np.array([value]), np.array([variance]), np.zeros(1, dtype=int)
-    found = gaussian.condition(gaussian.root_of(matrix), mean, *given)
-    expected = row @ matrix @ row
-    gain = matrix @ row / (expected + variance)
-    assert found.expected == pytest.approx([row @ mean])
-    assert found.variance == pytest.approx([expected])
-    assert np.abs(found.mean - (mean + gain * (value - row @ mean))).max() < 1e-12 * np.abs(found.mean).max()
-    assert np.abs(product(found.root) - (matrix - np.outer(gain, row @ matrix))).max() < 1e-12 * matrix.max()
-
-
 def _of_parts(rng: np.random.Generator) -> tuple[Array, Array, Array]:
     """Return the root of three groups of variables and of one that nothing sees, means, and rows that see a group."""
     matrix, rows, group = np.zeros((13, 13)), np.zeros((20, 13)), rng.permutation(13)
@@ -115,16 +99,6 @@ def test_parts_that_have_nothing_in_common_are_those_one_after_another(seed: int
             root = after
     assert product(found.root) == pytest.approx(product(root), rel=1e-9, abs=1e-12)
     assert found.mean == pytest.approx(mean, rel=1e-9)
-
-
-def test_a_part_of_which_no_reading_counts_stays_as_it_was() -> None:
-    rows = np.array([[1.0, 0.5, 0.0], [0.0, 0.0, 2.0]])
-    root, noise = gaussian.root_of(np.diag([1.0, 2.0, 3.0])), np.array([1.0, np.inf])
-    found = gaussian.condition(root, np.zeros(3), rows, np.ones(2), noise, np.array([0, 1]))
-    assert product(found.root)[2, 2] == pytest.approx(3.0)
-    assert found.mean[2] == 0.0
-    assert found.variance == pytest.approx([1.5, 12.0])
-    assert not found.losses[1].any()
 
 
 @pytest.mark.parametrize(("size", "count"), [(5, 3), (40, 90), (90, 40), (4, 0)])

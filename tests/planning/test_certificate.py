@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import islice
 
 import numpy as np
 import pytest
@@ -15,9 +14,9 @@ from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.setup import Unknown
 from axiscal.planning.bound import relaxation
-from axiscal.planning.bound.certificate import Dual, groups, rank_bound, zeros_each, zeros_of
+from axiscal.planning.bound.certificate import Dual, rank_bound, zeros_each, zeros_of
 from axiscal.planning.bound.lower_bound import lower_bound
-from axiscal.planning.bound.relaxation import Relaxation, optimal_weights, turns
+from axiscal.planning.bound.relaxation import Relaxation
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import posed
@@ -81,22 +80,6 @@ def test_rests_are_not_averaged_away(readings: int) -> None:
     assert shared.solved().value > known.solved().value
 
 
-def test_turns_end_at_the_optimum_of_the_second_derivatives() -> None:
-    asked, limit = splines(2, 7, 0.1, 60), 9.0
-    state = asked.state
-    rows, variances, owner = state.rows(asked.lattice)
-    along = rows / np.sqrt(variances)[:, None] @ state.factor
-    count = len(asked.lattice)
-    costs = np.linspace(1.0, 2.0, count)
-    even = np.full(count, limit / costs.sum())
-    best = optimal_weights(along, owner, state.weighted, even, costs, limit, 1e-9)
-    found = list(islice(turns(state, along, owner, even, costs, limit), 400))
-    assert all(turn.weights @ costs == pytest.approx(limit) for turn in found)
-    optimum = next(turns(state, along, owner, best, costs, limit)).dual.value
-    assert optimum * (1 - 1e-9) <= found[-1].dual.value <= optimum * 1.002
-    assert found[-1].dual.value - optimum < 0.1 * (found[0].dual.value - optimum)
-
-
 @pytest.mark.parametrize("given", [True, False])
 def test_bounds_from_weights_of_all_hold_and_are_hardly_looser(given: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     asked, readings = levered(300), 12
@@ -110,21 +93,6 @@ def test_bounds_from_weights_of_all_hold_and_are_hardly_looser(given: bool, monk
     found = lower_bound(*asked_of).value
     assert 0 < found <= plan.value
     assert closely - found < 0.15 * (plan.value - closely)
-
-
-@pytest.mark.parametrize("seen", [(1e2, 1e2), (1e3, 1e3), (1e4, 1e3), (1e5, 1e5)])
-def test_readings_that_say_the_same_share_their_weight(seen: tuple[float, float]) -> None:
-    """Two set-ups at one place, and a third reading that begins with hardly any weight.
-
-    J = 1/(1 + a² (x₁ + x₂)) + 1/(1 + b² x₃) is least where a/(1 + a² (x₁ + x₂)) = b/(1 + b² x₃).
-    """
-    a, b = seen
-    along, limit = np.array([[a, 0.0], [a, 0.0], [0.0, b]]), 9.0
-    begun = np.array([4.4955, 4.4955, 0.009])
-    found = optimal_weights(along, np.arange(3), np.eye(2), begun, np.ones(3), limit, 1e-6)
-    third = (b * (1 + a**2 * limit) - a) / (a * b * (a + b))
-    assert found.sum() == pytest.approx(limit)
-    assert found[2] == pytest.approx(third, rel=1e-3)
 
 
 def with_zeros(std: float, candidates: int, instrument: str = "indicator") -> Task:
@@ -154,19 +122,6 @@ def test_any_matrix_with_zeros_bounds_every_plan_that_mounts_both(seed: int, wid
         assert floor <= state.after_readings(pool.lattice.within(chosen)).value * (1 + 1e-9)
 
 
-def test_which_zeros_count() -> None:
-    asked = with_zeros(1e-4, 30, "rtest")
-    state, lattice = asked.state, asked.lattice
-    both = zeros_of(zeros_each(state, lattice), (0, 1))
-    assert both is not None
-    assert len(both.columns) == 4
-    one = zeros_of(zeros_each(state, lattice), (1,))
-    assert one is not None
-    assert one.stiffness > both.stiffness
-    size = asked.observation.errors.size
-    np.testing.assert_array_equal(np.sort(both.columns), np.arange(size, size + 4))
-
-
 def test_a_set_up_that_shows_nothing_but_its_zero_is_bounded_by_what_is_there() -> None:
     """The noise is so large that it, and the zero, leave less than rounding of what else a reading shows."""
     text = campaign_text("m.toml", setup_text("laser", "interferometer", direction="y", moves=["X"], noise="5 mm"))
@@ -175,9 +130,3 @@ def test_a_set_up_that_shows_nothing_but_its_zero_is_bounded_by_what_is_there() 
     places = task.lattice.within(slice(3))
     bound = lower_bound(Pool(task.observation, task.lattice), task.state, places, np.ones(23), 3.0)
     assert 0.99 * task.state.value <= bound.value <= task.state.value * (1 + 1e-9)
-
-
-def test_sets_of_set_ups() -> None:
-    assert groups(np.array([0, 0, 2]), 5) == [(0, 2), (0,), (2,)]
-    assert groups(np.array([0, 1, 2]), 1) == [(0,), (1,), (2,)]
-    assert groups(np.arange(4), 9) == []

@@ -68,12 +68,6 @@ def test_a_plan_has_its_readings_and_a_fifth_of_them_are_drawn() -> None:
     assert all(0 <= place.pose[0] <= 1 for place in places)
 
 
-@pytest.mark.parametrize(("target", "above"), [("readings = 11", ""), ("readings = 15", 'usual = "off"\n')])
-def test_small_plans_and_exact_ones_are_those_without_checks(target: str, above: str) -> None:
-    assert plan_of(target, above) == plan_of(f"{target}\nchecks = 0", above)
-    assert not checks(plan_of(target, above))
-
-
 def test_an_accuracy_needs_fewer_readings_beside_checks() -> None:
     target = 'rms = "1.2 um"\nrefers_to = "as read"'
     alone, both = plan_of(f"{target}\nchecks = 0"), plan_of(target)

@@ -15,7 +15,7 @@ from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Task
 from tests.generators import dense_gains as dense
-from tests.generators.designs import levered, random_poses, read
+from tests.generators.designs import levered, read
 from tests.generators.forms import gains_of
 
 ZEROS = tuple(Unknown(f"zero_{axis}", 1e-4) for axis in "xyz")
@@ -71,26 +71,3 @@ def test_every_fast_way_brings_the_plain_gain(seed: int, nest: bool) -> None:
         assert fall == pytest.approx(expected[i], rel=1e-5)
     pool = Pool(asked.observation, asked.lattice)
     np.testing.assert_allclose(Scores(pool, asked.state).gains, _gains(asked, pool.lattice), rtol=1e-6)
-
-
-@pytest.mark.parametrize("nest", [False, True])
-@pytest.mark.parametrize("axis", [0, 1, 2])
-def test_forms_bring_the_plain_gain(axis: int, nest: bool) -> None:
-    asked = _asked(2, nest)
-    poses, approaches = random_poses(asked, np.random.default_rng(axis), 1)
-    positions = np.linspace(*asked.observation.machine.axes[axis].travel, 9)
-    for setup in (0, 1):
-        line = Places.of_setup(setup, np.tile(poses, (9, 1)), np.tile(approaches, (9, 1)))
-        line.poses[:, axis] = positions
-        gains = asked.state.scorer().gains_at(setup, line.poses, line.approaches)
-        np.testing.assert_allclose(gains, _gains(asked, line), rtol=1e-6)
-
-
-def test_the_state_after_readings_is_the_dense_one() -> None:
-    asked = _asked(3, nest=True)
-    state = asked.state.after_readings(asked.lattice)
-    expected = dense.after_readings(_known(asked), asked.lattice)
-    assert state.observation.cells == expected.observation.cells
-    np.testing.assert_allclose(
-        state.factor @ state.factor.T, expected.covariance, atol=1e-9 * float(expected.covariance.max())
-    )

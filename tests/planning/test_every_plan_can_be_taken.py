@@ -44,13 +44,33 @@ def blocks() -> list[tuple[str, str]]:
     return found
 
 
+BALL = '[[artefacts]]\nname = "ball"\nballs = { one = ["150 mm", "0 mm", "0 mm"] }\n'
+AT_BALL = 'instrument = "rtest"\nartefact = "ball"\nmoves = ["{}"]\nraster = {{ {} = "10 deg" }}\n'
+BAR = 'instrument = "ballbar"\nlength = "150 mm"\nstation = ["0 mm", "0 mm", "100 mm"]\nplane = "xy"\n'
+STANDARD = {
+    "circle with C in step": (
+        "",
+        BAR + 'arc = ["10 deg", "200 deg"]\nturning = { C = 1.0 }\nraster = { arc = "10 deg" }\n',
+    ),
+    "CK": (BALL, AT_BALL.format("C", "C")),
+    "BK": (BALL, AT_BALL.format("B", "B")),
+}
+"""Tests of ISO 10791-6: a circle with a rotary axis in step, and a point that is held while one axis turns."""
+
+
+def standard() -> list[tuple[str, str]]:
+    """Return the tests of the standard as campaigns."""
+    head = 'machine = "dmu60"\n{}[[setups]]\nname = "{}"\n{}approach = "both"\n'
+    return [(f"ISO 10791-6, {name}", head.format(beside, name, keys)) for name, (beside, keys) in STANDARD.items()]
+
+
 _FEW = 4
 """Readings of a plan: every one of more would be held to the same rules."""
-CAMPAIGNS = [(str(path.relative_to(ROOT)), path.read_text(encoding="utf-8")) for path in FILES] + blocks()
-_AT_ONCE = "tests/golden/campaigns/printer/campaign.toml"
-"""The machine whose plan takes the least time; the others are left to `make test-long`."""
+CAMPAIGNS = [(str(path.relative_to(ROOT)), path.read_text(encoding="utf-8")) for path in FILES] + blocks() + standard()
+_AT_ONCE = {"tests/golden/campaigns/printer/campaign.toml", "ISO 10791-6, CK"}
+"""Those whose plans take the least time; the others are left to `make test-long`."""
 CASES = [
-    pytest.param(name, text, id=name, marks=() if name == _AT_ONCE else pytest.mark.long) for name, text in CAMPAIGNS
+    pytest.param(name, text, id=name, marks=() if name in _AT_ONCE else pytest.mark.long) for name, text in CAMPAIGNS
 ]
 
 

@@ -7,9 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Places
-from axiscal.planning.bound.certificate import rank_bound
 from axiscal.planning.bound.lower_bound import lower_bound, with_main_directions
 from axiscal.planning.gains.candidate_rows import Pool
 from tests.generators.designs import levered, splines
@@ -37,16 +35,6 @@ def test_readings_that_cost_differently_and_points_off_the_lattice() -> None:
         cheap = generator.choice(np.flatnonzero(costs[: len(pool)] == 4.0), 6)
         assert state.after_readings(pool.lattice.within(cheap)).value >= bound.value
     assert state.after_readings(places).value >= bound.value
-
-
-def test_what_few_readings_must_leave() -> None:
-    asked = splines(3, 7, 1e-9, 400)
-    state = asked.state
-    lattice = spread(asked.observation.machine, asked.observation.setups, 5)
-    value = state.after_readings(lattice).value
-    assert rank_bound(state, 5) <= value * (1 + 1e-12)
-    assert rank_bound(state, 0) == pytest.approx(state.value)
-    assert rank_bound(state, 1000) == 0.0
 
 
 def test_what_directions_of_the_target_leave_that_do_not_count_is_no_more_than_was_given_away() -> None:

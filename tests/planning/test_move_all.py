@@ -6,18 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import approx_fprime
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
-from axiscal.measurement.setup import Unknown
-from axiscal.numerics import Array
-from axiscal.planning.plan.exchange import _Beside, _free, _value, relocated
+from axiscal.planning.plan.exchange import relocated
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.proposal import proposed
-from tests.generators.designs import levered, problem, random_poses
+from tests.generators.designs import levered, random_poses
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
 TABLE = machine_text(
@@ -55,31 +52,6 @@ def test_where_no_error_moves_the_tool_point_a_plan_is_made_and_its_readings_sta
     plan = proposed(Case(table), Limits(4)).plan
     assert len(plan.places) == 4
     assert plan.accuracy.rms == 0
-
-
-@pytest.mark.parametrize("instrument", ["indicator", "rtest"])
-def test_the_gradient_is_that_of_what_is_left(instrument: str) -> None:
-    asked = levered(50, reversal=False)
-    machine = asked.observation.machine
-    bare = replace(machine, errors=tuple(replace(e, rest=None) for e in machine.errors))
-    setups = asked.observation.setups
-    if instrument == "rtest":
-        zeros = tuple(Unknown(f"zero_{axis}", 1e-4) for axis in "xyz")
-        setups = (replace(setups[0], instrument="rtest", unknowns=zeros), setups[1])
-    asked = problem(bare, setups, 20)
-    places = drawn(asked, 3, 4)
-    free = _free(asked.state, places)
-    total, before = asked.state.value, asked.state.after_readings(places).value
-    value, gradient = _value(asked.state, places, free, _Beside.of(places, free))
-    assert value * total == pytest.approx(before, rel=1e-6)
-
-    def left(shares: Array) -> float:
-        poses = places.poses.copy()
-        for reading, axis, low, high, share in zip(*free[:4], shares, strict=True):
-            poses[reading, axis] += share * (high - low)
-        return asked.state.after_readings(replace(places, poses=poses)).value / total
-
-    np.testing.assert_allclose(gradient, approx_fprime(np.zeros(len(free.reading)), left, 1e-7), rtol=1e-2, atol=1e-4)
 
 
 def test_what_stands_on_a_raster_stays() -> None:

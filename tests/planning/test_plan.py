@@ -17,10 +17,8 @@ from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.beginnings import best_of_random, evenly_spaced, space_filling
 from axiscal.planning.plan.greedy import chosen_setups, filled, scores_among
-from axiscal.planning.plan.minutes import grown
-from axiscal.planning.plan.order import seconds_along
 from axiscal.planning.plan.plan import make_plan
-from axiscal.planning.plan.task import Limits, Task, clock
+from axiscal.planning.plan.task import Limits, Task
 from tests.generators.designs import levered, problem, read, rms_of, splines
 from tests.generators.texts import Said, setup_text
 
@@ -54,30 +52,6 @@ def test_never_worse_than_designs_that_need_no_thought(seed: int) -> None:
         assert plan.value <= asked.state.after_readings(design(asked, counts)).value * (1 + 1e-9)
     assert plan.value <= greedy(asked, 9) * (1 + 1e-9)
     assert plan.value == pytest.approx(asked.state.after_readings(plan.places).value, rel=1e-8)
-
-
-def test_an_accuracy_out_of_reach_is_given_up_and_one_within_reach_is_not() -> None:
-    asked = levered(60)
-    before = asked.yardstick.measure(asked.belief)
-    none = Places.none(3)
-    assert grown(asked, Limits(), (0, 1), none, rms_of(asked, 1.0001 * before.floor), np.inf) is None
-    for share in (0.3, 0.9):
-        goal = rms_of(asked, before.floor + share * (before.rms - before.floor))
-        found = grown(asked, Limits(), (0, 1), none, goal, np.inf)
-        assert found is not None
-        assert goal.reached(found)
-        assert grown(asked, Limits(), (0, 1), none, goal, 0.5 * seconds_along(asked, found)) is None
-
-
-def test_a_budget_is_kept_and_used() -> None:
-    asked = levered(100)
-    plan = make_plan(asked, Limits(budget=720.0), bounded=False, patience=0.0)
-    reading = float(clock(asked).reading(range(len(asked.observation.setups))).max())
-    assert 720.0 - 2 * reading < plan.seconds <= 720.0
-    assert len(set(plan.places.setups)) == 1
-    longer = make_plan(asked, Limits(budget=1500.0), bounded=False, patience=0.0)
-    assert set(longer.places.setups) == {0, 1}
-    assert longer.value < plan.value
 
 
 def test_a_target_is_just_reached() -> None:

@@ -11,7 +11,6 @@ from axiscal.planning.gains.covariance import ReadNumbers, after_each
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Task
 from tests.generators.designs import levered, splines
-from tests.generators.forms import gains_of
 from tests.planning.test_three_values import mixed
 
 
@@ -61,20 +60,6 @@ def test_readings_that_enter_together_are_those_that_enter_one_by_one(asked: Tas
     assert same == pytest.approx(own, rel=1e-6)
     assert together.state.factor.shape == one.state.factor.shape
     assert together.enter_all(places.within(slice(0, 0))) == 0.0
-
-
-@pytest.mark.parametrize("asked", [splines(2, 5, 0.1, 200), levered(200), mixed(200)], ids=["sums", "levers", "mixed"])
-def test_gains_without_a_reading_are_those_of_what_is_known_without_it(asked: Task) -> None:
-    scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
-    scores.enter_all(asked.lattice.within(slice(0, None, 11)))
-    for slot in range(0, len(scores.places), 4):
-        if scores.held_alone(slot):
-            continue
-        state, change = scores.known_without(slot)
-        found = gains_of(scores.scorer_without(change), asked.lattice)
-        anew = gains_of(scores.pool.scorer(state), asked.lattice)
-        np.testing.assert_allclose(found, anew, rtol=1e-8)
-        scores.exchange(slot, slot)  # another state: what was found once does not hold any more
 
 
 @pytest.mark.parametrize("together", [7, 80])

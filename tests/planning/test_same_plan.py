@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 
 import axiscal.planning
 from axiscal.planning.plan.plan import make_plan
-from axiscal.planning.plan.task import Limits, Patience
+from axiscal.planning.plan.task import Limits
 from tests.generators.designs import levered
 
 
@@ -39,18 +39,3 @@ def _imported(node: ast.AST) -> list[str]:
     if isinstance(node, ast.Import):
         return [each.name for each in node.names]
     return [node.module or ""] if isinstance(node, ast.ImportFrom) else []
-
-
-def test_patience_ends_by_work() -> None:
-    patience = Patience(10.0)
-    patience.take(9.0)
-    assert not patience.spent
-    patience.take(1.0)
-    assert patience.spent
-
-
-def test_no_patience_leaves_every_reading_on_the_lattice() -> None:
-    asked = levered(200)
-    plan = make_plan(asked, Limits(readings=6), bounded=False, patience=0.0)
-    for pose in plan.places.poses:
-        assert np.any(np.all(asked.lattice.poses == pose, axis=1))

@@ -2,61 +2,30 @@
 
 from __future__ import annotations
 
-import json
 import re
-import shutil
 from pathlib import Path
-from typing import Any, get_args
+from typing import get_args
 
-import numpy as np
 import pytest
 
 from axiscal.answers.answer import ResultAnswer, Verdict
 from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.app import run
 from axiscal.cli.outputs import standing_screen
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.measurement.reading import Reading
 from axiscal.present import summarising
 from axiscal.present.guide.progress import Progress
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.summarising import Extras, summarise
 from axiscal.web.desk import Desk
-from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, plus, read
-from tests.golden.surfaces import differing, numbers, of_page, of_paper, of_screen, of_state, plain
-
-SCATTERED = plus(read(machine(1), 24), 25e-6 * np.random.default_rng(1).choice([-1.0, 1.0], 24))
-
-
-RECORDS: dict[str, tuple[str, list[Reading]]] = {
-    "reached": ('rms = "3 um"', read(machine(2), 24)),
-    "withheld": ('U = "9 um"', SCATTERED),
-    "hardly any": ('worst = "9 um"', read(machine(5), 2)),
-    "more than a millimetre": ('U = "1 um"', []),
-}
-"""Target, and readings."""
-QUICK = ("reached",)
+from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, read
+from tests.golden.surfaces import numbers, of_screen, of_state
 
 
 def test_every_verdict_has_its_words_and_its_colour_in_the_pdf() -> None:
     template = (Path(summarising.__file__).parent / "templates" / "report.typ").read_text(encoding="utf-8")
     (colours,) = re.findall(r"#let box_colours = \((.*)\)", template)
     assert set(re.findall(r"(\w+): ", colours)) == set(get_args(Verdict))
-
-
-def written(name: str, folder: Path) -> tuple[Path, dict[str, Any]]:
-    """Return the record of a campaign that the page has ended, and what the page shows."""
-    target, readings = RECORDS[name]
-    described = MACHINE.replace('std = "10 um"', 'std = "3 mm"') if name == "more than a millimetre" else MACHINE
-    text = CAMPAIGN.replace('rms = "3 um"', target)
-    record = folder / "c.axiscal"
-    with Campaign.create(record, campaign_from_texts(text, "c.toml", described, "m")) as campaign:
-        campaign.adopt(tuple(readings))
-        desk = Desk(campaign, lambda: None)
-        desk.finish()
-        assert desk.state.answer is not None
-        return record, desk.state.answer.model_dump(mode="json")
 
 
 def test_before_the_first_reading_all_show_the_plan_and_whether_it_reaches(tmp_path: Path) -> None:
@@ -120,26 +89,3 @@ def test_what_was_known_before_is_at_the_sizes_as_learnt(tmp_path: Path) -> None
             assert summary.history[0] == first.history[0]
             assert max(summary.curves[0].prior_std) > max(first.curves[0].prior_std)
         assert "prior-misfit" in [each.code for each in summary.warnings]
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.long) for name in RECORDS]
-)
-def test_every_surface_says_the_same(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    record, state = written(name, tmp_path)
-    out = tmp_path / "c-results"
-    document = json.loads((out / "result.json").read_text())
-    assert document["answer"]["verdict"] == state["document"]["verdict"]
-    assert run(["finish", str(record), "--out", str(tmp_path / "again")]) == int(document["answer"]["withheld"])
-    page, terminal, report = (
-        of_state(state),
-        of_screen(capsys.readouterr().out),
-        of_page((out / "report.html").read_text()),
-    )
-    for shown in (page, terminal, report):
-        assert list(differing(shown, document["rows"], document["answer"])) == []
-        assert shown.first == page.first
-    if shutil.which("pdftotext") is not None:
-        paper = of_paper(out / "report.pdf")
-        assert report.first in paper
-        assert plain("".join(cell for line in report.cells for cell in line)) in paper

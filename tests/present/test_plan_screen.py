@@ -1,17 +1,13 @@
-"""What `plan` says: its budgets in both languages, the figures of its document, and commands that work when pasted."""
+"""What `plan` says keeps its budgets in both languages; what it advises on the temperature and says of a bound."""
 
 from __future__ import annotations
 
 import re
-import shlex
-import shutil
-from pathlib import Path
 
 import pytest
 
 from axiscal.answers.answer import LargestCause, NextStep, PlannedRow, PlannedSetup, PlanVerdict, ReachAnswer
 from axiscal.answers.answer_words import WIDTH
-from axiscal.cli.app import run
 from axiscal.description.target import RowName, dimension, rows_of
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import Machine, load_machine
@@ -19,9 +15,7 @@ from axiscal.planning.helping import Helping
 from axiscal.planning.promise import Alike
 from axiscal.present.plan_answer import PlanAnswer
 from axiscal.present.plan_words import LINES, bound_sentence, plan_screen
-from tests.commands import Command
 from tests.generators.answers import aim
-from tests.golden.given import CAMPAIGNS
 
 WORDS = 60
 """Beside the rows."""
@@ -119,48 +113,3 @@ def test_a_bound_says_what_its_j_is() -> None:
     assert bound_sentence(plan("reached", [], 1).model_copy(update=bound)).endswith(
         'J is the figure that criterion = "rows" makes small.'
     )
-
-
-PLANS = {"square": "campaign.toml --readings 3 --candidates 60", "programs": "campaign.toml --candidates 40"}
-"""Of golden campaigns whose plan takes a moment."""
-
-
-@pytest.mark.parametrize("name", PLANS)
-def test_the_screen_shows_the_figures_of_the_document(
-    name: str, tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(shutil.copytree(CAMPAIGNS / name, tmp_path / name))
-    words = ["plan", *shlex.split(PLANS[name])]
-    text = command(*words).printed
-    document = command(*words, "--json").document
-    _within_budgets(text)
-
-    readings, minutes = document["readings"], document["minutes"]
-    assert (
-        re.search(rf"\b{readings} READINGS?, {minutes:.0f} MIN", text)
-        or f"{readings} readings, {minutes:.0f} min" in text
-    )
-    rows = {row["row"]: row for row in document["rows"]}
-    for line in _rows(text):
-        row = rows[re.split(r" {2,}", line.strip())[0]]
-        figures = [float(each) for each in re.findall(r"(?<![A-Za-z])[0-9]+(?:\.[0-9]+)?", line)]
-        read = row["measured"] or row["known_to"] < 0.9 * row["known_before"]
-        limit = [] if row["limit"] is None or not read else [row["limit"]]
-        known = [row["known_to"]] if read else []
-        assert figures == pytest.approx([row["known_before"], *known, *limit], rel=0.051)
-    mounted = [(each["setup"], each["readings"]) for each in document["setups"]]
-    flat = " ".join(text.split())
-    assert flat.index("Mount in turn") < flat.index(f'"{mounted[0][0]}" ({mounted[0][1]} reading')
-    assert mounted == _runs([point["setup"] for point in document["points"]])
-    assert document["setups"][-1]["minutes"] == pytest.approx(minutes)
-
-    lines = text.splitlines()
-    if write := re.search(r'write "(readings = \d+)" below', text):
-        campaign = Path("campaign.toml")
-        campaign.write_text(campaign.read_text().replace("[target]", f"[target]\n{write[1]}"))
-    assert run(shlex.split(lines[-1].removeprefix("Next"))[1:]) == 0, lines[-1]
-
-
-def _runs(names: list[str]) -> list[tuple[str, int]]:
-    """Return each set-up with its readings, in the order in which they come."""
-    return [(name, names.count(name)) for name in dict.fromkeys(names)]

@@ -49,6 +49,7 @@ class Grid(Instrument):
         return [at.moved[:, 0] + u["zero_x"] - u["turn"] * y, at.moved[:, 1] + u["zero_y"] + u["turn"] * x]
 
 
+@pytest.mark.long
 def test_a_class_of_ones_own_is_an_instrument(tmp_path: Path) -> None:
     grid = ac.Case(ac.load_machine("three-axis-mill"), [ac.setup(Grid, moves=["X", "Y"])])
     plan = grid.plan(readings=8, candidates=60)

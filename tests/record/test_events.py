@@ -178,28 +178,6 @@ VALUE = Recorded(Reading("laser", (0.0,), (1,), 1e-6))
 
 
 @pytest.mark.parametrize(
-    "text",
-    [
-        '{"mistake":"guess","setups":["a"],"reading":0,"factor":1.0,"name":""}',
-        '{"mistake":"sign","setups":[],"reading":0,"factor":-1.0,"name":""}',
-        '{"mistake":"stuck","setups":[],"reading":3,"factor":1.0,"name":""}',
-        '{"mistake":"swapped","setups":["a","a"],"reading":0,"factor":1.0,"name":""}',
-        '{"mistake":"unit","setups":["a"],"reading":0,"factor":0.0,"name":""}',
-        '{"mistake":"unit","setups":["a"],"reading":0,"factor":1e300,"name":""}',
-        f'{{"mistake":"unit","setups":["a"],"reading":0,"factor":1{"0" * 400},"name":""}}',
-        '{"mistake":"shifted","setups":["a"],"reading":0,"factor":2.0,"name":""}',
-        '{"mistake":"jump","setups":["a"],"reading":3,"factor":1.0,"name":""}',
-        '{"mistake":"jump","setups":["a"],"reading":"3","factor":1.0,"name":"b"}',
-        '{"mistake":"sign","setups":["a"],"factor":-1.0,"name":""}',
-        '{"mistake":["sign"],"setups":["a"],"reading":0,"factor":-1.0,"name":""}',
-    ],
-)
-def test_an_accepted_mistake_that_cannot_be_is_refused(text: str) -> None:
-    with pytest.raises(PayloadError):
-        decode("accepted", text)
-
-
-@pytest.mark.parametrize(
     "events",
     [
         [CREATED, VALUE, Accepted("jump", ("laser",), 1, name="before")],

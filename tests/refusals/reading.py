@@ -14,6 +14,8 @@ from pathlib import Path
 from typing import Any, NamedTuple, cast
 from unittest.mock import patch
 
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.possible import beginning_of
 from axiscal.campaign.sources import open_source
 from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
@@ -32,6 +34,10 @@ from axiscal.measurement.readers.files import read_any, recognised
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.simulation import read_truth
 from axiscal.ports.postgres.database import store_address
+from axiscal.present.guide.question import answer
+from axiscal.record.line_form import EventText
+from axiscal.record.log import in_one, rows_of
+from axiscal.record.store import content_of
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
 from axiscal.tables.registry import export, loaded
@@ -42,6 +48,8 @@ from tests.generators.begun import begun
 from tests.generators.requests import REQUEST, SIMULATOR
 
 FOLDER = Path(__file__).parent
+BESIDE = ".toml", ".py"
+"""How texts end that are files beside the others, and right."""
 
 
 class Row(NamedTuple):
@@ -91,7 +99,7 @@ def said(kind: str, of: str, text: str) -> str:
     """Return what a text gets in place of the right one; "" where it is taken."""
     with tempfile.TemporaryDirectory() as folder, chdir(folder):
         for name, right in refusals(kind).texts.items():
-            if name.endswith(".toml"):
+            if name.endswith(BESIDE):
                 Path(name).write_text(right, encoding="utf-8")
         try:
             found = _READERS[kind](of, text)
@@ -162,6 +170,21 @@ def _file(_: str, text: str) -> object:
     return recognised(Path("file.txt"), Around(campaign.machine.axes, campaign.setups))
 
 
+def _entry(of: str, text: str) -> object:
+    """Open a campaign whose record has a reading and this entry behind it.  of : its kind; `created` is the first"""
+    described = read_campaign(Path("campaign.toml"))
+    rows = [*rows_of([beginning_of(described)]), EventText(_AT, "recorded", refusals("entry").texts["recorded"])]
+    last = EventText(_AT, of.split()[0], text)
+    Path("m.axiscal").write_bytes(content_of(in_one([last] if of == "created" else [*rows, last]))[0])
+    with Campaign.open(Path("m.axiscal")) as campaign:
+        return campaign.state
+
+
+def _typed(of: str, text: str) -> object:
+    """Return what is understood of a line that is typed where a set-up is read.  of : the set-up"""
+    return answer(text, read_campaign(Path("campaign.toml"), asking=False).setup(of))
+
+
 def _rewritten(_: str, text: str) -> object:
     """Rewrite a program whose zero lies within the travels of the machine."""
     Path("part.ngc").write_text(text, encoding="utf-8")
@@ -184,6 +207,7 @@ def _command(_: str, text: str) -> str:
     return " ".join(told.getvalue().split())
 
 
+_AT = "2026-03-01T08:00:00.000+00:00"
 _BEGUN = (
     ("start", "c.toml", "m.axiscal"),
     ("record", "m.axiscal", "1 um", "--setup", "laser", "--at", "X=100 mm"),
@@ -206,6 +230,7 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "answer": _answer,
     "campaign": _of_file("campaign.toml", read_campaign),
     "command": _command,
+    "entry": _entry,
     "chain": lambda _, text: parse_chain(text),
     "files": _file,
     "error_name": lambda _, text: parse_error_name(text),
@@ -224,4 +249,5 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "store": lambda _, text: store_address(text, {}),
     "template": _template,
     "truth": _of_file("truth.csv", read_truth),
+    "typed": _typed,
 }

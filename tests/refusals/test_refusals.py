@@ -6,7 +6,7 @@ import pytest
 
 from axiscal.measurement.readers.files import FORMATS
 from axiscal.tables.registry import controllers, exporter
-from tests.refusals.reading import Row, kinds, refusals, said
+from tests.refusals.reading import BESIDE, Row, kinds, refusals, said
 
 ROWS = [(kind, row) for kind in kinds() for row in refusals(kind).rows]
 
@@ -21,7 +21,7 @@ def test_what_is_wrong_is_refused_in_these_words(kind: str, row: Row) -> None:
 
 @pytest.mark.parametrize("kind", kinds())
 def test_what_the_rows_spoil_is_right(kind: str) -> None:
-    spoilt = {name: text for name, text in refusals(kind).texts.items() if text and not name.endswith(".toml")}
+    spoilt = {name: text for name, text in refusals(kind).texts.items() if text and not name.endswith(BESIDE)}
     assert [f"{name}: {fault}" for name, text in spoilt.items() if (fault := said(kind, name, text))] == []
 
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
@@ -49,7 +47,6 @@ LONG: dict[str, tuple[Callable[[], Trial], int]] = {
     "start": (lambda: command_faults.tried("start", 5), 4),
     "init": (lambda: command_faults.tried("init", 7), 4),
     "export": (lambda: command_faults.tried("export, over earlier tables", 17), 4),
-    "bring": (lambda: command_faults.tried("bring", hows=("kill",)), 4),
     "lost power": (lambda: power_loss.lost(150), 149),
     "clients of a store": (lambda: store_clients.clients(2, 6), 10),
     "statements to a store": (lambda: store_clients.statements(40), 39),
@@ -77,7 +74,7 @@ def test_nothing_is_lost_or_wrong(tried: Callable[[], Trial], most: int) -> None
 def test_a_number_of_any_length_is_refused_in_words_that_do_not_repeat_it(kind: bad_files.Kind, tmp_path: Path) -> None:
     """Python converts no whole number of more than 4,300 digits; of a table the line is named."""
     path = bad_files.place(kind, tmp_path)
-    for number in list(re.finditer(rb"\d+", kind.good))[:30]:
+    for number in list(re.finditer(rb"\d+", kind.good))[:10]:
         path.write_bytes(kind.good[: number.start()] + b"9" * 5000 + kind.good[number.end() :])
         try:
             kind.read(path)
@@ -87,10 +84,6 @@ def test_a_number_of_any_length_is_refused_in_words_that_do_not_repeat_it(kind: 
             assert "/" not in kind.name or f"{path.name}, line {line}: " in text
 
 
-def test_the_corpus_is_as_large_as_is_said() -> None:
-    assert len(bad_files.KINDS) * len(bad_files.WAYS) >= 300
-
-
 FEWER = {"linuxcnc/X.comp": 8, "a Marlin map (M420 V)": 8}
 """LinuxCNC itself passes over rows of a table that it cannot read, and a log holds other lines than those of a map."""
 
@@ -98,12 +91,6 @@ FEWER = {"linuxcnc/X.comp": 8, "a Marlin map (M420 V)": 8}
 @pytest.mark.parametrize("kind", bad_files.KINDS, ids=str)
 def test_a_file_changed_at_random_is_an_error_of_ours_or_still_good(kind: bad_files.Kind) -> None:
     fuzz.fuzzed(kind, 25)
-
-
-def test_a_file_that_takes_a_processor_too_long_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fuzz, "MOST", 0.0)
-    with pytest.raises(AssertionError, match="s of a processor"):
-        fuzz.fuzzed(bad_files.KINDS[0], 1)
 
 
 @pytest.mark.parametrize("kind", bad_files.KINDS, ids=str)
@@ -133,23 +120,3 @@ def test_other_surroundings_give_the_same_bytes(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(same_bytes, "_variables", few)
     trial = same_bytes.compared(long=False)
     assert (trial.tried, trial.lost) == (1, 0)
-
-
-def test_surroundings_that_give_other_bytes_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    def texts(place: same_bytes.Surroundings) -> list[Mapping[str, str]]:
-        return [{"table.csv": "1,5" if place.name == "locale de_DE" else "1.5"}]
-
-    monkeypatch.setattr(same_bytes, "_texts", texts)
-    monkeypatch.setattr(same_bytes, "installed", lambda _name, _folder: True)
-    trial = same_bytes.compared(long=True)
-    assert (trial.tried, trial.lost, trial.detail) == (21 + 3 + 3 + 2, 1, "other bytes: locale de_DE")
-
-
-@pytest.mark.long
-def test_a_language_that_is_tried_is_really_spoken(tmp_path: Path) -> None:
-    if not same_bytes.installed("de_DE", tmp_path):
-        pytest.skip("needs Debian's locales")
-    said = "import locale; locale.setlocale(locale.LC_ALL, ''); print(locale.localeconv()['decimal_point'])"
-    env = {"LOCPATH": str(tmp_path), "LC_ALL": "de_DE.UTF-8"}
-    run = subprocess.run([sys.executable, "-c", said], env=env, capture_output=True, text=True, check=True)
-    assert run.stdout.strip() == ","

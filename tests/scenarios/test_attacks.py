@@ -2,16 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
-from pathlib import Path
-
-import numpy as np
-import pytest
-
-from benchmarks.trust import attack_table
-from benchmarks.trust.attack_table import attacked
-from benchmarks.trust.attacks import ATTACKS, Outcome, outcome
-from benchmarks.trust.benches import PLACES
+from benchmarks.trust.attacks import ATTACKS, outcome
 
 BY_WORDS = {attack.words: attack for attack in ATTACKS}
 
@@ -34,29 +25,3 @@ def test_what_no_reading_shows_counts_where_lengths_are_attacked() -> None:
     bare, known, off = (outcome(each, "even", "estimate", 3) for each in (plain, counted, longer))
     assert known.ratio < bare.ratio
     assert off.ratio > known.ratio
-
-
-def test_a_table_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(attack_table, "ATTACKS", ATTACKS[18:19])
-    known = partial(attacked, which=(0,))
-    monkeypatch.setattr(attack_table, "KEPT", tmp_path / "kept")
-    tried = []
-
-    def counted(attack: object, places: str, scales: str, seed: int) -> Outcome:
-        tried.append((places, scales, seed))
-        if len(tried) == 2:
-            raise KeyboardInterrupt
-        return Outcome(np.nan if places == "random" else 1.0, 0.95, withheld=places == "random")
-
-    monkeypatch.setattr(attack_table, "outcome", counted)
-    with pytest.raises(KeyboardInterrupt):
-        known(2, 1, np.inf)
-    outcomes, machines = known(2, 1, np.inf)
-    assert machines == 2
-    assert {trial.places for trial, each in outcomes.items() if each.withheld} == {"random"}
-    assert {trial.places for trial, each in outcomes.items() if np.isnan(each.ratio)} == {"random"}
-    assert known(3, 1, np.inf)[1] == 3
-    assert known(2, 1, np.inf)[1] == 2
-    assert len(tried) == 3 * len(PLACES) + 1
-    monkeypatch.setattr(attack_table, "KEPT", tmp_path / "other")
-    assert known(2, 1, 0.0) == ({}, 0)

@@ -38,9 +38,11 @@ def com(*rows: tuple[float, ...]) -> str:
 PITCH = FANUC.replace("N3623Q1A1P1", "N3623Q1A1P2").replace("N10021Q1P0;", "N10021Q1P5;")
 MESH = dict.fromkeys(("klipper", "klipper-volumetric", "marlin", "reprapfirmware"), 7)
 
+EMPTY = "$AA_ENC_COMP_STEP[0,AX9]=0.0\n"
 ENC = (
     "CHANDATA(1)\n$AA_ENC_COMP[0,0,AX1]=0.0\n$AA_ENC_COMP[0,1,AX1]=0.0042\n$AA_ENC_COMP_STEP[0,AX1]=50.0\n"
-    "$AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=50.0\n$AA_ENC_COMP_STEP[0,AX9]=0.0\nM17\n"
+    "$AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=50.0\n"
+    f"{EMPTY}M17\n"
 )
 CEC = (
     "CHANDATA(1)\n$AN_CEC[0,0]=0.0\n$AN_CEC[0,1]=0.02\n$AN_CEC_INPUT_AXIS[0]=(AX1)\n$AN_CEC_OUTPUT_AXIS[0]=(AX2)\n"
@@ -63,9 +65,18 @@ SQUARE = "141.4,141.4,100"
 NODES = "".join(f"echo:  M421 I{i} J{j} Z{0.06 * i:.2f}\n" for i in (0, 1) for j in (0, 1))
 BY_HAND = {  # which axis is moved at X 100, Y 100, Z 50 mm, and by how much coming up and coming down, um
     "linuxcnc, nominal and actual": ("linuxcnc", OldFile("X.comp", "0 0 0\n100 99.99 100.004\n"), "X", 10, -4),
+    "linuxcnc, of the joint that its name says": (
+        "linuxcnc", OldFile("JOINT_0.comp", "0 0 0\n100 99.99 100.004\n"), "X", 10, -4
+    ),
+    "linuxcnc, of the axis that somebody says": (
+        "linuxcnc", OldFile("joint0.comp", "0 0 0\n100 99.99 100.004\n", "Y"), "Y", 10, -4
+    ),
     "linuxcnc, trims": ("linuxcnc", OldFile("X.comp", "0 0 0\n100 0.01 -0.004\n", file_type=1), "X", 10, -4),
     "linuxcnc, BACKLASH": ("linuxcnc", OldFile("mill.ini", "", joint=1, backlash=0.03), "Y", 15, -15),
     "sinumerik: positive values move an axis down": ("sinumerik", OldFile("AX_EEC.INI", ENC), "X", -4.2, -4.2),
+    "sinumerik, an axis under its own name that somebody gives": (
+        "sinumerik", OldFile("s.ini", ENC.replace("AX1", "MX1").replace(EMPTY, ""), "X"), "X", -4.2, -4.2
+    ),
     "sinumerik, over another axis": ("sinumerik", OldFile("NC_CEC.INI", CEC), "Y", -10, -10),
     "fanuc: increments times the magnification": (
         "fanuc", OldFile("p", PITCH), "X", 10, 10

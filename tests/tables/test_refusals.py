@@ -27,12 +27,6 @@ LATHE = machine_from_text(
 )
 
 
-@pytest.mark.parametrize("named", ["joint0.comp", "JOINT_0.comp", "x.comp"])
-def test_a_table_of_linuxcnc_is_of_the_joint_that_its_name_says(named: str) -> None:
-    found = loaded("linuxcnc", THREE, ExportOptions(old_files=(OldFile(named, "0 0 0\n100 100.01 100.01\n"),)))
-    assert {table.axis for table in found.tables} == {"X"}
-
-
 def test_what_a_reader_trips_over_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     """No file is known that leads there; whoever finds one is not shown a traceback."""
 

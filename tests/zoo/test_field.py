@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.numerics import Array
 from tests.generators.field import FIELD
 from tests.zoo.answers import Answer
 from tests.zoo.running import given
@@ -51,62 +50,6 @@ def estimated(campaign: Path, readings: str, out: Path) -> tuple[Answer, list[di
     assert outcome.status == 0, outcome
     with (out / "data" / "readings.csv").open(encoding="utf-8", newline="") as file:
         return Answer(out, outcome), list(csv.DictReader(file))
-
-
-def heights(rows: list[dict[str, str]]) -> Array:
-    """Return x, y, mm, and height of the bed, um, of readings along z, (3, n)."""
-    return np.array([[float(row["X_mm"]), float(row["Y_mm"]), -float(row["value_um"])] for row in rows]).T
-
-
-def bed(x: Array, y: Array) -> Array:
-    """Return what all maps of the field hold, um."""
-    found: Array = 120 * np.sin(x / 90) + 80 * np.cos(y / 70) + 0.3 * (x - 150)
-    return found
-
-
-MAP = 'map = { X = ["20 mm", "280 mm", 5], Y = ["20 mm", "280 mm", 5] }\n'
-MAPS = {
-    "ubl.txt": "a UBL map, 24 of 25 cells",
-    "m420.txt": "a Marlin map (M420 V), 25 of 25 cells",
-    "m503.txt": "a Marlin map (M421, M503), 25 of 25 cells",
-    "m421.gcode": "a Marlin map (M421, M503), 25 of 25 cells",
-    "g29v4.txt": "probed points of Marlin (G29 V4), 25 of 25 cells",
-    "bcnc.probe": "a bCNC probe file, 25 of 25 cells, in mm",
-    "candle.map": "a Candle height map, 25 of 25 cells, in mm",
-    "moonraker.json": "a Moonraker mesh, 25 of 25 cells",
-}
-
-
-@BESIDE
-@pytest.mark.parametrize("name", ["ubl.txt", *(pytest.param(n, marks=pytest.mark.long) for n in MAPS if n[0] != "u")])
-def test_maps_of_the_field_hold_the_bed_that_they_were_made_of(tmp_path: Path, name: str) -> None:
-    campaign, file = FIELD / "12-marlin-maps" / "campaign.toml", FIELD / "12-marlin-maps" / name
-    if name.startswith("m"):
-        if name != "moonraker.json":
-            given("data", "estimate", campaign, file, "--out", tmp_path / "none").refused(
-                "State it in the set-up", MAP[:-1]
-            )
-        (tmp_path / "campaign.toml").write_text(campaign.read_text() + MAP)
-        campaign = tmp_path / "campaign.toml"
-    answer, rows = estimated(campaign, str(file), tmp_path / "out")
-    x, y, z = heights(rows)
-    assert f"{name}: {MAPS[name]}, for set-up probe" in answer.text
-    assert np.abs(z - bed(x, y)).max() < 0.51  # to the last decimal that most of them print
-    assert (20.0, 280.0) not in zip(x, y, strict=True) or name != "ubl.txt"
-    assert "Readings agree: " in answer.text
-
-
-@BESIDE
-@pytest.mark.long
-def test_of_two_profiles_one_is_named(tmp_path: Path) -> None:
-    folder = FIELD / "15-two-profiles"
-    both = given("data", "estimate", folder / "campaign.toml", folder / "two.cfg", "--out", tmp_path / "none")
-    both.refused("2 meshes are saved here: default, hot", "two.cfg#hot")
-    for name, cells, lift in (("default", 25, 0.0), ("hot", 49, 50.0)):
-        answer, rows = estimated(folder / "campaign.toml", f"{folder / 'two.cfg'}#{name}", tmp_path / name)
-        x, y, z = heights(rows)
-        assert f"two.cfg#{name}: a Klipper mesh, {cells} of {cells} cells, for set-up probe" in answer.text
-        assert np.abs(z - bed(x, y) - lift).max() < 0.51
 
 
 @BESIDE

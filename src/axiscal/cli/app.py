@@ -60,7 +60,6 @@ _DATA = {
     "schema": "init.schema",
 }
 _SHOP = {
-    "bring": "folder.bring",
     "sync": "sync",
     "adopt": "sync.adopt",
     "type": "type",
