@@ -165,7 +165,7 @@ def _with(begun: first_files.Beginning, instrument: str) -> CampaignDescription:
 def _planned(here: Path) -> Campaign:
     """Return the campaign of the draft with its plan, in the draft's folder; made where it is not of these choices."""
     draft, folder, faults = kept(here), here / FOLDER, dict[str, InputError]()
-    begun, target = _beginning(here, draft, faults), _wanted(draft, faults)
+    begun, target = _beginning(here, draft, faults), _length(draft.target, "um", _FINEST, faults, "target")
     for fault in faults.values():
         raise fault
     shown = {row for instrument in draft.instruments for row in rows_shown(_with(begun, instrument))}
@@ -212,11 +212,6 @@ def _beginning(here: Path, draft: shapes.DraftShape, faults: dict[str, InputErro
     return first_files.with_travels(first_files.with_carriers(sized, draft.switched), lengths)
 
 
-def _wanted(draft: shapes.DraftShape, faults: dict[str, InputError]) -> str:
-    """Return the target of a draft, "" where there is none that can be.  faults : takes what is wrong with it"""
-    return _length(draft.target, "um", _FINEST, faults, "target")
-
-
 def _length(text: str, unit: str, least: float, faults: dict[str, InputError], field: str) -> str:
     """Return a length with its unit, which may be left out, "" for none; faults : takes what is wrong, by the field."""
     if not (text := text.strip().replace(",", ".")):
@@ -234,7 +229,7 @@ def _length(text: str, unit: str, least: float, faults: dict[str, InputError], f
 def _shown(here: Path, draft: shapes.DraftShape) -> shapes.MachineShape:
     """Return what a draft makes of a machine, and what is wrong with it, by the field."""
     faults, begun = dict[str, InputError](), None
-    _wanted(draft, faults)
+    _length(draft.target, "um", _FINEST, faults, "target")
     try:
         begun = _beginning(here, draft, faults)
     except InputError as failure:
