@@ -15,7 +15,6 @@ from benchmarks.cases import stacked
 from benchmarks.peers import evaluator
 from benchmarks.peers.features import Features
 from benchmarks.peers.problems import CASES, CRITERIA, TRAVEL, CriterionName, Posed, Stacked
-from benchmarks.peers.rivals import ours, random_candidates
 
 EVERY = [Posed(case, criterion) for case in CASES for criterion in CRITERIA]
 PUBLISHED = (5.8730, 2.3144, 8.7285, 4.1742, 1.3682, 0.0, 10.0, 7.0444, 3.1836, 5.0)
@@ -84,24 +83,3 @@ def test_kernel_poses_the_same_problem(posed: Posed, seed: int) -> None:
         np.testing.assert_allclose(features(inside), evaluator.rows(posed.case, inside), atol=1e-12)
         np.testing.assert_allclose(features(features.places), root, atol=1e-12)
         assert not features(features.nothing).any()
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("posed", EVERY, ids=lambda posed: f"{posed.case.letter}-{posed.criterion}")
-def test_our_pick_gains_at_least_what_random_candidates_gain(posed: Posed) -> None:
-    pick, random_pick = ours.picker(posed), random_candidates.picker(posed)
-    taken = np.zeros((0, posed.case.axes))
-    for _ in range(4):
-        mine, other = pick(taken), random_pick(taken)
-        assert evaluator.gain(posed, taken, mine) >= evaluator.gain(posed, taken, other) * (1.0 - 1e-9)
-        taken = np.concatenate([taken, other[None]])
-
-
-@pytest.mark.long
-def test_our_adapters_choose_what_they_say() -> None:
-    posed = Posed(CASES[0], "joint")
-    listed = ours.candidate_picker(posed)
-    first = listed(np.zeros((0, 1)))
-    gains = [evaluator.gain(posed, np.zeros((0, 1)), candidate) for candidate in posed.candidates]
-    np.testing.assert_array_equal(first, posed.candidates[int(np.argmax(gains))])
-    assert evaluator.value(posed, ours.planner(posed)()) <= J_AFTER[-1]

@@ -12,7 +12,6 @@ import numpy as np
 
 from axiscal_core.threads import one_thread
 from tests.certify import (
-    first_lines,
     gcode,
     least_squares,
     machines,
@@ -68,17 +67,6 @@ def reference_regressions(cases: int, _first: int) -> Iterator[Finding]:
         yield text, min(found, deviations) >= asked
 
 
-def first_lines_of_screens(cases: int, first: int) -> Iterator[Finding]:
-    """Yield how often the first line of a last screen is borne out by the simulated truth, by what it says."""
-    told = {seed: first_lines.told(seed) for seed in range(first, first + cases)}
-    for verdict in first_lines.KINDS:
-        mine = {seed: each.right for seed, each in told.items() if each.verdict == verdict}
-        wrong = [seed for seed, right in mine.items() if not right]
-        yield f"{verdict}: {len(mine)}, wrong {len(wrong)}{f': seeds {wrong}' if wrong else ''}", True
-    share = sum(each.right for each in told.values()) / cases
-    yield f"borne out by the truth: {share:.1%}, at least {first_lines.SHARE:.0%}", share >= first_lines.SHARE
-
-
 def rows_of_machines(machines: int, first: int) -> Iterator[Finding]:
     """Yield how often U of each kind of row holds the truth, on machines of the stated sizes and of others."""
     low, high = rows.CLAIMED - rows.SLACK, rows.CLAIMED + rows.SLACK
@@ -112,7 +100,6 @@ PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
         "random plans in every dialect, through the tests' own readers",
     ),
     "rows": (rows_of_machines, 200, "virtual machines of two how-tos: whether U of each row holds the truth"),
-    "first-lines": (first_lines_of_screens, 100, "campaigns: the first line of the last screen beside the truth"),
 }
 
 

@@ -20,7 +20,7 @@ TEN = ["init", "plan", "measure", "serve", "finish", "export", "verify", "report
 GROUPED = {
     "step": ["start", "next", "record", "undo", "accept", "note", "status", "run"],
     "data": ["estimate", "iso230", "predict", "copy", "schema"],
-    "shop": ["sync", "adopt", "type", "due", "check"],
+    "shop": ["bring", "sync", "adopt", "type", "due", "check"],
 }
 LONGEST = 60
 """Characters of a summary: a line of help fits 80 columns with the name before it."""

@@ -89,6 +89,11 @@ def test_every_folder_of_results_has_a_manifest(folder: Path, words: list[str]) 
     assert {name: record[name] for name in ("event", "hash")} == result["record"]
     with Campaign.open(folder / "out" / "campaign.axiscal", write=False) as campaign:
         assert campaign.state.name == record["hash"]
+    assert f"<code>{record['hash']}</code>" in (folder / "out" / "report.html").read_text()
+    (readme, *_) = (folder / "out" / "tables").rglob("README.txt")
+    zeros, *others = readme.read_text().splitlines()[1:]
+    assert zeros.startswith("ZERO WORK OFFSETS")
+    assert f"From the record campaign.axiscal at event {record['event']}: {record['hash']}" in others
 
 
 def test_the_tables_are_those_of_the_controls_that_the_campaign_names(

@@ -17,7 +17,7 @@ SAYS = {
     "core_robot": [45.0, 69.0],
 }
 """The numbers that each prints."""
-SLOW = {"core_camera", "core_six_degrees", "core_robot"}
+SLOW = {"core_grid_encoder", "core_six_degrees", "core_robot"}
 """Those that take seconds."""
 MOST = 15
 

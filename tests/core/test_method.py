@@ -260,6 +260,7 @@ def test_a_rigid_motion_of_the_volume_is_no_error_where_it_is_aligned() -> None:
         assert found == pytest.approx(wanted, abs=2e-3)
 
 
+@pytest.mark.long
 def test_what_is_promised_of_the_tool_point_holds() -> None:
     """Of forty machines drawn as the case believes them: mean squares of deviations in standard deviations are one."""
     case = _mill(usual="off", sure="exactly")

@@ -170,6 +170,8 @@ FORMS: Mapping[str, Callable[[DrawnMap], str]] = {
     "a bCNC probe file": _bcnc,
     "a Candle height map": _candle,
     "an OpenCNCPilot height map": _xml,
+    "a Moonraker mesh, in a notice": lambda found: '{"method": "notify", "params": [' + _moonraker(found) + ", 1.5]}",
+    "a Marlin map (M420 V), of Marlin 1": lambda found: "Num X,Y: 9,9\nMeasured points:" + _bilinear(found)[42:],
     "a list of points X Y Z": lambda found: "# UGS\n" + _points(found, "{x} {y} {z}\n"),
     "a list of points X Y Z, with commas": lambda found: "X,Y,Z\n" + _points(found, "{x},{y},{z}\n"),
     "a list of points X Y Z, of nine axes": lambda found: _points(found, "{x:.6f} {y:.6f} {z:.6f}" + 6 * " 0.0" + "\n"),
@@ -180,5 +182,5 @@ FORMS: Mapping[str, Callable[[DrawnMap], str]] = {
     "a RepRapFirmware map": _height_map,
 }
 """By the title by which it is recognised, with its kind behind a comma."""
-EVERYWHERE = {"a bCNC probe file", "a Moonraker mesh", "a Klipper mesh", "a mesh of the Klipper console"}
+EVERYWHERE = {each for each in FORMS if each.startswith(("a bCNC", "a Moonraker", "a Klipper mesh", "a mesh of"))}
 """Programs that probe every cell, or none."""

@@ -1,47 +1,20 @@
-"""Readings of three values from a file and a command, a tracer whose place is found, and a warm machine."""
+"""A tracer whose place is found, and a warm machine."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from axiscal.campaign.campaign import Campaign
-from axiscal.cli.app import run
-from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.exceptions import ReadingError
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.simulation import Simulator
-from tests.commands import Command
 from tests.generators.campaigns import built_in
 from tests.generators.texts import setup_text
 
 STATION = 'station = ["300 mm", "-800 mm", "-300 mm"]'
-
-
-def test_three_values_come_from_a_file(tmp_path: Path) -> None:
-    path = tmp_path / "readings.csv"
-    path.write_text("setup,X_mm,Y_mm,Z_mm,value_x_um,value_y_um,value_z_um\n0,100,200,50,1,-2,3\n")
-    (reading,) = placed_readings(read_any(path), built_in(setup_text("0", "rtest")), path)
-    assert reading.values == pytest.approx((1e-6, -2e-6, 3e-6))
-    with pytest.raises(ReadingError, match="gives 1 values a reading"):
-        placed_readings(read_any(path), built_in(setup_text("0", "probe", direction="x")), path)
-
-
-def test_three_values_are_recorded_and_kept(tmp_path: Path, command: Command) -> None:
-    record = tmp_path / "mill.axiscal"
-    Campaign.create(record, built_in(setup_text("0", "rtest"))).close()
-    place = ["--at", "X=100 mm Y=200 mm Z=50 mm", "--setup", "0"]
-    assert "is 2 values, and the instrument gives 3" in command("record", record, "1 um, 2 um", *place).refusal
-    assert run(["record", str(record), "1 um, 2 um, -3 um", *place]) == 0
-    with Campaign.open(record) as campaign:
-        assert campaign.state.readings[-1].values == pytest.approx((1e-6, 2e-6, -3e-6))
 
 
 def test_the_place_of_a_tracer_is_found_within_its_sigma() -> None:

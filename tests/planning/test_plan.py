@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -11,15 +9,14 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError
 from axiscal.machine import load_machine
-from axiscal.measurement.reading import Places
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import posed
-from axiscal.planning.plan.beginnings import best_of_random, evenly_spaced, space_filling
+from axiscal.planning.plan.beginnings import evenly_spaced, space_filling
 from axiscal.planning.plan.greedy import chosen_setups, filled, scores_among
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
-from tests.generators.designs import levered, problem, read, rms_of, splines
+from tests.generators.designs import levered, read, rms_of, splines
 from tests.generators.texts import Said, setup_text
 
 OPEN = {"zero": "100 mm", "station_x": "300 mm", "station_y": "300 mm", "station_z": "300 mm"}
@@ -80,35 +77,6 @@ def test_the_bound_is_below_the_plan_in_every_kind_of_limit() -> None:
 def test_what_cannot_be_planned_is_said(limits: Limits, said: str) -> None:
     with pytest.raises(PlanError, match=said):
         make_plan(levered(100), limits)
-
-
-def test_no_candidate_is_an_error() -> None:
-    asked = levered(100)
-    nothing = Places(np.zeros(0, dtype=np.intp), np.zeros((0, 3)), np.zeros((0, 3)))
-    with pytest.raises(PlanError, match="no place"):
-        make_plan(replace(asked, lattice=nothing), Limits(readings=3))
-
-
-def one_axis_each() -> Task:
-    """Return levers, reversal and rests, with two set-ups in each of which one slide moves, the first by steps."""
-    machine, (first, second) = levered(30).observation.machine, levered(30).observation.setups
-    stepped = replace(first, moves=(1,), raster=(0.0, 0.05, 0.0))
-    return problem(machine, (stepped, replace(second, moves=(2,))), 200)
-
-
-def test_the_readings_are_as_many_as_asked_for_on_the_raster_and_from_a_side() -> None:
-    asked = one_axis_each()
-    found = best_of_random(asked, [(0, 5), (1, 7)], 1e9)
-    assert found is not None
-    assert found.setups.tolist() == [0] * 5 + [1] * 7
-    steps = found.poses[:5, 1] / 0.05
-    np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
-    np.testing.assert_array_equal(np.abs(found.approaches), np.abs(np.sign(found.approaches)))
-    assert np.all(found.approaches[:5, 1] != 0)
-    assert np.all(found.approaches[5:, 2] != 0)
-    np.testing.assert_array_equal(
-        found.poses[:5, [0, 2]], np.tile(np.array(asked.observation.setups[0].park)[[0, 2]], (5, 1))
-    )
 
 
 @pytest.mark.long

@@ -66,9 +66,7 @@ def _falls(asked: Task, places: Places, pool: Pool, indices: Array) -> Array:
     )
 
 
-@pytest.mark.parametrize(
-    ("three", "beams", "memory"), [((), {}, 1e9), ((0, 1), {}, 0.0), ((0,), {1: 4}, 1e9), ((1,), {0: 2}, 0.0)]
-)
+@pytest.mark.parametrize(("three", "beams", "memory"), [((), {}, 1e9), ((0,), {1: 4}, 1e9), ((1,), {0: 2}, 0.0)])
 def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
     three: tuple[int, ...], beams: dict[int, int], memory: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:

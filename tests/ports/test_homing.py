@@ -13,7 +13,7 @@ from axiscal.ports.printers.homing import zero_in
 from axiscal.ports.printers.printer_source import loader_at
 from tests.campaign.test_printer_loader import Keeping, at
 from tests.campaign.test_printer_source import serving
-from tests.generators.field import FIELD, with_field
+from tests.generators.field import with_field
 from tests.tables.test_bed_round_trips import (
     X,
     Y,
@@ -22,7 +22,6 @@ from tests.tables.test_bed_round_trips import (
     exported,
     held_by,
     klipper_file,
-    klipper_profile,
 )
 
 PROBE = "[bltouch]\nx_offset: -20\ny_offset: 5\nz_offset: 1\n"
@@ -116,14 +115,3 @@ def test_the_printer_is_asked_where_it_homes() -> None:
         assert loader_at(at("duet", server), "reprapfirmware").zero() == pytest.approx((0.15, 0.075))
         server.files["0:/sys/homez.g"] = "G28\n"
         assert loader_at(at("duet", server), "reprapfirmware").zero() is None
-
-
-def test_a_bowl_of_the_field_is_zero_where_its_printer_homes(tmp_path: Path) -> None:
-    folder = FIELD / "04-bed-map-zero"
-    if folder.is_dir():
-        campaign, read = str(folder / "campaign.toml"), str(folder / "bowl.cfg")
-        assert run(["data", "estimate", campaign, read, "--out", str(tmp_path / "o")]) == 0
-        files = exported(tmp_path / "o" / "campaign.axiscal", "klipper")
-        x, y, mesh = klipper_profile(files["bed_mesh.cfg"], "axiscal")
-        assert height(x, y, mesh, (150.0, 150.0)) == pytest.approx(0.0, abs=1e-6)
-        assert mesh[0, 0] == pytest.approx(0.243, abs=0.002)

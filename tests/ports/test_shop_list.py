@@ -1,9 +1,10 @@
-"""The list of a shop's records."""
+"""The list of a shop's records, and records brought into its folder."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,7 +13,9 @@ from axiscal.cli.app import run
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
-from axiscal.ports.fleet.shop_list import shop_list
+from axiscal.exceptions import RecordError
+from axiscal.ports.fleet import shop_list as listing
+from axiscal.ports.fleet.shop_list import brought, shop_list
 from axiscal.ports.fleet.sister_records import read_records
 from axiscal.record.events import Finished
 from axiscal.record.store import Record
@@ -109,3 +112,53 @@ def test_whoever_learns_judges_copies_as_the_list_does(tmp_path: Path) -> None:
     early = "it is an earlier copy of fork.axiscal"
     assert whys == {"early.axiscal": early, "same.axiscal": "it is the same as early.axiscal"}
     assert [record.file.name for record in found] == ["fork.axiscal"]
+
+
+def test_a_record_is_brought_goes_on_and_is_never_overwritten_by_less(folder: Path, tmp_path: Path) -> None:
+    mine = write_record(tmp_path / "A.axiscal", slide(serial="C"), read_on(3))  # another campaign has this name
+    new = brought(folder, mine)
+    assert (new.what, new.events, new.file.name[:2]) == ("new", 17, "A-")
+    assert brought(folder, mine).what == "there already"
+    note(mine, "more")
+    assert (brought(folder, mine).what, brought(folder, mine).what) == ("went on", "there already")
+    with Campaign.open(mine, write=False) as here, Campaign.open(new.file, write=False) as there:
+        assert here.state == there.state
+    note(new.file, "in the folder")
+    assert brought(folder, mine).what == "there already"  # the folder has more
+    note(mine, "on the laptop")
+    before = new.file.read_bytes()
+    with pytest.raises(RecordError, match="from event 19"):
+        brought(folder, mine)
+    assert new.file.read_bytes() == before
+
+
+def test_what_is_measured_in_the_folder_meanwhile_is_not_lost(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mine = write_record(tmp_path / "mine.axiscal", slide(serial="C"), read_on(3))
+    there = brought(folder, mine).file
+    note(mine, "on the laptop")
+    looked = listing._looked_at
+
+    def then_noted(*asked: Any) -> object:
+        found = looked(*asked)
+        note(there, "in the folder")
+        return found
+
+    monkeypatch.setattr(listing, "_looked_at", then_noted)
+    with pytest.raises(RecordError, match="Another process has written"):
+        brought(folder, mine)
+    with Campaign.open(there, write=False) as campaign:
+        assert campaign.state.notes[-1].text == "in the folder"
+
+
+def test_one_that_cannot_be_brought_stops_no_other(
+    folder: Path, tmp_path: Path, command: Command, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine = write_record(tmp_path / "mine.axiscal", slide(serial="C"), read_on(3))
+    (tmp_path / "bad.axiscal").write_text("x")
+    assert run(["bring", str(folder), str(tmp_path / "bad.axiscal"), str(mine)]) == 1
+    captured = capsys.readouterr()
+    assert "is new, by 17 events" in captured.out
+    assert "not a campaign record" in " ".join(captured.err.split())
+    assert command("bring", folder, mine, "--json").document["brought"][0]["what"] == "there already"

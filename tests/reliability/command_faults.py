@@ -23,7 +23,7 @@ from axiscal.exceptions import RecordError
 from axiscal.present import rendering
 from tests.cli.test_results_are_a_set import CAMPAIGN, READINGS
 from tests.generators.texts import machine_text
-from tests.reliability.faults import Fault, Outcome, faults
+from tests.reliability.faults import HOWS, Fault, Outcome, faults
 from tests.reliability.record_faults import events
 from tests.reliability.trial import Say, Trial, scratch
 
@@ -49,6 +49,7 @@ INPUTS = {
     "campaign.toml": CAMPAIGN,
     "readings.csv": READINGS,
     "wrong.toml": WRONG,
+    "shop/machine.toml": MACHINE,
 }
 RECORD = "mill.axiscal"
 
@@ -118,14 +119,15 @@ COMMANDS: Mapping[str, Command] = {
     "report": Command(_words(f"report {RECORD} --out out/page.html"), MEASURED, out="out/page.html"),
     "plan, as programs": Command(_words("plan campaign.toml --gcode linuxcnc --out out"), out="out"),
     "adopt": Command(_words(f"adopt {RECORD} branch.axiscal --same-mounting"), BRANCHED),
+    "bring": Command(_words(f"bring shop {RECORD}"), MEASURED),
     "check": Command(_words(f"check {RECORD} --plan out.csv"), MEASURED, out="out.csv"),
     "verify": Command(_words(f"verify {RECORD} --points 5 --plan out.csv"), MEASURED, out="out.csv"),
     "type learn": Command(_words("type learn . --out out.type.json"), TWO, out="out.type.json"),
 }
 
 
-def tried(name: str, every: int = 1) -> Trial:
-    """Try one command at every fault, or at every so manieth."""
+def tried(name: str, every: int = 1, hows: Sequence[str] = HOWS) -> Trial:
+    """Try one command at every fault, or at every so manieth.  hows : kinds of faults"""
     command = COMMANDS[name]
 
     def work(folder: Path, say: Say) -> None:
@@ -135,6 +137,7 @@ def tried(name: str, every: int = 1) -> Trial:
         before = top / "before"
         before.mkdir()
         for file, text in INPUTS.items():
+            (before / file).parent.mkdir(exist_ok=True)
             (before / file).write_text(text)
         for words in command.before:
             if _apart(before, words) != 0:
@@ -142,7 +145,7 @@ def tried(name: str, every: int = 1) -> Trial:
         _warmed(before, top / "warm", command)
         good, wrong = _looked_at_after_success(before, top / "good", command), list[str]()
         count = 0
-        for fault, outcome in faults(before, top / "now", work, every=every):
+        for fault, outcome in faults(before, top / "now", work, every=every, hows=hows):
             count += 1
             found = _wrong(before, top / "now", command, fault, outcome, good)
             wrong += [f"{fault.how} at {fault.at}: {found}"] if found else []

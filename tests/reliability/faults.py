@@ -10,7 +10,7 @@ import errno
 import io
 import os
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -46,13 +46,13 @@ class Outcome:
 
 
 def faults(
-    before: Path, folder: Path, work: Callable[[Path, Say], None], every: int = 1
+    before: Path, folder: Path, work: Callable[[Path, Say], None], every: int = 1, hows: Sequence[str] = HOWS
 ) -> Iterator[tuple[Fault, Outcome]]:
     """Do the work in `folder`, each time begun as a copy of `before`, once for each fault; yield what it left there.
 
     every : only at each so manieth call, another one for each kind of fault
     """
-    for begin, how in enumerate(HOWS):
+    for begin, how in enumerate(hows):
         at, met = 1 - every + begin % every, True
         while met:
             at += every

@@ -47,6 +47,7 @@ LONG: dict[str, tuple[Callable[[], Trial], int]] = {
     "start": (lambda: command_faults.tried("start", 5), 4),
     "init": (lambda: command_faults.tried("init", 7), 4),
     "export": (lambda: command_faults.tried("export, over earlier tables", 17), 4),
+    "bring": (lambda: command_faults.tried("bring", hows=("kill",)), 4),
     "lost power": (lambda: power_loss.lost(150), 149),
     "clients of a store": (lambda: store_clients.clients(2, 6), 10),
     "statements to a store": (lambda: store_clients.statements(40), 39),

@@ -180,6 +180,9 @@ def test_old_files_that_cannot_be_are_refused(tmp_path: Path) -> None:
         file = OldFile("X.comp", f"0 0 0\n100 1e308 {down}\n", file_type=file_type)
         with pytest.raises(TableError, match="too large for a machine"):
             export(known("small")[0], "linuxcnc", ExportOptions(old_files=(file,)))
+    (tmp_path / "inch.ini").write_text("[TRAJ]\nLINEAR_UNITS = inch\n[JOINT_0]\nBACKLASH = 0.001\n")
+    with pytest.raises(TableError, match=r"another unit than mm, in which new tables would be\. Say --unit in"):
+        export(known("small")[0], "linuxcnc", ExportOptions(old_files=read_old(["inch.ini"], tmp_path)))
     (tmp_path / "no.ini").write_text("[JOINT_0]\nHOME = 0\n")
     with pytest.raises(TableError, match="no joint of this INI file"):
         read_old(["no.ini"], tmp_path)

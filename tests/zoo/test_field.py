@@ -19,7 +19,11 @@ BESIDE = pytest.mark.skipif(not FIELD.is_dir(), reason="needs the files of the f
 
 @BESIDE
 @pytest.mark.parametrize(
-    ("campaign", "readings", "slope"), [("lb", "iso20", 0.02), ("asread", "iso60", 0.06), ("asread", "S11", 0.02)]
+    ("campaign", "readings", "slope"),
+    [
+        ("lb", "iso20", 0.02),
+        *(pytest.param("asread", *each, marks=pytest.mark.long) for each in (("iso60", 0.06), ("S11", 0.02))),
+    ],
 )
 def test_a_straight_line_that_was_read_is_in_the_table(
     tmp_path: Path, campaign: str, readings: str, slope: float

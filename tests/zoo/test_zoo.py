@@ -14,19 +14,21 @@ from tests.zoo.running import judged
 NAMED = {animal.name: animal for animal in EVERY}
 QUICK = (
     "lead error: 20 um/m by tape",
-    "lead error: 100 um/m by laser",
-    "pitch: even",
     "backlash with a way of 300 mm: even",
     "thermal front: even",
     "half-read axis: 0 to 500 mm",
-    "parked elsewhere: Y 0, only EXX described",
     "mirror over the tool point: only EXX described",
     "slip: unit, mm for um",
-    "slip: sign of one reading",
-    "slip: one reading missed",
     "slip: sign of one run",
     "slip: sides from a run on",
     NOTHING_WRONG.name,
+)
+LATER = (
+    "lead error: 100 um/m by laser",
+    "pitch: even",
+    "parked elsewhere: Y 0, only EXX described",
+    "slip: sign of one reading",
+    "slip: one reading missed",
 )
 """One of each kind; other tests hold the beds, and what is stuck, rounded or set anew."""
 
@@ -37,7 +39,7 @@ def found(animal: Animal) -> Judged:
     return judged(animal)
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("name", [*QUICK, *(pytest.param(name, marks=pytest.mark.long) for name in LATER)])
 def test_answers_an_animal_rightly_or_names_its_cause(name: str) -> None:
     assert found(NAMED[name]).holds, found(NAMED[name])
 

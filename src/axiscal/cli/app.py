@@ -60,6 +60,7 @@ _DATA = {
     "schema": "init.schema",
 }
 _SHOP = {
+    "bring": "folder.bring",
     "sync": "sync",
     "adopt": "sync.adopt",
     "type": "type",

@@ -1,4 +1,4 @@
-"""`axiscal fleet`, `shop due` and `check`: the records of a shop, and whether a machine has changed."""
+"""`axiscal fleet`, `shop bring`, `due` and `check`: the records of a shop, and whether a machine has changed."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.cli.arguments import Json, PlacesFile, RecordFile, Records, above_zero
-from axiscal.cli.printing import say_either, tell
+from axiscal.cli.printing import complain, say_either, tell
 from axiscal.description.placed_readings import placed_readings
 from axiscal.document.durable import write_whole
+from axiscal.exceptions import RecordError
 from axiscal.language.spoken import counted, ending, later, said
 from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.files import recognised
 from axiscal.ports.fleet.due_dates import DueMachine, Shop, due_dates, titles
 from axiscal.ports.fleet.quick_check import CHANCE, READINGS, QuickCheck
-from axiscal.ports.fleet.shop_list import ShopList, ShopRecord, shop_list
+from axiscal.ports.fleet.shop_list import Brought, ShopList, ShopRecord, brought, shop_list
 from axiscal.ports.fleet.worn_machine import YEAR, aging
 from axiscal.record.copies import records_of
 from axiscal.units import said_quantity, to_unit
@@ -181,6 +182,46 @@ def _row(each: ShopRecord) -> tuple[str, ...]:
     day, target = (each.last or each.begun)[:10], each.target or "-"
     found = name, day, str(each.readings), target, *lengths, result.agreement or "-"
     return *found, each.copy.chain[:_SHOWN], each.copy.file.name
+
+
+def bring(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The shop's folder of records.")],
+    records: Annotated[list[Path], typer.Argument(metavar="RECORD...", help="Records, files *.axiscal.")],
+    json: Json = False,
+) -> None:
+    """Bring records from a laptop into the shop's folder.
+
+    A record that the folder has already goes on to what is brought, whatever its name. Less never overwrites more. A
+    record that has gone on in the folder by itself is left there and named. Two campaigns of the same name both find
+    room.
+
+    \b
+    Example:
+      axiscal shop bring /srv/records mill.axiscal results/campaign.axiscal
+    """
+    done, faults = list[tuple[Path, Brought]](), list[RecordError]()
+    for record in records:
+        try:
+            done.append((record, brought(folder, record)))
+        except RecordError as fault:
+            faults.append(fault)
+    rows = [
+        {"record": str(record), "file": str(found.file), "what": found.what, "events": found.events}
+        for record, found in done
+    ]
+    document = {"brought": rows, "refused": [str(each) for each in faults]}
+    if json or done:
+        lines = list[str]()
+        for record, found in done:
+            added = counted("{count} event", "{count} events", found.events)
+            how = "is new" if found.what == "new" else "has gone on"
+            there = f"{record}: the folder has it, in {found.file}."
+            lines.append(there if found.what == "there already" else f"{record}: {found.file} {how}, by {added}.")
+        say_either(json, "axiscal-bring/1", document, lines)
+    for refused in faults:
+        complain(str(refused))
+    if faults:
+        raise typer.Exit(1)
 
 
 def check(

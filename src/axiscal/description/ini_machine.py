@@ -21,8 +21,11 @@ _SETP = re.compile(r"(?:setp\s+)?([\w.:-]+?)\.([\w-]+)\s+=?\s*(\S+)")
 _NET = re.compile(r"(?:net|newsig|linksp)\s+(\S+)\s+(.*)")
 _SETS = re.compile(r"sets\s+(\S+)\s+(\S+)")
 _ELSEWHERE = re.compile(r"\[(\w+)\](\w+)")
-_LINEAR = {"mm": "mm", "metric": "mm", "inch": "in", "in": "in", "imperial": "in"}
-_ANGULAR = {"deg": "deg", "degree": "deg", "degrees": "deg", "rad": "rad", "radian": "rad"}
+_UNITS = {
+    "LINEAR_UNITS": {"mm": "mm", "metric": "mm", "inch": "in", "in": "in", "imperial": "in"},
+    "ANGULAR_UNITS": {"deg": "deg", "degree": "deg", "degrees": "deg", "rad": "rad", "radian": "rad"},
+}
+"""By key, units by their words; the first is the usual one."""
 _INCH = 1 / 25.4
 """Of LinuxCNC: a number as unit says how many of it a millimetre has."""
 _MOST = 6
@@ -77,7 +80,7 @@ class IniMachine:
 
 def lacking_limits(ini: IniFile) -> dict[str, str]:
     """Return the unit of each linear axis of which an INI file leaves open from where to where it moves."""
-    unit, joints = _unit(ini, "LINEAR_UNITS", _LINEAR, "mm"), _joints(ini)
+    unit, joints = unit_in(ini, "LINEAR_UNITS"), _joints(ini)
     stated = {name: _stated(ini, name, each[0]) for name, each in joints.items() if name not in "ABC"}
     return {name: unit for name, each in stated.items() if any(_left_open(found, key) for key, found in each.items())}
 
@@ -91,7 +94,7 @@ def machine_of(ini: IniFile, given: Mapping[str, tuple[float, float]] | None = N
     joints, given = _joints(ini), given or {}
     if given:
         _refuse_unasked(ini, given)
-    linear, angular = _unit(ini, "LINEAR_UNITS", _LINEAR, "mm"), _unit(ini, "ANGULAR_UNITS", _ANGULAR, "degree")
+    linear, angular = (unit_in(ini, key) for key in _UNITS)
     build = build_of(ini, tuple(joints), tuple(name for name in joints if len(joints[name]) > 1), linear)
     built = [name for name in joints if name in re.findall(r"[A-Z]", build.chain)]
     axes = tuple(_axis(ini, name, joints[name], angular if name in "ABC" else linear, given) for name in built)
@@ -141,18 +144,17 @@ def _joints(ini: IniFile) -> dict[str, tuple[int, ...]]:
     return found
 
 
-def _unit(ini: IniFile, key: str, known: Mapping[str, str], usual: str) -> str:
-    found = ini.get("TRAJ", key)
-    text = (found.text if found else usual).lower()
+def unit_in(ini: IniFile, key: str) -> str:
+    """Return the unit in which an INI file counts, LINEAR_UNITS or ANGULAR_UNITS; raises DescriptionError."""
+    known, found = _UNITS[key], ini.get("TRAJ", key)
+    text = found.text.lower() if found else next(iter(known))
     if text in known:
         return known[text]
     value = number_or_none(text)
-    if key == "ANGULAR_UNITS" and value == 1.0:
-        return "deg"
+    if value == 1.0:
+        return next(iter(known.values()))
     if key == "LINEAR_UNITS" and value is not None and math.isclose(value, _INCH, rel_tol=1e-3):
         return "in"
-    if key == "LINEAR_UNITS" and value == 1.0:
-        return "mm"
     assert found is not None
     remedy = "Known are {known}"
     raise found.fail("{key} = {text} is no unit known here", remedy, key=key, text=found.text, known=", ".join(known))

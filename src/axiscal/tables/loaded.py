@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.description.ini_file import IniFile, IniValue, read_ini
+from axiscal.description.ini_machine import unit_in
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import Machine
@@ -40,6 +41,7 @@ class OldFile:
 
     axis : that it is for, "" where its name has to say; joint : its number, None where nobody said
     file_type : COMP_FILE_TYPE, None where nobody said; backlash : of the joint, in the units of the machine
+    unit : of lengths, as the INI file says, "" where none is named
     """
 
     name: str
@@ -48,6 +50,7 @@ class OldFile:
     joint: int | None = None
     file_type: int | None = None
     backlash: float | None = None
+    unit: str = ""
 
     @property
     def stem(self) -> str:
@@ -111,10 +114,11 @@ def _joint(ini: IniFile, joint: int) -> OldFile | None:
     if (name := stated("COMP_FILE")) is not None:
         at, kind = ini.path.parent / name.text, stated("COMP_FILE_TYPE")
         file_type = 0 if kind is None else int(kind.number("COMP_FILE_TYPE"))
-        return OldFile(str(at), _text(at), joint=joint, file_type=file_type)
+        return OldFile(str(at), _text(at), joint=joint, file_type=file_type, unit=unit_in(ini, "LINEAR_UNITS"))
     backlash = stated("BACKLASH")
     step = 0.0 if backlash is None else backlash.number("BACKLASH")
-    return OldFile(f"{ini.path} [JOINT_{joint}]", "", joint=joint, backlash=step) if step else None
+    own = OldFile(f"{ini.path} [JOINT_{joint}]", "", joint=joint, backlash=step, unit=unit_in(ini, "LINEAR_UNITS"))
+    return own if step else None
 
 
 _APART = 1e-9

@@ -7,7 +7,9 @@ in mm and um where it names no unit. A direction is + or -, forward or reverse, 
 
 from __future__ import annotations
 
+import math
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Literal
@@ -53,15 +55,24 @@ def test_of(file: TextFile) -> Literal["circle", "wide", "long"] | None:
 def circle(file: TextFile, around: Around) -> Found:
     """Return the readings of a circular test; raises ReadingError."""
     table = table_of(file, words=STEMS)
+    silent = [column for column in table.all_of("angle") if not column.unit]
+    if any(abs(row.number(column)) > 2 * math.pi for column in silent for row in table.rows):  # above a turn in rad
+        table = replace(table, columns=tuple(replace(c, stated="deg") if c in silent else c for c in table.columns))
     angle, direction, deviation = table.needed(_OF_CIRCLE | _BESIDE, "angle_deg", "direction", "deviation_um")
-    return Found(tuple(_lines(table, angle, direction, None, deviation, "circle")))
+    note = "" if angle.unit else said("angles in deg (it names no unit)")
+    return Found(tuple(_lines(table, angle, direction, None, deviation, "circle")), note=note)
 
 
 def long_table(file: TextFile, around: Around) -> Found:
-    """Return the readings of a table with a line for each; raises ReadingError, also for one that stands twice."""
+    """Return the readings of a table with a line for each; raises ReadingError, also for one that stands twice.
+
+    Where no column numbers the runs, a target is read in the first run first.
+    """
     table = table_of(file, words=STEMS)
-    target, way, run, read = table.needed(_OF_TEST | _BESIDE, "target_mm", "direction", "run", "deviation_um")
-    found = distinct(file, _lines(table, target, way, run, read, _kind(table, target, read)))
+    target, way, read = table.needed(_OF_TEST | _BESIDE, "target_mm", "direction", "deviation_um")
+    run = next(iter(table.all_of("run")), None)
+    lines = _lines(table, target, way, run, read, _kind(table, target, read))
+    found = distinct(file, lines if run else _in_order(lines))
     if column_of(read.name).stem.lower() in ACTUAL:
         found = tuple(replace(each, value=each.value - each.position[""]) for each in found)
     return Found(found)
@@ -78,6 +89,15 @@ def _lines(
         way = row.meant(direction, sign_of, later("direction {text!r} is not known"), _TOWARDS)
         read = _read(row, target, way, number, value, kind)
         yield replace(read, setup=named, axis=moved, time=seconds)
+
+
+def _in_order(readings: Iterable[RawReading]) -> Iterator[RawReading]:
+    """Yield readings with their runs: how often each was read until then."""
+    times = Counter[tuple[str, float, int]]()
+    for each in readings:
+        place = (each.axis, each.position[""], each.approach[""])
+        times[place] += 1
+        yield replace(each, run=times[place])
 
 
 def wide_table(file: TextFile, around: Around) -> Found:

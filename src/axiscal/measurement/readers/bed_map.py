@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import hypot
 from pathlib import Path
 from typing import Any, TypeVar
@@ -24,8 +24,13 @@ from axiscal.measurement.readers.text_file import TextFile, read_text
 from axiscal.measurement.setup import Vector
 from axiscal.units import from_unit
 
+Side = tuple[float, float, float]
+"""Of a map: first and last node, m, and how many."""
 Rows = list[tuple[int, list[str]]]
 """Of a map, along y: line and cells."""
+PlacedRows = Sequence[tuple[float, int, list[str]]]
+Skipping = Callable[[TextFile, Sequence[float], PlacedRows], set[tuple[int, int]]]
+"""What gives columns and rows of cells that are no readings, by x and rows with their y, m."""
 _RRF = "RepRapFirmware height map file"
 _BLOCK = re.compile(r"(?:#\*#\s*)?\[bed_mesh\s+([^\]]+?)\s*\]")
 _RECTANGLE, _ROUND = re.compile(r"\[bed_mesh\]"), re.compile(r"\s*mesh_radius\s*[:=]")
@@ -53,45 +58,6 @@ _KEYS = "{0}min min{1} min_{0}", "{0}max max{1} max_{0}", "{0}num num{1} {0}_cou
 
 
 _Kind = TypeVar("_Kind")
-
-
-@dataclass(frozen=True, slots=True)
-class NodeGrid:
-    """The cells of a map.  x : m; rows : y, m, the line and its cells"""
-
-    file: TextFile
-    x: list[float]
-    rows: list[tuple[float, int, list[str]]]
-
-    def readings(self, skipped: set[tuple[int, int]] | None = None) -> Found:
-        """Return the readings of the cells that were probed.  skipped : column and row of others"""
-        found = list[RawReading]()
-        for j, (y, number, cells) in enumerate(self.rows):
-            if len(cells) != len(self.x):
-                what = "the row has {count} heights, and {along} are announced"
-                raise self.file.fail(what, "copy the whole file", number, count=len(cells), along=len(self.x))
-            for i, (x, cell) in enumerate(zip(self.x, cells, strict=True)):
-                if (i, j) not in (skipped or ()):
-                    found += height(self.file, x, y, cell, number)
-        return probed_of(self.file, found, len(self.x) * len(self.rows), self.rows[0][1])
-
-    def filled(self) -> set[tuple[int, int]]:
-        """Return the cells that Klipper filled: off the circle, and all of them copies of their row's last inside.
-
-        A [bed_mesh] without mesh_radius in the same file says that the bed is no circle.
-        """
-        lines, x, y = self.file.lines, self.x, [row[0] for row in self.rows]
-        rectangle = any(map(_RECTANGLE.match, lines)) and not any(map(_ROUND.match, lines))
-        radius, found = (x[-1] - x[0]) / 2 + _SLACK, set[tuple[int, int]]()
-        if rectangle or abs(y[-1] - y[0] - x[-1] + x[0]) > _SLACK:
-            return found
-        for j, (at, _, cells) in enumerate(self.rows):
-            off = [hypot(each - (x[0] + x[-1]) / 2, at - (y[0] + y[-1]) / 2) > radius for each in x]
-            inside = [cell for cell, aside in zip(cells, off, strict=False) if not aside]
-            if not inside or cells != [inside[0]] * off.index(False) + inside + [inside[-1]] * off[::-1].index(False):
-                return set()
-            found |= {(i, j) for i, aside in enumerate(off) if aside}
-        return found
 
 
 def height(file: TextFile, x: float, y: float, cell: str, line: int) -> Iterator[RawReading]:
@@ -133,7 +99,7 @@ def _several(file: TextFile, names: Sequence[str], line: int) -> ReadingError:
 
 def _unsaved(file: TextFile, name: str, known: Sequence[str]) -> ReadingError:
     what, names = "no mesh {name} is saved here", ", ".join(known) or "-"
-    return file.fail(what, "saved are: {known}", name=name[:40], known=names)
+    return file.fail(what, "saved are: {known}", name=name[:40] or "in force", known=names)
 
 
 def is_height_map(file: TextFile) -> bool:
@@ -163,18 +129,22 @@ def height_map(file: TextFile, around: Around) -> Found:
         raise file.fail("the height map is cut off", "copy the whole heightmap.csv", len(file.lines))
     head = dict(zip(_cells(file.lines[1]), _cells(file.lines[2]), strict=False))
     rows = [(n, _cells(line)) for n, line in enumerate(file.lines[3:], 4) if line.strip()]
-    found = grid(file, keyed(file, head, 3, spaced=True), rows, 3)
+    if (over := (head.get("axis0", "X"), head.get("axis1", "Y"))) != ("X", "Y"):  # named since version 3.3
+        what, remedy = "the map is over {axes}, and that of a bed is over X and Y", "probe the bed by X and Y"
+        raise file.fail(what, remedy, 3, axes=joined(over))
     radius = file.length(head.get("radius", "-1"), "radius", 3)
-    places = (
-        (i, j, x, cells[i : i + 1], y) for j, (y, _, cells) in enumerate(found.rows) for i, x in enumerate(found.x)
-    )
-    return found.readings({(i, j) for i, j, x, cell, y in places if cell == ["0"] or 0 <= radius < hypot(x, y)})
+
+    def skipped(file: TextFile, along: Sequence[float], rows: PlacedRows) -> set[tuple[int, int]]:
+        places = ((i, j, x, y, cells[i : i + 1]) for j, (y, _, cells) in enumerate(rows) for i, x in enumerate(along))
+        return {(i, j) for i, j, x, y, cell in places if cell == ["0"] or 0 <= radius < hypot(x, y)}
+
+    return grid(file, keyed(file, head, 3, spaced=True), rows, 3, skipped)
 
 
-def mesh(file: TextFile, around: Around, filled: bool = False) -> Found:
+def mesh(file: TextFile, around: Around, whole: bool = False) -> Found:
     """Return the readings of the only mesh that is saved in a Klipper configuration; raises ReadingError.
 
-    filled : with the cells that Klipper filled, as it corrects by them
+    whole : with the cells that Klipper filled, as it corrects by them
     """
     names = _profiles(file)
     begin, *others = names
@@ -192,8 +162,7 @@ def mesh(file: TextFile, around: Around, filled: bool = False) -> Found:
             text = option[2] if inside else ""
         if inside and text:
             points.append((number, _cells(text.rstrip(", "))))
-    found = grid(file, keyed(file, keys, begin), points, begin)
-    return found.readings(set() if filled else found.filled())
+    return grid(file, keyed(file, keys, begin), points, begin, None if whole else filled)
 
 
 def moonraker(file: TextFile, around: Around) -> Found:
@@ -202,7 +171,7 @@ def moonraker(file: TextFile, around: Around) -> Found:
         document = json.loads("\n".join(file.lines), parse_float=str, parse_int=str, parse_constant=str)
     except (ValueError, RecursionError):
         raise file.fail("this is no JSON", "save the whole answer of Moonraker", len(file.lines)) from None
-    held = _status(document)
+    held = _status(document) or {}
     whole, _, named = file.name.rpartition("#")
     active = str(held.get("profile_name") or "")
     named = named if whole and not Path(file.name).exists() else ""
@@ -217,15 +186,15 @@ def moonraker(file: TextFile, around: Around) -> Found:
     chosen = saved.get(name) or next(iter(saved.values()))
     points = [(1, [str(cell) for cell in _as(list, row)]) for row in _as(list, chosen.get("points"))]
     keys = {str(key): str(value) for key, value in _as(dict, chosen.get("mesh_params")).items()}
-    found = grid(file, keyed(file, keys, 1), points, 1)
-    return found.readings(found.filled())
+    return grid(file, keyed(file, keys, 1), points, 1, filled)
 
 
-def _status(document: object) -> dict[str, Any]:
-    """Return the table of a document that holds a matrix or profiles, an empty one where there is none."""
-    while isinstance(document, dict) and not {"probed_matrix", "profiles"} & document.keys():
-        document = next((document[key] for key in ("result", "status", "bed_mesh") if key in document), None)
-    return _as(dict, document)
+def _status(document: object) -> dict[str, Any] | None:
+    """Return the table of an answer or a notice that holds a matrix or profiles, None where there is none."""
+    if isinstance(document, dict) and {"probed_matrix", "profiles"} & document.keys():
+        return document
+    inside = document.values() if isinstance(document, dict) else _as(list, document)
+    return next((found for each in inside if (found := _status(each)) is not None), None)
 
 
 def _in_force(held: Mapping[str, Any]) -> dict[str, Any]:
@@ -244,8 +213,7 @@ def _as(kind: type[_Kind], value: object) -> _Kind:
 
 def console(file: TextFile, around: Around) -> Found:
     """Return the readings of what BED_MESH_OUTPUT printed, rows along y; raises ReadingError."""
-    found = without_places(file, *rows_below(file, _CONSOLE), around)
-    return found.readings(found.filled())
+    return without_places(file, *rows_below(file, _CONSOLE), around, filled)
 
 
 def rows_below(file: TextFile, title: re.Pattern[str]) -> tuple[Rows, int]:
@@ -315,8 +283,8 @@ is_console, is_klipper_probed = telling(_CONSOLE), telling(_AT_NOZZLE, _AT_BED)
 """Whether a line is that by which BED_MESH_OUTPUT begins, or a point that Klipper probed."""
 
 
-def without_places(file: TextFile, rows: Rows, line: int, around: Around) -> NodeGrid:
-    """Return the cells of a map that carries no coordinates; raises ReadingError.  rows : along y
+def without_places(file: TextFile, rows: Rows, line: int, around: Around, skipped: Skipping | None = None) -> Found:
+    """Return the readings of a map that carries no coordinates; raises ReadingError.  rows : along y
 
     The set-up states by `map` where they lie; another number of nodes than it says is refused.
     """
@@ -341,15 +309,37 @@ def without_places(file: TextFile, rows: Rows, line: int, around: Around) -> Nod
             'map = {{ X = ["20 mm", "280 mm", {wide}], Y = ["20 mm", "280 mm", {high}] }}'
         )
         raise file.fail(what, remedy, line, wide=wide, high=high)
-    return grid(file, [(*side, count) for side, count in zip(ends, (wide, high), strict=True)], rows, line)
+    return grid(file, [(*side, count) for side, count in zip(ends, (wide, high), strict=True)], rows, line, skipped)
 
 
 def _cells(line: str) -> list[str]:
     return [cell.strip() for cell in line.split(",")]
 
 
-def grid(file: TextFile, sides: Sequence[tuple[float, float, float]], points: Rows, line: int) -> NodeGrid:
-    """Return the cells at their places; raises ReadingError.  sides : first and last node, m, and how many, of x, y"""
+def filled(file: TextFile, x: Sequence[float], rows: PlacedRows) -> set[tuple[int, int]]:
+    """Return the cells that Klipper filled: off the circle, and all of them copies of their row's last inside.
+
+    A [bed_mesh] without mesh_radius in the same file says that the bed is no circle.
+    """
+    lines, y = file.lines, [row[0] for row in rows]
+    rectangle = any(map(_RECTANGLE.match, lines)) and not any(map(_ROUND.match, lines))
+    radius, found = (x[-1] - x[0]) / 2 + _SLACK, set[tuple[int, int]]()
+    if rectangle or abs(y[-1] - y[0] - x[-1] + x[0]) > _SLACK:
+        return found
+    for j, (at, _, cells) in enumerate(rows):
+        off = [hypot(each - (x[0] + x[-1]) / 2, at - (y[0] + y[-1]) / 2) > radius for each in x]
+        inside = [cell for cell, aside in zip(cells, off, strict=False) if not aside]
+        if not inside or cells != [inside[0]] * off.index(False) + inside + [inside[-1]] * off[::-1].index(False):
+            return set()
+        found |= {(i, j) for i, aside in enumerate(off) if aside}
+    return found
+
+
+def grid(file: TextFile, sides: Sequence[Side], points: Rows, line: int, skipped: Skipping | None = None) -> Found:
+    """Return the readings of the cells that were probed; raises ReadingError.
+
+    sides : of x and of y; skipped : gives columns and rows of cells that are no readings
+    """
     for low, high, count in sides:
         if not (float(count).is_integer() and 1 <= count <= _MOST and (high > low if count > 1 else high == low)):
             what, ends = "{count:g} nodes from {low:g} to {high:g} mm are no map", (1e3 * low, 1e3 * high)
@@ -358,10 +348,19 @@ def grid(file: TextFile, sides: Sequence[tuple[float, float, float]], points: Ro
     if len(points) != len(at_y):
         what = "{count} rows are announced, and there are {rows}"
         raise file.fail(what, "copy the whole map", line, count=len(at_y), rows=len(points))
-    return NodeGrid(file, at_x, [(at, number, cells) for at, (number, cells) in zip(at_y, points, strict=True)])
+    rows = [(at, number, cells) for at, (number, cells) in zip(at_y, points, strict=True)]
+    off, found = skipped(file, at_x, rows) if skipped else set(), list[RawReading]()
+    for j, (y, number, cells) in enumerate(rows):
+        if len(cells) != len(at_x):
+            what = "the row has {count} heights, and {along} are announced"
+            raise file.fail(what, "copy the whole file", number, count=len(cells), along=len(at_x))
+        for i, (x, cell) in enumerate(zip(at_x, cells, strict=True)):
+            if (i, j) not in off:
+                found += height(file, x, y, cell, number)
+    return probed_of(file, found, len(at_x) * len(rows), rows[0][1])
 
 
-def keyed(file: TextFile, keys: Mapping[str, str], line: int, spaced: bool = False) -> list[tuple[float, float, float]]:
+def keyed(file: TextFile, keys: Mapping[str, str], line: int, spaced: bool = False) -> list[Side]:
     """Return the sides that keys state; raises ReadingError.  spaced : by the distance between nodes"""
     sides = []
     for k, letter in enumerate("xy"):

@@ -16,9 +16,10 @@ UNITS = {*LENGTHS, *ANGLES, *SLOPES}
 _IN_BRACKETS = re.compile(r"(.*?)\s*[\[(]([^\[(]*)[\])]")
 _CANONICAL = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})
 _CALLED = {
-    "target": "target pos pos. position soll sollposition ziel zielposition cible consigne posición posicion posizione",
+    "target": "target nominal pos pos. position soll sollposition sollwert ziel zielposition cible consigne posición "
+    "posicion posizione",
     "direction": "direction dir richtung sens dirección direccion direzione verso",
-    "run": "run cycle lauf messlauf durchgang zyklus passage pasada ciclo passata",
+    "run": "run cycle pass lauf messlauf messung durchgang zyklus passage pasada ciclo passata",
     "deviation": "deviation dev error abweichung fehler écart ecart erreur desviación desviacion scostamento errore",
     "angle": "angle winkel ángulo angulo angolo",
     "axis": "axis achse axe eje asse",
@@ -95,9 +96,10 @@ def whole(text: str) -> int | None:
 
 
 def run_of(stem: str) -> tuple[int, int] | None:
-    """Return the run and the direction that a header such as `1+` or `Run 2 reverse` names, None for another."""
+    """Return the run, 1 of one that a word alone names, and the direction of `1+` or `reverse`, None for another."""
     words = _PARTS.findall(stem.lower().replace("\N{MINUS SIGN}", "-"))
     runs = [word for word in words if RUN.fullmatch(word)]
     ways = [sign for word in words if word not in runs and (sign := sign_of(word))]
     others = [word for word in words if not sign_of(word) and word not in runs and STEMS.get(word) != "run"]
-    return (int(runs[0]), ways[0]) if len(runs) == len(ways) == 1 and not others else None
+    alone = not runs and any(map(str.isalpha, stem))
+    return (int((runs or ["1"])[0]), ways[0]) if len(runs) + alone == len(ways) == 1 and not others else None

@@ -218,10 +218,12 @@ def _begun(
     hint = _HINT.fullmatch(data[0][1]) if data else None
     if not data[bool(hint) :]:
         raise file.fail("there is no header and no data", "let the first line name the columns")
-    begin = next((at for at, (_, line) in enumerate(data[:_TITLES]) if _names_columns(line)), int(hint is not None))
+    begin = next((at for at, (_, line) in enumerate(data[:_TITLES]) if _names(line) > 1), int(hint is not None))
     (number, first), *data = data[begin:]
     separator = hint[1] if hint else _separator(first)
     names = _cells(file.name, number, first, separator)
+    if len(names) == 1 and not (_names(first) or _AXIS.fullmatch(names[0])):
+        raise file.fail("no known format begins with {text}", "docs/readings.md names all", number, text=_quote(first))
     while len(names) > 1 and not names[-1]:
         names.pop()
     below = _cells(file.name, *data[0], separator) if data else []
@@ -237,10 +239,10 @@ def _separator(line: str) -> str:
     return max(_SEPARATORS, key=_QUOTED.sub("", line).count)
 
 
-def _names_columns(line: str) -> bool:
-    """Return whether two cells of a line are known as names of columns."""
+def _names(line: str) -> int:
+    """Return how many cells of a line are known as names of columns."""
     columns, words = [column_of(cell.strip(' "')) for cell in line.split(_separator(line))], STEMS.keys() | OF_READINGS
-    return sum(bool(each.unit or each.stem.lower() in words or run_of(each.stem)) for each in columns) > 1
+    return sum(bool(each.unit or each.stem.lower() in words or run_of(each.stem)) for each in columns)
 
 
 def _cells(file: str, number: int, line: str, separator: str) -> list[str]:

@@ -16,6 +16,7 @@ from axiscal.measurement.readers import bed_map, level_survey, marlin_map, point
 from axiscal.measurement.readers.axis_tests import circle, long_table, test_of, wide_table
 from axiscal.measurement.readers.bed_map import points_of
 from axiscal.measurement.readers.csv_readings import ALONE, Around, Found, RawReading, table_readings
+from axiscal.measurement.readers.marlin_map import POINT
 from axiscal.measurement.readers.probe_offset import offset_in
 from axiscal.measurement.readers.renishaw import file_type, laser_test
 from axiscal.measurement.readers.text_file import TextFile
@@ -60,11 +61,7 @@ FORMATS = (
     Format(later("a mesh of the Klipper console"), bed_map.is_console, bed_map.console),
     Format(later("probed points of the Klipper console"), bed_map.is_klipper_probed, bed_map.klipper_probed),
     Format(later("a UBL map"), marlin_map.is_topography, marlin_map.topography),
-    Format(
-        later("probed points of Marlin (G29 V4)"),
-        marlin_map.is_probed,
-        lambda file, _: points_of(file, marlin_map.POINT),
-    ),
+    Format(later("probed points of Marlin (G29 V4)"), marlin_map.is_probed, lambda file, _: points_of(file, POINT)),
     Format(later("a linear map of Marlin (G29 T)"), marlin_map.is_linear, marlin_map.linear),
     Format(later("a Marlin map (M420 V)"), marlin_map.is_printed, marlin_map.printed),
     Format(later("a Marlin map (M421, M503)"), marlin_map.is_nodes, marlin_map.nodes),

@@ -41,7 +41,7 @@ _WHOLE = "copy the whole map as Marlin printed it"
 _titled, is_linear, is_printed = telling(_TOPOGRAPHY), telling(_LINEAR), telling(_PRINTED)
 """Whether a line begins the topography of UBL (M420 V, G29 T), that of a level plane, or a grid of M420 V."""
 _cornered, _labelled = telling(_CORNER), telling(_LABELLED)
-_of_prusa = telling(re.compile("Num X,Y:"))  # G81, the last row along y first
+_of_prusa = telling(re.compile("Num X,Y:"))  # G81, no labels, and the last row along y first; Marlin 1 has labels
 is_probed, is_nodes = telling(POINT), telling(_NODE)
 """Whether there are lines of G29 V4, or that set a node: M421, or G29 W and G29 S3 of a report of M503."""
 
@@ -56,7 +56,7 @@ def topography(file: TextFile, around: Around) -> Found:
     begin, below = below_title(file, _TOPOGRAPHY) if _titled(file) else (1, list(told_lines(file)))
     if "CSV" in file.lines[begin - 1]:
         lines = [(number, text.split()) for number, text in below if "\t" in text]
-        return without_places(file, lines[::-1], begin, around).readings()
+        return without_places(file, lines[::-1], begin, around)
     rows, unlabelled, corners = dict[int, tuple[int, list[str]]](), Rows(), list[tuple[str, str]]()
     for number, text in below:
         cells = re.sub(r"[\[\]]", " ", text)
@@ -77,7 +77,7 @@ def topography(file: TextFile, around: Around) -> Found:
     if len(x) != 2 or len(y) != 2:
         raise file.fail("the corners are those of no rectangle", _WHOLE, begin)
     sides = (min(x), max(x), len(rows[0][1])), (min(y), max(y), len(rows))
-    return grid(file, sides, [rows[j] for j in range(len(rows))], begin).readings()
+    return grid(file, sides, [rows[j] for j in range(len(rows))], begin)
 
 
 def _of_marlin_1(corners: list[tuple[str, str]], rows: Rows) -> list[tuple[str, str]]:
@@ -90,14 +90,14 @@ def _of_marlin_1(corners: list[tuple[str, str]], rows: Rows) -> list[tuple[str, 
 def printed(file: TextFile, around: Around) -> Found:
     """Return the readings of the grid of M420 V, the first row along y, or of a Prusa's G81; raises ReadingError."""
     rows, begin = rows_below(file, _PRINTED)
-    if _of_prusa(file):
-        return replace(without_places(file, rows[::-1], begin, around).readings(), note=said("as if all were probed"))
     numbered = [(line, cells[1:]) for j, (line, cells) in enumerate(rows[1:]) if cells[0] == str(j)]
+    if len(numbered) < len(rows) - 1 and _of_prusa(file):
+        return replace(without_places(file, rows[::-1], begin, around), note=said("as if all were probed"))
     if len(numbered) < len(rows) - 1:
         what = "these heights lie between the probed ones: they are those that the printer corrects by"
         remedy = "give what was probed: the mesh of printer.cfg, or the answer to BED_MESH_OUTPUT or to M420 V"
         raise file.fail(what, remedy, begin)
-    return without_places(file, numbered, begin, around).readings()
+    return without_places(file, numbered, begin, around)
 
 
 def nodes(file: TextFile, around: Around) -> Found:
@@ -135,10 +135,10 @@ def nodes(file: TextFile, around: Around) -> Found:
         low_x, top_x, low_y, top_y = (from_unit(file.number(end, "end", 1), "mm") for end in built.groups())
         around = replace(around, ends=((low_x, top_x), (low_y, top_y)))
     rows = [(line, [found.get((i, j), (0, "nan"))[1] for i in range(wide)]) for j in range(high)]
-    return without_places(file, rows, line, around).readings()
+    return without_places(file, rows, line, around)
 
 
 def linear(file: TextFile, around: Around) -> Found:
     """Return the readings of that topography, from their mean, the last row first; raises ReadingError."""
     rows, begins = rows_below(file, _LINEAR)
-    return without_places(file, rows[::-1], begins, around).readings()
+    return without_places(file, rows[::-1], begins, around)

@@ -65,11 +65,6 @@ def is_xml(file: TextFile) -> bool:
     return any(_XML.search(line) for line in file.lines[:10])
 
 
-def listed(file: TextFile, around: Around) -> Found:
-    """Return the readings of a list; raises ReadingError.  Axes beside X, Y and Z that are not at 0 are named."""
-    return _points(file)
-
-
 def grbl(file: TextFile, around: Around) -> Found:
     """Return the readings of touches in the log of a sender, in inches where it has $13=1; raises ReadingError."""
     file = replace(file, unit=file.unit or "in" * any(line.strip() == "$13=1" for line in file.lines))
@@ -78,7 +73,7 @@ def grbl(file: TextFile, around: Around) -> Found:
 
 def bcnc(file: TextFile, around: Around) -> Found:
     """Return the readings of a list whose sides stand above it; raises ReadingError."""
-    found = _points(file, 3)
+    found = listed(file, around, 3)
     (low_x, high_x, wide), (low_y, high_y, high) = (line.split() for line in file.lines[:2])
     if found.cells != int(wide) * int(high):
         what = "{count} points are announced, and there are {points}"
@@ -97,7 +92,7 @@ def candle(file: TextFile, around: Around) -> Found:
     counts = (file.number(each, "count", 2) for each in file.lines[1].split(";")[:2])
     sides = [(low, low + size, count) for low, size, count in zip(corner, (width, depth), counts, strict=True)]
     rows: Rows = [(n, [c.strip() for c in line.split(";")]) for n, line in enumerate(file.lines[3:], 4) if line.strip()]
-    return _noted(file, grid(file, sides, rows, 2).readings())
+    return _noted(file, grid(file, sides, rows, 2))
 
 
 def xml(file: TextFile, around: Around) -> Found:
@@ -117,14 +112,12 @@ def xml(file: TextFile, around: Around) -> Found:
             raise file.fail("{name} is not known of a height map", "export it without", head, name=name[:40])
     keys = {key: root.attrib[name] for name, key in _OF_XML.items() if name in root.attrib}
     wide, high = (int(each) if _COUNT.fullmatch(each := keys.get(f"{k}_count", "")) else 0 for k in "xy")
-    cells = dict[tuple[str, str], str]()
-    for point in root.iter("point"):
-        cells[point.get("X", ""), point.get("Y", "")] = (point.text or "").strip()
+    cells = {(each.get("X", ""), each.get("Y", "")): (each.text or "").strip() for each in root.iter("point")}
     rows: Rows = [(head, [cells.pop((str(i), str(j)), "") for i in range(wide)]) for j in range(high)]
     for x, y in cells:
         what = "point {x}, {y} lies outside of the map of {wide} x {high}"
         raise file.fail(what, _WHOLE, head, x=x[:20], y=y[:20], wide=wide, high=high)
-    return _noted(file, grid(file, keyed(file, keys, head), rows, head).readings())
+    return _noted(file, grid(file, keyed(file, keys, head), rows, head))
 
 
 def _noted(file: TextFile, found: Found) -> Found:
@@ -149,8 +142,8 @@ def _axes_of(cells: list[str], unit: str) -> list[Column] | None:
     return columns if sorted(axes[-3:]) == ["X", "Y", "Z"] and len(axes) <= 4 else None
 
 
-def _points(file: TextFile, after: int = 0) -> Found:
-    """Return the readings of the points behind some lines; raises ReadingError."""
+def listed(file: TextFile, around: Around, after: int = 0) -> Found:
+    """Return the readings of a list behind some lines, other axes at 0; raises ReadingError."""
     lines = [(n, _cells(line)) for n, line in enumerate(file.lines, 1) if n > after and not _REMARK.match(line)]
     number, first = lines[0] if lines else (1, [])
     head = _axes_of(first, file.unit or "mm")

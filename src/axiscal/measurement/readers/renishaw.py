@@ -36,7 +36,7 @@ _SHORTENED = "export it again from the laser software; the file seems to be cut 
 
 def file_type(file: TextFile) -> str | None:
     """Return the type that a file of laser software states, rtl where it states none; None of another file."""
-    if next((line.strip() for line in file.lines if line.strip()), "") != "HEADER::":
+    if next((line.strip() for line in file.lines if line.strip()), "").upper() != "HEADER::":
         return None
     found = (_TYPE.fullmatch(line.strip()) for line in file.lines)
     return next((each[1].lower() for each in found if each), "rtl")
@@ -120,27 +120,23 @@ def _section(file: TextFile, sections: dict[str, _Lines], name: str) -> _Lines:
 
 def _targets(file: TextFile, lines: _Lines) -> tuple[list[float], bool, bool]:
     """Return the targets, whether they are angles, and whether all runs go to the last one."""
-    stated, targets, rotary, one_way, key = None, list[float](), False, False, ""
+    words, rotary, key = {known: _Lines() for known in _OF_TARGETS}, False, ""
     for number, text in lines:
-        begins, colon, rest = text.partition(":")
-        if colon:
-            key, text = begins.strip().lower(), rest
-            turns = key == "filetype" and rest.strip().lower() == "rotary"
-            if key not in _OF_TARGETS or (turns and file_type(file) != "rtl"):
-                what, name = "{text!r} is not known here", f"{begins}:{rest}"[:40]
-                raise file.fail(what, "give the test of a linear axis", number, text=name)
-            rotary |= turns
-        if key == "target-count":
-            stated = (number, text.strip())
-        if key == "flags":
-            one_way = text.split()[1:2] == ["1"]
-        if key == "targets":
-            targets += [file.number(word, "target", number) for word in text.split()]
+        begins, colon, rest = text.rpartition(":")
+        key = begins.strip().lower() if colon else key
+        turns = key == "filetype" and rest.strip().lower() == "rotary"
+        if colon and (key not in words or (turns and file_type(file) != "rtl")):
+            raise file.fail("{text!r} is not known here", "give the test of a linear axis", number, text=text[:40])
+        rotary |= turns
+        words.get(key, []).extend((number, word) for word in rest.split())
+    targets = [file.number(word, "target", number) for number, word in words["targets"]]
+    one_way = [word for _, word in words["flags"][1:2]] == ["1"]
     if not targets:
         raise file.fail("there are no targets", _SHORTENED, lines[0][0] if lines else None)
-    if stated is not None and stated[1] != str(len(targets)):
-        what = "{stated} targets are announced, and there are {count}"
-        raise file.fail(what, _SHORTENED, stated[0], stated=stated[1][:40], count=len(targets))
+    for number, stated in words["target-count"]:
+        if stated != str(len(targets)):
+            what = "{stated} targets are announced, and there are {count}"
+            raise file.fail(what, _SHORTENED, number, stated=stated[:40], count=len(targets))
     if len(set(targets)) < len(targets):
         raise file.fail("a target is named twice", "name each once", lines[0][0])
     return targets, rotary, one_way

@@ -72,10 +72,7 @@ def read_touch_log(path: str | Path) -> TouchLog:
             continue
         touch, miss, end = (pattern.fullmatch(text) for pattern in (_TOUCH, _MISS, _END))
         if text and not (touch or miss or end):
-            shown = text if len(text) <= 60 else text[:57] + "..."
-            raise file.fail(
-                "{shown!r} is no line of a log", "Give the file as the control wrote it", number, shown=shown
-            )
+            raise file.fail("{shown!r} is no line of a log", _AS_WRITTEN, number, shown=text[:60])
         if text and not running:
             what = "this touch stands outside of any run: the line that begins one is missing"
             raise file.fail(what, _AS_WRITTEN, number)

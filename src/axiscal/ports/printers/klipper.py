@@ -148,7 +148,7 @@ class Klipper(MapFormat):
         meshes, skew, untaken = list[Mesh](), dict[str, float](), list[InputError]()
         for file in files:
             text = TextFile(file.name, tuple(file.text.splitlines()))
-            meshes += [mesh_of_nodes(saved_mesh(text, ALONE, filled=True).readings)] if is_mesh(text) else []
+            meshes += [mesh_of_nodes(saved_mesh(text, ALONE, whole=True).readings)] if is_mesh(text) else []
             found = {plane.upper(): float(value) for plane, value in _SAVED_SKEW.findall(file.text)}
             skew = found or read_skew(file.text) or skew
             lines = [each for each in enumerate(text.lines, 1) if _SET.search(each[1])]

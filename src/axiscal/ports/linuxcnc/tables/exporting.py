@@ -103,6 +103,9 @@ class Linuxcnc(TableFormat):
         joints, unit = options.joints(machine), options.unit_of(machine)
         tables, untaken = list[CompensationTable](), list[InputError]()
         for file in files:
+            if file.unit not in ("", unit):
+                what = "its INI file counts lengths in another unit than {new}, in which new tables would be"
+                raise TableError(what, "say --unit {its}", file.name, its=file.unit, new=unit)
             if file.name.lower().endswith(".hal"):
                 tables += _curves(file, machine, unit, untaken)
             elif file.backlash:
