@@ -117,6 +117,10 @@ def test_its_readings_are_told_by_name_unit_and_count(tmp_path: Path) -> None:
     file.write_text("setup,X_mm,x_um,y_um,z_um,a_arcsec,b_urad,c_urad\nsix,120,1,2,3,1,5,6\n")
     (reading,) = placed_readings(read_any(file, six.machine.axes, six.setups), six, file)
     assert np.allclose(reading.values, [1e-6, 2e-6, 3e-6, np.pi / 648000, 5e-6, 6e-6], rtol=1e-12)
+    laser = described(tmp_path, STRANGERS, 'name = "laser"\ninstrument = "own.py:Laser"\nmoves = ["X"]\n')
+    file.write_text("setup,X_mm,length_um\nlaser,120,7\n")  # a word that a table has for the two ends of a gauge
+    (reading,) = placed_readings(read_any(file, laser.machine.axes, laser.setups), laser, file)
+    assert reading.values == pytest.approx((7e-6,), rel=1e-12)
 
 
 def test_numbers_that_are_not_equally_noisy_are_weighed_as_they_are(tmp_path: Path) -> None:

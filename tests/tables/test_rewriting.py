@@ -12,11 +12,13 @@ from scipy.spatial import KDTree
 
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
 from axiscal.machine import load_machine
+from axiscal.machine.description import machine_from_text
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.numerics import Array
 from axiscal.programs.part_program import read_program
-from axiscal.tables.rewriting import Rewritten, rewrite
+from axiscal.tables.rewriting import Rewritten, Sent, rewrite
 from axiscal.tables.round_trip import drawn_and_known
 from tests.certify.gcode_traces import canonical_calls, interpreter
 
@@ -148,6 +150,20 @@ def test_a_coarser_chord_cuts_less_and_nothing_is_added_at_the_program_s_zero() 
     fine, coarse = (written(PART, known(), chord) for chord in (0.2e-6, 5e-6))
     assert coarse.pieces < fine.pieces
     assert "G0 X0.0000 Y0.0000 Z0.0000" in written("G21\nG0 X0 Y0 Z0\n", known()).lines
+
+
+def test_a_quill_beside_z_takes_nothing_from_what_z_is_sent() -> None:
+    text = load_machine("three-axis-mill").text
+    quill = text.replace("b-Z-t", "b-Z-W-t").replace("[errors]", '[axes.W]\ntravel = ["0 mm", "100 mm"]\n[errors]', 1)
+    sent = [Sent(drawn_and_known(machine_from_text(each)), ORIGIN) for each in (text, quill)]
+    added = [each.added(np.array([[0.1, 0.1, 0.1]]), np.zeros((1, 3))) for each in sent]
+    assert np.allclose(added[0], added[1], rtol=0, atol=1e-9)
+
+
+def test_a_machine_of_other_letters_is_refused() -> None:
+    other = load_machine("one-axis").text.replace("X", "U").replace("EUU", "EXU")
+    with pytest.raises(TableError, match="no axis"):
+        Sent(drawn_and_known(machine_from_text(other)), ORIGIN)
 
 
 def test_inches_and_other_planes_are_the_same_ways() -> None:

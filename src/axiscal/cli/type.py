@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 
 from axiscal.cli.arguments import CampaignFile, Json
@@ -13,11 +14,12 @@ from axiscal.cli.printing import say_either
 from axiscal.description.campaign import read_campaign
 from axiscal.description.type_text import TypePrior, type_prior
 from axiscal.document.durable import write_whole
+from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import counted, decimals, later, listed, said
 from axiscal.machine import load_machine
 from axiscal.planning.plan.plan import Plan
-from axiscal.ports.fleet.rehearsal import Imagined, error_lines, rehearsed, summary_sentences
+from axiscal.ports.fleet.rehearsal import Imagined, rehearsed, summary_sentences
 from axiscal.ports.fleet.type_learning import DIRECTIONS, DOUBT, learnt_type, saving
 from axiscal.record.copies import carried_text, gathered
 from axiscal.units import format_quantity, to_unit
@@ -130,17 +132,19 @@ def _files(given: Sequence[Path]) -> list[Path]:
 
 def _show(prior: TypePrior, saved: Sequence[str], written: Path | None, as_json: bool) -> None:
     rows, errors = list[str](), dict[str, object]()
-    for line in error_lines(prior):
-        unit, share = "urad" if line.angular else "um", f"{line.share:.0%} ± {line.share_std:.0%}"
-        std = [format_quantity(each, unit, 3) for each in (line.stated, line.known)]
-        rows.append(decimals(f"{line.name:14} {std[0]:>12} {std[1]:>12} {line.factor:>13.2f} {share:>12}"))
-        errors[line.name] = {
+    for term in ErrorModel(prior.machine).terms:
+        learned, variances = prior.learned[term.name], np.diagonal(prior.covariance)[term.columns]
+        unit, share = "urad" if term.angular else "um", f"{learned.share:.0%} ± {learned.share_std:.0%}"
+        std = [float(np.sqrt(np.mean(each))) for each in (np.diagonal(term.covariance), variances)]
+        factor, (stated, known) = float(np.sqrt(learned.scale)), (format_quantity(each, unit, 3) for each in std)
+        rows.append(decimals(f"{term.name:14} {stated:>12} {known:>12} {factor:>13.2f} {share:>12}"))
+        errors[term.name] = {
             "unit": unit,
-            "stated_std": to_unit(line.stated, unit),
-            "std": to_unit(line.known, unit),
-            "times_stated": line.factor,
-            "in_common": line.share,
-            "in_common_std": line.share_std,
+            "stated_std": to_unit(std[0], unit),
+            "std": to_unit(std[1], unit),
+            "times_stated": factor,
+            "in_common": learned.share,
+            "in_common_std": learned.share_std,
         }
     records = [
         {"file": each.file, "readings": each.readings, "counts": not each.left_out, "why_not": each.left_out or None}

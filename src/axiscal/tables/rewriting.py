@@ -18,8 +18,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames
+from axiscal.machine.kinematics import frames, solved
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.numerics import Array
 from axiscal.programs.part_program import PartLine, PartMotion, Spot, read_program
@@ -43,12 +44,17 @@ class Sent:
     """Where axes are sent so that the tool is where a program has it.
 
     origin : where X, Y and Z of the machine stand at the program's zero, m; nothing is added there
+    Raises TableError where the machine has no such axis.
     """
 
     def __init__(self, estimate: Estimate, origin: Spot) -> None:
         self._estimate, self._machine, self._origin = estimate, estimate.machine, np.array(origin)
         names = [axis.name for axis in self._machine.axes]
         self.columns = [names.index(letter) if letter in names else -1 for letter in "XYZ"]
+        if max(self.columns) < 0:
+            raise TableError(
+                'the machine has no axis "{name}"', "Name the linear axes of the machine so", name="X, Y, Z"
+            )
         self._shift = np.zeros(3)
         self._shift = self.added(np.zeros((1, 3)), np.zeros((1, 3)))[0]
 
@@ -67,20 +73,13 @@ class Sent:
         for letter, column in enumerate(self.columns):
             if column >= 0:
                 ways[:, column] = sides[:, letter]
+        sent = [k for k in self.columns if k >= 0]
+        rotations = frames(self._machine, poses).rotations
+        moves = np.stack([rotations[k] @ np.array(self._machine.axes[k].direction) for k in sent], axis=2)
         added = np.zeros_like(poses)
         for _ in range(_ROUNDS):
-            added = _against(self._machine, poses, self._estimate.deviation(poses + added, ways))
+            added[:, sent] = -solved(moves, self._estimate.deviation(poses + added, ways))
         return np.stack([added[:, k] if k >= 0 else np.zeros(len(poses)) for k in self.columns], axis=1) - self._shift
-
-
-def _against(machine: Machine, poses: Array, deviation: Array) -> Array:
-    """Return what the linear axes do against a deviation (m, 3), as far as they span space, (m, q) m."""
-    linear = [k for k, axis in enumerate(machine.axes) if not axis.rotary]
-    rotations = frames(machine, poses).rotations
-    ways = np.stack([rotations[k] @ np.array(machine.axes[k].direction) for k in linear], axis=2)
-    found = np.zeros_like(poses)
-    found[:, linear] = -(np.linalg.pinv(ways) @ deviation[:, :, None])[:, :, 0]
-    return found
 
 
 class Piece(NamedTuple):

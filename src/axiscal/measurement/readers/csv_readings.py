@@ -222,8 +222,9 @@ def _reading(table: CsvTable, row: Row, setup: str, bare: bool, own: Mapping[str
     std = _std(table, row, columns[0])
     pose = raw_pose(table, row, alone=True)
     rounding = {name: row.rounding(column) for name, column in axis_columns(table, row).items()}
-    own_form, of = _FORMS.get(stems, ""), (value, std, columns[0].dimension, row.line, tuple(others))
-    return RawReading(setup, pose.position, pose.approach, *of, form=own_form, rounding=rounding)
+    form = "" if own else _FORMS.get(stems, "")
+    of = (value, std, columns[0].dimension, row.line, tuple(others))
+    return RawReading(setup, pose.position, pose.approach, *of, form=form, rounding=rounding)
 
 
 def _filled(table: CsvTable, row: Row, stems: Sequence[str], own: Mapping[str, tuple[str, ...]]) -> list[Column]:

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import repeat
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -35,34 +34,6 @@ _LOUD, _NAMED = 0.5, 4
 """Part of the largest load from which an error is named with a direction, and how many are; a matter of taste."""
 _DIRECTION = 0.5
 """Variance along a direction, of which all else has 1, from which it is worth a sentence."""
-
-
-class ErrorLine(NamedTuple):
-    """One error as its type knows it.
-
-    stated, known : RMS standard deviation before, and by the type, m or rad; factor : of the size, √c; share : ω
-    """
-
-    name: str
-    angular: bool
-    stated: float
-    known: float
-    factor: float
-    share: float
-    share_std: float
-
-
-def error_lines(prior: TypePrior) -> list[ErrorLine]:
-    """Return a line for each error, in the order of the machine."""
-    lines, variances = list[ErrorLine](), np.diagonal(prior.covariance)
-    for term in ErrorModel(prior.machine).terms:
-        learned = prior.learned[term.name]
-        stated, known = (
-            float(np.sqrt(np.mean(each))) for each in (np.diagonal(term.covariance), variances[term.columns])
-        )
-        factor = float(np.sqrt(learned.scale))
-        lines.append(ErrorLine(term.name, term.angular, stated, known, factor, learned.share, learned.share_std))
-    return lines
 
 
 def summary_sentences(prior: TypePrior) -> list[str]:

@@ -25,12 +25,8 @@ ROWS = 256
 """By LinuxCNC's source (usrmotintf.cc): rows that are kept."""
 _CHUNK = 254
 """By LinuxCNC's source (usrmotintf.cc): characters that fgets takes at once."""
-_FLOAT = rb"""(?>[ \t\n\v\f\r]*)(?P<%b>(?>[+-]?(?:
-    0[xX](?:[0-9a-fA-F]+\.?[0-9a-fA-F]*|\.[0-9a-fA-F]*)(?:[pP][+-]?[0-9]*)?
-    | (?!0[xX])(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]*)?
-    | [iI][nN][fF](?:[iI][nN][iI][tT][yY]|(?![iI]))
-    | [nN][aA][nN])))"""
-_TRIPLET = re.compile(b"".join(_FLOAT % name for name in (b"nominal", b"forward", b"reverse")), re.VERBOSE)
+_TRIPLET = re.compile(rb"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?![\w.])" * 3)
+"""What scanf takes as well; what it takes besides, such as 0x10, inf or 1e, ends the file here."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +51,7 @@ def parse(text: str, file_type: int = 0) -> LinuxcncTable:
     rows, skipped, found = list[tuple[float, float, float]](), list[int](), _TRIPLET.match(b"0 0 0")
     for line, chunk in _chunks(text.encode("utf-8", "surrogatepass")):
         found = found and _TRIPLET.match(chunk)
-        nominal, forward, reverse = map(_number, found.groups()) if found else (-math.inf,) * 3
+        nominal, forward, reverse = map(float, found.groups()) if found else (-math.inf,) * 3
         if len(rows) < ROWS and nominal > (rows[-1][0] if rows else -np.finfo(np.float64).max):
             rows.append((nominal, forward, reverse) if file_type else (nominal, nominal - forward, nominal - reverse))
         elif chunk.strip() and not chunk.lstrip().startswith(b"#"):
@@ -71,21 +67,6 @@ def _chunks(data: bytes) -> Iterator[tuple[int, bytes]]:
     for number, line in enumerate(re.findall(rb"[^\n]*\n|[^\n]+", data), 1):
         for start in range(0, len(line), _CHUNK):
             yield number, line[start : start + _CHUNK].partition(b"\0")[0]
-
-
-def _number(text: bytes) -> float:
-    """Return what strtod makes of a text that scanf took: a mantissa, and an exponent that may be cut off."""
-    plain = text.decode("ascii").lower()
-    hexadecimal = "0x" in plain
-    mantissa, _, exponent = plain.partition("p" if hexadecimal else "e")
-    if not hexadecimal:
-        return float(plain if exponent.strip("+-") else mantissa)
-    if not mantissa.strip("+-0x."):
-        return -0.0 if mantissa.startswith("-") else 0.0
-    try:
-        return float.fromhex(plain if exponent.strip("+-") else mantissa)
-    except OverflowError:
-        return -math.inf if mantissa.startswith("-") else math.inf
 
 
 _SERVO_PERIOD = 1e-3
