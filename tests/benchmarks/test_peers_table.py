@@ -86,16 +86,3 @@ def test_missing_environment_is_a_sentence(tmp_path: Path, monkeypatch: pytest.M
     outcome = runner.run(rival_of("trieste"), Posed(CASES[0], "joint"), Bounds())
     assert outcome.sorry == "not installed (no .venv-peers/trieste)"
     assert any("not installed (no .venv-peers/trieste)" in line for line in table(_known(outcome), "joint"))
-
-
-@pytest.mark.long
-def test_the_plain_baseline_runs_and_is_kept(tmp_path: Path) -> None:
-    outcome = runner.run(rival_of("numpy"), Posed(CASES[0], "joint"), Bounds(120.0))
-    assert not outcome.sorry
-    assert len(outcome.positions) == 10
-    assert len(outcome.processor) % 10 == 0
-    assert len(outcome.processor) >= 20
-    assert outcome.versions["numpy"] == np.__version__
-    runner.keep(tmp_path / "new" / "outcomes", outcome)
-    assert runner.kept(tmp_path / "new" / "outcomes") == {("numpy", "a", "joint"): outcome}
-    assert runner.kept(tmp_path / "none") == {}

@@ -82,22 +82,6 @@ def _bent_readings() -> BentReadings:
     return BentReadings(CASE, [replace(each, value=each.value + 3e-6 * rng.standard_normal()) for each in readings])
 
 
-def test_rows_are_the_slopes_of_what_is_shown_about_the_same_point() -> None:
-    """By differences along random ways; those of errors stay where they are for the nominal machine."""
-    problem, rng = _bent_readings(), np.random.default_rng(1)
-    point = problem.start + 0.5 * problem.root @ rng.standard_normal(len(problem.start))
-    columns = [*CASE.station_columns(0)[0]]
-    rows = problem.rows(point) / np.sqrt(problem.variances)[:, None]
-    for column in columns:
-        step = np.zeros(len(point))
-        step[column] = 1e-6
-        slope = (problem.left(point - step) - problem.left(point + step)) / 2e-6
-        assert rows[:, column] == pytest.approx(slope, rel=1e-4, abs=1e-5 * np.abs(slope).max())
-    still = problem.rows(problem.start)
-    assert np.abs(problem.rows(point)[:, columns] - still[:, columns]).max() > 0.02
-    assert problem.linearised(point).rows == pytest.approx(problem.rows(point))
-
-
 def test_the_polish_ends_where_scipy_ends_and_never_above_its_start() -> None:
     problem = _bent_readings()
 

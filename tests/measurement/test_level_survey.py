@@ -61,9 +61,9 @@ def test_times_are_those_of_the_lines(tmp_path: Path) -> None:
 def test_the_set_up_is_the_one_with_that_base_or_the_one_that_is_named(tmp_path: Path) -> None:
     path, other = tmp_path / "survey.txt", LEVEL.replace("100 mm", "200 mm")
     assert {r.setup for r in _placed(path, SURVEY, RIDING, LEVEL)} == {"1"}
-    longer = "# level survey\n# base = 200 mm\nX_mm,forward_um/m\n300,1\n"
-    assert {r.setup for r in _placed(path, longer, LEVEL, other)} == {"1"}
-    named = SURVEY.replace("# base = 100 mm", "# setup = 0")
-    assert {r.setup for r in _placed(path, named, LEVEL, other)} == {"0"}
+    for base in ("# base = 200 mm", "# Base: 200 mm", "# base 200 mm", "# base = 200 mm,", "# by: me\n# base=200 mm"):
+        longer = f"# level survey,\n{base}\nX_mm,forward_um/m\n300,1\n"
+        assert [r.setup for r in _placed(path, longer, LEVEL, other)] == ["1"]
+    assert {r.setup for r in _placed(path, SURVEY.replace("base = 100 mm", "setup = 0"), LEVEL, other)} == {"0"}
     riding = SURVEY.replace("# base = 100 mm\n", "")
     assert {r.setup for r in _placed(path, riding, RIDING)} == {"0"}

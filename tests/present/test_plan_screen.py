@@ -105,7 +105,7 @@ def _rows(text: str) -> list[str]:
 def test_the_advice_on_the_temperature_says_how_well_to_measure_it() -> None:
     mostly = LargestCause(cause="temperature", owner="", share=0.9, measurable=True)
     answer = plan("reached", [], 1).model_copy(update={"mostly": mostly})
-    assert "measure it to 0.3 K; the prompt asks for it." in " ".join(plan_screen(answer, "c.toml").split())
+    assert "measure it to 0.3 K; you are asked for it." in " ".join(plan_screen(answer, "c.toml").split())
 
 
 def test_a_bound_says_what_its_j_is() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import http.client
 import io
 import re
 import time
@@ -16,7 +15,7 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.record.events import Asked
-from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
+from tests.generators.texts import FOUR_READINGS
 from tests.generators.turned_back import OUT, begun_out_and_back
 from tests.web.served import PATIENCE, Answer, Served, kept, served, started
 
@@ -163,15 +162,6 @@ def test_a_record_that_went_away_is_said(page: Served) -> None:
     assert refused.status in (409, 422)
     assert "mill.axiscal" in refused.document["sentence"]
     page.record.with_name("gone.axiscal").rename(page.record)
-
-
-@pytest.mark.long
-def test_ending_while_it_still_thinks_is_no_fault(tmp_path: Path) -> None:
-    with served(started(tmp_path, TWO_SPHERES)) as running:  # looks at what it said when it has ended
-        line = http.client.HTTPConnection("127.0.0.1", running.port, timeout=PATIENCE)
-        line.request("GET", "/api/1/cost?rest=true", headers={"Authorization": f"Bearer {running.token}"})
-        time.sleep(0.1)  # the request is there, its answer takes longer than the server waits
-    line.close()
 
 
 @pytest.mark.parametrize(("step", "key"), [("notes", "text"), ("skips", "reason")])

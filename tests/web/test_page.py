@@ -43,23 +43,6 @@ FAULTS = """(() => {
 })()"""
 STRANGE = 'img:not([data-path^="/setup.svg?"])'
 """Pictures that are not the one of the set-up."""
-PALE = """(() => {
-  const part = c => { const s = c / 255; return s <= 0.04045 ? s / 12.92 : ((s + 0.055) / 1.055) ** 2.4; };
-  const parsed = text => text.match(/[\\d.]+/g).map(Number);
-  const light = ([r, g, b]) => 0.2126 * part(r) + 0.7152 * part(g) + 0.0722 * part(b);
-  const behind = e => { for (; e; e = e.parentElement) { const c = parsed(getComputedStyle(e).backgroundColor);
-    if (c.length < 4 || c[3] > 0) return c; } return [255, 255, 255]; };
-  const found = [];
-  for (const e of document.querySelectorAll("body *")) {
-    const written = [...e.childNodes].some(n => n.nodeType === 3 && n.data.trim());
-    if (e.offsetParent === null || e.disabled || !written) continue;
-    const [one, two] = [light(parsed(getComputedStyle(e).color)), light(behind(e))].sort((a, b) => b - a);
-    const ratio = (one + 0.05) / (two + 0.05);
-    if (ratio < 4.5) found.push(`${e.tagName} ${e.id} "${e.textContent.trim().slice(0, 30)}" ${ratio.toFixed(2)}`);
-  }
-  return found;
-})()"""
-"""Texts with less contrast than 4.5 to 1 (WCAG 2.2, 1.4.3)."""
 
 
 def focus(page: Page) -> str:
@@ -84,8 +67,7 @@ def looked_at(page: Page) -> None:
         assert page.value(FAULTS) == [], (width, height)
     for dark in (True, False):
         page.shade(dark=dark)
-        assert page.value(PALE) == [], dark
-    assert page.broken_rules() == []
+        assert page.broken_rules() == [], dark  # contrast is one of them
     nodes = page.call("Accessibility.getFullAXTree")["nodes"]
     pressed = [n for n in nodes if n.get("role", {}).get("value") in ("button", "textbox", "link", "image")]
     assert pressed

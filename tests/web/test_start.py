@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -184,6 +185,8 @@ def test_from_nothing_to_the_first_reading_of_a_router(browser: Browser, start: 
     person.actions -= 2
     person.press("Plan")
     page.until("document.getElementById('buying').offsetParent !== null")
+    (minutes,) = re.findall(r", (\d+) MIN", page.value("document.getElementById('first').textContent"))
+    assert page.value("document.querySelector('#strip li:last-child small').textContent") == f"{minutes} min"
     looked_at(page)
     person.slide(5)
     person.press("Begin to measure")
@@ -232,8 +235,10 @@ def test_a_printer_by_the_file_of_its_control(browser: Browser, start: Served) -
     person.read("12")
     assert person.actions <= 8
     wide = [["", "found", "U (95 %)", "left with klipper", "marlin", "reprapfirmware"], ["volume", *["120 um"] * 5]]
-    person.page.value(f"import('/elements.js').then(m => m.renderWords(['X'], {json.dumps(wide)}))")
-    looked_at(person.page)
+    long = [["", "U vorher", "U nachher"], ["Rechtwinkligkeit XY XZ YZ", "± 1200\xa0µrad", "nicht gemessen"]]
+    for rows in (wide, long):
+        person.page.value(f"import('/elements.js').then(m => m.renderWords(['X'], {json.dumps(rows)}))")
+        looked_at(person.page)
     assert person.page.complaints() == []
     assert (start.record / "3d-printer-corexy" / "3d-printer-corexy.axiscal").is_file()
 
@@ -360,20 +365,43 @@ def test_what_is_wrong_is_said_by_its_field(start: Served) -> None:
     assert start.call("draft", machine="one-axis", travels={"X": "1.000 mm"}).document["faults"]["travels.X"]
     made = start.call("draft", machine="one-axis", travels={"X": "40 cm"}).document
     assert (made["faults"], made["lengths"]) == ({}, {"X": 400.0})
+    offered = start.call("draft", machine="turning-centre").document["offered"]
+    assert ("indexer" in offered, "sphere" in offered) == (True, False)  # no Y brings a probe round a ball
 
 
-def test_an_instrument_that_a_package_brings_is_offered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+DROPPED = {
+    "setup,X_mm,approach,value_um\nlaser,100,+,1.5\n": "These are readings: a table of readings. Begin a",
+    "HEADER::\nTARGET DATA::\n": "These are readings: a positioning test (.rtl)",
+    "setup,X\nlaser,0 mm,+1\n": "This looks like a table of numbers. Give the INI",
+    "axiscal record 9\n": "This looks like a record of axiscal",
+    "G21\nG0 X1 Y2\n": "This looks like a program in G-code",
+    "": "This looks like an empty file",
+}
+
+
+def test_a_dropped_file_says_what_it_is(start: Served) -> None:
+    said = {text: start.call("draft", file="dropped.txt", text=text).document["faults"]["file"] for text in DROPPED}
+    assert [each for text, each in said.items() if not each.startswith(f"dropped.txt: {DROPPED[text]}")] == []
+
+
+def test_an_instrument_of_a_package_or_of_the_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     brought = tmp_path / "acme-1.dist-info"
     brought.mkdir()
     (brought / "entry_points.txt").write_text("[axiscal.instruments]\nacme = acme_grid:Grid\n")
     (tmp_path / "acme_grid.py").write_text(GRID)
     monkeypatch.setenv("PYTHONPATH", f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}")
+    (tmp_path / "torn.py").write_text("class Torn(ac.Instrument:\n")
+    own = "acme_grid.py:Grid"
     with served(tmp_path) as start:
-        assert start.call("start").document["instruments"]["acme"] == "acme"
-        assert "acme" in start.call("draft", machine="router").document["offered"]
-        assert "positioning X" in start.call("rows?instrument=acme").document["rows"]
+        names = start.call("start").document["instruments"]
+        assert [name for name in names if name == "acme" or ".py:" in name] == ["acme", own]
+        assert {"acme", own} <= {*start.call("draft", machine="one-axis", instruments=[own]).document["offered"]}
+        for name in ("acme", own):
+            assert "positioning X" in start.call(f"rows?instrument={name}").document["rows"]
         drawn = start.ask("GET", "/machine.svg?width=400&instrument=acme", Authorization=f"Bearer {start.token}")
         assert b"acme" in drawn.body
+        assert start.call("plan").status == 200
+    assert (tmp_path / "axiscal-draft" / "acme_grid.py").is_file()
 
 
 @pytest.mark.long

@@ -37,17 +37,6 @@ def test_a_straight_line_that_was_read_is_in_the_table(
     assert np.quantile(np.abs(left - left.mean()), 0.95) <= answer.expanded_with_tables()
 
 
-def test_the_reader_of_tables_takes_the_columns_of_the_axis_itself(tmp_path: Path) -> None:
-    folder = tmp_path / "tables" / "csv"
-    folder.mkdir(parents=True)
-    with (folder / "X.csv").open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file).writerows(
-            [["axis", "position_mm", "forward_um", "reverse_um"], ["X", 0, 1, 3], ["X", 10, 2, 6], ["Y", 5, 9, 9]]
-        )
-    where, values = Answer(tmp_path, given("--version")).axis_table("X")
-    assert (where.tolist(), values.tolist()) == ([0.0, 10.0], [[1.0, 2.0], [3.0, 6.0]])
-
-
 def estimated(campaign: Path, readings: str, out: Path) -> tuple[Answer, list[dict[str, str]]]:
     """Return the answer to `data estimate` of a file, and the readings that its results hold."""
     outcome = given("data", "estimate", campaign, readings, "--out", out)

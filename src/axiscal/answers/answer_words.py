@@ -118,7 +118,7 @@ def answer_text(
 def _first_line(answer: ResultAnswer) -> FirstLine:
     """Return what became of what was asked for, with the readings and minutes it took."""
     if answer.verdict == "more":
-        coming = minutes_text(answer.more_minutes, coming=True)
+        coming = minutes_text(answer.more_minutes)
         verdict = counted(
             "{count} MORE READING, {coming} MIN", "{count} MORE READINGS, {coming} MIN", answer.more, coming=coming
         )
@@ -131,9 +131,9 @@ def _first_line(answer: ResultAnswer) -> FirstLine:
     return FirstLine(verdict, aims, put("{taken}, {time}", taken=taken, time=time))
 
 
-def minutes_text(minutes: float, *, coming: bool = False) -> str:
-    """Return minutes as each screen shows them, whole and not less than one.  coming : those begun are not over"""
-    return put("{minutes:.0f}", minutes=math.ceil(minutes) if coming else max(minutes, 1.0) if minutes else 0.0)
+def minutes_text(minutes: float) -> str:
+    """Return minutes as each screen shows them, done or to come: whole and not less than one."""
+    return put("{minutes:.0f}", minutes=max(minutes, 1.0) if minutes else 0.0)
 
 
 def aims_text(answer: ResultAnswer | PlannedAnswer) -> str:

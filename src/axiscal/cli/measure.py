@@ -185,7 +185,7 @@ class Prompt:
         now = progress.Progress.of(self.campaign)
         stands = "Now {figure} = {now}; with the {coming} to come, in about {minutes} min, {promised}."
         coming = counted("{count} reading", "{count} readings", now.coming)
-        minutes, promised = minutes_text(now.left_minutes, coming=True), um_text(now.promised_um)
+        minutes, promised = minutes_text(now.left_minutes), um_text(now.promised_um)
         figures = {"figure": said(now.figure), "now": um_text(now.now_um), "promised": promised}
         say("  " + said(stands, coming=coming, minutes=minutes, **figures))
         rows = answer_text(standing_answer(self.campaign), "", "").rows
@@ -250,7 +250,7 @@ def headline(campaign: Campaign, question: Question) -> str:
         said(
             "{done} min done, about {left} left",
             done=minutes_text(now.minutes),
-            left=minutes_text(now.left_minutes, coming=True),
+            left=minutes_text(now.left_minutes),
         ),
     )
     sizes = {"figure": said(now.figure), "before": um_text(now.before_um), "now": um_text(now.now_um)}

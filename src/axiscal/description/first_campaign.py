@@ -207,7 +207,7 @@ def _spheres(machine: Machine) -> Iterator[str]:
     rotary, linear = [axis for axis in machine.axes if axis.rotary], _linear(machine)
     if not rotary:
         yield from _board(machine)
-    if not rotary or not linear:  # without a linear axis no probe gets to a ball
+    if not rotary or {_way(axis) for axis in linear} != {*"xyz"}:  # a probe comes to a ball from all sides
         return
     reach = min(axis.length for axis in linear) / 6
     shares = {"low": (1.0, 0.0, -0.5), "high": (-0.5, 0.8, 0.5), "third": (-0.5, -0.8, 0.1)}
@@ -291,7 +291,7 @@ OFFERED = {
     "interferometer": Offer(later("laser, interferometer, laser interferometer"), _lasers),
     "ballbar": Offer(later("ball bar, double ball bar"), _ball_bars),
     "sphere": Offer(later("touch probe, sphere, spheres, ball, balls, ball plate"), _spheres),
-    "probe": Offer(later("probe, bed probe, Z probe"), _probes),
+    "probe": Offer(later("bed probe, probe, Z probe"), _probes),
     "level": Offer(later("level, electronic level, spirit level, inclinometer"), _levels),
     "autocollimator": Offer(later("autocollimator, collimator"), _autocollimators),
     "indexer": Offer(later("rotary indexer, indexer, rotary calibrator, polygon, reference encoder"), _indexers),

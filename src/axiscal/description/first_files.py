@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import os
 import re
 from collections.abc import Collection, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -27,6 +28,7 @@ from axiscal.language.spoken import LANGUAGES, later, said, speaking
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.axis import letter_direction
 from axiscal.measurement.instruments.written import PORTS
+from axiscal.measurement.readers.files import title_of
 from axiscal.measurement.readers.probe_offset import Beside
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.units import format_quantity, from_unit, parse_quantity, to_unit
@@ -61,10 +63,28 @@ class FirstFiles(NamedTuple):
     setups: int
 
 
-def offered_names() -> dict[str, str]:
-    """Return how each instrument that is offered is called in the language that is spoken, by its name."""
+def offered_names(folder: Path | None = None) -> dict[str, str]:
+    """Return how each instrument that is offered is called in the language that is spoken, by its name.
+
+    folder : whose files of Python hold more of them
+    """
     named = {name: said(offer.words).partition(",")[0] for name, offer in OFFERED.items()}
-    return named | {name: name for name in ports.names(PORTS)}
+    own = [] if folder is None else _written_in(folder)
+    return named | {name: name for name in (*ports.names(PORTS), *own)}
+
+
+def _written_in(folder: Path) -> list[str]:
+    """Return the instruments that somebody wrote into a folder, as a campaign names them; no file is run."""
+    found = list[str]()
+    for file in sorted(folder.glob("*.py")):
+        with suppress(SyntaxError, ValueError):  # no Python, or no text
+            classes = [each for each in ast.parse(file.read_bytes()).body if isinstance(each, ast.ClassDef)]
+            found += [f"{file.name}:{each.name}" for each in classes if any(map(_is_instrument, each.bases))]
+    return found
+
+
+def _is_instrument(base: ast.expr) -> bool:
+    return ast.unparse(base).rpartition(".")[2] == "Instrument"
 
 
 def instruments_of(text: str) -> list[str]:
@@ -166,8 +186,10 @@ def of_file(file: Path, folder: Path) -> Beginning:
         return of_printer(file)
     text = "\n".join(read_text(file).lines).lstrip()
     if not _OF_LINUXCNC.search(text):
-        kind = next((kind for kind, sign in _KINDS.items() if sign.search(text)), _UNKNOWN)
         what, remedy = "This looks like {kind}", "Give the INI file of a LinuxCNC, or the printer.cfg of a Klipper"
+        if kind := title_of(file):
+            what, remedy = "These are readings: {kind}", "Begin a campaign here, and give both to axiscal data estimate"
+        kind = kind or next((kind for kind, sign in _KINDS.items() if sign.search(text)), _UNKNOWN)
         raise DescriptionError(what, remedy, file, kind=said(kind))
     return of_ini(machine_of(read_ini(file)), file, folder)
 
@@ -190,7 +212,7 @@ _KINDS = {
     later("a record of axiscal: put it into the folder of this page, and the start shows it"): re.compile(r"^axiscal"),
     later("a JSON document"): re.compile(r"^[{[]\s*[\"{\[\]}]"),
     later("a program in G-code"): re.compile(r"^(N\d+\s*)?G\d", re.MULTILINE),
-    later("a table of numbers"): re.compile(r"\d\s*[,;\t]\s*[-+\d]"),
+    later("a table of numbers"): re.compile(r"\d[^\n,;\t]*[,;\t]\s*[-+\d]"),
     later("sections of keys that neither of them has"): re.compile(r"^\s*\[[^\]]+\]", re.MULTILINE),
 }
 _UNKNOWN = later("text in lines")

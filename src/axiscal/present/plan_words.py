@@ -17,6 +17,7 @@ from axiscal.answers.answer_words import (
     digits,
     first_lines,
     known_text,
+    minutes_text,
     wrapped,
 )
 from axiscal.answers.row_words import row_names
@@ -82,7 +83,7 @@ def open_questions(description: CampaignDescription, *, asked: bool = False) -> 
 
 
 def _first(answer: PlannedAnswer) -> FirstLine:
-    minutes, aims = put("{minutes:.0f}", minutes=answer.minutes), aims_text(answer)
+    minutes, aims = minutes_text(answer.minutes), aims_text(answer)
     if answer.verdict == "unreachable":
         readings = counted("{count} reading", "{count} readings", answer.readings)
         spent = put("{readings}, {time}", readings=readings, time=said("{minutes} min", minutes=minutes))
@@ -139,7 +140,7 @@ def _mostly(answer: PlannedAnswer) -> str:
         return ""
     if answer.mostly.measurable:
         size = said_quantity(MEASURED_TEMPERATURE.size, MEASURED_TEMPERATURE.unit)
-        return said("U is mostly the unknown temperature: measure it to {size}; the prompt asks for it.", size=size)
+        return said("U is mostly the unknown temperature: measure it to {size}; you are asked for it.", size=size)
     return said("U is mostly this: {cause}.", cause=cause_words(answer.mostly.cause, answer.mostly.owner))
 
 

@@ -33,7 +33,7 @@ from axiscal.present.plan_words import open_questions
 from axiscal.present.sentences import spelt
 from axiscal.record.copies import opened_log
 from axiscal.record.store import record_errors
-from axiscal.units import to_unit, within
+from axiscal.units import parse_quantity, to_unit, within
 from axiscal.web import shapes
 
 FOLDER, _CHOSEN, _OF_PLAN = "axiscal-draft", "draft.json", "planned.json"
@@ -42,6 +42,7 @@ MACHINES = {
     "router": later("router"),
     "three-axis-mill": later("mill"),
     "lathe": later("lathe"),
+    "turning-centre": later("lathe with a C axis"),
     "portal-mill": later("portal mill"),
     "dmu60": later("five axes"),
     "printer-gantry": later("printer"),
@@ -68,9 +69,9 @@ def start(here: Path) -> shapes.StartShape:
         begun=begun,
         left_out=left_out,
         machines={name: said(words) for name, words in MACHINES.items()},
-        instruments=first_files.offered_names(),
+        instruments=first_files.offered_names(here),
         draft=draft,
-        machine=_shown(draft),
+        machine=_shown(here, draft),
     )
 
 
@@ -91,7 +92,7 @@ def keep(here: Path, draft: shapes.DraftShape) -> shapes.MachineShape:
     with record_errors(here / FOLDER):
         (here / FOLDER).mkdir(exist_ok=True)
         write_whole(here / FOLDER / _CHOSEN, draft.model_dump_json().encode())
-    return _shown(draft)
+    return _shown(here, draft)
 
 
 def plan(here: Path) -> shapes.PlanShape:
@@ -133,7 +134,7 @@ def record_of(here: Path, name: str) -> Path:
 
 def picture(here: Path, query: shapes.MachineQuery) -> str:
     """Return the machine, with an instrument on it if one is named, as SVG; raises InputError where there is none."""
-    begun = first_files.of_builtin(query.machine) if query.machine else _beginning(kept(here), {})
+    begun = first_files.of_builtin(query.machine) if query.machine else _beginning(here, kept(here), {})
     if not query.instrument:
         return setup_picture(machine_scene(machine_from_text(begun.text), lengths=not query.small), query.width)
     campaign = _with(begun, query.instrument)
@@ -143,7 +144,7 @@ def picture(here: Path, query: shapes.MachineQuery) -> str:
 def shown_rows(here: Path, instrument: str) -> shapes.RowsShape:
     """Return the rows that an instrument can show on the machine of the draft, or why it cannot be set up there."""
     try:
-        shown = rows_shown(_with(_beginning(kept(here), {}), instrument))
+        shown = rows_shown(_with(_beginning(here, kept(here), {}), instrument))
     except InputError as failure:
         return shapes.RowsShape(fault=str(failure))
     return shapes.RowsShape(rows={row.name: said_row(row.name) for row in shown})
@@ -156,7 +157,7 @@ def curve(here: Path) -> shapes.CurveShape:
 
 
 def _with(begun: first_files.Beginning, instrument: str) -> CampaignDescription:
-    if instrument not in (known := first_files.offered_names()):
+    if instrument not in (known := first_files.offered_names(begun.folder)):
         raise DescriptionError("There is no such instrument", "Known are {known}", known=", ".join(known))
     return first_files.first_described(begun, [instrument], Purpose())
 
@@ -164,8 +165,7 @@ def _with(begun: first_files.Beginning, instrument: str) -> CampaignDescription:
 def _planned(here: Path) -> Campaign:
     """Return the campaign of the draft with its plan, in the draft's folder; made where it is not of these choices."""
     draft, folder, faults = kept(here), here / FOLDER, dict[str, InputError]()
-    begun = _beginning(draft, faults)
-    target = _length(draft.target, "um", _FINEST) if draft.target.strip() else ""
+    begun, target = _beginning(here, draft, faults), _length(draft.target, "um", _FINEST, faults, "target")
     for fault in faults.values():
         raise fault
     shown = {row for instrument in draft.instruments for row in rows_shown(_with(begun, instrument))}
@@ -182,6 +182,8 @@ def _planned(here: Path) -> Campaign:
         file.unlink()
     if draft.file:
         write_whole(folder / draft.file, draft.text.encode())
+    for own in {name.partition(":")[0] for name in draft.instruments if ".py:" in name}:
+        write_whole(folder / own, (here / own).read_bytes())
     first_files.write_files(folder, files.texts)
     described = read_campaign(folder / "campaign.toml")
     described = replace(described, source="campaign.toml", machine_source="machine.toml")  # as they will stand
@@ -192,7 +194,7 @@ def _planned(here: Path) -> Campaign:
     return campaign
 
 
-def _beginning(draft: shapes.DraftShape, faults: dict[str, InputError]) -> first_files.Beginning:
+def _beginning(here: Path, draft: shapes.DraftShape, faults: dict[str, InputError]) -> first_files.Beginning:
     """Return the machine of a draft with the travels that can be; raises InputError.  faults : takes the others"""
     if draft.file:
         begun = first_files.of_text(draft.text, draft.file)
@@ -202,54 +204,51 @@ def _beginning(draft: shapes.DraftShape, faults: dict[str, InputError]) -> first
         raise DescriptionError("No machine is chosen", "Choose one, or drop the file of its control")
     lengths = dict[str, float]()
     for axis in first_files.linear_travels(begun):
-        if typed := draft.travels.get(axis, "").strip():
-            try:
-                lengths[axis] = to_unit(within(_length(typed, "mm", 0.0), "length", _SHORTEST, _LONGEST), "mm")
-            except InputError as failure:
-                faults[f"travels.{axis}"] = failure
+        if typed := _length(draft.travels.get(axis, ""), "mm", _SHORTEST, faults, f"travels.{axis}"):
+            lengths[axis] = to_unit(parse_quantity(typed, "length"), "mm")
     if draft.compensated and begun.active == UNSAID:
         begun = replace(begun, active=_ACTIVE[draft.compensated])
-    return first_files.with_travels(
-        first_files.with_carriers(first_files.with_errors_times(begun, first_files.SIZES[draft.size]), draft.switched),
-        lengths,
-    )
+    sized = first_files.with_errors_times(replace(begun, folder=here), first_files.SIZES[draft.size])
+    return first_files.with_travels(first_files.with_carriers(sized, draft.switched), lengths)
 
 
-def _length(text: str, unit: str, least: float) -> str:
-    """Return a length with its unit, which may be left out; raises InputError."""
-    text = text.strip().replace(",", ".")
+def _length(text: str, unit: str, least: float, faults: dict[str, InputError], field: str) -> str:
+    """Return a length with its unit, which may be left out, "" for none; faults : takes what is wrong, by the field."""
+    if not (text := text.strip().replace(",", ".")):
+        return ""
     with suppress(ValueError):
         text = f"{float(text):.9g} {unit}"
-    within(text, "length", least)
+    try:
+        within(text, "length", least, _LONGEST)
+    except InputError as failure:
+        faults[field] = failure
+        return ""
     return text
 
 
-def _shown(draft: shapes.DraftShape) -> shapes.MachineShape:
+def _shown(here: Path, draft: shapes.DraftShape) -> shapes.MachineShape:
     """Return what a draft makes of a machine, and what is wrong with it, by the field."""
-    faults = dict[str, InputError]()
-    if draft.target.strip():
-        try:
-            _length(draft.target, "um", _FINEST)
-        except InputError as failure:
-            faults["target"] = failure
+    faults, begun = dict[str, InputError](), None
+    _length(draft.target, "um", _FINEST, faults, "target")
     try:
-        begun = _beginning(draft, faults)
+        begun = _beginning(here, draft, faults)
     except InputError as failure:
         if draft.file or draft.machine:
             faults["file"] = failure
-        in_words = {field: str(fault) for field, fault in faults.items()}
+    in_words = {field: str(fault) for field, fault in faults.items()}
+    if begun is None:
         return shapes.MachineShape(faults=in_words)
     machine = machine_from_text(begun.text)
     return shapes.MachineShape(
         title=machine.name,
-        faults={field: str(fault) for field, fault in faults.items()},
+        faults=in_words,
         lengths=first_files.linear_travels(begun),
         carried=[axis.name for axis in machine.axes if axis.workpiece_side],
         radii=[axis.name for axis in machine.axes if axis.diameters],
         look=begun.look,
         offered=[
             name
-            for name in first_files.offered_names()
+            for name in first_files.offered_names(here)
             if name not in OFFERED or next(OFFERED[name].setups(machine), None) is not None
         ],
         asks=begun.active in (UNSAID, *_ACTIVE.values()),

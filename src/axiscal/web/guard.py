@@ -21,7 +21,7 @@ from pathlib import Path
 from time import monotonic
 from typing import Any, Generic, NamedTuple, TypeVar
 
-from fastapi import FastAPI, Request, Response, Security
+from fastapi import Depends, FastAPI, Request, Response, Security
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from fastapi.security import HTTPBearer
@@ -79,7 +79,7 @@ def page_application(page: Callable[[], str], **settings: Any) -> FastAPI:
             RequestValidationError: _malformed, AxiscalError: _refused, HTTPException: _not_here, Exception: _defect
         },
         responses=_REFUSALS,
-        dependencies=[Security(token)],
+        dependencies=[Security(token), Depends(_refuse_unknown)],
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
@@ -102,6 +102,13 @@ def problem(status: int, code: str, sentence: str, surprise: float | None = None
 async def _words(request: Request) -> Response:
     """Answer with the language of the page, and its messages by the English ones."""
     return JSONResponse({"language": spoken_now(), "messages": messages(spoken_now())})
+
+
+async def _refuse_unknown(request: Request) -> None:
+    """Raise RequestValidationError for a query that the path does not take; a `query` that is a document does so."""
+    taken = {each.alias for each in request.scope["route"].dependant.query_params}
+    for name in sorted(set(request.query_params) - taken if taken != {"query"} else ()):
+        raise RequestValidationError([{"loc": ("query", name), "msg": "Extra inputs are not permitted"}])
 
 
 async def _malformed(request: Request, failure: Exception) -> Response:

@@ -15,7 +15,7 @@ from types import FrameType
 from typing import Annotated, TypeVar
 
 import uvicorn
-from fastapi import FastAPI, Query, Response
+from fastapi import Body, FastAPI, Query, Response
 from fastapi.responses import FileResponse
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
@@ -78,6 +78,8 @@ def application(counter: Counter, port: int, here: Path, shop: ShopDoor | None =
 
 _Answering = Callable[..., Awaitable[AnswerDocument | None]]
 """Makes the document that answers a request."""
+_Sent = Annotated[shapes.Short, Body(embed=True)]
+"""The only field of what is sent."""
 _Document = TypeVar("_Document", bound=AnswerDocument)
 
 
@@ -105,30 +107,30 @@ class _Api:
         """Return an address that answers one request within a minute, for a picture, a download or the report."""
         return shapes.AddressShape(address=self._addresses.once(asked.path))
 
-    async def codes(self, asked: shapes.CodeRequest) -> Code:
+    async def codes(self, person: _Sent) -> Code:
         """Return a code that lets a device of a person in; only the page of this computer may ask."""
-        return self._open_shop().code(asked.person)
+        return self._open_shop().code(person)
 
-    async def devices(self, asked: shapes.DeviceRequest) -> Device:
+    async def devices(self, code: _Sent) -> Device:
         """Return the bearer of a device that comes with a code, which does so once."""
-        return self._open_shop().let_in(asked.code)
+        return self._open_shop().let_in(code)
 
     def _open_shop(self) -> ShopDoor:
         if self._shop is None:
             raise InputError(said("No device can come in"), said("End axiscal serve, and start axiscal serve --shop"))
         return self._shop
 
-    async def state(self, query: Annotated[shapes.WaitQuery, Query()]) -> shapes.StateShape:
+    async def state(self, seen: shapes.Seen = 0, wait: shapes.Wait = 0.0) -> shapes.StateShape:
         """All that the page shows, at once or when it is newer than what was seen."""
-        return await self._counter.newer(query.seen, query.wait)
+        return await self._counter.newer(seen, wait)
 
-    async def typed(self, query: Annotated[shapes.TypedQuery, Query()]) -> Meant:
+    async def typed(self, text: shapes.Short) -> Meant:
         """What a typed text would mean for the question that is open."""
-        return self._counter.desk.read(query.text)
+        return self._counter.desk.read(text)
 
-    async def cost(self, query: Annotated[shapes.CostQuery, Query()]) -> shapes.SentenceShape:
+    async def cost(self, rest: bool = False) -> shapes.SentenceShape:
         """What skipping the reading costs, or leaving its set-up."""
-        return await self._counter.ask(lambda desk: desk.cost(rest=query.rest))
+        return await self._counter.ask(lambda desk: desk.cost(rest=rest))
 
     async def texts(self, query: Annotated[shapes.TablesQuery, Query()]) -> shapes.TextsShape:
         """The tables of a control as texts to copy."""
@@ -209,9 +211,9 @@ class _Api:
         """What other minutes than those of the plan buy; it takes seconds."""
         return await self._drawn_up(draft.curve)
 
-    async def rows(self, query: Annotated[shapes.RowsQuery, Query()]) -> shapes.RowsShape:
+    async def rows(self, instrument: shapes.Short) -> shapes.RowsShape:
         """The rows that an instrument can show on the machine of the draft."""
-        return await asyncio.to_thread(draft.shown_rows, self._here, query.instrument)
+        return await asyncio.to_thread(draft.shown_rows, self._here, instrument)
 
     async def _drawn_up(self, made: Callable[[Path], _Document]) -> _Document | None:
         """Return what is made of the draft, None where a newer choice has broken it off."""
@@ -220,9 +222,9 @@ class _Api:
         except OvertakenError:
             return None
 
-    async def open(self, asked: shapes.OpenRequest) -> shapes.DoneShape:
-        """Open a campaign of the start, or begin that of the draft and open it."""
-        return await self._opened(await self._counter.begin(lambda: draft.record_of(self._here, asked.record)))
+    async def open(self, record: _Sent) -> shapes.DoneShape:
+        """Open a campaign of the start, or begin that of the draft and open it, for ""."""
+        return await self._opened(await self._counter.begin(lambda: draft.record_of(self._here, record)))
 
     async def _opened(self, sentence: str) -> shapes.DoneShape:
         return shapes.DoneShape(sentence=sentence, state=await self._counter.newer(0, 0.0))

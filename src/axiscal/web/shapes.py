@@ -23,6 +23,8 @@ from axiscal.record.events import Note
 
 LONGEST = 25.0
 """s that a request may wait for news: less than what programs between us and a browser would take for a fault."""
+Seen = Annotated[int, Field(ge=0, description="Wait until the state has another version")]
+Wait = Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False, description="s, at most")]
 After = Annotated[int, Field(ge=0, description="`last` of the state that is answered; 409 if it has changed")]
 Short = Annotated[str, Field(max_length=LONGEST_TEXT)]
 
@@ -189,12 +191,6 @@ class StartShape(AnswerDocument):
     machine: MachineShape
 
 
-class RowsQuery(AnswerDocument):
-    """An instrument by its name."""
-
-    instrument: Short
-
-
 class RowsShape(AnswerDocument):
     """The rows that an instrument can show on the machine of the draft, in words by their names.
 
@@ -230,24 +226,6 @@ class AddressShape(AnswerDocument):
     address: str
 
 
-class CodeRequest(AnswerDocument):
-    """Who measures with the device that a code is to let in."""
-
-    person: Annotated[str, Field(max_length=60)]
-
-
-class DeviceRequest(AnswerDocument):
-    """The code by which a device comes in."""
-
-    code: Short
-
-
-class OpenRequest(AnswerDocument):
-    """A record of the start to go on with; "" for the campaign of the draft, which begins."""
-
-    record: Short
-
-
 class PictureQuery(AnswerDocument):
     """A picture.  width : pixels; version : anything that is another one when what it shows is"""
 
@@ -267,23 +245,10 @@ class MachineQuery(PictureQuery):
     small: bool = False
 
 
-class CostQuery(AnswerDocument):
-    """A skip of the next reading.  rest : also of all others of its set-up"""
-
-    rest: bool = False
-
-
 class SentenceShape(AnswerDocument):
     """An answer in words, "" for nothing that is worth a word."""
 
     sentence: str
-
-
-class WaitQuery(AnswerDocument):
-    """Wait until the state has another version than `seen`, at most `wait` seconds."""
-
-    seen: Annotated[int, Field(ge=0)] = 0
-    wait: Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False)] = 0.0
 
 
 class OnceRequest(AnswerDocument):
@@ -330,12 +295,6 @@ class SkipRequest(StepRequest):
 
 class NoteRequest(OnceRequest):
     """A sentence for the record: it answers no question, so no state has to be named."""
-
-    text: Short
-
-
-class TypedQuery(AnswerDocument):
-    """A text as it is typed."""
 
     text: Short
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
 from axiscal.document.ports import all_of
+from axiscal.exceptions import InputError
 from axiscal.language.spoken import joined, later, put, said
 from axiscal.machine.axis import Axis
 from axiscal.measurement.readers import bed_map, level_survey, marlin_map, point_lists
@@ -110,6 +112,14 @@ def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Reco
         beside = offset_in("\n".join(file.lines))
         found = replace(found, readings=tuple(replace(each, beside=beside) for each in found.readings))
     return Recognised(file.name, kind.title, found)
+
+
+def title_of(path: str | Path) -> str:
+    """Return what a file of readings is called, even a damaged one; "" where it is none."""
+    with suppress(InputError):
+        file = bed_map.read_part(path)
+        return next((each.title for each in FORMATS if each.knows(file)), None) or recognised(path).title
+    return ""
 
 
 def read_any(path: str | Path, axes: Sequence[Axis] = (), setups: Sequence[Setup] = ()) -> tuple[RawReading, ...]:

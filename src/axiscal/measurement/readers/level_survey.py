@@ -23,13 +23,13 @@ _MARK = "# level survey"
 _KEYS = ("setup", "base", "division")
 _LEAST = 1e-9
 """m or rad: no base and no division is as small."""
-_KEY = re.compile(r"#\s*([A-Za-z]+)\s*=\s*(.*?)\s*")
+_KEY = re.compile(r"#\s*([A-Za-z]+)\s*([=:]?)\s*(.*?)\s*")
 _PASSES = ("forward", "back")
 
 
 def is_survey(file: TextFile) -> bool:
     """Return whether the first line says that this is a survey."""
-    return file.lines[0].strip().lower() == _MARK
+    return file.lines[0].strip(" \t;,").lower() == _MARK
 
 
 _Head = dict[str, Any]
@@ -66,11 +66,11 @@ def _head(file: TextFile) -> _Head:
     """Return what the lines that begin with # say; raises ReadingError."""
     said = _Head()
     for number, line in enumerate(file.lines[1:], 2):
-        if (text := line.strip()) and not text.startswith("#"):
+        if (text := line.strip(" \t;,")) and not text.startswith("#"):
             break
-        if (found := _KEY.fullmatch(text)) is None:
+        if (found := _KEY.fullmatch(text)) is None or (found[2] != "=" and found[1].lower() not in _KEYS):
             continue
-        key, value = found[1].lower(), found[2]
+        key, value = found[1].lower(), found[3]
         if key not in _KEYS or key in said:
             what = "{key!r} is said twice" if key in said else "{key!r} is not known"
             raise file.fail(what, "known are {known}; a remark goes without =", number, key=key, known=", ".join(_KEYS))

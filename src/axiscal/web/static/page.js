@@ -44,7 +44,7 @@ function renderLine() {
   text("machine", state.machine);
   document.title = `${state.machine} · axiscal`;
   text("count", state.question ? said("{number} of {last}", { number: p.taken + 1, last: end }) : said("{count} taken", { count: p.taken }));
-  const left = p.left_minutes < 1 ? said("less than 1 left") : said("about {minutes} left", { minutes: shown(Math.ceil(p.left_minutes), 0) });
+  const left = p.left_minutes < 1 ? said("less than 1 left") : said("about {minutes} left", { minutes: shown(p.left_minutes, 0) });
   text("minutes", said("{minutes} done", { minutes: shown(p.minutes && Math.max(p.minutes, 1), 0) }) + (going ? `, ${left}` : ""));
 }
 
@@ -363,7 +363,7 @@ function asksForNote(visible, warm = false) {
 }
 
 function asksToStop(visible) {
-  const p = state.progress, figures = { now: shown(p.now_um), figure: said(p.figure), count: p.coming, minutes: shown(Math.ceil(p.left_minutes), 0), promised: shown(p.promised_um) };
+  const p = state.progress, figures = { now: shown(p.now_um), figure: said(p.figure), count: p.coming, minutes: shown(Math.max(p.left_minutes, 1), 0), promised: shown(p.promised_um) };
   text("stop-words", said("Now {figure} = {now} µm; with the readings to come ({count}), in about {minutes} minutes, {promised} µm.", figures));
   show("stopping", visible);
   if (visible) find("not-stop").focus();

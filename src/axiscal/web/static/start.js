@@ -330,7 +330,7 @@ function mounted({ setup, readings, minutes }) {
   const part = element("li", String(readings));
   part.title = setup;
   part.style.flexGrow = readings;
-  part.append(element("small", said("{minutes} min", { minutes: Math.ceil(minutes) })));
+  part.append(element("small", said("{minutes} min", { minutes: Math.max(Math.round(minutes), 1) })));
   return part;
 }
 
