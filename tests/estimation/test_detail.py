@@ -20,9 +20,8 @@ from tests.generators.texts import campaign_text, machine_text, setup_text
 
 Curve = Callable[[Array], Array]
 
-LASER = campaign_text(
-    "m", setup_text("laser", "interferometer", direction="x", noise="0.3 um", approach="+"), compensation_active=False
-)
+SETUP = setup_text("laser", "interferometer", direction="x", noise="0.3 um", approach="both")
+LASER = campaign_text("m", SETUP, compensation_active=False)
 
 
 def case(errors: dict[str, str], *, fine_knots: bool = True) -> Case:
@@ -31,6 +30,7 @@ def case(errors: dict[str, str], *, fine_knots: bool = True) -> Case:
 
 
 FREE = case({"EXX": 'std = "10 um", length = "400 mm"'})
+TURNING = case({"EXX": 'std = "10 um", length = "400 mm"', "EXX_reversal": 'std = "3 um"'})
 
 
 def smooth(x: Array) -> Array:
@@ -77,6 +77,18 @@ def test_detail_that_was_read_is_followed(count: int) -> None:
 def test_a_smooth_axis_keeps_its_knots(count: int, seed: int) -> None:
     readings = read(smooth, count, seed)
     assert knots(in_detail(FREE, readings)) == knots(concluded(FREE, readings))
+
+
+def test_a_reversal_varies_where_readings_out_and_back_twice_show_it() -> None:
+    """Read once out and back, a drift looks the same."""
+    rng, out = np.random.default_rng(1), [(x, 1) for x in np.linspace(0, 1, 15).tolist()]
+    for worn, passes in ((5e-6, 3), (0.0, 3), (5e-6, 1)):
+        readings = list[Reading]()
+        for x, side in [*out, *((x, -1) for x, _ in out[::-1])] * passes:
+            off = side * (1e-6 + worn * np.exp(-50 * (x - 0.5) ** 2)) + 0.3e-6 * rng.standard_normal()
+            readings.append(Reading("laser", (x,), (side,), smooth(x) + off, time=30.0 * len(readings)))
+        names = in_detail(TURNING, readings).case.errors.names
+        assert (names["EXX_reversal"].basis.size > 1) == (worn > 0 and passes > 1)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.promise.posterior import _half_and_half, _may_be_a_detail, _surely, sorted_out
+from axiscal.estimation.promise.posterior import _may_be_a_detail, _surely, sorted_out
 from axiscal.estimation.promise.problem import _cell_root
 from axiscal.machine import load_machine
 from axiscal_core import left_out as left_out_of
@@ -18,7 +18,7 @@ from axiscal_core.draws import Mode, Weighed, draws, mode, weighed
 from axiscal_core.left_out import LeftOut, left_out
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
-from axiscal_core.theta import Kind, Sizes
+from axiscal_core.theta import Sizes
 from axiscal_core.unknowns import Space, space_of
 from tests.generators.dense_posterior import Dense, mixture
 from tests.generators.problems import asked, case_of, readings_of, sized, stated
@@ -113,12 +113,6 @@ def test_of_an_error_so_much_is_there_with_99_percent() -> None:
     assert _surely(problem, more) == pytest.approx(expected)  # type: ignore[arg-type]
     large = SimpleNamespace(thetas=0.0 * THETAS, weights=WEIGHTS)
     assert _surely(problem, large) == 1.0  # type: ignore[arg-type]
-
-
-def test_sizes_of_two_answers_are_in_the_middle_of_their_squares_and_lengths_of_their_logarithms() -> None:
-    one: dict[tuple[Kind, str], float] = {("std", "EXX"): 1.0, ("length", "EXX"): 12.0}
-    other: dict[tuple[Kind, str], float] = {("std", "EXX"): 2.0, ("length", "EXX"): 3.0}
-    assert _half_and_half(one, other) == pytest.approx({("std", "EXX"): 2.5**0.5, ("length", "EXX"): 6.0})
 
 
 def test_rests_of_a_curve_go_together_by_halves_within_six_percent_of_the_travel() -> None:

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.stats import lognorm, norm
 
-from axiscal.description import usual as model
 from axiscal.description.usual import (
     sizes_of,
 )
@@ -24,12 +23,6 @@ def test_one_error_may_be_known_and_another_not() -> None:
     sizes = sizes_of(plain, described.setups, "roughly", usual=False, inherited=False)
     assert sizes.index("std", "EZX") == sizes.index("length", "EZX") == -1
     assert sizes.index("std", "EZY") >= 0
-
-
-def test_the_table_says_where_its_figures_come_from() -> None:
-    causes = [each for each in vars(model).values() if isinstance(each, model.Cause)]
-    assert len(causes) == len({cause.name for cause in causes}) == 17
-    assert all(cause.source and cause.kernel and cause.size > 0 and cause.factor >= 1 for cause in causes)
 
 
 SEVERAL = Sizes((Size("std", ("EXX", "EYY"), 0.5), Size("drift", ("laser",), 1.4), Size("noise", ("laser",), 0.7)))

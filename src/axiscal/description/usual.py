@@ -123,7 +123,7 @@ NONE_VARY = Sizes(())
 
 _NO_LEVER = 1e-6
 """m: rounding."""
-_LENGTH = 0.25
+LENGTH_OF_TRAVEL = 0.25
 """Of the travel: the length of an error of which none is stated."""
 _TOGETHER_KNOTS, _TOGETHER_LENGTH = 5, 0.3
 """Knots, and length as a share of the travel, along each side of what two axes do together."""
@@ -197,7 +197,7 @@ def _as_usual(entry: ErrorEntry, axis: Axis) -> ErrorEntry:
         entry = replace(entry, scale=SCALE.size)
     if entry.length is None:
         knots = entry.knot_count(axis)  # as they are: a length alone would ask for others
-        entry = replace(entry, length=_LENGTH * axis.length, knots=knots, spacing=None)
+        entry = replace(entry, length=LENGTH_OF_TRAVEL * axis.length, knots=knots, spacing=None)
     return replace(entry, rest=_usual_rest(entry), rest_estimated=False)
 
 

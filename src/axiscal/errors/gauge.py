@@ -298,7 +298,8 @@ def hidden(
     none : of which readings none shows what is unseen
     """
     moments = moments or volume_moments(model, whole_travel(model))
-    beyond = moments.beyond_shift
+    shift = moments.mean[list(moments.counted)]
+    beyond = moments.gram - shift.T @ shift  # without the part that is one shift of the whole volume
     before = float(np.sum(beyond * model.prior_covariance()))
     acting, idle = _split(unseen, beyond, _IDLE**2 * before)
     effects = [_effect(term, acting, beyond) for term in model.terms]

@@ -138,11 +138,6 @@ class PlaneError:
                 found.append(knots[0] + ends - ASIDE)
         return found
 
-    def cell_along(self, axis: int) -> float:
-        """Return the length of its cells along one of its axes, m or rad."""
-        low, high = self.edges(0, axis)[0]
-        return float(high - low)
-
     def plane_gram(self) -> Array:
         """Return the integral of rows rowsᵀ over the plane in closed form, G_x ⊗ G_y: (c, c)."""
         first, second = (side.basis.T @ side.spline.gram() @ side.basis for side in self.sides)

@@ -123,12 +123,6 @@ class VolumeMoments:
     rest: float
     counted: Counted = EVERY_WAY
 
-    @property
-    def beyond_shift(self) -> Array:
-        """E[HᵀPH] less E[PH]ᵀE[PH], the part that is one shift of the whole volume, (size, size)."""
-        shift = self.mean[list(self.counted)]
-        return self.gram - shift.T @ shift
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class AlongAxis:

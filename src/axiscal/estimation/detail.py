@@ -4,19 +4,25 @@ Curves of one kind go together: displacements or angles, of linear or rotary axe
 readings, sizes integrated over. A quarter of the distance comes first: where it is no better, half of it is neither.
 Of detail that half cannot follow the sizes take all for a rest. Knots that somebody stated stay, and so do those of an
 inherited belief; so do those of a kind of which more would be added than numbers were read.
+
+A reversal that is one number becomes a curve likewise: a screw is worn where it works most. Columns of the sides times
+the first powers of the position tell first whether that is to be weighed: at sizes as stated and at three times these,
+since those that are learnt swallow it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from axiscal.description.usual import LENGTH_OF_TRAVEL
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.located import taken_as_normal
+from axiscal.estimation.promise.mistaken import as_stated_or_larger, gains_of_columns, log_odds_of
 from axiscal.estimation.type_prior import carried_over
 from axiscal.machine.description import Machine
 from axiscal.measurement.setup import About
@@ -29,6 +35,12 @@ _MOST = 96
 """Knots of a curve, as many as the realtime component for LinuxCNC takes."""
 _CERTAIN = 5.0
 """Gain of log evidence: 2 log B > 10 is very strong (Kass and Raftery, J. Amer. Statist. Assoc. 90 (1995), 3.2)."""
+_POWERS = 4
+"""Of the position: a worn middle, and one end that is worn, take two; a narrower spot takes four."""
+_TURNS = 3
+"""Out and back twice: once, a drift looks the same."""
+_KNOTS = 17
+"""Of a reversal that varies: four to its length, as a fine curve has."""
 
 
 def as_fine_as_shown(stated: Case, known: Estimation) -> Case:
@@ -36,10 +48,12 @@ def as_fine_as_shown(stated: Case, known: Estimation) -> Case:
 
     known : what the readings make known by it while others are to follow
     """
-    names = _free(stated.description.machine)
-    if not names or known.posterior is None or stated.inherited is not None:
+    if not stated.description.machine.fine_knots or known.posterior is None or stated.inherited is not None:
         return stated
     judged, best = known.posterior.draws[0].problem, stated
+    names, uneven = _free(stated.description.machine), _uneven(known, judged)
+    if not names and not uneven:
+        return stated
     highest = _log_evidence(judged)
     for mine in names.values():
         once = _halved(best, mine)
@@ -50,13 +64,33 @@ def as_fine_as_shown(stated: Case, known: Estimation) -> Case:
             continue
         fine = _log_evidence(_posed(once, known, judged))
         best, highest = (once, fine) if finest < fine + _CERTAIN else (twice, finest)
-    return best
+    varying = _with(best, dict.fromkeys(uneven, _KNOTS))
+    return varying if uneven and _log_evidence(_posed(varying, known, judged)) > highest + _CERTAIN else best
+
+
+def _uneven(known: Estimation, problem: Problem) -> list[str]:
+    """Return the reversals of one number each that seem to differ from place to place."""
+    errors, found = known.case.errors, list[str]()
+    terms = [term for term in errors.functions if term.kind == "reversal" and term.basis.size == 1]
+    each = as_stated_or_larger(problem) if terms else []
+    poses = np.array([known.readings[reading].pose for reading in problem.reading])
+    for term in terms:
+        whole = problem.rows[:, problem.rows.shape[1] - problem.answered + term.columns.start]
+        if np.count_nonzero(np.diff(np.sign(whole[whole != 0]))) < _TURNS:
+            continue
+        low, high = errors.machine.axes[term.axis].travel
+        along = (2 * poses[:, term.axis] - low - high) / (high - low)
+        columns = whole * along ** np.arange(1, _POWERS + 1)[:, None]
+        gains = [gains_of_columns(given, columns[None], problem.values, [1.0])[0] for given in each]
+        if log_odds_of(each, np.array(gains))[0] > 0:
+            found.append(term.name)
+    return found
 
 
 def _free(machine: Machine) -> dict[tuple[bool, bool], list[str]]:
-    """Return the names of the curves whose knots nobody stated, by kind; none where a record of before fixed them."""
+    """Return the names of the curves whose knots nobody stated, by kind."""
     found = dict[tuple[bool, bool], list[str]]()
-    for entry in machine.errors if machine.fine_knots else ():
+    for entry in machine.errors:
         if entry.follows_length:
             kind = machine.axis(entry.axis).rotary, entry.parts.angular
             found.setdefault(kind, []).append(entry.name)
@@ -67,9 +101,18 @@ def _halved(case: Case, names: Sequence[str]) -> Case:
     """Return the case with half the distance between knots of some curves; itself where one of them would have many."""
     machine = case.description.machine
     counts = {e.name: 2 * e.knot_count(machine.axis(e.axis)) - 1 for e in machine.errors if e.name in names}
-    if max(counts.values()) > _MOST:
-        return case
-    errors = tuple(replace(e, knots=counts.get(e.name, e.knots)) for e in machine.errors)
+    return case if max(counts.values()) > _MOST else _with(case, counts)
+
+
+def _with(case: Case, counts: Mapping[str, int]) -> Case:
+    """Return the case with so many knots of some errors, by name."""
+    machine = case.description.machine
+    errors = tuple(
+        replace(e, knots=counts[e.name], length=e.length or LENGTH_OF_TRAVEL * machine.axis(e.axis).length)
+        if e.name in counts
+        else e
+        for e in machine.errors
+    )
     return replace(case, description=replace(case.description, machine=replace(machine, errors=errors)))
 
 

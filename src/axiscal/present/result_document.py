@@ -85,6 +85,7 @@ _VOLUME = "axes parked tcp_mm found_um half_um left_um"
 
 def result_json(summary: Summary) -> dict[str, Any]:
     """Return the document `axiscal-result/1`; raises SummaryError for a number that is not finite."""
+    taken = [row.reading for row in summary.history if row.value_um is not None]
     return {
         "schema": "axiscal-result/1",
         **_kept(summary, "machine readings minutes stopped_because"),
@@ -95,7 +96,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         },
         "checks": {
             **_kept(summary.checks, "as_promised s", count=len(summary.checks.each)),
-            "each": [_kept(each, "z used", reading=number) for number, each in summary.each_check],
+            "each": [_kept(each, "z used", reading=taken[each.reading]) for each in summary.checks.each],
         },
         **_expanded(summary),
         **_kept(summary, "unseen_rms_um"),

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from axiscal.answers.answer import ResultAnswer
 from axiscal.description.campaign import NOTHING_SAID, Particulars
-from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, CheckReading, Checks
+from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, Checks
 from axiscal.present.drawn_by_standards import BallBarCircle, PositioningCurve
 from axiscal.present.volume_error import BentVolume, PlaneSummary, VolumeError
 
@@ -278,12 +278,6 @@ class Summary:
     ended: str = ""
     nonlinearity: float | None = None
     radii: Sequence[str] = ()
-
-    @property
-    def each_check(self) -> Sequence[tuple[int, CheckReading]]:
-        """The check readings, each with its number."""
-        taken = [row for row in self.history if row.value_um is not None]
-        return [(taken[each.reading].reading, each) for each in self.checks.each]
 
     @property
     def rejected(self) -> Sequence[HistoryRow]:

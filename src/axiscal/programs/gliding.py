@@ -98,7 +98,7 @@ def refuse_kept_out(
     Ways on which it is not known where every axis is, before all of them have been sent somewhere, are not looked at.
     """
     pending = False
-    for step, clear in zip(run, _free_ways(machine, setup, balls, scales, run), strict=True):
+    for step, clear in zip(run, free_ways(machine, setup, balls, scales, run), strict=True):
         pending = pending or not clear
         if isinstance(step, Arrival) and pending:
             raise _hit(setup, said("the way to reading {number}", number=step.target.number))
@@ -127,14 +127,7 @@ def _rooms(machine: Machine, setup: Setup, balls: Mapping[int, int], run: Sequen
         yield room
 
 
-def ways_free(
-    machine: Machine, setup: Setup, balls: Mapping[int, int], scales: Sequence[AxisScale], run: Sequence[Step]
-) -> bool:
-    """Return whether all ways are free on which it is known where every axis is; arguments as of `refuse_kept_out`."""
-    return all(_free_ways(machine, setup, balls, scales, run))
-
-
-def _free_ways(
+def free_ways(
     machine: Machine, setup: Setup, balls: Mapping[int, int], scales: Sequence[AxisScale], run: Sequence[Step]
 ) -> Iterator[bool]:
     """Yield of each step whether its way is free."""

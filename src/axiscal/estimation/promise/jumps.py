@@ -34,7 +34,7 @@ from axiscal.estimation.promise.agreement import (
     numbers_of_one,
     tail_of,
 )
-from axiscal.estimation.promise.mistaken import gains_of_columns, log_odds_of, stretches
+from axiscal.estimation.promise.mistaken import Suspect, as_stated_or_larger, gains_of_columns, log_odds_of, stretches
 from axiscal.numerics import Array
 from axiscal_core.draws import Weighed, as_stated, sized
 from axiscal_core.from_scipy import chi_square_tail
@@ -45,8 +45,6 @@ from axiscal_core.unknowns import space_of
 
 _JUMPS = 30.0, 1e3, 3e4
 """Noises: standard deviations of a jump, one as likely as the other: it slips, is nudged, or is set to zero anew."""
-_LARGER = float(np.log(3.0))
-"""Of θ: the one factor that errors are usually off by."""
 _BEYOND = 2
 """Readings before and behind a jump, at least; between two jumps lie several."""
 _NAMED = float(np.log(NAMED))
@@ -56,14 +54,6 @@ _ALIKE = 1e-6
 """Of a column: rounding, below which others make it as well."""
 _WEIGHED = 3
 """Suspects that are weighed: each costs as much as an estimate."""
-
-
-class Suspect(NamedTuple):
-    """A mistake that readings may tell.  other : they as a problem with it; places : it is one of"""
-
-    mistake: Explained
-    other: Problem
-    places: int
 
 
 class Jumped(NamedTuple):
@@ -154,7 +144,7 @@ def at_turns(problem: Problem, found: Weighed[Given], sure: Collection[int]) -> 
         turn = turn_of(problem, mine)
         if turn < 0 or turn in sure:
             continue
-        suspect = _suspect(problem, _as_stated_or_larger(problem, found.drawn.stated), mine, np.array([turn]), False)
+        suspect = _suspect(problem, as_stated_or_larger(problem, found.drawn.stated), mine, np.array([turn]), False)
         if suspect.mistake.log_odds <= -_NAMED:
             continue
         beside = sized(space_of(suspect.other))
@@ -184,7 +174,7 @@ def suspects(problem: Problem, told: Sequence[Explained] = (), sure: Collection[
     stated = as_stated(space_of(problem))
     if chi_square_tail(len(problem.values), stated.misfit) >= CONTRADICTS:
         return
-    each = _as_stated_or_larger(problem, stated)
+    each = as_stated_or_larger(problem, stated)
     for setup in np.unique(problem.setup).tolist():
         mine = problem.setup == setup
         of = np.unique(problem.reading[mine])
@@ -198,17 +188,7 @@ def suspects(problem: Problem, told: Sequence[Explained] = (), sure: Collection[
             readings = np.append(of[0], readings)
         if len(readings):
             yield _suspect(problem, each, mine, readings, bool(readings[0] == of[0]))
-        for one in stretches(problem, each, mine):
-            odds, factor = one.log_odds + float(np.log(PRIOR / one.places)), -1.0 if one.wrong == "sign" else 1.0
-            wrong = Explained(one.wrong, odds, (setup,), one.first, factor, last=one.last)
-            yield Suspect(wrong, one.other, one.places)
-
-
-def _as_stated_or_larger(problem: Problem, stated: Given) -> list[Given]:
-    """Return everything at sizes as stated, and at three times these."""
-    kept = np.array([size.kind in ("length", "noise") for size in problem.sizes.of], dtype=bool)
-    larger = space_of(problem).given(np.where(kept, 0.0, _LARGER))
-    return [stated] if larger is None else [stated, larger]
+        yield from stretches(problem, each, mine)
 
 
 def _suspect(

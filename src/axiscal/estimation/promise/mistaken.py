@@ -19,37 +19,33 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.estimation.promise.agreement import PRIOR, Explained, Mistake
 from axiscal.numerics import Array
+from axiscal_core.draws import as_stated
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
 from axiscal_core.theta import Kind
+from axiscal_core.unknowns import space_of
 
 _SHORTEST = 3
 """Readings of a stretch, and beside it: one or two bad readings are bad readings."""
 _TWICE = 2.0
 """Standard deviations of a backlash that is turned round."""
+_LARGER = float(np.log(3.0))
+"""Of θ: the one factor that errors are usually off by."""
 _DIGITS = 6
 """Of log odds: what is as likely before a reading as behind it is said of the later ones."""
 
-Wrong = Literal["sign", "sides", "mirrored"]
 
+class Suspect(NamedTuple):
+    """A mistake that readings may tell.  other : they as a problem with it; places : it is one of"""
 
-class Stretch(NamedTuple):
-    """Readings of a set-up that something is wrong with.
-
-    first, last : the readings, −1 for no last one; log_odds : beside nothing wrong, one place as likely as another
-    other : the readings as a problem with it; places : it is one of
-    """
-
-    wrong: Wrong
-    first: int
-    last: int
-    log_odds: float
+    mistake: Explained
     other: Problem
     places: int
 
@@ -61,7 +57,7 @@ class _Parts(NamedTuple):
     std : of each of the q, 0 where it is no unknown
     """
 
-    wrong: Wrong
+    wrong: Mistake
     edges: NDArray[np.intp]
     added: Array
     std: float = 0.0
@@ -70,6 +66,15 @@ class _Parts(NamedTuple):
 def _of_kinds(problem: Problem, *kinds: Kind) -> NDArray[np.bool_]:
     """Return which columns have a size of these kinds, (p,)."""
     return np.isin(problem.size_at, [i for i, size in enumerate(problem.sizes.of) if size.kind in kinds])
+
+
+def as_stated_or_larger(problem: Problem, stated: Given | None = None) -> list[Given]:
+    """Return everything at sizes as stated, and at three times these.  stated : the former"""
+    space = space_of(problem)
+    kept = np.array([size.kind in ("length", "noise") for size in problem.sizes.of], dtype=bool)
+    larger = space.given(np.where(kept, 0.0, _LARGER))
+    stated = stated or as_stated(space)
+    return [stated] if larger is None else [stated, larger]
 
 
 def log_odds_of(each: Sequence[Given], gains: Array) -> Array:
@@ -90,7 +95,7 @@ def gains_of_columns(given: Given, columns: Array, values: Array, stds: Sequence
     return gains
 
 
-def stretches(problem: Problem, each: Sequence[Given], mine: NDArray[np.bool_]) -> Iterator[Stretch]:
+def stretches(problem: Problem, each: Sequence[Given], mine: NDArray[np.bool_]) -> Iterator[Suspect]:
     """Yield the likeliest stretch of each kind.  each : everything at some sizes; mine : (m,) of the set-up"""
     readings = np.unique(problem.reading[mine])
     alone = mine & (problem.reading == readings[:, None])
@@ -113,7 +118,10 @@ def stretches(problem: Problem, each: Sequence[Given], mine: NDArray[np.bool_]) 
         else:
             other = replace(problem, values=problem.values + parts.added[0, begin[best] : end[best]].sum(axis=0))
         to = -1 if stop == len(readings) else int(readings[stop - 1])
-        yield Stretch(parts.wrong, int(readings[start]), to, float(log_odds[best]), other, len(begin))
+        odds, factor = float(log_odds[best] + np.log(PRIOR / len(begin))), -1.0 if parts.wrong == "sign" else 1.0
+        setups = (int(problem.setup[mine][0]),)
+        wrong = Explained(parts.wrong, odds, setups, int(readings[start]), factor, last=to)
+        yield Suspect(wrong, other, len(begin))
 
 
 def _parts(problem: Problem, alone: NDArray[np.bool_], backlash: Array, turns: NDArray[np.intp]) -> Iterator[_Parts]:

@@ -252,7 +252,8 @@ def prove(
         left = reached / closed - 1 if closed > 0 else np.inf
         steeper = Places.joined([each.places for each in found])
         open_ones.append(left)
-        if left <= gap or not len(steeper) or _stalled(open_ones):
+        stalled = len(open_ones) > _PATIENCE and left > _CLOSED * open_ones[-1 - _PATIENCE]
+        if left <= gap or not len(steeper) or stalled:
             break
         lattice = Places.joined([kept, steeper])
     if all(len(region.degree) == 1 for _, region in everywhere):
@@ -261,11 +262,6 @@ def prove(
             best = max(best, by_boxes(state, everywhere, places, known / (1 + gap), numbers))
         left = known / max(best, _NOUGHT) - 1
     return Proof(Bound(best, True), max(left, 0.0))
-
-
-def _stalled(open_ones: list[float]) -> bool:
-    """Whether the last rounds have hardly closed anything.  open_ones : of each round, the share of J that is open"""
-    return len(open_ones) > _PATIENCE and open_ones[-1] > _CLOSED * open_ones[-1 - _PATIENCE]
 
 
 def _begun(state: Covariance, lattice: Places, places: Places) -> Places:

@@ -63,7 +63,7 @@ def best_of_random(task: Task, counts: list[tuple[int, int]], work: float) -> Pl
 
 def _searched(task: Task, setup: int) -> bool:
     mounted = task.observation.setups[setup]
-    return mounted.chart is None and values_of(mounted) == 1 and adds_up(task.observation, setup)
+    return mounted.chart is None and values_of(mounted) == 1 and adds_up(task.observation.errors, mounted)
 
 
 def _improved(plans: _Plans, points: Points, values: Array) -> Points:

@@ -25,14 +25,9 @@ _LOOKS = 3
 """Poses that are looked at: rows that do not add up differ at almost every pose."""
 
 
-def adds_up(observation: Observation, setup: int) -> bool:
-    """Return whether the rows of a set-up are sums over its axes, looked at in a few poses."""
-    return _adds_up(observation.errors, observation.setups[setup])
-
-
 @remembered
-def _adds_up(errors: ErrorModel, mounted: Setup) -> bool:
-    """Return the same, which does not depend on what was read, nor on the other set-ups."""
+def adds_up(errors: ErrorModel, mounted: Setup) -> bool:
+    """Return whether the rows of a set-up are sums over its axes, looked at in a few poses."""
     moves = mounted.moves
     if len(moves) == 1:
         return True

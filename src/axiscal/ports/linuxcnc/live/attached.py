@@ -25,7 +25,7 @@ from axiscal.measurement.touched import cycle_of, met_from, read_as
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.live.connection import Connection
 from axiscal.ports.linuxcnc.live.in_force import InForce
-from axiscal.programs.gliding import ways_free
+from axiscal.programs.gliding import free_ways
 from axiscal.programs.in_touch import SphereCycle
 from axiscal.programs.scale import Decimals, ReadingTarget, exact, target
 from axiscal.programs.steps import Arrival, Move, ProgramAxes, Step, Touched
@@ -254,7 +254,7 @@ class _WayToBall:
         reached, known = Arrival(self.target), np.array([self._pose])
         (ball,) = setup.artefact.nearest(frames(self._machine, known).tcp, setup.balls).tolist()
         run = [*begun, *to, reached, *touching]
-        if not ways_free(self._machine, setup, {self._request.reading: ball}, scales, run):
+        if not all(free_ways(self._machine, setup, {self._request.reading: ball}, scales, run)):
             what = (
                 "on the way to ball {ball} of {artefact} the tool, its holder or the spindle nose meet a ball or a post"
             )
