@@ -148,7 +148,7 @@ def differing(shown: Shown, rows: Sequence[Row], answer: Mapping[str, Any]) -> I
             if len(found) != len(several) or not all(map(_is_shown, several, found)):
                 yield f"{cell}: {values}"
     sizes = [answer["readings"], answer["more"], *(aim[name] for aim in answer["aims"] for name in ("now", "limit"))]
-    whole = [max(answer["minutes"], 1.0), math.ceil(answer["more_minutes"]), *range(len(answer["aims"]) + 1)]
+    whole = [max(answer["minutes"], 1.0), max(answer["more_minutes"], 1.0), *range(len(answer["aims"]) + 1)]
     for number in numbers(shown.first):
         if not any(_is_shown(size, number) for size in sizes) and number not in map(round, whole):
             yield f"{shown.first}: {number}"

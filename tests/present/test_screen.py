@@ -93,7 +93,7 @@ POSITIONING = answer_row(RowName("positioning", ("X",)), MILL)
         ("unmeasured", [], "NOT ALL MEASURED   32 readings"),
         ("reached", [aim("rms", 4.876, 5.0, 1.0)], "TARGET REACHED   volume RMS 4.88 of 5 um   32 readings"),
         ("reached", [aim("U", 8.14, 20.0, 1.0)], "TARGET REACHED   volume U 8.1 of 20 um   32 readings"),
-        ("more", [aim("worst", 7.16, 5.0, 1.0)], "123 MORE READINGS, 57 MIN\n  worst place 7.2 of 5 um   32 readings"),
+        ("more", [aim("worst", 7.16, 5.0, 1.0)], "123 MORE READINGS, 56 MIN\n  worst place 7.2 of 5 um   32 readings"),
         ("unreachable", [aim("rms", 7.16, 5.0, 6.0)], "CANNOT BE REACHED WITH THESE SET-UPS\n  volume RMS 7.2 of 5 um"),
         (
             "unreachable",
@@ -105,7 +105,7 @@ POSITIONING = answer_row(RowName("positioning", ("X",)), MILL)
         (
             "more",
             [aim("backlash X", 4, 1, 0), aim("yaw X", 1, 2, 0)],
-            "123 MORE READINGS, 57 MIN\n  1 of 2 limits: backlash X 4.0 of 1 um",
+            "123 MORE READINGS, 56 MIN\n  1 of 2 limits: backlash X 4.0 of 1 um",
         ),
     ],
 )

@@ -27,7 +27,7 @@ from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.present.beside import beside_the_tool
 from axiscal.present.delivery import evaluated
-from axiscal.present.findings import coarse_displays, copies, regular_places, untimed
+from axiscal.present.findings import coarse_displays, copies, regular_places, turned_alike, untimed
 from axiscal.present.result_set import RECORD, mend
 from axiscal.present.summarising import Extras, iso230_block
 from axiscal.units import to_unit
@@ -99,8 +99,8 @@ def estimate(
         raise typer.BadParameter(said("give READINGS.csv or --log FILE"))
     placed, extras, told = tuple[Reading, ...](), Extras(), ""
     if readings is not None:
-        known = Around(description.machine.axes, description.setups)
-        read = recognised(readings, known, length_unit(unit))
+        around = Around(description.machine.axes, description.setups)
+        read = recognised(readings, around, length_unit(unit))
         description, placed = file_readings(read.found.readings, description, readings)
         refuse_implausible(placed, description, readings)
         told = read.sentence([each.setup for each in placed])
@@ -119,7 +119,8 @@ def estimate(
     warnings = [*copies(placed, description.setups), *untimed(placed, description.setups), *regular]
     extras = replace(extras, warnings=warnings)
     with evaluated(description, placed) as opened:
-        seen = [*regular, *coarse_displays(placed, description.setups), *beside_the_tool(opened.so_far())]
+        known = opened.so_far()
+        seen = [*regular, *coarse_displays(placed, description.setups), *beside_the_tool(known), *turned_alike(known)]
         kept = out / RECORD
         again = "give the command again"
         write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)

@@ -29,11 +29,13 @@ from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.reading import Reading, place_text, reading_unit
 from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
 from axiscal.numerics.displays import last_decimal
 from axiscal.planning.unseen import hidden_of
 from axiscal.present.beside import beside_the_tool
 from axiscal.present.summary import Finding
 from axiscal.units import format_quantity, from_unit, said_quantity, to_unit
+from axiscal_core.causes import way_since_turn
 from axiscal_core.theta import Kind
 
 _BY_CHANCE = 1e-4
@@ -146,6 +148,7 @@ def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
         *coarse_displays(estimation.readings, estimation.stated.description.setups),
         *_unobservable(estimation),
         *beside_the_tool(estimation),
+        *turned_alike(estimation),
         *_outliers(estimation, ended),
         *learnt_sizes(estimation),
         *(Finding("drift", None, listed(" ", found)) for found in drifted if found),
@@ -200,6 +203,39 @@ def step_between(places: NDArray[np.int64]) -> int:
     gaps = np.diff(places)
     step = int(np.gcd.reduce(gaps)) if len(places) >= _PLACES else 0
     return step if len(gaps) and 2 * step >= gaps.min() else 0
+
+
+_ALIKE = 0.05
+"""Of the travel: ways since the last turn that differ by no more from a straight line over the places."""
+
+
+def turned_alike(estimation: Estimation) -> Iterator[Finding]:
+    """Yield a warning for each reversal that varies along its axis, where the way since a turn would look the same.
+
+    Out and back over the whole travel, a place is reached by one way since the turn from each side.
+    """
+    text = (
+        "The {what} differs from place to place, or it is complete only some way after a turn: from one side each "
+        "place was reached by the same way. Read three places again, from both sides and soon after a turn."
+    )
+    errors = estimation.case.errors
+    for term in errors.functions:
+        if term.kind != "reversal" or term.basis.size == 1:
+            continue
+        axis, k = errors.machine.axes[term.axis], term.axis
+        for setup in estimation.case.description.setups if not axis.rotary else ():
+            mine = [reading for reading in estimation.readings if reading.setup == setup.name]
+            mine = sorted(mine, key=lambda reading: reading.time or 0.0) if k in setup.moves else []
+            at, sides = np.array([(each.pose[k], each.approach[k]) for each in mine]).reshape(-1, 2).T
+            ways = way_since_turn(at, sides, axis.overrun)
+            if mine and all(_bend(at[sides == side], ways[sides == side]) < _ALIKE * axis.length for side in (-1, 1)):
+                yield Finding("reversal", term.name, said(text, what=words(term.name)))
+
+
+def _bend(at: Array, ways: Array) -> float:
+    """Return how far ways are from a straight line over places, the root mean square, m."""
+    line = np.vander(at, 2)
+    return float(np.sqrt(np.mean((ways - line @ np.linalg.pinv(line) @ ways) ** 2))) if len(at) else 0.0
 
 
 def _unobservable(estimation: Estimation) -> Iterator[Finding]:
