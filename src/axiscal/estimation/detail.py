@@ -6,8 +6,8 @@ Of detail that half cannot follow the sizes take all for a rest. Knots that some
 inherited belief; so do those of a kind of which more would be added than numbers were read.
 
 A reversal that is one number becomes a curve likewise: a screw is worn where it works most. Columns of the sides times
-the first powers of the position tell first whether that is to be weighed: at sizes as stated and at three times these,
-since those that are learnt swallow it.
+the first powers of the position tell first whether that is worth weighing. Sizes are then those stated, and three times
+these: those that are learnt swallow it.
 """
 
 from __future__ import annotations

@@ -215,21 +215,27 @@ def turned_alike(estimation: Estimation) -> Iterator[Finding]:
     Out and back over the whole travel, a place is reached by one way since the turn from each side.
     """
     text = (
-        "The {what} differs from place to place, or it is complete only some way after a turn: from one side each "
-        "place was reached by the same way. Read three places again, from both sides and soon after a turn."
+        "The {what} differs from place to place, or it is complete only some way after a turn. Out and back over the "
+        "whole travel both look alike. To tell them apart, read three places again from both sides, soon after a turn."
     )
     errors = estimation.case.errors
     for term in errors.functions:
-        if term.kind != "reversal" or term.basis.size == 1:
-            continue
-        axis, k = errors.machine.axes[term.axis], term.axis
-        for setup in estimation.case.description.setups if not axis.rotary else ():
-            mine = [reading for reading in estimation.readings if reading.setup == setup.name]
-            mine = sorted(mine, key=lambda reading: reading.time or 0.0) if k in setup.moves else []
-            at, sides = np.array([(each.pose[k], each.approach[k]) for each in mine]).reshape(-1, 2).T
-            ways = way_since_turn(at, sides, axis.overrun)
-            if mine and all(_bend(at[sides == side], ways[sides == side]) < _ALIKE * axis.length for side in (-1, 1)):
-                yield Finding("reversal", term.name, said(text, what=words(term.name)))
+        varies = term.kind == "reversal" and term.basis.size > 1 and not errors.machine.axes[term.axis].rotary
+        if varies and _as_far_after_turns(estimation, term.axis):
+            yield Finding("reversal", term.name, said(text, what=words(term.name)))
+
+
+def _as_far_after_turns(estimation: Estimation, k: int) -> bool:
+    """Return whether an axis came to each place of a set-up from one side always as far after a turn."""
+    axis = estimation.case.description.machine.axes[k]
+    for setup in estimation.case.description.setups:
+        mine = [each for each in estimation.readings if each.setup == setup.name and k in setup.moves]
+        mine.sort(key=lambda reading: reading.time or 0.0)
+        at, sides = np.array([(each.pose[k], each.approach[k]) for each in mine]).reshape(-1, 2).T
+        ways = way_since_turn(at, sides, axis.overrun)
+        if any(_bend(at[sides == side], ways[sides == side]) >= _ALIKE * axis.length for side in (-1, 1)):
+            return False
+    return True
 
 
 def _bend(at: Array, ways: Array) -> float:

@@ -116,9 +116,9 @@ def _joint(ini: IniFile, joint: int) -> OldFile | None:
         file_type = 0 if kind is None else int(kind.number("COMP_FILE_TYPE"))
         return OldFile(str(at), _text(at), joint=joint, file_type=file_type, unit=unit_in(ini, "LINEAR_UNITS"))
     backlash = stated("BACKLASH")
-    step = 0.0 if backlash is None else backlash.number("BACKLASH")
-    own = OldFile(f"{ini.path} [JOINT_{joint}]", "", joint=joint, backlash=step, unit=unit_in(ini, "LINEAR_UNITS"))
-    return own if step else None
+    if backlash is None or not (step := backlash.number("BACKLASH")):
+        return None
+    return OldFile(f"{ini.path} [JOINT_{joint}]", "", joint=joint, backlash=step, unit=unit_in(ini, "LINEAR_UNITS"))
 
 
 _APART = 1e-9

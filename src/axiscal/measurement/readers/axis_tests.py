@@ -66,7 +66,7 @@ def circle(file: TextFile, around: Around) -> Found:
 def long_table(file: TextFile, around: Around) -> Found:
     """Return the readings of a table with a line for each; raises ReadingError, also for one that stands twice.
 
-    Where no column numbers the runs, a target is read in the first run first.
+    The order of the lines numbers the runs where no column does.
     """
     table = table_of(file, words=STEMS)
     target, way, read = table.needed(_OF_TEST | _BESIDE, "target_mm", "direction", "deviation_um")
