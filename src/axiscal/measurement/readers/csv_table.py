@@ -53,6 +53,8 @@ _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
 _NOTHING = re.compile(r"\s*#|[\s;,]*$")
 _TITLES = 60
 """Lines with more titles above the header than any program writes are no table."""
+_COLUMNS = 1000
+"""Cells of a line that are looked at before it is known as a header."""
 _HINT = re.compile(r"\s*sep=(.)\s*")
 """First line by which a spreadsheet says what separates the cells."""
 
@@ -224,11 +226,11 @@ def _begun(
     names = _cells(file.name, number, first, separator)
     if len(names) == 1 and not (_names(first) or _AXIS.fullmatch(names[0])):
         raise file.fail("no known format begins with {text}", "docs/readings.md names all", number, text=_quote(first))
+    width, below = len(names), _cells(file.name, *data[0], separator) if data else []
     while len(names) > 1 and not names[-1]:
         names.pop()
-    below = _cells(file.name, *data[0], separator) if data else []
-    if any(below) and all(unit_of(cell) or not cell for cell in below):  # the units, in a line of their own
-        units = [unit_of(cell) for cell in below]
+    units = [unit_of(cell) for cell in below[:width]]
+    if any(units) and all(unit or not cell for unit, cell in zip_longest(units, below)):  # in a line of their own
         names = [f"{name} [{unit}]" if unit else name for name, unit in zip_longest(names, units, fillvalue="")]
         data = data[1:]
     return number, separator, _columns(file, number, names, header, words), data
@@ -241,7 +243,8 @@ def _separator(line: str) -> str:
 
 def _names(line: str) -> int:
     """Return how many cells of a line are known as names of columns."""
-    columns, words = [column_of(cell.strip(' "')) for cell in line.split(_separator(line))], STEMS.keys() | OF_READINGS
+    cells, words = line.split(_separator(line), _COLUMNS)[:_COLUMNS], STEMS.keys() | OF_READINGS
+    columns = [column_of(cell.strip(' "')) for cell in cells]
     return sum(bool(each.unit or each.stem.lower() in words or run_of(each.stem)) for each in columns)
 
 

@@ -17,6 +17,7 @@ from axiscal.document.file import number_or_none
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
+from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.ports.linuxcnc.tables import cross, pivots
@@ -218,8 +219,8 @@ def _table(
     kept = _parsed(file, _type(file))
     if not len(kept.nominal):
         raise TableError("LinuxCNC reads no row of this file", "name a COMP_FILE", file.name)
-    what, remedy = "LinuxCNC skips this row: {text!r}", "take it out, or mend it: rows increase, 256 of them at most"
-    lines = file.text.split("\n")
+    what, lines = "LinuxCNC skips this row: {text!r}", file.text.split("\n")
+    remedy = said("take it out, or mend it: rows increase, 256 of them at most")
     untaken += [TableError(what, remedy, file.name, n, text=lines[n - 1].strip()[:40]) for n in kept.skipped]
     unit = "deg" if machine.axis(axis).rotary else machine_unit
     at, forward, reverse = (from_unit(values, unit) for values in (kept.nominal, kept.forward, kept.reverse))
