@@ -33,8 +33,12 @@ from tests.certify.kept import FOLDER, HOUSE, Kept, state_of_sources
 from tests.reliability import covering
 from tests.reliability.covering import Covered
 
-ROOMS = ("numerics", "estimation", "tables", "record")
-PACKAGE = HOUSE / "src" / "axiscal"
+SOURCES, TESTS = HOUSE / "src", HOUSE / "tests"
+_PACKAGE = SOURCES / "axiscal"
+ROOMS = {"core": SOURCES / "axiscal_core"} | {
+    room.name: room for room in sorted(_PACKAGE.iterdir()) if (TESTS / room.name).is_dir()
+}
+"""Its folder, by the name that its tests have."""
 _APART = ("docs", "cli", "web", "scenarios", "benchmarks", "reliability", "certify")
 _LOADED = ("hypothesis", "mpmath", "scipy.linalg", "scipy.optimize", "threadpoolctl")
 """What tests and package need of others, loaded once for all forks; nothing of the package itself."""
@@ -56,7 +60,7 @@ class Mutant:
     @property
     def name(self) -> str:
         """Return what it is called in what is kept."""
-        return f"{self.path.relative_to(PACKAGE)}:{self.line} {self.operator} {self.occurrence}"
+        return f"{self.path.relative_to(SOURCES)}:{self.line} {self.operator} {self.occurrence}"
 
 
 def mutants(path: Path) -> dict[tuple[int, int], list[Mutant]]:
@@ -76,7 +80,7 @@ def mutants(path: Path) -> dict[tuple[int, int], list[Mutant]]:
 
 def drawn(room: str, number: int, seed: int = 1) -> list[Mutant]:
     """Return so many places of a room, drawn at random, and a change drawn at each: the same ones for the same seed."""
-    places = [changes for path in sorted((PACKAGE / room).rglob("*.py")) for changes in mutants(path).values()]
+    places = [changes for path in sorted(ROOMS[room].rglob("*.py")) for changes in mutants(path).values()]
     dice = random.Random(f"{room} {len(places)}{'' if seed == 1 else f' {seed}'}")
     return [dice.choice(changes) for changes in dice.sample(places, min(number, len(places)))]
 
@@ -101,8 +105,8 @@ def outcome(mutant: Mutant, covered: Covered, seconds: float) -> str:
     changed = mutate_code(text, get_operator(mutant.operator)(), mutant.occurrence)
     with tempfile.TemporaryDirectory(dir=FOLDER) as name:
         sources = Path(name) / "src"
-        shutil.copytree(HOUSE / "src", sources, copy_function=os.link)
-        here = sources / mutant.path.relative_to(HOUSE / "src")
+        shutil.copytree(SOURCES, sources, copy_function=os.link)
+        here = sources / mutant.path.relative_to(SOURCES)
         here.unlink()
         here.write_text(changed)
         batches = (some for some in (chosen[:_FIRST], chosen[_FIRST:]) if some)
@@ -130,17 +134,17 @@ def learnt(room: str, own: bool) -> Covered:
 
     It is the same for all places that are drawn, so that other places of the same sources are tried without it.
     """
-    paths = (PACKAGE / room).rglob("*.py")
+    paths = ROOMS[room].rglob("*.py")
     files = sorted({file for path in paths for file in files_of_tests(path) if not own or _room_of(file) == room})
     said = hashlib.sha256(f"{state_of_sources(('src', 'tests'))} {files}".encode()).hexdigest()
     file = FOLDER / f"covered-{room}-{said[:12]}.json"
     if not file.exists():
         _say(f"{room}: {len(files)} files of tests are run once")
-        compileall.compile_dir(PACKAGE, quiet=2)
-        if _status(partial(covering.learn, files, PACKAGE / room, file), HOUSE / "src", 7200) != 0:
+        compileall.compile_dir(SOURCES, quiet=2)
+        if _status(partial(covering.learn, files, ROOMS[room], file), SOURCES, 7200) != 0:
             sys.exit(f"no test of {room} passes without any change")
     covered = Covered.read(file)
-    wrong = first_failed(sorted(covered.seconds, key=covered.seconds.__getitem__)[:1], HOUSE / "src", 600)
+    wrong = first_failed(sorted(covered.seconds, key=covered.seconds.__getitem__)[:1], SOURCES, 600)
     if wrong is not None:
         sys.exit(f"{wrong} fails without any change")
     return covered
@@ -172,13 +176,13 @@ def files_of_tests(path: Path) -> tuple[str, ...]:
     Tests of whole commands, pages and docs are left out. `covering` leaves out long ones, which `make test` does not
     run either, and what starts a LinuxCNC or a browser.
     """
-    module = ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
+    module = ".".join(path.relative_to(SOURCES).with_suffix("").parts).removesuffix(".__init__")
     room, _, word = module.rpartition(".")
     naming = (f"import {module}", f"from {module} import", f"from {room} import {word}")
-    own = HOUSE / "tests" / module.split(".")[1]
+    own = TESTS / next(name for name, folder in ROOMS.items() if folder in path.parents)
     return tuple(
         str(test.relative_to(HOUSE))
-        for test in sorted((HOUSE / "tests").rglob("test_*.py"))
+        for test in sorted(TESTS.rglob("test_*.py"))
         if own in test.parents
         or _room_of(str(test.relative_to(HOUSE))) == "refusals"
         or (
@@ -268,7 +272,7 @@ def main(words: Sequence[str]) -> int:
         covered = learnt(room, args.own)
         found = [_tried(mutant, covered, args.seconds, args.again, args.own) for mutant in tried]
         killers = sorted({said.removeprefix("killed by ") for said in found if said.startswith("killed by tests/")})
-        wrong = first_failed(killers, HOUSE / "src", 3600) if killers else None
+        wrong = first_failed(killers, SOURCES, 3600) if killers else None
         if wrong is not None:
             sys.exit(f"fails without any change when it is run among few: {wrong}")
         killed = sum(said.startswith("killed") for said in found)
