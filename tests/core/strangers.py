@@ -60,3 +60,21 @@ class Arm(ac.Instrument):
         off = line + at.moved + sum(u.get(f"tool_{a}", 0.0) * at.tool[:, :, i] for i, a in enumerate("xyz"))
         turn = np.array([u.get(f"turn_{a}", 0.0) for a in "xyz"]) + 0 * line
         return [part + u[f"zero_{a}"] for part, a in zip((off + ac.cross(turn, off) - line).T, "xyz", strict=True)]
+
+
+class Warm(ac.Laser):
+    """A laser whose scale is warmer than anybody knows, by a kelvin or so."""
+
+    type_b = {"warmer": 1.0}
+
+    def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
+        return [super().sees(at, u)[0] - 11.7e-6 * u["warmer"] * (at.poses[:, 0] - 0.2)]
+
+
+def mill(**options: str) -> ac.Case:
+    """Return two axes of 400 mm and a reversal, with two lasers and a level."""
+    axes = [ac.Axis.linear(name, name.lower(), (0, "400 mm")) for name in "XY"]
+    errors = [ac.Error(f"E{c}{name}", 8e-6, length="150 mm") for name in "XY" for c in "XYC"]
+    errors += [ac.Error("C0Y", "30 urad"), ac.Error("EXX_reversal", "4 um")]
+    lasers = [ac.Laser("x", "X", along="x"), ac.Laser("y", "Y", along="y"), ac.Level("c", "X", about="z")]
+    return ac.Case(ac.Machine(axes, errors), lasers, **options)  # type: ignore[arg-type]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -13,6 +11,7 @@ from axiscal_core.draws import as_stated
 from axiscal_core.posing import posed
 from axiscal_core.rigid import turned_about
 from axiscal_core.unknowns import space_of
+from tests.core.strangers import Warm, mill
 
 TOGETHER = 0.0831806
 """J of the paper's seven readings chosen together; the product's own plan of them has it as well."""
@@ -23,14 +22,6 @@ def _paper() -> ac.Case:
     machine = ac.Machine([ac.Axis.linear("X", "x", (0, 10))], [ac.Error("EXX", 1.0)])
     dial = ac.Laser("dial", "X", noise=0.1, unknowns={"zero": 0.0}, approach="+")
     return ac.Case(machine, [dial], usual="off", sure="exactly")
-
-
-def _mill(**options: str) -> ac.Case:
-    axes = [ac.Axis.linear(name, name.lower(), (0, "400 mm")) for name in "XY"]
-    errors = [ac.Error(f"E{c}{name}", 8e-6, length="150 mm") for name in "XY" for c in "XYC"]
-    errors += [ac.Error("C0Y", "30 urad"), ac.Error("EXX_reversal", "4 um")]
-    lasers = [ac.Laser("x", "X", along="x"), ac.Laser("y", "Y", along="y"), ac.Level("c", "X", about="z")]
-    return ac.Case(ac.Machine(axes, errors), lasers, **options)  # type: ignore[arg-type]
 
 
 def test_figure_4_one_after_another_and_equation_37() -> None:
@@ -64,7 +55,7 @@ def test_a_callable_criterion_plans_what_its_matrix_plans() -> None:
 
 
 def test_kept_places_stay_and_own_candidates_are_not_left() -> None:
-    case = _mill()
+    case = mill()
     kept = ac.Places("x", [[0.123, 0.2]], [[1, 0]])
     own = ac.Places(["x", "y", "c"] * 4, np.linspace([0.0, 0.0], [0.4, 0.4], 12), np.ones((12, 2)))
     plan = case.plan(4, candidates=own, keep=kept)
@@ -75,7 +66,7 @@ def test_kept_places_stay_and_own_candidates_are_not_left() -> None:
 
 
 def test_readings_that_are_there_count() -> None:
-    case = _mill()
+    case = mill()
     first = case.plan(readings=4).places
     more = case.plan(readings=3, after=first)
     assert pytest.approx(case.evaluate(first + more.places).J, rel=1e-9) == more.J
@@ -84,14 +75,14 @@ def test_readings_that_are_there_count() -> None:
 
 def test_minutes_are_kept_and_more_of_them_leave_less() -> None:
     mounted = [ac.Laser("dial", "X", noise="9 um", setup_time="1 min"), ac.Laser("laser", "X", setup_time="6 min")]
-    limits, case = np.array([2, 4, 6.5, 8]), ac.Case(_mill().stated, mounted)
+    limits, case = np.array([2, 4, 6.5, 8]), ac.Case(mill().stated, mounted)
     plans = [case.plan(minutes=each if each < 5 else f"{60 * each} s", candidates=60) for each in limits.tolist()]
     assert np.abs(np.array([plan.minutes for plan in plans]) - limits).max() < 1e-9
     assert np.all(np.diff([plan.J for plan in plans]) < 0)
 
 
 def test_an_rms_is_reached_with_as_few_readings_as_do() -> None:
-    case = _mill()
+    case = mill()
     few = case.plan(readings=5, candidates=90)
     found = case.plan(rms=1.02 * few.rms, candidates=90)
     assert found.rms <= 1.02 * few.rms
@@ -135,7 +126,7 @@ def test_a_station_250_mm_off_is_found() -> None:
 
 
 def test_a_slip_is_taken_out() -> None:
-    case = _mill()
+    case = mill()
     places = ac.Places("x", np.column_stack([np.linspace(0, 0.4, 21), np.full(21, 0.2)]), [[1, 0]] * 21)
     readings, _ = _told(case, places)
     values = readings.values.copy()
@@ -145,19 +136,10 @@ def test_a_slip_is_taken_out() -> None:
     assert max(known.z.values()) < 4
 
 
-class Warm(ac.Laser):
-    """A laser whose scale is warmer than anybody knows, by a kelvin or so."""
-
-    type_b = {"warmer": 1.0}
-
-    def sees(self, at: ac.At, u: ac.Unknowns) -> Sequence[ac.Array]:
-        return [super().sees(at, u)[0] - 11.7e-6 * u["warmer"] * (at.poses[:, 0] - 0.2)]
-
-
 def test_causes_of_type_b_move_no_mean_and_widen_every_figure() -> None:
     """Schmidt's consider form: Var[F u] = F C Fᵀ + Σ (F G b − f)², which a person redoes by hand."""
     places = ac.Places("laser", [[t, 0.2] for t in (0.0, 0.1, 0.2, 0.3, 0.4)], [[1, 0]] * 5)
-    machine = _mill().stated
+    machine = mill().stated
     cases = [ac.Case(machine, [kind("laser", "X")], usual="off", sure="exactly") for kind in (ac.Laser, Warm)]
     readings, _ = _told(cases[0], places)
     plain, warm = (case.estimate(readings) for case in cases)
@@ -222,7 +204,7 @@ def test_an_error_of_ones_own_is_planned_and_estimated() -> None:
 
 
 def test_samples_and_deviations_are_those_of_the_covariance() -> None:
-    case = _mill()
+    case = mill()
     readings, _ = _told(case, case.plan(readings=8).places)
     known = case.estimate(readings)
     drawn = known.sample(4000, seed=1)
@@ -238,7 +220,7 @@ def test_samples_and_deviations_are_those_of_the_covariance() -> None:
 
 
 def test_tables_go_to_pandas_and_back() -> None:
-    case = _mill()
+    case = mill()
     readings, _ = _told(case, case.plan(readings=6).places)
     frame = pd.DataFrame(case.table(readings))
     again = case.readings(frame)
@@ -263,7 +245,7 @@ def test_a_rigid_motion_of_the_volume_is_no_error_where_it_is_aligned() -> None:
 @pytest.mark.long
 def test_what_is_promised_of_the_tool_point_holds() -> None:
     """Of forty machines drawn as the case believes them: mean squares of deviations in standard deviations are one."""
-    case = _mill(usual="off", sure="exactly")
+    case = mill(usual="off", sure="exactly")
     places, poses = case.plan(readings=8, candidates=90).places, [[0.0, 0.4], [0.15, 0.1], [0.4, 0.3]]
     rows, z = case.machine.rows(np.array(poses)).displacement, []
     for seed in range(40):
