@@ -14,7 +14,6 @@ from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
 from axiscal.planning.bound.lower_bound import lower_bound
-from axiscal.planning.gains import candidate_rows
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.exchange import exchange
@@ -66,11 +65,10 @@ def _falls(asked: Task, places: Places, pool: Pool, indices: Array) -> Array:
     )
 
 
-@pytest.mark.parametrize(("three", "beams", "memory"), [((), {}, 1e9), ((0,), {1: 4}, 1e9), ((1,), {0: 2}, 0.0)])
+@pytest.mark.parametrize(("three", "beams"), [((), {}), ((0,), {1: 4}), ((1,), {0: 2})])
 def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
-    three: tuple[int, ...], beams: dict[int, int], memory: float, monkeypatch: pytest.MonkeyPatch
+    three: tuple[int, ...], beams: dict[int, int]
 ) -> None:
-    monkeypatch.setattr(candidate_rows, "_MEMORY", memory)
     asked = mixed(120, three, beams)
     pool = Pool(asked.observation, asked.lattice)
     scores, rng = Scores(pool, asked.state), np.random.default_rng(0)

@@ -103,15 +103,6 @@ def bernstein(degree: int, t: Array) -> Array:
     return np.stack([comb(degree, k) * t**k * (1 - t) ** (degree - k) for k in range(degree + 1)], axis=1)
 
 
-def coefficients_between(rows: Callable[[Array], Array], breaks: Array, degree: int) -> Array:
-    """Return the Bernstein coefficients of functions that are polynomials between breaks, (pieces (degree + 1), n).
-
-    rows : at positions (m,) the value of each function, (m, n); breaks : (pieces + 1,)
-    """
-    inner = breaks[:-1, None] + np.diff(breaks)[:, None] * _inner(degree)
-    return _coefficients(rows(inner.ravel()).reshape(*inner.shape, -1), (degree,)).reshape(inner.size, -1)
-
-
 def patches(forms: Forms, low: Array, high: Array, degree: tuple[int, ...]) -> Patches:
     """Return forms as polynomials over boxes, found from as many places in each as they have coefficients.
 

@@ -1,4 +1,4 @@
-"""A lattice of candidates with its rows, kept whole or, where few pieces make them, by these.
+"""A lattice of candidates with its rows.
 
 A candidate has as many rows as its instrument gives numbers, one after another: one, or one each along x, y and z.
 """
@@ -8,31 +8,23 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.model import ErrorModel, SameKnots
 from axiscal.measurement.cells import RestEffects, add_rests
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import cells_shown, numbers_of_setups, with_cells
 from axiscal.numerics import Array
-from axiscal.numerics.bernstein import bernstein, coefficients_between
 from axiscal.planning.gains.covariance import Covariance, Scorer
 from axiscal_core.from_scipy import sparse_product
 
 _BLOCK = 4096
 """Rows made at once: of memory, not of the result."""
-_LONGEST, _LONG = 32, 4
-"""Control values up to which an error stays whole, and up to which where whole rows take too much memory: of speed."""
-_DEGREE = 3
-"""Of an error between two of its knots."""
 _TOGETHER = 64
 """Vectors of which products are summed at once: of memory, not of the result."""
-_MEMORY = 1e9
-"""Bytes that the rows of a lattice may take as a whole; beyond, shorter errors are cut into pieces, too."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -41,7 +33,6 @@ class _Block:
 
     candidates : slice of the pool's; values : numbers of each; rests : what those of cells do to these numbers
     rows : (numbers, c) over the unknowns that one of them feels; felt : (c,) which
-    cut : what makes the products of rows over pieces, None where they are whole
     cells : (e,) those that the numbers feel, in the list of all; of_cells : what makes the products of their rests
     shown : by candidate, the cells that a reading there opens
     """
@@ -51,7 +42,6 @@ class _Block:
     values: int
     rows: Array
     felt: NDArray[np.intp]
-    cut: Callable[[Array], Array] | None
     rests: RestEffects
     cells: NDArray[np.intp]
     of_cells: Callable[[Array], Array]
@@ -71,8 +61,6 @@ class Pool:
         self.noise = np.array([observation.setups[s].noise ** 2 for s in self.lattice.setups])
         self.numbers = numbers_of_setups(observation.setups)
         self.width = int(self.numbers.max())
-        fits = 8.0 * self.size * self.numbers[self.lattice.setups].sum() <= _MEMORY
-        self._pieces = _Pieces(observation.errors, self.size, _LONGEST if fits else _LONG)
         self._blocks = [
             self._block(setup, slice(start, min(start + _BLOCK, int(mine[-1]) + 1)))
             for setup, mine in self.lattice.by_setup()
@@ -98,9 +86,8 @@ class Pool:
         """Return the rows of all candidates times vectors (n, c) over the observation's unknowns, (c, w, M)."""
         result = np.zeros((vectors.shape[1], self.width, len(self)))
         columns = np.ascontiguousarray(vectors.T)
-        pieces = self._pieces.coefficients(vectors) if self._pieces.cuts else vectors
         for block in self._blocks:
-            seen = columns[:, block.felt] @ block.rows.T if block.cut is None else block.cut(pieces).T
+            seen = columns[:, block.felt] @ block.rows.T
             at = observation.cell_columns.columns[block.cells]
             if np.any(at >= 0):
                 seen += block.of_cells(np.where(at[:, None] >= 0, vectors[at], 0.0)).T
@@ -147,10 +134,7 @@ class Pool:
         block = self._block_of(index)
         inside = block.values * (index - block.candidates.start) + np.arange(block.values)
         result = np.zeros((block.values, observation.size))
-        if block.cut is None:
-            result[:, block.felt] = block.rows[inside]
-        else:
-            result[:, : self.size] = self._rows(block.setup, slice(index, index + 1))
+        result[:, block.felt] = block.rows[inside]
         functions, reach, cells = block.rests
         of = RestEffects(functions, reach[:, inside], cells[:, inside])
         add_rests(of, np.zeros(len(functions)), observation.cell_columns.visited(of), result, np.zeros(len(inside)))
@@ -171,16 +155,14 @@ class Pool:
 
     def _block(self, setup: int, candidates: slice) -> _Block:
         poses, approaches = self.lattice.poses[candidates], self.lattice.approaches[candidates]
-        rows, cut = self._rows(setup, candidates), None
-        if self._pieces.cuts and self._bare.setups[setup].base is None:
-            effects = self._bare.errors.effects(self._bare.levers(setup, poses), approaches)
-            rows, cut = rows[:, :0], self._pieces.product(effects, poses, rows[:, self._pieces.whole])
+        each = [seen.rows for seen in self._bare.rows_each(setup, poses, approaches)]
+        rows = each[0] if len(each) == 1 else np.stack(each, axis=1).reshape(-1, self.size)
         felt = np.flatnonzero(np.any(rows != 0, axis=0))
         functions, reach, cells = self._bare.rest_effects(setup, poses, approaches)
         inside = reach.transpose(1, 2, 0).reshape(len(functions), len(rows))
         rests = RestEffects(functions, inside, np.repeat(cells, len(reach), axis=1))
         return _Block(
-            setup, candidates, len(reach), np.ascontiguousarray(rows[:, felt]), felt, cut, rests,
+            setup, candidates, len(reach), np.ascontiguousarray(rows[:, felt]), felt, rests,
             *self._of_cells(rests), cells_shown(self._bare, setup, poses),
         )  # fmt: skip
 
@@ -191,62 +173,3 @@ class Pool:
         cells = np.flatnonzero(np.bincount(every))
         entries, shape = rests.reach[effects, numbers], (rests.reach.shape[1], len(cells))
         return cells, sparse_product(entries, numbers, np.searchsorted(cells, every), shape)
-
-    def _rows(self, setup: int, candidates: slice) -> Array:
-        """Return the rows of some candidates of a set-up over all unknowns, (numbers, n)."""
-        part = self.lattice.poses[candidates], self.lattice.approaches[candidates]
-        each = [seen.rows for seen in self._bare.rows_each(setup, *part)]
-        return each[0] if len(each) == 1 else np.stack(each, axis=1).reshape(-1, self.size)
-
-
-class _Cut(NamedTuple):
-    """Functions in pieces.  maps : (p, n) from values to coefficients; first : where those of the first one begin"""
-
-    alike: SameKnots
-    maps: Array
-    first: int
-
-
-class _Pieces:
-    """Unknowns of which a row feels few: Bernstein coefficients of functions between knots, then what is not cut.
-
-    There each is a cubic, so that a row has four entries of it, however finely it is divided.
-    cuts : the functions that are cut; count : of their coefficients; whole : (u,) the columns that stay as they are
-    """
-
-    def __init__(self, errors: ErrorModel, size: int, longest: int) -> None:
-        kept, self.cuts, self.count = np.ones(size, dtype=bool), list[_Cut](), 0
-        for alike in errors.same_knots:
-            if alike.basis.size > longest:
-                maps = coefficients_between(alike.basis.rows, alike.basis.knots, _DEGREE)
-                self.cuts.append(_Cut(alike, maps, self.count))
-                self.count += len(alike.functions) * len(maps)
-                kept[alike.columns] = False
-        self.whole = np.flatnonzero(kept)
-
-    def coefficients(self, vectors: Array) -> Array:
-        """Return vectors (n, c) over the unknowns as vectors over these, (k, c)."""
-        shape, parts = (-1, vectors.shape[1]), list[Array]()
-        for alike, maps, _ in self.cuts:
-            parts.append((maps @ vectors[alike.columns].reshape(-1, maps.shape[1], shape[1])).reshape(shape))
-        return np.concatenate([*parts, vectors[self.whole]])
-
-    def product(self, effects: Array, poses: Array, rows: Array) -> Callable[[Array], Array]:
-        """Return what makes the products (numbers, c) of rows with vectors (k, c) over these unknowns.
-
-        effects : (v, terms, m) what a unit of each error adds to each of v numbers; poses : (m, q)
-        rows : (m v, u) of what is whole, the numbers of one reading beside each other
-        """
-        every = np.arange(len(rows)).reshape(-1, len(effects)).T[:, None, :, None]
-        where, column = np.nonzero(rows)
-        parts = [(rows[where, column], where, self.count + column)]
-        for alike, maps, first in self.cuts:
-            knots, at = alike.basis.knots, poses[:, alike.axis]
-            piece = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
-            shapes = bernstein(_DEGREE, (at - knots[piece]) / (knots[piece + 1] - knots[piece]))
-            begins = first + len(maps) * np.arange(len(alike.functions))[:, None, None]
-            columns = begins + (_DEGREE + 1) * piece[:, None] + np.arange(_DEGREE + 1)
-            felt = np.broadcast_arrays(effects[:, alike.functions, :, None] * shapes, every, columns)
-            parts.append((felt[0].ravel(), felt[1].ravel(), felt[2].ravel()))
-        entries, numbers, columns = (np.concatenate(each) for each in zip(*parts, strict=True))
-        return sparse_product(entries, numbers, columns, (len(rows), self.count + len(self.whole)))
