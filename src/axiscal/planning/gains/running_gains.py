@@ -5,9 +5,7 @@ R = G C Gᵀ to G C Gᵀ − S Kᵀ. Likewise N = G C W C Gᵀ changes to N − 
 and G C W C g_l of the readings in the plan. With them it costs O(M) to take a reading out and to find its best
 replacement.
 
-A reading enters and leaves with all its numbers at once, and so do many readings. A search looks
-at the columns G C Gᵀ and G C W C Gᵀ of one reading at a time. So a change of low rank is written down and taken off
-what is looked at; several are taken off the whole tables together.
+A reading enters and leaves with all its numbers at once, and so do many readings.
 """
 
 from __future__ import annotations
@@ -300,56 +298,31 @@ def _gains(above: Array, below: Array) -> Array:
     return joint_gains(above.transpose(2, 0, 1), below.transpose(2, 0, 1))
 
 
-_WAITING = 48
-"""Columns of changes that wait: of speed, not of the result."""
-
-
 class ReadingColumns:
     """What the candidates see of each of the readings.  cross, reach : (N, w, w, M), reading by reading."""
 
     def __init__(self, cross: Array, reach: Array) -> None:
-        readings, self._width, _, self._count = cross.shape
-        self._tables = np.stack([cross, reach]).reshape(2, readings * self._width, -1)
-        self._left, self._right, self._waiting = *self._empty(_WAITING), 0
+        self._tables = np.stack([cross, reach])
 
     def copy(self) -> Self:
         """Return a copy that goes its own way."""
-        self._settle()
-        shape = (-1, self._width, self._width, self._count)
-        return type(self)(*(table.reshape(shape) for table in self._tables))
+        return type(self)(*self._tables)
 
     def against(self, slot: int) -> tuple[Array, Array]:
         """Return G C Gᵀ and G C W C Gᵀ of the candidates and a reading, each (w, w, M), its own numbers first."""
-        own = slice(slot * self._width, (slot + 1) * self._width)
-        found = self._tables[:, own] - self._left[:, own, : self._waiting] @ self._right[: self._waiting]
-        cross, reach = found.reshape(2, self._width, self._width, self._count)
+        cross, reach = self._tables[:, slot]
         return cross, reach
 
     def put(self, slot: int, cross: Array, reach: Array) -> None:
         """Put a reading in the place of another.  cross, reach : (w, w, M)"""
-        own = slice(slot * self._width, (slot + 1) * self._width)
-        self._left[:, own] = 0.0
-        self._tables[:, own] = np.stack([cross, reach]).reshape(2, self._width, -1)
+        self._tables[:, slot] = cross, reach
 
     def change(self, scaled: Array, half: Array, cross: Array) -> None:
         """Take a change off: crossᵀ scaled, and halfᵀ scaled + scaledᵀ half; each (k, w, M + N), as of `Scores`."""
-        readings = [each[:, :, self._count :].transpose(2, 1, 0) for each in (scaled, half, cross)]
-        mine, far, near = (each.reshape(-1, len(scaled)) for each in readings)
-        right = np.concatenate([each[:, :, : self._count].reshape(len(each), -1) for each in (scaled, half)])
-        if self._waiting + len(right) > _WAITING:
-            self._settle()
-            self._left, self._right = self._empty(max(_WAITING, len(right)))
-        into = slice(self._waiting, self._waiting + len(right))
-        self._left[0, :, into], self._left[1, :, into] = np.hstack([near, np.zeros_like(near)]), np.hstack([far, mine])
-        self._right[into], self._waiting = right, into.stop
-
-    def _empty(self, most: int) -> tuple[Array, Array]:
-        """Return room for changes that wait."""
-        _, rows, columns = self._tables.shape
-        return np.zeros((2, rows, most)), np.empty((most, columns))
-
-    def _settle(self) -> None:
-        """Take everything off that waits."""
-        for table, left in zip(self._tables, self._left, strict=True):
-            take_off(table, left[:, : self._waiting], self._right[: self._waiting])
-        self._waiting = 0
+        count, rank = self._tables.shape[-1], len(scaled)
+        both = np.concatenate([scaled, half])
+        mine, right = both[:, :, count:].transpose(2, 1, 0), both[:, :, :count].reshape(len(both), -1)
+        near = cross[:, :, count:].transpose(2, 1, 0).reshape(-1, rank)
+        take_off(self._tables[0].reshape(len(near), -1), near, right[:rank])
+        crossed = np.concatenate([mine[:, :, rank:], mine[:, :, :rank]], axis=2).reshape(len(near), -1)
+        take_off(self._tables[1].reshape(len(near), -1), crossed, right)
