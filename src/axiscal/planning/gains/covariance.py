@@ -11,9 +11,8 @@ tr(adj(M) N) / det(M). Both are divided by the same power of the noise, to stay 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -105,12 +104,6 @@ class Scorer:
     weighted: Array
     both: Array
 
-    def widened(self, columns: Array, reach: Array) -> Scorer:
-        """Return the gains where the covariance is larger by D Dᵀ.  columns : D (n, k); reach : V D (w, k)"""
-        factor, weighted = np.hstack([self.factor, columns]), np.hstack([self.weighted, reach])
-        target = self.both[:, self.rank :] + columns @ reach.T
-        return Scorer(self.observation, factor, weighted, np.hstack([factor, target]))
-
     @property
     def rank(self) -> int:
         """Number of columns of F: the rest of `both` belongs to the numerator."""
@@ -185,38 +178,20 @@ class Covariance:
         """Return the state after readings, and what all their numbers changed."""
         state = self.opened(places)
         rows, variances, _ = state.rows(places)
-        after, (change,) = state.changed_by(ReadNumbers(rows, variances))
-        return after, change
+        return state.changed_by(ReadNumbers(rows, variances))
 
-    def changed_by(self, *parts: ReadNumbers) -> tuple[Covariance, tuple[LowRank, ...]]:
-        """Return the state after one part after another has entered or left, and what each of them changed.
-
-        F T, T = T₁ T₂ ... of `_Turn`. A part sees T of those before it: the factor is read as often as for one part.
-        """
-        sizes = [np.sqrt(part.variances) for part in parts]
-        told = (
-            np.concatenate([part.rows / size[:, None] for part, size in zip(parts, sizes, strict=True)]) @ self.factor
-        )
-        cuts, turns, bases = _cuts(parts), list[_Turn](), list[Array]()
-        for part, cut in zip(parts, cuts, strict=True):
-            turn = _Turn.from_numbers(_turned(told[cut].T, turns), part.leaving)
-            bases.append(_turned(turn.basis, turns[::-1]))
-            turns.append(turn)
-        turned = np.concatenate(bases, axis=1)
-        values = np.concatenate([turn.values for turn in turns])
-        reach = (self.weighted @ turned) * values
+    def changed_by(self, part: ReadNumbers) -> tuple[Covariance, LowRank]:
+        """Return the state after numbers have entered or left, and what they changed: F T, T of `_Turn`."""
+        sizes = np.sqrt(part.variances)
+        turn = _Turn.from_numbers(((part.rows / sizes[:, None]) @ self.factor).T, part.leaving)
+        reach = (self.weighted @ turn.basis) * turn.values
         felt = (reach.T @ self.weighted).T
-        for number, cut in enumerate(cuts[1:], start=1):
-            felt[:, cut] = _turned(_turned(felt[:, cut], turns[:number]), turns[:number][::-1])
-        seen = (np.hstack([turned, felt]).T @ self.both.T).T  # thin factors first: twice as fast
-        along, count = seen[:, : len(values)], len(reach)
-        h, z = along[count:] * values, seen[count:, len(values) :]
-        shrunk = along * np.concatenate([turn.shrink for turn in turns])
+        seen = (np.hstack([turn.basis, felt]).T @ self.both.T).T  # thin factors first: twice as fast
+        along, count = seen[:, : len(turn.values)], len(reach)
+        h, z = along[count:] * turn.values, seen[count:, len(turn.values) :]
         taken = self.both.copy()
-        take_off(taken, shrunk, np.concatenate([turn.basis for turn in turns], axis=1).T)
-        made = zip(turns, sizes, cuts, strict=True)
-        changes = tuple([LowRank.by_turn(turn, size, h[:, cut], z[:, cut], reach[:, cut]) for turn, size, cut in made])
-        return replace(self, both=taken), changes
+        take_off(taken, along * turn.shrink, turn.basis.T)
+        return replace(self, both=taken), LowRank.by_turn(turn, sizes, h, z, reach)
 
     def after_readings(self, places: Places) -> Covariance:
         """Return the state after readings, all at once."""
@@ -234,19 +209,6 @@ class Covariance:
         """Return the gains under this state."""
         weighted = self.weighted
         return Scorer(self.observation, self.factor, weighted, np.hstack([self.factor, self.factor @ weighted.T]))
-
-
-def _cuts(parts: Sequence[ReadNumbers]) -> list[slice]:
-    """Return where the numbers of each part are among those of all."""
-    ends = list(accumulate([len(part.variances) for part in parts]))
-    return [slice(end - len(part.variances), end) for part, end in zip(parts, ends, strict=True)]
-
-
-def _turned(vectors: Array, turns: Sequence[_Turn]) -> Array:
-    """Return ... T₂ T₁ v of vectors (r, k)."""
-    for turn in turns:
-        vectors = vectors - (turn.basis * turn.shrink) @ (turn.basis.T @ vectors)
-    return vectors
 
 
 def _singular(matrix: Array) -> tuple[Array, Array, Array]:

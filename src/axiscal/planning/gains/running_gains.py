@@ -11,7 +11,7 @@ A reading enters and leaves with all its numbers at once, and so do many reading
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import Covariance, LowRank, ReadNumbers, Scorer
+from axiscal.planning.gains.covariance import Covariance, LowRank, ReadNumbers
 from axiscal_core.from_scipy import take_off
 from axiscal_core.state import joint_gains
 
@@ -62,7 +62,6 @@ class Scores:
         self.above, self.below = pool.gain_forms(state.scorer())
         self._columns: ReadingColumns | None = None
         self._leavings: Leavings | None = None
-        self._bare: tuple[Covariance, Scorer] | None = None
 
     def told(self, columns: NDArray[np.intp]) -> Array:
         """Return the shares of the first variances of unknowns that each candidate takes away, summed, (M,)."""
@@ -105,9 +104,11 @@ class Scores:
         """Put a candidate, or a reading at another single place, where another stands; return by how much J falls."""
         place, rows, variance = self._read(what)
         self._make_room()
-        leaving = self._leaving(slot)
-        self.places = self.places.exchanged(slot, place)
-        return self._taken(np.array([slot]), rows, np.zeros(len(rows), dtype=np.intp), np.array([variance]), leaving)
+        state, left = self.known_without(slot)
+        self._changed(left, *self._products(left))
+        self.state, self.places = state, self.places.exchanged(slot, place)
+        every = np.zeros(len(rows), dtype=np.intp)
+        return left.gain + self._taken(np.array([slot]), rows, every, np.array([variance]))
 
     def _read(self, what: int | Places) -> tuple[Places, Array, float]:
         """Return a reading's place, rows (k, n) and variance, with columns for the cells that it opens."""
@@ -129,29 +130,19 @@ class Scores:
         self.places = Places.joined([self.places, places])
         return self._taken(slots, rows, owner, variances[np.searchsorted(owner, np.arange(len(places)))])
 
-    def _taken(
-        self, slots: NDArray[np.intp], rows: Array, owner: NDArray[np.intp], noise: Array, *leaving: ReadNumbers
-    ) -> float:
-        """Take readings in.
-
-        slots : (m,); rows : (k, n) of all numbers; owner : (k,) of which reading; noise : (m,)
-        leaving : the one that stood there
-        """
+    def _taken(self, slots: NDArray[np.intp], rows: Array, owner: NDArray[np.intp], noise: Array) -> float:
+        """Take readings in.  slots : (m,); rows : (k, n) of all numbers; owner : (k,) of which reading; noise : (m,)"""
         inside = np.arange(len(rows)) - np.searchsorted(owner, owner)
         self._make_room()
         self.rows[slots], self.noise[slots] = 0.0, noise
         self.rows[slots[owner], inside] = rows
-        state, changes = self.state.changed_by(*leaving, ReadNumbers(rows, noise[owner]))
-        seen = self._products(changes)
-        for change, each in zip(changes[:-1], seen[:-1], strict=True):
-            self._changed(change, *each)
-        self.last = changes[-1]
+        self.state, self.last = self.state.changed_by(ReadNumbers(rows, noise[owner]))
+        cross, reach = self._products(self.last)
         if self._columns is not None:
-            self._columns.put(int(slots[0]), *(self._back(self.last, each) for each in seen[-1]))
-        self._changed(self.last, *seen[-1])
-        self.state = state
+            self._columns.put(int(slots[0]), self._back(self.last, cross), self._back(self.last, reach))
+        self._changed(self.last, cross, reach)
         self._own(slots, owner, inside)
-        return sum([change.gain for change in changes])
+        return self.last.gain
 
     def _own(self, slots: NDArray[np.intp], owner: NDArray[np.intp], inside: NDArray[np.intp]) -> None:
         """Find N and M of readings that have entered: a zero that opened before them is a million times their noise.
@@ -188,7 +179,7 @@ class Scores:
         """Take a reading out of the plan, and return by how much J rises."""
         self.state, self.last = self.known_without(slot)
         self._columns = None
-        self._changed(self.last, *self._products([self.last])[0])
+        self._changed(self.last, *self._products(self.last))
         own = len(self.pool) + slot
         self.above, self.below = np.delete(self.above, own, axis=2), np.delete(self.below, own, axis=2)
         self.rows, self.noise = np.delete(self.rows, slot, axis=0), np.delete(self.noise, slot)
@@ -197,23 +188,9 @@ class Scores:
 
     def known_without(self, slot: int) -> tuple[Covariance, LowRank]:
         """Return the state without a reading of the plan, and what that would change."""
-        state, (change,) = self.state.changed_by(self._leaving(slot))
-        return state, change
-
-    def _leaving(self, slot: int) -> ReadNumbers:
         count = self._numbers(slot)
-        return ReadNumbers(self.rows[slot, :count].copy(), np.full(count, self.noise[slot]), leaving=True)
-
-    def scorer(self) -> Scorer:
-        """Return the gains as if no cell had been visited, which are found once until a reading moves."""
-        if self._bare is None or self._bare[0] is not self.state:
-            self._bare = self.state, self.pool.scorer(self.state)
-        return self._bare[1]
-
-    def scorer_without(self, change: LowRank) -> Scorer:
-        """Return the same without a reading.  change : what its leaving would change"""
-        columns = change.h[: self.pool.size] * np.sqrt(-np.diagonal(change.eta))
-        return self.scorer().widened(columns, self.state.root.times(columns))
+        leaving = ReadNumbers(self.rows[slot, :count], np.full(count, self.noise[slot]), leaving=True)
+        return self.state.changed_by(leaving)
 
     def without(self, slot: int) -> tuple[Array, float]:
         """Return the gains (M,) of the candidates were a reading not taken, and that of the reading itself."""
@@ -260,17 +237,12 @@ class Scores:
         """Return how many numbers a reading of the plan has."""
         return int(self.pool.numbers[self.places.setups[slot]])
 
-    def _products(self, changes: Sequence[LowRank]) -> list[tuple[Array, Array]]:
-        """Return rows times H and Z of each change, for candidates, then readings, each (k, w, M + N)."""
-        vectors = np.concatenate([part for change in changes for part in (change.h, change.z)], axis=1)
+    def _products(self, change: LowRank) -> tuple[Array, Array]:
+        """Return rows times H and Z of a change, for candidates, then readings, each (k, w, M + N)."""
+        vectors = np.hstack([change.h, change.z])
         mine = (self.rows @ vectors).transpose(2, 1, 0)
         seen = np.concatenate([self.pool.products(self.state.observation, vectors), mine], axis=2)
-        found, start = list[tuple[Array, Array]](), 0
-        for change in changes:
-            middle, end = start + len(change.eta), start + 2 * len(change.eta)
-            found.append((seen[start:middle], seen[middle:end]))
-            start = end
-        return found
+        return seen[: len(change.eta)], seen[len(change.eta) :]
 
     def _changed(self, change: LowRank, cross: Array, reach: Array) -> None:
         """Bring everything up to date after C ← C − H η Hᵀ.  cross, reach : as of `_products`"""

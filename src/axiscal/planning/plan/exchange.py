@@ -297,7 +297,7 @@ def _better(scores: Scores, slot: int, allowed: Allowed) -> Places | None:
     """Return the best reading for a slot, or None where none is better than what it holds."""
     gains, _ = _open_to(scores, slot, allowed)
     state, change = scores.known_without(slot)
-    found = _climbed(scores.pool, scores.scorer_without(change), gains, scores.places.single(slot))
+    found = _climbed(scores.pool, scores.pool.scorer(state), gains, scores.places.single(slot))
     more = state.entered(found)[1].gain > -change.gain * (1 + _BETTER)  # tables are changed for what is better only
     return found if more else None
 
