@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import itertools
+import json
 import re
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import CampaignDescription, read_campaign
-from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
-from axiscal.measurement.candidates import spread
+from axiscal.machine import Machine
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import (
     EYE,
@@ -31,50 +28,11 @@ from axiscal.present.machine_drawing.instruments import DRAWN
 from axiscal.present.machine_drawing.machine_scene import machine_parts, reach_edges
 from axiscal.present.machine_drawing.setup_picture import plan_picture, setup_scene
 from axiscal.present.machine_drawing.standing_machine import StandingMachine
-from tests.docs.howtos import DOCS, written
 from tests.generators.kinematics import shifted, tip, turned
 from tests.present.drawn_words import Box, boxes_of, held_inside
+from tests.present.looked_at import FILE, MACHINES, Placed, pictures, placed_campaigns
 
 SVG = "{http://www.w3.org/2000/svg}"
-ROOT = DOCS.parent
-BENCHES = sorted((ROOT / "src" / "axiscal" / "present" / "demo").rglob("*.machine.toml"))
-CHAINS = [
-    "w-b-X-Y-Z-C-A-t",
-    "w-b-Y-X-Z-B-t",
-    "w-X'-Y'-b-Z-B-t",
-    "w-X'-Y'-Z'-b-t",
-    "w-Y'-b-Z-X-t",
-    "w-C'-b-Z-X-t",
-    "w-b-X-Z-t",
-    "w-Z'-B'-X'-b-Y-t",
-    "w-A'-X'-Y'-b-Z-t",
-    "w-b-Z-Y-X-t",
-    "w-b-X-Y-t",
-    "w-C'-b-X-Z-t",
-    "w-b-C-t",
-]
-
-
-def _of_chain(chain: str) -> Machine:
-    """Return a machine of a chain, its rotary axes aside from where the others are at nought."""
-    axes = [link.rstrip("'") for link in chain.split("-")[1:-1] if link != "b"]
-    travels = [f'[axes.{a}]\ntravel = ["-20 deg", "100 deg"]\norigin = ["10 mm", "-20 mm", "-90 mm"]' if a in "ABC"
-               else f'[axes.{a}]\ntravel = ["-100 mm", "500 mm"]' for a in axes]  # fmt: skip
-    tool = '[tool]\nlength = "110 mm"\n'
-    return machine_from_text(f'name = "{chain}"\nchain = "{chain}"\n{tool}' + "\n".join(travels) + _error(axes[0]))
-
-
-def _error(axis: str) -> str:
-    """Return one error of an axis: a machine without any is refused."""
-    along, std = (axis, "10 urad") if axis in "ABC" else (axis, "10 um")
-    return f'\n[errors]\nE{along}{axis} = {{ std = "{std}" }}\n'
-
-
-MACHINES: list[Machine] = [
-    *(load_machine(name) for name in builtin_names()),
-    *(load_machine(path) for path in BENCHES),
-    *(_of_chain(chain) for chain in CHAINS),
-]
 
 
 def _poses(machine: Machine) -> list[Array]:
@@ -204,30 +162,10 @@ def _depth(solid: Solid, at: Array) -> float | None:
     return best
 
 
-def _campaigns(folder: Path) -> list[tuple[str, CampaignDescription]]:
-    found = []
-    for page in sorted(set((DOCS / "howto").glob("*.md")) - {DOCS / "howto" / "a-port-of-your-own.md"}):
-        own = folder / page.stem
-        own.mkdir()
-        found.append((page.stem, read_campaign(written(page, own), target_needed=False, asking=False)))
-    paths = [*ROOT.glob("examples/*.campaign.toml"), *(ROOT / "src").rglob("*.campaign.toml")]
-    found += [(path.stem, read_campaign(path, target_needed=False, asking=False)) for path in sorted(paths)]
-    return found
-
-
-def _places(campaign: CampaignDescription, each: int = 10) -> list[Place]:
-    lattice = spread(campaign.machine, campaign.setups, each * len(campaign.setups))
-    rows = zip(lattice.setups.tolist(), lattice.poses.tolist(), lattice.approaches.astype(int).tolist(), strict=True)
-    return [Place(campaign.setups[setup].name, tuple(pose), tuple(side)) for setup, pose, side in rows]
-
-
-Placed = tuple[str, CampaignDescription, list[Place]]
-
-
 @pytest.fixture(scope="module")
 def campaigns(tmp_path_factory: pytest.TempPathFactory) -> list[Placed]:
     """Every campaign of the how-tos, the examples and the demos, with places of readings."""
-    return [(name, of, _places(of)) for name, of in _campaigns(tmp_path_factory.mktemp("campaigns"))]
+    return placed_campaigns(tmp_path_factory.mktemp("campaigns"))
 
 
 def test_readings_are_drawn_where_the_tool_is_on_the_table(campaigns: list[Placed]) -> None:
@@ -302,6 +240,17 @@ def _shown_at(style: str, width: int) -> set[str]:
     for sheet in sheets:
         shown |= dict(re.findall(r"\.(w\d+)\{display:(\w+)\}", sheet))
     return {name for name, how in shown.items() if how != "none"}
+
+
+def test_pictures_are_those_that_somebody_has_looked_at(campaigns: list[Placed]) -> None:
+    """Half a pixel in the sum of all coordinates of a kind, since processors differ in a last digit."""
+    kept, found = json.loads(FILE.read_text(encoding="utf-8")), pictures(campaigns)
+    assert found.keys() == kept.keys()
+    for name, kinds in found.items():
+        assert kinds.keys() == kept[name].keys(), name
+        for kind, own in kinds.items():
+            for figure, known, slack in zip(own, kept[name][kind], (0.0, 0.5, 5.0), strict=True):
+                assert figure == pytest.approx(known, abs=slack), (name, kind)
 
 
 def test_a_name_stays_a_name(campaigns: list[Placed]) -> None:
