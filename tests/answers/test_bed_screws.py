@@ -67,6 +67,7 @@ def test_screws_are_turned_until_the_plane_of_the_map_is_level(tmp_path: Path) -
     assert "front right CW 00:3" in answer.text.replace("\n", " ")
 
 
+@pytest.mark.long
 def test_a_bed_without_screws_has_none_and_says_that_half_of_it_was_probed(tmp_path: Path) -> None:
     campaign = begun(tmp_path, "")
     assert "screws" not in campaign

@@ -94,7 +94,13 @@ Rotary travels are on both sides of where the number of nodes changes.
 """
 
 
-@pytest.mark.parametrize("case", CASES)
+_DEAR = {"table", "three axes 2"}
+"""Whose grids take seconds, and are of the kinds of others."""
+
+
+@pytest.mark.parametrize(
+    "case", [pytest.param(name, marks=pytest.mark.long if name in _DEAR else ()) for name in CASES]
+)
 def test_moments_agree_with_brute_quadrature(case: str) -> None:
     machine, (low, high), points, near = CASES[case]
     model = ErrorModel(machine)

@@ -7,7 +7,7 @@ import re
 from dataclasses import replace
 from decimal import Decimal
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
@@ -102,8 +102,17 @@ def holds(kind: str, controller: str, lines: list[str] | None = None) -> int:
     return WaysSaid(said, places[0].setup, controller).holds(text, planned)
 
 
-@pytest.mark.parametrize("controller", controllers())
-@pytest.mark.parametrize("kind", KINDS)
+_NESTS = ("heidenhain", "linuxcnc")
+"""Controls that hold a nest in the quick tests: each program of one is followed for seconds."""
+
+
+@pytest.mark.parametrize(
+    ("kind", "controller"),
+    [
+        pytest.param(*each, marks=pytest.mark.long if each[0] == "nest" and each[1] not in _NESTS else ())
+        for each in product(KINDS, controllers())
+    ],
+)
 def test_what_touches_stays_in_touch_or_drawn_back_from_reading_to_reading(kind: str, controller: str) -> None:
     said, places, program = made(kind, controller)
     assert holds(kind, controller) == len(places) - 1
