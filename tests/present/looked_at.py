@@ -107,6 +107,8 @@ def pictures(campaigns: list[Placed]) -> dict[str, Figures]:
     """Return all of them: machines alone, plans of campaigns, and a report."""
     found = {f"{n} {each.chain}": machine_scene(each).svg(400.0, 300.0) for n, each in enumerate(MACHINES)}
     found |= {name: plan_picture(of.machine.name, of, places, (1400.0,)) for name, of, places in campaigns}
+    _, of, places = max(campaigns, key=lambda each: len(each[1].setups))
+    found["at every width"] = plan_picture(of.machine.name, of, places)
     page = render(five_axis_summary(12))
     for n, part in enumerate(page[: page.index("<script>")].split('class="picture"')):
         found[f"report {n}"] = part

@@ -20,6 +20,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.machine import machine_from_text
 from axiscal.planning.helping import rows_shown
 from axiscal.present.guide import slips
+from axiscal.present.guide.progress import last_step
 from axiscal.present.guide.question import ExpectedNumber, Question
 from axiscal.present.guide.slips import CAUSES, Cause, causes, jog, keep_as, surprise_text, try_jog
 from axiscal.record.events import Asked
@@ -73,6 +74,15 @@ def test_a_display_that_follows_is_tested_once_a_mounting(campaign: Campaign) ->
     assert jog(campaign) is None
     with pytest.raises(ReadingError, match="nothing to test"):
         try_jog(campaign, "100")
+
+
+def test_undo_says_which_reading_it_would_take_back(campaign: Campaign) -> None:
+    for number in (1, 2):
+        campaign.record(number * 1e-6)
+        campaign.next()
+        said, taken = last_step(campaign)
+        assert said.startswith(f'reading {number} in "laser" at X = ')
+        assert taken == campaign.state.readings[-1].number
 
 
 def asked(campaign: Campaign) -> Question:

@@ -33,6 +33,14 @@ addf motion-controller servo-thread
 """
 
 
+@pytest.fixture(autouse=True)
+def _library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lay LinuxCNC's own HAL file where no LinuxCNC is installed."""
+    (tmp_path / "hallib").mkdir()
+    (tmp_path / "hallib" / "core_sim.hal").touch()
+    monkeypatch.setattr("axiscal.ports.linuxcnc.configuring.LIBRARY", tmp_path / "hallib")
+
+
 def ini(folder: Path, axes: str = "XYZ", kinematics: str = "trivkins", more: str = "", hal: str = "") -> Path:
     """Return the INI file of a machine whose axes go from -100 to 100, beside its HAL file."""
     text = INI.format(kinematics=kinematics, joints=len(axes), axes=axes, more=more)
