@@ -17,10 +17,11 @@ from axiscal.measurement.reading_rows import rows_at
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.travel import way_seconds
 from axiscal.numerics import Array
-from axiscal.planning.plan.order import in_order, seconds_along
+from axiscal.planning.plan.order import in_order, seconds_along, set_ups_in_order
 from axiscal.planning.plan.plan import make_plan, renewed
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.plan.tour import Tour
 from tests.generators.designs import levered, problem
 
 TIMES = 2
@@ -71,6 +72,33 @@ def best_of_all(asked: Task, budget: float) -> float:
     known = np.eye(told.shape[1]) + (often[within] @ grams).reshape(-1, told.shape[1], told.shape[1])
     reach = asked.root.times(asked.belief.factor)
     return float(np.tensordot(np.linalg.inv(known), reach.T @ reach).min())
+
+
+def test_places_of_other_set_ups_are_not_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked, fill = list[tuple[set[int], set[int]]](), Tour.fill
+
+    def filled(tour: Tour, rng: np.random.Generator, power: float, shaken: float) -> None:
+        looked.append((set(tour.scores.pool.lattice.setups.tolist()), {*tour.runs}))
+        fill(tour, rng, power, shaken)
+
+    monkeypatch.setattr(Tour, "fill", filled)
+    make_plan(gantry(8, 0.05, zero=1e-3, settings=3), Limits(budget=170.0), bounded=False)
+    assert looked
+    assert all(there == mounted for there, mounted in looked)
+
+
+def test_the_set_up_that_takes_most_per_second_comes_first() -> None:
+    """A naive twin takes readings in again for each set-up and turn."""
+    task = gantry(9, 0.05, zero=1e-3, settings=3)
+    expected, state, left = list[int](), task.state, dict(task.lattice.by_setup())
+    while left:
+        groups = {setup: task.lattice.within(mine) for setup, mine in left.items()}
+        after = {setup: state.after_readings(group) for setup, group in groups.items()}
+        rates = {s: (state.value - after[s].value) / seconds_along(task, group) for s, group in groups.items()}
+        expected.append(max(rates, key=lambda setup: rates[setup]))
+        state = after[expected[-1]]
+        del left[expected[-1]]
+    assert list(dict.fromkeys(set_ups_in_order(task, task.lattice).setups.tolist())) == expected
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import reading_seconds, short_way, way_seconds
 from axiscal.numerics import Array
-from axiscal.planning.gains.covariance import Covariance
+from axiscal.planning.gains.covariance import criterion_after
 from axiscal.planning.plan.task import Limits, Task
 from axiscal_core.ties import ALIKE, first_best
 
@@ -59,12 +59,11 @@ def seconds_each(task: Task, order: Places, straight: bool = False) -> Array:
     """
     setups = task.observation.setups
     stays, start = _before(task, order)
-    ways, counted = np.zeros(len(order)), counting(task, order)
+    seconds, counted = np.zeros(len(order)), counting(task, order)
     for setup, mine in order.by_setup():
         places = start[mine], order.poses[mine], counted[mine]
-        ways[mine] = way_seconds(task.observation.machine, setups[setup], *places, straight=straight)
-    mounting, reading = np.array([(s.setup_time, reading_seconds(s)) for s in setups])[order.setups].T
-    seconds: Array = np.where(stays, ways, mounting) + reading
+        ways = way_seconds(task.observation.machine, setups[setup], *places, straight=straight)
+        seconds[mine] = np.where(stays[mine], ways, setups[setup].setup_time) + reading_seconds(setups[setup])
     return seconds
 
 
@@ -77,11 +76,13 @@ def _before(task: Task, order: Places) -> tuple[NDArray[np.bool_], Array]:
 
 def counting(task: Task, places: Places) -> Array:
     """Return the approaches of readings, (m, q), 0 for axes with no prescribed direction where none matters."""
-    axes = range(len(task.observation.machine.axes))
-    reverses = task.observation.errors.reversing
-    setups = task.observation.setups
-    counts = [[k in s.moves and (len(s.sides) == 1 or k in reverses) for k in axes] for s in setups]
-    return np.where(np.array(counts)[places.setups], places.approaches, 0.0)
+    counted = np.zeros_like(places.approaches)
+    for index, mine in places.by_setup():
+        setup = task.observation.setups[index]
+        for k in setup.moves:
+            if len(setup.sides) == 1 or k in task.observation.errors.reversing:
+                counted[mine, k] = places.approaches[mine, k]
+    return counted
 
 
 def in_order(task: Task, places: Places) -> Places:
@@ -98,20 +99,19 @@ def set_ups_in_order(task: Task, places: Places) -> Places:
     groups = {setup: places.within(mine) for setup, mine in places.by_setup()}
     if len(groups) <= 1:
         return places
-    done, state = list[Places](), task.state
-    first = None if task.here is None else int(task.here.setups[0])
-    while groups:
-        after = {setup: state.after_readings(group) for setup, group in groups.items()}
-        best = first if first in groups and not done else _fastest(task, state, groups, after)
-        done.append(groups.pop(best))
-        state = after[best]
-    return Places.joined(done)
-
-
-def _fastest(task: Task, state: Covariance, groups: dict[int, Places], after: dict[int, Covariance]) -> int:
-    """Return the set-up that takes J down fastest per second.  after : the state with the readings of each"""
-    rates = [(state.value - after[setup].value) / seconds_along(task, group) for setup, group in groups.items()]
-    return list(groups)[first_best(np.array(rates), ALIKE)]
+    state, order = task.state.opened(places), list[int]()
+    rows, owner = state.whitened(places)
+    told = {setup: rows[places.setups[owner] == setup] for setup in groups}
+    seconds = {setup: seconds_along(task, group) for setup, group in groups.items()}
+    now, first = state.value, -1 if task.here is None else int(task.here.setups[0])
+    while left := [setup for setup in groups if setup not in order]:
+        next_ones = [first] if first in left and not order else left
+        after = [criterion_after(state.weighted, np.concatenate([told[s] for s in (*order, one)])) for one in next_ones]
+        rates = [(now - value) / seconds[one] for value, one in zip(after, next_ones, strict=True)]
+        best = first_best(np.array(rates), ALIKE)
+        order.append(next_ones[best])
+        now = after[best]
+    return Places.joined([groups[setup] for setup in order])
 
 
 def _by_setup(task: Task, places: Places, exact: bool = False) -> Places:
