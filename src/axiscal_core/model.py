@@ -158,9 +158,14 @@ class Model:
         order = np.argsort(joined[5], kind="stable")
         return Numbers(*(each[order] for each in joined))
 
-    def taken(self, after: Readings | Places | None, function: str) -> Numbers | None:
-        """Return the numbers of readings that are there, None where there are none."""
-        return None if after is None or not len(self.checked(after, function, "after")) else self.numbers(after)
+    @cached_property
+    def none(self) -> Numbers:
+        """The numbers of no reading."""
+        return self.numbers(self.lattice_of(self.instruments[0], 2)).at(np.zeros(0, dtype=np.intp))
+
+    def taken(self, after: Readings | Places | None, function: str) -> Numbers:
+        """Return the numbers of readings that are there."""
+        return self.none if after is None or not len(self.checked(after, function, "after")) else self.numbers(after)
 
     def shows(self, places: Places, x: Array) -> Normal:
         """Return what readings show of unknowns x (size,), nothing linearised, with noise and rests."""

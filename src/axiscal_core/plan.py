@@ -32,7 +32,7 @@ from axiscal_core.units import METRES, Quantity, in_minutes, si
 _STARTS = 12  # beside the greedy one: with 3 J of eight drawn plans is up to 1.3 times as large, with 24 up to 8 % less
 _CLIMBED = 3  # of what they end in: the best on the candidates is not always the best off them
 _EXCHANGES, _CLIMBS = 8, 4  # rounds, at most: most searches end before
-_MANY = 100  # readings in minutes from which on one round of exchanges does, and none is moved: of time
+_MANY = 100  # readings in minutes that are exchanged and moved, and to which others are added: of time
 _MOST = 400  # readings until an RMS: who needs more has another problem
 _SHARE = 0.95  # of U
 
@@ -42,6 +42,7 @@ class Evaluation:
     """What readings make known.
 
     J : by the criterion; rms : of the tool point over the volume, m; U : which that RMS exceeds in 5 % of machines, m
+    U counts causes of type B, J and rms do not
     minutes : set-ups and readings, without ways; bound : J that no choice of as many of the candidates can beat
     """
 
@@ -106,14 +107,18 @@ def _ended(search: _Search, count: int | None, limit: float | None, target: floa
     chosen = search.starts(count or _MOST, limit, target)[0]
     if not chosen and not len(search.kept):
         raise InputError("Case.plan", "minutes", f"= {limit:g} are too few for one reading", "Give more")
-    return search.moved(chosen, free and len(chosen) < _MANY)
+    found = search.moved(chosen[:_MANY], free)
+    if len(chosen) <= _MANY:
+        return found
+    longer = _Search(search.case, search.goal, search.lattice, search.taken, found)
+    return longer.moved(longer.grown([], count or _MOST, limit, target), free=False)
 
 
 def _told(case: Model, search: _Search, places: Places, after: Readings | Places | None) -> Plan:
     order = sorted(range(len(places)), key=lambda i: (case.setups.index(places.instruments[i]), *places.poses[i]))
     sorted_places = places.at(order)
-    n, before = case.numbers(sorted_places), [] if search.taken is None else [search.taken]
-    course = [State(case, search.goal, joined([*before, n.at(n.place < i)])).value for i in range(1, len(places) + 1)]
+    n = case.numbers(sorted_places)
+    course = [search.value(joined([search.taken, n.at(n.place < i)])) for i in range(1, len(places) + 1)]
     found = evaluated(case, sorted_places, after, search.goal, bounded=False)
     return Plan(**vars(found), places=sorted_places, course=np.array(course))
 
@@ -128,15 +133,17 @@ def evaluated(
     wanted = criterion if isinstance(criterion, Goal) else goal(criterion, case.machine, case.volume, where)
     found = case.checked(places, where)
     before = case.taken(after, where)
-    every = [each for each in (before, case.taken(places, where)) if each is not None]
-    state = State(case, wanted, joined(every) if every else None)
+    state = State(case, wanted, joined([before, case.taken(places, where)]))
     spread = case.volume.root @ state.covariance @ case.volume.root.T
     bound = None
     if bounded and wanted.function is None and len(found):
         tried = case.numbers(case.lattice() + found)
         bound = lower_bound(State(case, wanted, before).covariance, wanted.root, tried, len(found))
-    rms = float(np.sqrt(np.trace(spread)))
-    return Evaluation(state.value, rms, expanded(spread), minutes_of(case, found), bound)
+    rms, moved = float(np.sqrt(np.trace(spread))), case.volume.root @ state.moved
+    each = dict(zip(case.setups, case.instruments, strict=True))
+    seconds = sum(each[name].begins for name in {*found.instruments})
+    seconds += sum(each[name].costs for name in found.instruments)
+    return Evaluation(state.value, rms, expanded(spread + moved @ moved.T), seconds / 60, bound)
 
 
 def expanded(spread: Array) -> float:
@@ -148,18 +155,11 @@ def expanded(spread: Array) -> float:
     return float(np.sqrt(total * chi_square_quantile(degrees, _SHARE) / degrees)[0])
 
 
-def minutes_of(case: Model, places: Places) -> float:
-    """Return how long readings take, min: set-ups and readings, without ways."""
-    each = dict(zip(case.setups, case.instruments, strict=True))
-    begins = sum(each[name].begins for name in dict.fromkeys(places.instruments))
-    return (begins + sum(each[name].costs for name in places.instruments)) / 60
-
-
 class _Search:
     """The search for a plan.  taken : numbers of readings that are there; kept : places that are in every plan"""
 
-    def __init__(self, case: Model, goal: Goal, lattice: Places, taken: Numbers | None, kept: Places) -> None:
-        self.case, self.goal, self.kept, self.taken = case, goal, kept, taken
+    def __init__(self, case: Model, goal: Goal, lattice: Places, taken: Numbers, kept: Places) -> None:
+        self.case, self.goal, self.lattice, self.kept, self.taken = case, goal, lattice, kept, taken
         self.places = kept + lattice
         self.state = State(case, goal, taken)
         self.n = case.numbers(self.places)
@@ -194,7 +194,8 @@ class _Search:
         while len(found) + len(self.fixed) < count and (target is None or self.rms(found) > target):
             gains = self.gains(found)
             if limit is not None:
-                gains = np.where((more := self._more(found, limit)) < np.inf, gains / np.maximum(more, 1e-6), -np.inf)
+                more = self._more(found, limit)
+                gains = np.where(more < np.inf, gains, -np.inf) / np.clip(more, 1e-6, 1e99)
             if not np.isfinite(gains.max()):
                 break
             found.append(int(np.argmax(gains)))
@@ -203,7 +204,7 @@ class _Search:
     def exchanged(self, chosen: Sequence[int], limit: float | None = None) -> list[int]:
         """Return candidates of which none can be exchanged for a better one.  limit : minutes"""
         found = list(chosen)
-        for _ in range(_EXCHANGES if limit is None or len(found) < _MANY else 1):
+        for _ in range(_EXCHANGES):
             before = list(found)
             for j in range(len(found)):
                 gains = self.gains(others := found[:j] + found[j + 1 :])
@@ -227,8 +228,8 @@ class _Search:
             most = [min(1 + i % len(self.begins), count - len(self.fixed)) for i in range(_STARTS)]
             drawn = [self._mounted(generator.permutation(free), each, limit) for each in most]
         tried = self._best_first([self.grown(each, count, limit, target) for each in ([], *drawn)])
-        best = tried if limit is None else tried[:_CLIMBED]
-        return self._best_first([self.grown(self.exchanged(each, limit), count, limit, target) for each in best])
+        best, size = (tried, None) if limit is None else (tried[:_CLIMBED], _MANY)
+        return self._best_first([self.grown(self.exchanged(each[:size], limit), count, limit, target) for each in best])
 
     def _best_first(self, tried: list[list[int]]) -> list[list[int]]:
         return sorted(tried, key=lambda each: self.value(self._numbers((*self.fixed, *each))))
@@ -238,7 +239,7 @@ class _Search:
         moved = [self.moved(each, free) for each in self.starts(count)[:_CLIMBED]]
         return min(moved, key=lambda each: self.value(self._with(each)))
 
-    def value(self, numbers: Numbers | None) -> float:
+    def value(self, numbers: Numbers) -> float:
         """Return J after readings, with those that are there already among them."""
         return State(self.case, self.goal, numbers).value
 
@@ -246,12 +247,10 @@ class _Search:
         """Return the places of candidates, moved off them where that serves; kept places stay."""
         places = [self.places.at([i]) for i in (*self.fixed, *chosen)]
         numbers = [self.case.numbers(each) for each in places]
-        before = [] if self.taken is None else [self.taken]
         for _ in range(_CLIMBS if free else 0):
             gained = 0.0
             for j in range(len(self.fixed), len(places)):
-                others = [*before, *numbers[:j], *numbers[j + 1 :]]
-                state = State(self.case, self.goal, joined(others) if others else None)
+                state = State(self.case, self.goal, joined([self.taken, *numbers[:j], *numbers[j + 1 :]]))
                 start = float(state.gains(places[j])[0])
                 there, gain = climbed(state, places[j])
                 gained += (gain - start) / max(state.value, 1e-300)
@@ -280,7 +279,7 @@ class _Search:
         return float(np.sqrt(State(self.case, self.case.volume, self._numbers((*self.fixed, *chosen))).value))
 
     def _with(self, places: Places) -> Numbers:
-        return joined([*([] if self.taken is None else [self.taken]), self.case.numbers(places)])
+        return joined([self.taken, self.case.numbers(places)])
 
     def _mounted(self, drawn: NDArray[np.intp], most: int, limit: float) -> list[int]:
         """Return the first candidate of each of so many set-ups, as far as they fit into so many minutes."""
@@ -296,10 +295,8 @@ class _Search:
         more = (self.costs + np.where(np.isin(np.arange(len(self.begins)), setups), 0.0, self.begins))[self.setup]
         return np.where(spent + more <= limit + 1e-9, more, np.inf)
 
-    def _numbers(self, chosen: Sequence[int]) -> Numbers | None:
-        parts = [] if self.taken is None else [self.taken]
-        parts += [self.n.at(self.own[i]) for i in chosen]
-        return joined(parts) if parts else None
+    def _numbers(self, chosen: Sequence[int]) -> Numbers:
+        return joined([self.taken, *(self.n.at(self.own[i]) for i in chosen)])
 
 
 _STEPS = 60  # with four times as many the bound of eight drawn cases rises by up to 2 %

@@ -25,27 +25,32 @@ def joined(parts: list[Numbers]) -> Numbers:
 
 
 class State:
-    """What is known.  taken : the numbers of readings that are there, None for none"""
+    """What is known.  taken : the numbers of readings that are there"""
 
     def __init__(self, case: Model, goal: Goal, taken: Numbers | None = None) -> None:
-        self.case, self.goal, self.taken = case, goal, taken
+        self.case, self.goal, self.taken = case, goal, case.none if taken is None else taken
 
     @cached_property
     def _root(self) -> Array:
         """The Cholesky factor of K of what is there."""
-        assert self.taken is not None
         n, prior = self.taken, self.case.prior.covariance
         k = n.rows @ prior @ n.rows.T + self.case.shared(n, n) + np.diag(n.noise**2)
         return np.asarray(np.linalg.cholesky(k), dtype=np.float64)
 
     @cached_property
+    def _half(self) -> Array:
+        """F⁻¹ H C of what is there, (n, size), K = F Fᵀ."""
+        return np.asarray(np.linalg.solve(self._root, self.taken.rows @ self.case.prior.covariance))
+
+    @property
+    def moved(self) -> Array:
+        """G B (size, c): by what one standard deviation of each cause of type B moves what readings say."""
+        return np.asarray(self._half.T @ np.linalg.solve(self._root, self.taken.type_b))
+
+    @cached_property
     def covariance(self) -> Array:
         """C of all unknowns, (size, size)."""
-        prior = self.case.prior.covariance
-        if self.taken is None:
-            return prior
-        half = np.linalg.solve(self._root, self.taken.rows @ prior)
-        return np.asarray(prior - half.T @ half)
+        return np.asarray(self.case.prior.covariance - self._half.T @ self._half)
 
     @cached_property
     def value(self) -> float:
@@ -56,11 +61,8 @@ class State:
         """Return K without noise, (n, n), and H C, (n, size), of numbers after what is there."""
         reach = n.rows @ self.case.prior.covariance
         k = reach @ n.rows.T + self.case.shared(n, n)
-        if self.taken is None:
-            return k, reach
         half = np.linalg.solve(self._root, self.taken.rows @ reach.T + self.case.shared(self.taken, n))
-        own = np.linalg.solve(self._root, self.taken.rows @ self.case.prior.covariance)
-        return k - half.T @ half, reach - half.T @ own
+        return k - half.T @ half, reach - half.T @ self._half
 
     def of_places(self, n: Numbers, each: int) -> tuple[Array, Array]:
         """Return K with noise in blocks, (m, k, k), and H C, (m, k, size), of places of `each` numbers.
@@ -72,13 +74,9 @@ class State:
         k = reach.reshape(*shape, self.case.size) @ n.rows.reshape(*shape, self.case.size).swapaxes(1, 2)
         rests = (n.reach * [term.rest for _, term in self.case.machine.curves]).reshape(*shape, n.reach.shape[1])
         k = k + rests @ rests.swapaxes(1, 2) + n.noise.reshape(*shape)[:, :, None] ** 2 * np.eye(each)
-        if self.taken is not None:
-            half = np.linalg.solve(self._root, self.taken.rows @ reach.T + self.case.shared(self.taken, n))
-            own = np.linalg.solve(self._root, self.taken.rows @ prior)
-            reach = reach - half.T @ own
-            felt = half.T.reshape(*shape, len(half))
-            k = k - felt @ felt.swapaxes(1, 2)
-        return k, reach.reshape(*shape, self.case.size)
+        half = np.linalg.solve(self._root, self.taken.rows @ reach.T + self.case.shared(self.taken, n))
+        felt = half.T.reshape(*shape, len(half))
+        return k - felt @ felt.swapaxes(1, 2), (reach - half.T @ self._half).reshape(*shape, self.case.size)
 
     def gains(self, places: Places) -> Array:
         """Return by how much J falls with each place alone, (m,).  places : of one instrument"""

@@ -81,6 +81,13 @@ def test_minutes_are_kept_and_more_of_them_leave_less() -> None:
     assert np.all(np.diff([plan.J for plan in plans]) < 0)
 
 
+def test_beyond_a_hundred_readings_more_minutes_leave_less() -> None:
+    fewer, more = (_paper().plan(minutes=each, candidates=12) for each in (16, 18))
+    assert len(fewer) < 100 < len(more)
+    assert more.J < fewer.J
+    assert more.U < fewer.U
+
+
 def test_an_rms_is_reached_with_as_few_readings_as_do() -> None:
     case = mill()
     few = case.plan(readings=5, candidates=90)
@@ -146,6 +153,7 @@ def test_causes_of_type_b_move_no_mean_and_widen_every_figure() -> None:
     assert np.abs(plain.mean - warm.mean).max() < 1e-15
     moved = as_stated(space_of(posed(cases[1], readings))).type_b.gains
     assert np.abs(warm.covariance - (plain.covariance + moved @ moved.T)).max() < 1e-18
+    assert pytest.approx(warm.U, rel=1e-6) == cases[1].evaluate(places).U
     figure = np.zeros(cases[1].size)
     figure[[0, 4]] = -1.0, 1.0
     budget = warm.budget(figure)
