@@ -9,9 +9,12 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
+from axiscal.estimation.case import Case
 from axiscal.estimation.intervals import Fitted, sited, sites
 from axiscal.measurement.reading import Reading
+from tests.generators.campaigns import built_in
 from tests.generators.one_axis import observed, readings_at
+from tests.generators.texts import campaign_text, setup_text
 
 _CURVE = 10.0
 
@@ -67,3 +70,12 @@ def test_of_each_interval_the_estimate_has_the_mean_and_the_variance_that_all_ot
         whole, first, second = (np.trapezoid(z**k * density, z) for k in range(3))
         assert (mean[number] - centre) / np.sqrt(cavity) == pytest.approx(first / whole, abs=1e-3)
         assert variance[number] / cavity == pytest.approx(second / whole - (first / whole) ** 2, rel=2e-3)
+
+
+def test_readings_that_agree_in_coarse_steps_do_not_make_the_step_finer() -> None:
+    """Else no scatter is left about the intervals, and two of neighbouring steps at one place have no answer."""
+    for step, times in (("0.1 um", 0.1), ("5 um", 1.0)):
+        laser = setup_text("laser", "interferometer", direction="x", resolution=step)
+        case = Case(built_in(campaign_text("one-axis", laser, target={"readings": 9})))
+        (before,), (after,) = (each.description.setups for each in (case, case.rescaled({("noise", "laser"): 0.1})))
+        assert after.noise == pytest.approx(times * before.noise)

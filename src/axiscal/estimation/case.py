@@ -19,7 +19,7 @@ from axiscal.errors.volume import MovedErrors, VolumeMoments, of_rests, volume_m
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
-from axiscal.estimation.intervals import as_shown
+from axiscal.estimation.intervals import as_shown, is_coarse
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.causes import contributions
 from axiscal.estimation.promise.problem import Inherited
@@ -116,8 +116,8 @@ class Case:
     def rescaled(self, sizes: Mapping[tuple[Kind, str], float]) -> Case:
         """Return the case with priors and noise at other sizes.  sizes : factors by kind and owner"""
         machine = rescaled_machine(self.description.machine, sizes)
-        noises = ((setup, setup.noise * sizes.get(("noise", setup.name), 1.0)) for setup in self.description.setups)
-        setups = tuple(replace(setup, noise=noise) for setup, noise in noises)
+        noises = ((s, 1.0 if is_coarse(s) else sizes.get(("noise", s.name), 1.0)) for s in self.description.setups)
+        setups = tuple(replace(setup, noise=times * setup.noise) for setup, times in noises)
         return replace(
             self._plain(replace(self.description, machine=machine, setups=setups)), sized_from=self.sized_from or self
         )
