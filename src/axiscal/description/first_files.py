@@ -79,12 +79,9 @@ def _written_in(folder: Path) -> list[str]:
     for file in sorted(folder.glob("*.py")):
         with suppress(SyntaxError, ValueError):  # no Python, or no text
             classes = [each for each in ast.parse(file.read_bytes()).body if isinstance(each, ast.ClassDef)]
-            found += [f"{file.name}:{each.name}" for each in classes if any(map(_is_instrument, each.bases))]
+            pairs = [(each, {ast.unparse(base).rpartition(".")[2] for base in each.bases}) for each in classes]
+            found += [f"{file.name}:{each.name}" for each, bases in pairs if "Instrument" in bases]
     return found
-
-
-def _is_instrument(base: ast.expr) -> bool:
-    return ast.unparse(base).rpartition(".")[2] == "Instrument"
 
 
 def instruments_of(text: str) -> list[str]:

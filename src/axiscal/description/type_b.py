@@ -150,14 +150,11 @@ def _bowed(read: Read, size: float) -> Array:
     return bowed
 
 
-def _against_length(setup: Setup) -> bool:
-    """Whether a set-up compares positions with a length: a wavelength, or balls that are calibrated."""
-    return instrument_of(setup).against_length or (setup.artefact is not None and setup.artefact.calibrated is not None)
-
-
 def _warm(setup: Setup, cause: str, measured: bool | None = None) -> bool:
     """Whether a cause of the material's temperature counts.  measured : only where that is, or is not, measured"""
-    if not setup.at_20 or not _against_length(setup) or measured not in (None, setup.warmer is not None):
+    balls = setup.artefact is not None and setup.artefact.calibrated is not None
+    measures = balls or instrument_of(setup).against_length  # compares positions with them, or a wavelength
+    if not setup.at_20 or not measures or measured not in (None, setup.warmer is not None):
         return False
     stated = {"temperature", "expansion"} & set(dict(setup.stated))
     grown = any(unknown.name == "growth" for unknown in setup.unknowns)

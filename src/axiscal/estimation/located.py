@@ -180,7 +180,8 @@ def refuse_mirrors(known: Absorbed, readings: Sequence[Reading], implausible: Se
 def _ambiguity(case: Case, index: int, number: int, best: Optimum, other: Optimum) -> AmbiguityError:
     setup = case.description.setups[index]
     stated, columns = np.array(setup.standing[number]), list(case.station_columns(index)[number])
-    first, second = (_text(stated + each.point[columns]) for each in (best, other))
+    spots = (to_unit(stated + each.point[columns], "mm").tolist() for each in (best, other))
+    first, second = ("(" + ", ".join(f"{along:.1f}" for along in spot) + ") mm" for spot in spots)
     pose, differ = _decisive(case, index, number, best.point, other.point)
     axes, name = case.description.machine.axes, setup.name
     whose = said("station {number}", number=number + 1) if setup.stations else said("the station")
@@ -199,7 +200,3 @@ def _decisive(case: Case, index: int, number: int, first: Array, second: Array) 
     one, two = (case.observation.shown(index, poses, sides, point)[:, number] for point in (first, second))
     best = int(np.argmax(np.abs(one - two)))
     return poses[best].tolist(), float(abs(one - two)[best])
-
-
-def _text(place: Array) -> str:
-    return "(" + ", ".join(f"{to_unit(float(each), 'mm'):.1f}" for each in place) + ") mm"

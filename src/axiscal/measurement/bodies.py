@@ -7,7 +7,6 @@ axis i. So it enters a box only where the segment enters the box grown by as muc
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -58,12 +57,6 @@ def posts(artefact: Artefact) -> tuple[Array, ...]:
     wide, down = artefact.diameter / 2 + CLEAR, -np.array(artefact.free)
     straight = np.abs(down).max() >= 1.0 - _SQUARE
     edges = np.linspace(0.0, _POST, 2 if straight else 1 + math.ceil(_POST / wide))
-    return tuple(
-        np.array([_around(ball + down * first, ball + down * last, wide) for first, last in pairwise(edges)])
-        for ball in artefact.points
-    )
-
-
-def _around(one: Array, other: Array, wide: float) -> Array:
-    """Return the box about two places, (3, 2) m.  wide : m beside them"""
-    return np.stack([np.minimum(one, other) - wide, np.maximum(one, other) + wide], axis=1)
+    ends = (ball + np.outer(edges, down) for ball in artefact.points)
+    pairs = (np.stack([at[:-1], at[1:]], axis=2) for at in ends)
+    return tuple(np.stack([pair.min(axis=2) - wide, pair.max(axis=2) + wide], axis=2) for pair in pairs)

@@ -162,7 +162,8 @@ def plan_basis(case: Case, readings: Sequence[Reading], doubts: Sequence[Doubt])
     passed = int(max((reading.time or 0.0 for reading in readings), default=0.0) // EVERY)
     if passed and any(setup.drift > 0 for setup in case.description.setups):
         said.append(f"{passed} times {EVERY / 60:.0f} min")
-    other = [n for n, r in enumerate(readings, 1) if r.std is not None and not _as_stated(r.std, noise[r.setup])]
+    stds = ((n, r.std / noise[r.setup]) for n, r in enumerate(readings, 1) if r.std is not None)
+    other = [n for n, times in stds if not 1 / _AS_STATED < times < _AS_STATED]
     return ", ".join([*said, *(f"noise of {number}" for number in other)])
 
 
@@ -177,7 +178,3 @@ def _learnt_from(count: int) -> int:
     while following <= count:
         due, following = following, math.ceil(following * _GROWTH)
     return due
-
-
-def _as_stated(std: float, noise: float) -> bool:
-    return 1 / _AS_STATED < std / noise < _AS_STATED

@@ -170,7 +170,8 @@ def _figures(text: str, made: type[Seeing], where: tuple[Path, int | None]) -> I
     alike = len(set(units)) == 1 and bool(np.all(sigma == sigma[0]))
     if one.wander and not alike:
         raise refusals.InputError(made.__name__, "drift", "is one for unlike numbers", "Leave it out")
-    unknowns = {name: _reads(size, units[0]) for name, size in {**one.unknowns, **one.type_b}.items()}
+    kinds = {name: dimension_of(_unit(size, units[0])) for name, size in {**one.unknowns, **one.type_b}.items()}
+    unknowns: dict[str, Reads] = {name: "angle" if kind == "angle" else "length" for name, kind in kinds.items()}
     own = {"made": made, "numbers": names, "reads": units[0], "units": units, "where": where}
     own |= {"scales": () if alike else tuple((sigma[0] / sigma).tolist()), "unknown_reads": unknowns}
     return Instrument(
@@ -191,7 +192,3 @@ def _figures(text: str, made: type[Seeing], where: tuple[Path, int | None]) -> I
 def _unit(size: Quantity, reads: Reads) -> str:
     """Return the unit that a quantity is written in; of a bare number that of what is read."""
     return size.split()[-1] if isinstance(size, str) else {"length": "um", "angle": "urad"}[reads]
-
-
-def _reads(size: Quantity, reads: Reads) -> Reads:
-    return "angle" if dimension_of(_unit(size, reads)) == "angle" else "length"

@@ -92,10 +92,10 @@ def _growing(base: Scores, parts: Sequence[Setups], limits: Limits, times: Clock
 
     def remaining(setups: Setups) -> float:
         shares = np.array_split(np.arange(_most_readings(limits, times, setups)), len(setups))
-        dealt = [
-            _evenly(every[setup], len(share), turn / len(setups))
-            for turn, (setup, share) in enumerate(zip(setups, shares, strict=True))
-        ]
+        dealt = list[NDArray[np.intp]]()
+        for turn, (setup, share) in enumerate(zip(setups, map(len, shares), strict=True)):  # each elsewhere in its row
+            at = (np.arange(share) + turn / len(setups)) * len(every[setup]) / max(share, 1)
+            dealt.append(every[setup][at.astype(np.intp)])
         told = [rows[numbers[index] : numbers[index + 1]] for index in np.concatenate(dealt)]
         return criterion_after(weighted, np.concatenate(told)) if told else base.state.value
 
@@ -117,11 +117,6 @@ def _in_a_row(lattice: Places, setup: int) -> NDArray[np.intp]:
     """Return the candidates of a set-up in a row, of which every n-th stand for all."""
     mine = np.flatnonzero(lattice.setups == setup)
     return mine[even_subset(np.hstack([lattice.poses[mine], lattice.approaches[mine]]), len(mine))]
-
-
-def _evenly(candidates: NDArray[np.intp], count: int, shift: float) -> NDArray[np.intp]:
-    """Return so many candidates of a row; those of other shifts stand elsewhere.  shift : share of their distance"""
-    return candidates[((np.arange(count) + shift) * len(candidates) / max(count, 1)).astype(np.intp)]
 
 
 def of_best_size(sets: Iterable[Setups], left: Callable[[Setups], float]) -> Setups:

@@ -153,7 +153,8 @@ def retoured(
         moved = relocated(task.state, tour.places, Minutes(tour.budget, partial(seconds_around, task)))
         climbed = through(scores.fork(), setups, replace(limits, budget=tour.budget), moved)
         fits = climbed.left >= 0 and (goal is None or goal.reached(climbed.places))
-        tour = _best([tour, climbed]) if fits else tour
+        if fits:
+            tour = (tour, climbed)[first_best(-np.array([each.scores.state.value for each in (tour, climbed)]), ALIKE)]
         if before - tour.scores.state.value <= _SETTLED * before:
             break
     if goal is not None:
@@ -188,10 +189,6 @@ def _base(task: Task, setups: Setups) -> tuple[Ways, Scores]:
     """Return ways and gains of the candidates of these set-ups: those of others never enter."""
     scores = scores_among(task, setups)
     return Ways(task, scores.pool.lattice), scores
-
-
-def _best(tours: Sequence[Tour]) -> Tour:
-    return tours[first_best(-np.array([tour.scores.state.value for tour in tours]), ALIKE)]
 
 
 def _all_begun(tried: list[Tour], begun: Callable[[int], Tour], work: float) -> list[Tour]:

@@ -120,7 +120,8 @@ class MoonrakerLoader(_Loader, Moonraker):
         """Keep the file that is there, write the profile, start Klipper again, load and compare; raises SourceError."""
         self.refuse_busy()
         kept = self._replaced(_CONFIG, plain_profile(mesh).encode(), "axiscal_mesh_{digest}.bak")  # no *.cfg
-        if not _reads(self._ask("/server/files/config/printer.cfg").decode(errors="replace")):
+        read = _INCLUDE.findall(self._ask("/server/files/config/printer.cfg").decode(errors="replace"))
+        if not any(fnmatchcase(_CONFIG, posixpath.normpath(named)) for named in read):  # patterns as Klipper takes them
             what = "the printer {host} has {config} now, and its printer.cfg does not read it"
             remedy = "Write the line [include {config}] at the top of printer.cfg, then again"
             raise self._not_ready(what, remedy, config=_CONFIG)
@@ -213,11 +214,6 @@ class DuetLoader(_Loader, Duet):
         said = self._ask("/rr_upload", {"name": file, "crc32": _digest(data)}, body=data)
         if found_at(json_or_none(said), "err") != 0:
             raise self._not_ready("the printer {host} did not take {kept}", "Look at its card", kept=file)
-
-
-def _reads(config: str) -> bool:
-    """Return whether a printer.cfg includes our file, by its name or by a pattern as Klipper takes."""
-    return any(fnmatchcase(_CONFIG, posixpath.normpath(named)) for named in _INCLUDE.findall(config))
 
 
 def _digest(data: bytes) -> str:
