@@ -137,9 +137,10 @@ def test_a_volume_that_is_a_line_is_called_so(language: str, name: str) -> None:
 def test_what_is_not_measured_is_named_with_its_reason() -> None:
     rows = [answer_row(RowName("backlash", (name,)), MILL, measured=False) for name in "XY"]
     text = " ".join(_screen(answer(rows=rows)).split())
-    assert "Not measured: backlash X Y (one reading from the other side: ± 0.84 um)." in text
+    assert "Not measured: backlash X Y (one side read; one reading more: ± 0.84 um)." in text
     far = rows[0].model_copy(update={"one_more": None, "kind": "yaw", "unit": "urad"})
     assert "yaw X (4 places read tell too little: ± 130 urad)" in _screen(answer(rows=[far]))
+    assert "Not measured: backlash X (one side read; " in " ".join(_screen(answer(rows=[far, rows[0]])).split())
 
 
 def test_before_the_first_reading_nothing_is_measured(tmp_path: Path, command: Command) -> None:

@@ -12,11 +12,14 @@ from tests.zoo.axes import (
     EXPANSION,
     LASER,
     LENGTH,
+    PERFECT,
     SCALE,
     TAPE,
     Curve,
+    Rule,
     Shown,
     Visits,
+    anywhere,
     even,
     everywhere,
     nothing,
@@ -96,6 +99,25 @@ def heated(x: Array, side: Array) -> Array:
     return mean - side
 
 
+def returning(visits: Visits) -> Array:
+    """Return a zero that goes away by 10 um and comes back while the axis goes out and back."""
+    return 10 * np.sin(np.pi * np.minimum(np.arange(len(visits.x)) / 21, 1))
+
+
+def _out_and_back(_: np.random.Generator) -> Visits:
+    return even(11, 1)
+
+
+def _three_again(_: np.random.Generator) -> Visits:
+    test = even(11, 1)
+    return Visits(np.append(test.x, [0, 500, 1000, 500, 0]), np.append(test.sides, [1, 1, 1, -1, -1]))
+
+
+def _twice_anywhere(rng: np.random.Generator) -> Visits:
+    first, second = anywhere(rng, 22), anywhere(rng, 22)
+    return Visits(np.append(first.x, second.x), np.append(first.sides, second.sides))
+
+
 def _iso(_: np.random.Generator) -> Visits:
     return even(11, 5)
 
@@ -155,11 +177,22 @@ FOREIGN = (
     Foreign("steps of a rack", rack),
     Foreign("backlash with a way of 60 mm", backlash, winding(60), _WAY),
     Foreign("backlash with a way of 300 mm", backlash, winding(300), _WAY),
-    Foreign("thermal front", heated, front, r"warm(s|ed|ing) (up|while)|\bdrift"),
+    Foreign("thermal front", heated, front, r"warm(s|ed|ing) (up|while)|\bdrift\b"),
 )
-NOTHING_WRONG = Animal("nothing wrong: random", LASER.job, read(bowed, LASER, _PLACES["random"]))
+NOTHING_WRONG = Animal("nothing wrong: random", LASER.job, read(bowed, LASER, _twice_anywhere))
+_EXACT = Rule("laser", LASER.noise, LASER.step, PERFECT)
+ONCE = Animal(
+    "zero that comes back: out and back once",
+    PERFECT,
+    read(bowed, _EXACT, _out_and_back, returning),
+    "drifts meanwhile",
+    asked=True,
+)
+AGAIN = Animal("zero that comes back: three places again", PERFECT, read(bowed, _EXACT, _three_again, returning))
 CURVES = (
     NOTHING_WRONG,
+    ONCE,
+    AGAIN,
     *(each.animal(places) for each in FOREIGN for places in _PLACES),
     Animal(
         "half-read axis: 0 to 500 mm",

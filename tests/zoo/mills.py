@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from axiscal.numerics import Array
 from tests.zoo.animals import Animal, Job, Met, Truth
 from tests.zoo.answers import Answer
 from tests.zoo.axes import LASER, AxisTruth, Visits, even, line, written
-from tests.zoo.running import predicted
+from tests.zoo.running import predicted, rows_of
 
 YAW = 40e-6
 """Of X over 600 mm, rad."""
@@ -106,7 +107,47 @@ def diameters(seed: int) -> Met:
     return Met(written(LASER, Visits(2 * radii.x, radii.sides), shown), AxisTruth(lambda x, _: 0.3 * x, straight, 100))
 
 
+@dataclass(frozen=True, slots=True)
+class BarTruth(Truth):
+    """A mill without an error but backlash, in the plane of a circle."""
+
+    backlash: float
+
+    def left(self, answer: Answer) -> Array:
+        """Return how far the tool is from where the record says in the plane, the mean taken off, um."""
+        rng = np.random.default_rng(12)
+        poses, sides = np.round(rng.uniform([150, 50], [450, 350], (100, 2)), 3), rng.choice([-1, 1], (100, 2))
+        rows = [(x, y, 200, "X+ Y+" if i + j > 0 else "X- Y-") for (x, y), (i, j) in zip(poses, sides, strict=True)]
+        signs = np.where(sides.sum(axis=1) > 0, 0.5, -0.5)[:, None]
+        left = signs * self.backlash - predicted(answer, "X_mm,Y_mm,Z_mm,approach", rows)[:, :2]
+        off: Array = np.linalg.norm(left - left.mean(axis=0), axis=1)
+        return off
+
+
+def circled(lag: float) -> Callable[[int], Met]:
+    """Return how a mill is met by a ball bar, both ways round, if X lags behind Y.  lag : um at that feed"""
+
+    def met(seed: int) -> Met:
+        rng, rows, backlash = np.random.default_rng((seed, 13)), list[tuple[object, ...]](), 4.0
+        for way in (1, -1):
+            for turn in way * np.radians(np.arange(0, 360, 10)):
+                bar, before = (np.array([np.cos(t), np.sin(t)]) for t in (turn, turn - way * 1e-4))
+                sides = np.sign(bar - before)
+                off = sides * backlash / 2 + [lag * way * np.sin(turn), 0]
+                where, value = [300, 200] + 150 * bar, bar @ off + rng.normal(0, 0.5)
+                came = " ".join(f"{axis}{'+' if side > 0 else '-'}" for axis, side in zip("XY", sides, strict=True))
+                rows.append(("ball bar in xy", *np.round(where, 6).tolist(), 200, came, round(float(value), 2)))
+        return Met(rows_of("setup,X_mm,Y_mm,Z_mm,approach,value_um", rows), BarTruth(backlash))
+
+    return met
+
+
+_BAR = Job("three-axis-mill", ("ball bar",), "20 um", errors=("EXX", "EYY", "EXX_reversal", "EYY_reversal", "C0Y"))
+LAGGING = Animal("servo that lags: circles both ways round", _BAR, circled(16.0), "one axis lagged", asked=True)
+IN_STEP = Animal("circles of a ball bar: both ways round", _BAR, circled(0.0))
 MILLS = (
+    LAGGING,
+    IN_STEP,
     Animal("parked as stated: Y 200", _MILL, parked(200.0)),
     Animal("parked elsewhere: Y 0, all errors described", _MILL, parked(0.0)),
     Animal("parked elsewhere: Y 0, only EXX described", _ALONE, parked(0.0), r"on the line"),

@@ -7,8 +7,9 @@ from functools import cache
 import pytest
 
 from tests.zoo.animals import Animal, Judged
-from tests.zoo.curves import NOTHING_WRONG
+from tests.zoo.curves import AGAIN, NOTHING_WRONG, ONCE
 from tests.zoo.every import EVERY
+from tests.zoo.mills import IN_STEP, LAGGING
 from tests.zoo.running import judged
 
 NAMED = {animal.name: animal for animal in EVERY}
@@ -21,6 +22,9 @@ QUICK = (
     "slip: unit, mm for um",
     "slip: sign of one run",
     "slip: sides from a run on",
+    "zero that comes back: out and back once",
+    "zero that comes back: three places again",
+    "servo that lags: circles both ways round",
     NOTHING_WRONG.name,
 )
 LATER = (
@@ -46,6 +50,8 @@ def test_answers_an_animal_rightly_or_names_its_cause(name: str) -> None:
 
 def test_names_no_cause_where_nothing_is_wrong() -> None:
     assert [animal.name for animal in EVERY if animal.named_in(found(NOTHING_WRONG).said)] == []
+    assert not LAGGING.named_in(found(IN_STEP).said)
+    assert not ONCE.named_in(found(AGAIN).said)
 
 
 def test_every_animal_has_a_name_of_its_own() -> None:

@@ -87,7 +87,8 @@ def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[Answer
     described = known.stated.description
     asked = asked_rows(described, known.readings, whole=bool(described.target.lines))
     found = [row for row in (_answered(each, known, controls) for each in asked) if row.described]
-    one_sided = [row for row in found if row.row.kind == "backlash" and not row.measured and row.lines[0].read > 0]
+    open_rows = (row for row in found if row.row.kind == "backlash" and not row.measured)
+    one_sided = [row for row in open_rows if row.lines[0].read > 0 and not len(row.lines[0].both)]
     turned = with_one_more(known, [row.lines[0] for row in one_sided])
     if turned is None:
         return tuple(found)

@@ -235,7 +235,7 @@ def _unmeasured(answer: ResultAnswer, cut: bool) -> str:
     rows = [] if answer.verdict == "contradict" else [row for row in answer.rows if not row.measured]
     if not rows:
         return ""
-    groups = by_kind(rows)
+    groups = sorted(by_kind(rows), key=lambda group: group[0].one_more is None)  # U counts it as stated
     parts = [put("{names} ({why})", names=row_names(group), why=_why(group)) for group in groups]
     text = said("Not measured: {rows}.", rows=listed(", ", parts))
     for told in range(len(parts) - 1, 0, -1):
@@ -248,7 +248,7 @@ def _unmeasured(answer: ResultAnswer, cut: bool) -> str:
 def _why(rows: Sequence[AnswerRow]) -> str:
     then = [row.one_more for row in rows if row.one_more is not None]
     if then:
-        return said("one reading from the other side: {size}", size=_within(max(then), rows[0].unit))
+        return said("one side read; one reading more: {size}", size=_within(max(then), rows[0].unit))
     worst = max(rows, key=lambda row: row.known_to)
     places = min((line.read for line in worst.lines), default=0)
     aimed = places and any(line.setup for line in worst.lines)  # the angles of an axis show nothing of its centre

@@ -25,9 +25,8 @@ from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
-from axiscal.present.beside import beside_the_tool
 from axiscal.present.delivery import evaluated
-from axiscal.present.findings import coarse_displays, copies, regular_places, turned_alike, untimed
+from axiscal.present.findings import copies, of_how_it_was_read, regular_places, untimed
 from axiscal.present.result_set import RECORD, mend
 from axiscal.present.summarising import Extras, iso230_block
 from axiscal.units import to_unit
@@ -119,8 +118,7 @@ def estimate(
     warnings = [*copies(placed, description.setups), *untimed(placed, description.setups), *regular]
     extras = replace(extras, warnings=warnings)
     with evaluated(description, placed) as opened:
-        known = opened.so_far()
-        seen = [*regular, *coarse_displays(placed, description.setups), *beside_the_tool(known), *turned_alike(known)]
+        seen = [*regular, *of_how_it_was_read(opened.so_far())]
         kept = out / RECORD
         again = "give the command again"
         write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)

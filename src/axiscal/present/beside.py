@@ -1,4 +1,4 @@
-"""What a person has to be told of an instrument that looks beside the tool point: angles count there as well."""
+"""What instruments show that is not the tool point's: angles, where they look beside it, and servos that lag."""
 
 from __future__ import annotations
 
@@ -7,9 +7,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from axiscal.description.usual import BAD
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.promise.agreement import NAMED, PRIOR
+from axiscal.estimation.promise.mistaken import as_stated_or_larger, gains_of_columns, log_odds_of
 from axiscal.language.spoken import listed, said
+from axiscal.measurement.instrument import instrument_of
 from axiscal.present.summary import Finding
 from axiscal.units import format_quantity, said_quantity
 
@@ -48,3 +52,30 @@ def beside_the_tool(estimation: Estimation) -> Iterator[Finding]:
             size = said_quantity(BAND * after, "um", 2)
             named = {"setup": setup.name, "far": far, "names": listed(", ", names), "size": size}
             yield Finding("beside", None, said(text, **named))
+
+
+def lagging(estimation: Estimation) -> Iterator[Finding]:
+    """Yield a warning for each ball bar whose circles differ by the way round, as where two servos lag differently.
+
+    At a feed v axes lag by v τ. Along a bar at angle φ that shows ± v Δτ sin φ cos φ, the sign that of the way round.
+    """
+    text = (
+        'Circles of "{setup}" differ by the way round, as if one axis lagged {size} behind the other. Such a lag is no '
+        "geometry, and backlash seems larger by it. Read them at a quarter of that feed: what stays is the machine."
+    )
+    errors, posterior = estimation.case.errors, estimation.posterior
+    for index, setup in enumerate(estimation.case.description.setups):
+        if instrument_of(setup).site != "bar" or posterior is None:
+            continue
+        problem = posterior.draws[0].problem
+        of_errors = problem.rows[:, -problem.answered :] * (problem.setup == index)[:, None]
+        sides = [of_errors[:, term.columns].sum(axis=1) for term in errors.functions if term.kind == "reversal"]
+        moved = [side / np.abs(side).max() for side in sides if side.any()]
+        if len(moved) != 2:  # of three, on a circle
+            continue
+        column, each = moved[0] * np.sqrt(1 - moved[0] ** 2), as_stated_or_larger(problem)  # sin φ cos φ, with its sign
+        gains = [gains_of_columns(given, column[None, None], problem.values, [BAD.size])[0] for given in each]
+        if log_odds_of(each, np.array(gains))[0] > math.log(NAMED / PRIOR):
+            weighed = each[-1].judged(column[:, None])[:, 0]
+            lag = abs(float(weighed @ problem.values / (weighed @ column))) * setup.noise
+            yield Finding("lag", None, said(text, setup=setup.name, size=said_quantity(lag, "um", 2)))

@@ -32,10 +32,9 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.displays import last_decimal
 from axiscal.planning.unseen import hidden_of
-from axiscal.present.beside import beside_the_tool
+from axiscal.present.beside import beside_the_tool, lagging
 from axiscal.present.summary import Finding
 from axiscal.units import format_quantity, from_unit, said_quantity, to_unit
-from axiscal_core.causes import way_since_turn
 from axiscal_core.theta import Kind
 
 _BY_CHANCE = 1e-4
@@ -145,16 +144,21 @@ def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
     """Return the warnings of an estimate.  ended : the campaign is over, and no reading is asked for"""
     drifted = [list(_drift(estimation, setup)) for setup in estimation.stated.description.setups]
     return [
-        *coarse_displays(estimation.readings, estimation.stated.description.setups),
         *_unobservable(estimation),
-        *beside_the_tool(estimation),
-        *turned_alike(estimation),
+        *of_how_it_was_read(estimation),
         *_outliers(estimation, ended),
         *learnt_sizes(estimation),
         *(Finding("drift", None, listed(" ", found)) for found in drifted if found),
         *_changes(estimation),
         *strangers(estimation),
     ]
+
+
+def of_how_it_was_read(estimation: Estimation) -> Iterator[Finding]:
+    """Yield the warnings that other readings, or others in another order, would answer."""
+    yield from coarse_displays(estimation.readings, estimation.stated.description.setups)
+    for warned in (beside_the_tool, lagging, turned_alike, once_over):
+        yield from warned(estimation)
 
 
 def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Finding]:
@@ -205,8 +209,8 @@ def step_between(places: NDArray[np.int64]) -> int:
     return step if len(gaps) and 2 * step >= gaps.min() else 0
 
 
-_ALIKE = 0.05
-"""Of the travel: ways since the last turn that differ by no more from a straight line over the places."""
+_ENDS = 0.05
+"""Of the travel, beside the farthest places: who turns there has come as far at each place, from either side."""
 
 
 def turned_alike(estimation: Estimation) -> Iterator[Finding]:
@@ -218,30 +222,39 @@ def turned_alike(estimation: Estimation) -> Iterator[Finding]:
         "The {what} differs from place to place, or it is complete only some way after a turn. Out and back over the "
         "whole travel both look alike. To tell them apart, read three places again from both sides, soon after a turn."
     )
-    errors = estimation.case.errors
+    errors, setups = estimation.case.errors, estimation.case.description.setups
     for term in errors.functions:
-        varies = term.kind == "reversal" and term.basis.size > 1 and not errors.machine.axes[term.axis].rotary
-        if varies and _as_far_after_turns(estimation, term.axis):
-            yield Finding("reversal", term.name, said(text, what=words(term.name)))
+        axis = errors.machine.axes[term.axis]
+        if term.kind == "reversal" and term.basis.size > 1 and not axis.rotary:
+            found = [_turns(estimation, setup, term.axis) for setup in setups if term.axis in setup.moves]
+            inside = [np.minimum(turns - at.min(), at.max() - turns) for at, turns in found if len(at)]
+            if all(np.all(far < _ENDS * axis.length) for far in inside):
+                yield Finding("reversal", term.name, said(text, what=words(term.name)))
 
 
-def _as_far_after_turns(estimation: Estimation, k: int) -> bool:
-    """Return whether an axis came to each place of a set-up from one side always as far after a turn."""
-    axis = estimation.case.description.machine.axes[k]
+def once_over(estimation: Estimation) -> Iterator[Finding]:
+    """Yield a warning for each set-up that went along its axis once, or once out and back: there time is place."""
+    text = (
+        '"{setup}" went along {axis} once, or once out and back. A zero that drifts meanwhile looks like an error of '
+        "the axis, or like its backlash. To tell them apart, read {places} once more, out and back without a pause."
+    )
+    axes = estimation.case.description.machine.axes
     for setup in estimation.case.description.setups:
-        mine = [each for each in estimation.readings if each.setup == setup.name and k in setup.moves]
-        mine.sort(key=lambda reading: reading.time or 0.0)
-        at, sides = np.array([(each.pose[k], each.approach[k]) for each in mine]).reshape(-1, 2).T
-        ways = way_since_turn(at, sides, axis.overrun)
-        if any(_bend(at[sides == side], ways[sides == side]) >= _ALIKE * axis.length for side in (-1, 1)):
-            return False
-    return True
+        for k in setup.moves if setup.drift_said == "usual" else ():
+            at, turns = _turns(estimation, setup, k)
+            if len(set(at.tolist())) >= _PLACES and len(turns) <= 1:
+                again = np.quantile(at, (0.0, 0.5, 1.0), method="nearest").tolist()
+                places = listed(", ", [place_text(axes, [each] * len(axes), [k]) for each in again])
+                yield Finding("passes", None, said(text, setup=setup.name, axis=axes[k].name, places=places))
 
 
-def _bend(at: Array, ways: Array) -> float:
-    """Return how far ways are from a straight line over places, the root mean square, m."""
-    line = np.vander(at, 2)
-    return float(np.sqrt(np.mean((ways - line @ np.linalg.pinv(line) @ ways) ** 2))) if len(at) else 0.0
+def _turns(estimation: Estimation, setup: Setup, k: int) -> tuple[Array, Array]:
+    """Return where an axis stood in the readings of a set-up, in their order, and where it turned, m or rad."""
+    mine = [reading for reading in estimation.readings if reading.setup == setup.name]
+    at = np.array([reading.pose[k] for reading in sorted(mine, key=lambda reading: reading.time or 0.0)])
+    moved = at[np.diff(at, prepend=np.inf) != 0]
+    ways = np.sign(np.diff(moved))
+    return at, moved[1:-1][ways[1:] != ways[:-1]]
 
 
 def _unobservable(estimation: Estimation) -> Iterator[Finding]:
