@@ -44,17 +44,19 @@ _UNIT_IN_WORDS = re.compile(r"\b(inch(es)?|in|thou|zoll|pouces?|mm|[uµμ]m|micr
 def test_of(file: TextFile) -> Literal["circle", "wide", "long"] | None:
     """Return which test the columns are of: wide has a column a run, long a line a reading; None of no test."""
     first, *others = header_of(file, STEMS) or (Column("", "", None),)
-    stems = {column.stem for column in (first, *others)}
-    if stems >= _OF_CIRCLE.keys():
+    stems, wide = {column.stem for column in (first, *others)}, all(run_of(column.stem) for column in others)
+    if {"angle", "direction"} <= stems or (first.stem == "angle" and others and wide):
         return "circle"
-    if first.stem == "target" and others and all(run_of(column.stem) for column in others):
+    if first.stem == "target" and others and wide:
         return "wide"
     return "long" if stems & _OF_TEST.keys() and "setup" not in stems else None
 
 
 def circle(file: TextFile, around: Around) -> Found:
-    """Return the readings of a circular test; raises ReadingError."""
+    """Return the readings of a circular test, a line each or a column a run; raises ReadingError."""
     table = table_of(file, words=STEMS)
+    if not table.all_of("direction"):
+        return wide_table(file, around)
     silent = [column for column in table.all_of("angle") if not column.unit]
     if any(abs(row.number(column)) > 2 * math.pi for column in silent for row in table.rows):  # above a turn in rad
         table = replace(table, columns=tuple(replace(c, stated="deg") if c in silent else c for c in table.columns))
@@ -108,11 +110,13 @@ def wide_table(file: TextFile, around: Around) -> Found:
     silent = not (file.unit or any(column.unit for column in table.columns))
     if silent and any(map(_UNIT_IN_WORDS.search, file.lines[: table.line - 1])):
         raise table.fail("a title names a unit, and no column does", "write Pos_mm and 1+_um in the header, or such")
+    usual = "deg" if (round_ := table.columns[0].stem == "angle") else "mm"
     target, *others = (
-        replace(column, stated=column.stated or ("um" if number else "mm"))
+        replace(column, stated=column.stated or ("um" if number else usual))
         for number, column in enumerate(table.columns)
     )
-    found, kinds = list[RawReading](), {_kind(table, target, column) for column in others}
+    found = list[RawReading]()
+    kinds = {"circle" if round_ and each.unit in (None, *LENGTHS) else _kind(table, target, each) for each in others}
     if len(kinds) > 1:
         raise table.fail("some runs are lengths, and some are angles", "give a file for each test")
     (kind,) = kinds
@@ -120,7 +124,7 @@ def wide_table(file: TextFile, around: Around) -> Found:
         run, way = run_of(column.stem) or (0, 0)
         rows = [row for row in table.rows[::way] if row.text(column)]
         found += [_read(row, target, way, run, column, kind) for row in rows]
-    return Found(distinct(file, found), note=said("in mm and um (it names no unit)") if silent else "")
+    return Found(distinct(file, found), note=said("in {units} and um (it names no unit)", units=usual) if silent else "")
 
 
 def _kind(table: CsvTable, target: Column, deviation: Column) -> Test:

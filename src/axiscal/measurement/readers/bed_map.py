@@ -22,7 +22,7 @@ from axiscal.language.spoken import joined
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
 from axiscal.measurement.readers.text_file import TextFile, read_text
 from axiscal.measurement.setup import Vector
-from axiscal.units import from_unit
+from axiscal.units import from_unit, to_unit
 
 Side = tuple[float, float, float]
 """Of a map: first and last node, m, and how many."""
@@ -41,6 +41,8 @@ _CONSOLE = re.compile("Mesh Leveling Probed Z positions:")
 _AT_NOZZLE = re.compile(r"probe at ([^\s,]+),([^\s,]+) is z=(\S+)(.*)")
 _AT_BED = re.compile(r"probe: at ([^\s,]+),([^\s,]+) bed will contact at z=(\S+)(.*)")
 """What Klipper prints of each touch, until 2025 and since."""
+_AT_SCREW = re.compile(r"\S.*? : x=([^\s,]+), y=([^\s,]+), z=([^\s,]+)(?: : adjust C?CW \d+:\d+)?(.*)")
+"""What SCREWS_TILT_CALCULATE prints of each screw, where the nozzle stood."""
 _TIME = r"(?:[\d-]{10} )?\d\d?:\d\d(?::\d\d)?(?:[.,]\d+)?\s*(?:[AP]M\s*)?(?:- )?"
 _LOG = re.compile(rf"^\s*(?:\[?{_TIME}\]?\s*(?::\s+)?)?(?:Recv:|<<<|>>>|[<>])?\s*(?:echo:|//)?\s*")
 _NUMBER = re.compile(r"[-+]?[\d.]+(?:e[-+]?\d+)?|=+|nan", re.IGNORECASE)
@@ -60,11 +62,15 @@ _KEYS = "{0}min min{1} min_{0}", "{0}max max{1} max_{0}", "{0}num num{1} {0}_cou
 _Kind = TypeVar("_Kind")
 
 
-def height(file: TextFile, x: float, y: float, cell: str, line: int) -> Iterator[RawReading]:
-    """Yield the reading of a cell, nothing where nobody probed it; raises ReadingError.  x, y : m"""
+def height(file: TextFile, at: Sequence[float], cell: str, line: int, digits: Sequence[float]) -> Iterator[RawReading]:
+    """Yield the reading of a cell, nothing where nobody probed it; raises ReadingError.
+
+    at : X and Y, m; digits : half of the last one of each, m
+    """
     if cell.strip("=").lower() not in _NOT_PROBED:
-        low = -file.length(cell, "height", line)
-        yield RawReading("", {"X": x, "Y": y}, {}, low, None, "length", line, error="z")
+        low, rounding = -file.length(cell, "height", line), dict(zip("XY", digits, strict=True))
+        place = dict(zip("XY", at, strict=True))
+        yield RawReading("", place, {}, low, None, "length", line, error="z", rounding=rounding)
 
 
 def probed_of(file: TextFile, readings: Sequence[RawReading], cells: int, line: int) -> Found:
@@ -234,7 +240,7 @@ def klipper_probed(file: TextFile, around: Around) -> Found:
     Older versions print where the nozzle stood: the probe stands beside it as the set-up says.
     """
     aside = next((setup.offset for setup in around.setups if setup.offset is not None), None) or (0.0, 0.0, 0.0)
-    pattern = _AT_BED if telling(_AT_BED)(file) else _AT_NOZZLE
+    pattern = next(each for each in _PROBED if telling(each)(file))
     return points_of(file, pattern, aside if pattern is _AT_NOZZLE else (0.0, 0.0, 0.0))
 
 
@@ -250,10 +256,8 @@ def points_of(file: TextFile, pattern: re.Pattern[str], aside: Vector = (0.0, 0.
                 raise file.fail("there are {count} maps in this file", "keep the one that is to count", line, count=2)
             if point[4].strip():
                 raise file.fail("{text!r} is not X, Y and Z", "give the lines as printed", line, text=text[:60])
-            x, y = (
-                file.length(each, "place", line) + off for each, off in zip(point.groups()[:2], aside, strict=False)
-            )
-            found += height(file, x, y, point[3], line)
+            at = [file.length(each, "place", line) + off for each, off in zip(point.groups()[:2], aside, strict=False)]
+            found += height(file, at, point[3], line, [file.last_digit(each) for each in point.groups()[:2]])
             count += 1
     return probed_of(file, found, count, line)
 
@@ -279,7 +283,8 @@ def below_title(file: TextFile, title: re.Pattern[str]) -> tuple[int, list[tuple
     return begins[0], lines[begins[0] :]
 
 
-is_console, is_klipper_probed = telling(_CONSOLE), telling(_AT_NOZZLE, _AT_BED)
+_PROBED = (_AT_BED, _AT_NOZZLE, _AT_SCREW)
+is_console, is_klipper_probed = telling(_CONSOLE), telling(*_PROBED)
 """Whether a line is that by which BED_MESH_OUTPUT begins, or a point that Klipper probed."""
 
 
@@ -350,13 +355,15 @@ def grid(file: TextFile, sides: Sequence[Side], points: Rows, line: int, skipped
         raise file.fail(what, "copy the whole map", line, count=len(at_y), rows=len(points))
     rows = [(at, number, cells) for at, (number, cells) in zip(at_y, points, strict=True)]
     off, found = skipped(file, at_x, rows) if skipped else set(), list[RawReading]()
+    ends = (to_unit(np.array(side[:2]), file.unit or "mm") for side in sides)
+    digits = [max(file.last_digit(f"{end:.9g}") for end in side) for side in ends]
     for j, (y, number, cells) in enumerate(rows):
         if len(cells) != len(at_x):
             what = "the row has {count} heights, and {along} are announced"
             raise file.fail(what, "copy the whole file", number, count=len(cells), along=len(at_x))
         for i, (x, cell) in enumerate(zip(at_x, cells, strict=True)):
             if (i, j) not in off:
-                found += height(file, x, y, cell, number)
+                found += height(file, (x, y), cell, number, digits)
     return probed_of(file, found, len(at_x) * len(rows), rows[0][1])
 
 

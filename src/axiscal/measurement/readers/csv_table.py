@@ -48,7 +48,7 @@ _FORMULA = re.compile(r"'*[=+\-@\t\r]")
 
 _LONGEST = 60
 """Characters of what is quoted."""
-_SEPARATORS, _QUOTED = ",;\t", re.compile('"[^"]*"')
+_SEPARATORS, _QUOTED = ",;\t", re.compile(r'"[^"]*"|\([^()]*\)')
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
 _NOTHING = re.compile(r"\s*#|[\s;,]*$")
 _TITLES = 60

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -75,6 +76,19 @@ FORMATS = (
     Format(later("a test of one axis (ISO 230-2)"), lambda file: test_of(file) == "long", long_table, True),
 )
 """In this order: the first that knows a file reads it."""
+_TO_EXPORT = later("name it by --on-top-of of export; readings are wanted here")
+_AS_TABLE = later("write places and readings into a table, as docs/readings.md has it")
+_STRANGERS = (
+    (r"%_N_|CHANDATA|\$A[AN]_", later("a compensation table of SINUMERIK"), _TO_EXPORT),
+    (r"BEGIN \S+\.CO[MR]|AXISPOS\b", later("a compensation table of HEIDENHAIN"), _TO_EXPORT),
+    (r"N1\d{4}\s*(?:Q\d+\s*)?P-?\d", later("pitch data of a FANUC"), _TO_EXPORT),
+    (r"\(PROBEOPEN|G38\.", later("a program that probes"), later("give the file that it writes")),
+    (r"<\?xml|<ballbar", later("an XML file of another program"), later("export it there as CSV")),
+    (r"(?:API XD|Position\s+Bidirectional Avg)", later("means of an API laser"), later("export each run, as CSV")),
+    (r"DIM \S+=|planid\t|PART NAME", later("a report of a measuring machine"), _AS_TABLE),
+    (r"0\dA[+-]\d", later("a log of dials that names no places"), _AS_TABLE),
+)
+"""What the first line of a file begins with that others write and nobody reads here; what it is, and what to do."""
 _TABLE = Format(later("a table of readings"), lambda file: True, table_readings, True)
 
 
@@ -104,6 +118,10 @@ def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Reco
     if reader is not None:
         return Recognised(file.name, type(reader).__qualname__, Found(tuple(reader.read(file))))
     kind = own or _TABLE
+    first = next((line.strip() for line in file.lines if line.strip()), "")
+    for begins, title, remedy in () if own else _STRANGERS:
+        if re.match(begins, first):
+            raise file.fail("this is {title}", remedy, title=said(title))
     if unit and not kind.unitless:
         what, remedy = "this is {title}, whose units are known, and --unit names another", "leave --unit out"
         raise file.fail(what, remedy, title=said(kind.title))

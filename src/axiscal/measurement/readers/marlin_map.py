@@ -41,7 +41,8 @@ _WHOLE = "copy the whole map as Marlin printed it"
 _titled, is_linear, is_printed = telling(_TOPOGRAPHY), telling(_LINEAR), telling(_PRINTED)
 """Whether a line begins the topography of UBL (M420 V, G29 T), that of a level plane, or a grid of M420 V."""
 _cornered, _labelled = telling(_CORNER), telling(_LABELLED)
-_of_prusa = telling(re.compile("Num X,Y:"))  # G81, no labels, and the last row along y first; Marlin 1 has labels
+_unlabelled = telling(re.compile("Num X,Y:"))  # Marlin 1 of 2015 and a Prusa's G81, which begins with the last row
+_of_prusa = telling(re.compile(r"Z search height: \d\.\d\d$"))  # that of Marlin is a whole number
 is_probed, is_nodes = telling(POINT), telling(_NODE)
 """Whether there are lines of G29 V4, or that set a node: M421, or G29 W and G29 S3 of a report of M503."""
 
@@ -55,7 +56,7 @@ def topography(file: TextFile, around: Around) -> Found:
     """Return the readings of a topography: its corners are printed, or the set-up states them; raises ReadingError."""
     begin, below = below_title(file, _TOPOGRAPHY) if _titled(file) else (1, list(told_lines(file)))
     if "CSV" in file.lines[begin - 1]:
-        lines = [(number, text.split()) for number, text in below if "\t" in text]
+        lines = [(number, re.split("[\t,]", text)) for number, text in below if re.search("[\t,]", text)]
         return without_places(file, lines[::-1], begin, around)
     rows, unlabelled, corners = dict[int, tuple[int, list[str]]](), Rows(), list[tuple[str, str]]()
     for number, text in below:
@@ -68,7 +69,7 @@ def topography(file: TextFile, around: Around) -> Found:
             unlabelled.append((number, cells.split()))
         corners += _CORNER.findall(text)
     if not rows:
-        rows, corners = dict(enumerate(reversed(unlabelled))), _of_marlin_1(corners, unlabelled)
+        rows, corners = dict(enumerate(reversed(unlabelled))), _inner(corners, unlabelled)
     if len(corners) != 4 or rows.keys() != set(range(len(rows))) or not rows:
         what = "the map has {rows} rows that follow each other from 0 on, and {corners} of 4 corners"
         whole = next((count for count in range(len(rows) + 1) if count not in rows), 0)
@@ -80,7 +81,7 @@ def topography(file: TextFile, around: Around) -> Found:
     return grid(file, sides, [rows[j] for j in range(len(rows))], begin)
 
 
-def _of_marlin_1(corners: list[tuple[str, str]], rows: Rows) -> list[tuple[str, str]]:
+def _inner(corners: list[tuple[str, str]], rows: Rows) -> list[tuple[str, str]]:
     """Return the corners in mm of a map of Marlin 1, around which it prints their nodes; all where it is not whole."""
     right, top = str(len(rows[0][1]) - 1) if rows else "", str(len(rows) - 1)
     nodes = [("0", top), (right, top), ("0", "0"), (right, "0")]
@@ -88,11 +89,12 @@ def _of_marlin_1(corners: list[tuple[str, str]], rows: Rows) -> list[tuple[str, 
 
 
 def printed(file: TextFile, around: Around) -> Found:
-    """Return the readings of the grid of M420 V, the first row along y, or of a Prusa's G81; raises ReadingError."""
+    """Return the readings of the grid of M420 V, rows along y, or of a Prusa's G81, rows back; raises ReadingError."""
     rows, begin = rows_below(file, _PRINTED)
     numbered = [(line, cells[1:]) for j, (line, cells) in enumerate(rows[1:]) if cells[0] == str(j)]
-    if len(numbered) < len(rows) - 1 and _of_prusa(file):
-        return replace(without_places(file, rows[::-1], begin, around), note=said("as if all were probed"))
+    if len(numbered) < len(rows) - 1 and _unlabelled(file):
+        note = said("as if all were probed") if (prusa := _of_prusa(file)) else ""
+        return replace(without_places(file, rows[:: -1 if prusa else 1], begin, around), note=note)
     if len(numbered) < len(rows) - 1:
         what = "these heights lie between the probed ones: they are those that the printer corrects by"
         remedy = "give what was probed: the mesh of printer.cfg, or the answer to BED_MESH_OUTPUT or to M420 V"

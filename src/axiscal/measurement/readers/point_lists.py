@@ -9,6 +9,8 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
+import numpy as np
+
 from axiscal.document.file import number_or_none
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.bed_map import Rows, grid, height, keyed, points_of, probed_of, telling
@@ -20,6 +22,8 @@ from axiscal.measurement.readers.text_file import TextFile
 
 _SLACK = 1e-6
 """m, of rounding."""
+_SMALL = 0.05
+"""Share of X: readings are far below it, and the sides of a bed are not."""
 _REMARK = re.compile(r"\s*(?:[#%(;]|//|$)")
 _AXES = "XYZABCUVW"
 """In the order in which LinuxCNC writes them."""
@@ -142,6 +146,15 @@ def _axes_of(cells: list[str], unit: str) -> list[Column] | None:
     return columns if sorted(axes[-3:]) == ["X", "Y", "Z"] and len(axes) <= 4 else None
 
 
+def _refuse_columns(file: TextFile, found: list[RawReading]) -> None:
+    """Raise ReadingError where X never comes again, and Y is small or as large as X: places with two readings each."""
+    x, y = np.array([[each.position[axis] for axis in "XY"] for each in found]).reshape(-1, 2).T
+    few = len(set(x)) < len(x) or len(set(y)) == 1
+    if not few and min(np.max(np.abs(y)), np.max(np.abs(y - x))) < _SMALL * np.max(np.abs(x)):
+        what = "these lines look like a place and two readings each, and not like X, Y and Z"
+        raise file.fail(what, "name the columns above them: X,Y,Z, or Pos_mm,1+_um,1-_um", found[0].line)
+
+
 def listed(file: TextFile, around: Around, after: int = 0) -> Found:
     """Return the readings of a list behind some lines, other axes at 0; raises ReadingError."""
     lines = [(n, _cells(line)) for n, line in enumerate(file.lines, 1) if n > after and not _REMARK.match(line)]
@@ -161,8 +174,10 @@ def listed(file: TextFile, around: Around, after: int = 0) -> Found:
         if aside := [axis for axis in _AXES[3:] if axis in named and row.number(named[axis])]:
             what, remedy = "the point has {axes} beside X, Y and Z", "give a list that was probed without moving them"
             raise file.fail(what, remedy, number, axes=", ".join(aside))
-        at, rounding = ({axis: of(named[axis]) for axis in "XY"} for of in (row.quantity, row.rounding))
+        at, digits = ([of(named[axis]) for axis in "XY"] for of in (row.quantity, row.rounding))
         z = named["Z"]
-        heights = height(replace(file, unit=z.unit or z.stated), at["X"], at["Y"], plain(row.text(z), z.mark), number)
-        found += (replace(each, rounding=rounding) for each in heights)
-    return _noted(file, probed_of(file, found, len(points), number))
+        found += height(replace(file, unit=z.unit or z.stated), at, plain(row.text(z), z.mark), number, digits)
+    listed = probed_of(file, found, len(points), number)
+    if not head and len(columns) == 3 and not _LETTERS.match(file.lines[points[0][0] - 1]):
+        _refuse_columns(file, found)
+    return _noted(file, listed)

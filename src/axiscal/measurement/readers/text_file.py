@@ -7,6 +7,7 @@ from pathlib import Path
 
 from axiscal.document.file import bounded_content, number_or_none
 from axiscal.exceptions import ReadingError
+from axiscal.measurement.readers.decimal_marks import half_digit
 from axiscal.units import from_unit
 
 MOST = 20_000_000
@@ -33,6 +34,10 @@ class TextFile:
     def length(self, text: str, name: str, line: int) -> float:
         """Return a length, m, in mm unless another unit was given; raises ReadingError."""
         return from_unit(self.number(text, name, line), self.unit or "mm")
+
+    def last_digit(self, text: str) -> float:
+        """Return half of the last digit of a length, m."""
+        return from_unit(half_digit(text), self.unit or "mm")
 
     def number(self, text: str, name: str, line: int) -> float:
         """Return a number of a machine; raises ReadingError."""
@@ -70,6 +75,8 @@ def exact_text(path: str | Path) -> str:
 def read_text(path: str | Path, unit: str = "") -> TextFile:
     """Read a file in UTF-8, UTF-16 with its mark, or else Latin-1; raises ReadingError."""
     text = _decoded(content(path))
+    if text.startswith(("PK\3\4", "\xd0\xcf\x11\xe0")):
+        raise ReadingError("the file is a workbook", "save its sheet as CSV", str(path))
     if "\0" in text:
         raise ReadingError("the file is binary, or UTF-16 text", "save it as plain text in UTF-8", str(path))
     return TextFile(str(path), lines_of(text, path), unit)
