@@ -17,7 +17,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
-from axiscal.record.accepted import Accepted
+from axiscal.record.accepted import Accepted, Bumped
 from axiscal.record.copies import carried_text, write_copy
 from axiscal.record.store import Record
 from tests.commands import Command
@@ -167,6 +167,7 @@ def heir(tmp_path: Path) -> Path:
     said = {"noise = ": 'drift = "0 um/h"\nnoise = '}
     text = slide(first='kept = 0.8\nprior = "last.axiscal"\n').text + SECOND
     last = write_record(tmp_path / "last.axiscal", slide(), read_on(1)[:12])
+    accept(last, Bumped("isg", 1e-5, "2026-11-28"))
     for old, new in said.items():
         text = text.replace(old, new)
     described = campaign_from_texts(
@@ -186,6 +187,7 @@ def test_a_set_up_mounted_anew_has_unknowns_of_its_own_beside_what_is_inherited(
     assert run(["adopt", str(heir), str(branch), "--mounted-anew"]) == 0
     with Campaign.open(heir, write=False) as campaign:
         setups, known = campaign.description.setups, campaign.estimate()
+        assert campaign.description.bump_of("isg") == Bumped("isg", 1e-5, "2026-11-28")  # which its machine has shown
         anew = setups[-1].name
         assert [setup.name for setup in setups] == ["laser", "dial", anew]
         assert anew.startswith("laser, mounted for ")
@@ -228,8 +230,8 @@ def test_what_was_mounted_anew_goes_on_is_never_asked_for_and_comes_back_as_what
     assert run(["adopt", str(main), str(branch), "--mounted-anew", "--same-mounting"]) == 2
 
 
-def accept(file: Path, mistake: Accepted) -> None:
-    """Let a person accept a mistake."""
+def accept(file: Path, mistake: Accepted | Bumped) -> None:
+    """Let a person accept a mistake, or read a bump."""
     with Record.open(file) as record:
         record.append(mistake)
 

@@ -15,6 +15,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.description.fields import WARM
 from axiscal.description.stated_type_b import takes_temperature
 from axiscal.estimation.case import Case
+from axiscal.estimation.inheritance import last_bumps
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import ReadingError, RecordError, UnitError
 from axiscal.language.spoken import said
@@ -54,7 +55,8 @@ def described(record: EventLog) -> CampaignDescription:
             what = "The record is damaged: event {number} cannot be: {reason}"
             raise RecordError(what, restoring(record.path), record.path, number=stored.number, reason=fault)
         possible = possible.after(stored.event)
-    return replace(with_mounted(description, state.mounted, state.warmed), bumps=state.bumps)
+    bumps = (*last_bumps(state.created.prior_text), *state.bumps)
+    return replace(with_mounted(description, state.mounted, state.warmed), bumps=bumps)
 
 
 def beginning_of(description: CampaignDescription) -> Created:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
@@ -15,7 +15,7 @@ from pathlib import Path
 from axiscal.document.durable import write_whole
 from axiscal.document.ports import part
 from axiscal.exceptions import RecordError
-from axiscal.record.events import Created, Recorded
+from axiscal.record.events import Created, Event, Recorded
 from axiscal.record.line_form import EventText
 from axiscal.record.log import STORED, EventLog, in_one
 from axiscal.record.payload import encode
@@ -188,10 +188,9 @@ def carried_text(path: Path) -> str:
     created = state.created
     if created is None or not state.readings:
         raise RecordError("The record has no readings", "Name a campaign that has been measured", path)
-    mounted = [json.loads(encode(each)[1]) for each in state.mounted]
-    readings = [json.loads(encode(Recorded(reading))[1]) for reading in state.readings]
-    document = {"created": json.loads(encode(created)[1]), "readings": readings} | (
-        {"mounted": mounted} if mounted else {}
-    )
-    document |= {"warmed": [json.loads(encode(each)[1]) for each in state.warmed]} if state.warmed else {}
+    kept: dict[str, Sequence[Event]] = {"mounted": state.mounted, "warmed": state.warmed, "bumped": state.bumps}
+    kept = {name: events for name, events in kept.items() if events}
+    kept["readings"] = [Recorded(reading) for reading in state.readings]
+    document = {name: [json.loads(encode(each)[1]) for each in events] for name, events in kept.items()}
+    document["created"] = json.loads(encode(created)[1])
     return json.dumps(document, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
