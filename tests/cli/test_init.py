@@ -142,6 +142,11 @@ def test_a_board_that_is_turned_is_offered_where_no_axis_does(tmp_path: Path) ->
         first_files(with_travels(of_builtin("three-axis-mill"), {"X": 80.0}), ["sphere"], Purpose("20 um"))
 
 
+def test_lengths_of_errors_shrink_with_the_travel() -> None:
+    small = with_travels(of_builtin("three-axis-mill"), dict.fromkeys("XYZ", 20.0))
+    assert questions(machine_from_text(small.text)) == ()
+
+
 def test_spheres_stand_about_the_middle_where_no_table_turns_and_a_stylus_that_is_said_stays(tmp_path: Path) -> None:
     text = """name = "trunnion"
 chain = "w-A'-X'-Y'-b-Z-t"

@@ -17,7 +17,7 @@ from axiscal.errors.iso230 import words
         *((f"E{about}{axis}", f"{turn} of {axis}") for axis, three in (("X", "ABC"), ("Y", "BAC"), ("Z", "CAB"))
           for about, turn in zip(three, ("roll", "pitch", "yaw"), strict=True)),
         ("EXX2", "positioning of X2"),
-        ("X0C1", "offset of the C1 line in x"),
+        ("X0C1", "centre of C1 in x"),
         ("EXC", "radial error of C in x"),
         ("EZC", "axial error of C"),
         ("EAC", "tilt of C about x"),
@@ -28,7 +28,7 @@ from axiscal.errors.iso230 import words
         ("C0Y", "squareness of Y to X"),
         ("B0Z", "squareness of Z to X"),
         ("A0Z", "squareness of Z to Y"),
-        ("X0C", "offset of the C line in x"),
+        ("X0C", "centre of C in x"),
         ("A0C", "tilt of the C line about x"),
         ("Z0C", "offset of C along its line"),
         ("C0C", "zero of C"),

@@ -28,7 +28,7 @@ _WORDS: dict[tuple[Kind, bool], tuple[str, str, str, str]] = {
     ),
     ("location", True): (
         later("offset of {axis} along its line"),
-        later("offset of the {axis} line in {way}"),
+        later("centre of {axis} in {way}"),
         later("zero of {axis}"),
         later("tilt of the {axis} line about {way}"),
     ),
