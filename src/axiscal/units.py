@@ -197,6 +197,15 @@ def said_quantity(value: float, unit: str, digits: int = 3) -> str:
     return put(f"{{value:{form}}} {{unit}}", value=shown, unit=unit)
 
 
+_NEAR = 0.1
+"""Share of a limit within which a number has three digits."""
+
+
+def figures(value: float, limit: float = math.inf) -> int:
+    """Return how many digits a value is said with, three where a limit is near."""
+    return 3 if abs(value - limit) < _NEAR * limit < math.inf else 2
+
+
 def um_text(value: float) -> str:
     """Return so many um for a sentence."""
     return said_quantity(from_unit(value, "um"), "um")

@@ -32,6 +32,7 @@ from axiscal.answers.row_words import (
 )
 from axiscal.language.spoken import counted, ending, joined, later, listed, put, said
 from axiscal.tables.registry import exporter
+from axiscal.units import figures
 
 _Row = TypeVar("_Row", bound=PlannedRow)
 LINES, WIDTH, _CUT = 14, 80, " …"
@@ -40,8 +41,6 @@ _LEFT = 2
 """Controls whose tables are shown beside each other."""
 _TOLD = 0.9
 """Of the U before the first reading: what is known no better was not read."""
-_NEAR = 0.1
-"""Share of a limit within which a number has three digits."""
 ROOM = 12
 """Rows beside each other; where there are more, those of one kind stand together."""
 _ENDS: dict[Verdict, str] = {
@@ -327,7 +326,7 @@ def limit_text(value: float) -> str:
 
 def digits(value: float, limit: float = math.inf) -> str:
     """Return a number with two digits, three where a limit is near, without an exponent."""
-    count = 3 if abs(value - limit) < _NEAR * limit < math.inf else 2
+    count = figures(value, limit)
     if value == 0:
         return "0"
     places = count - 1 - math.floor(math.log10(abs(float(f"{value:.{count - 1}e}"))))

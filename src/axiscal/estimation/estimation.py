@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -155,7 +156,8 @@ class Estimation:
         rows = rows_served(description, used)
         told = [pair for each in rows for pair in each.pairs(description.machine) if self._tells(each)]
         open_yet = self.of_readings.factor[: errors.size]
-        unknown = LeftUnknown(self.accuracy.rms, expanded_uncertainty(self).space)
+        limit = description.target.expanded or math.inf
+        unknown = LeftUnknown(self.accuracy.rms, expanded_uncertainty(self).space, limit)
         told_by = read, frozenset(told), description.target.of_volume, open_yet, unknown
         return Estimate(errors, self.printed.belief, *place, *told_by)
 

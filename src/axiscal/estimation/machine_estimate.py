@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -41,10 +42,11 @@ class Band(NamedTuple):
 
 
 class LeftUnknown(NamedTuple):
-    """What is not known of the TCP over a volume, less what does not count, m: RMS, and U of 95 %."""
+    """What is not known of the TCP over a volume, less what does not count, m: RMS, U of 95 %, and what U is to be."""
 
     rms: float = 0.0
     expanded: float = 0.0
+    limit: float = math.inf
 
     def beside(self, left: float) -> float:
         """Return U where files leave some of the deviation as it is estimated: U² + (k left)².  left : RMS, m"""

@@ -18,7 +18,7 @@ from axiscal.tables.exporter import Draft
 from axiscal.tables.sampling import untold
 from axiscal.tables.surface import Control, Effect, effect_of_control, left_by, planes_left, rms, tour
 from axiscal.tables.table import CompensationTable
-from axiscal.units import format_quantity, said_quantity, to_unit
+from axiscal.units import figures, format_quantity, said_quantity, to_unit
 
 POSES = 1000
 """Poses at which a file is tried: a file that adds the wrong thing does so at almost every pose."""
@@ -133,8 +133,9 @@ def effect_sentence(files: str, effect: Effect, known: LeftUnknown) -> str:
     certain = known.beside(effect.after)
     if max(*effect, certain) <= _WORTH:
         return said("{files} turn axes about the tool point, which stays where it is over the volume.", files=files)
-    sizes = *(float(np.hypot(each, known.rms)) for each in effect), known.expanded, certain
-    before, after, U, within = (said_quantity(float(f"{value:.2g}"), "um") for value in sizes)
+    sizes = [(float(np.hypot(each, known.rms)), 2) for each in effect]
+    sizes += [(each, figures(each, known.limit)) for each in (known.expanded, certain)]
+    before, after, U, within = (said_quantity(float(f"{value:.{count}g}"), "um") for value, count in sizes)
     return said(
         "{files} take the TCP deviation over the volume, with what is not known of it, from {before} RMS to {after}. "
         "U of the estimate is {U}; with what the files leave, 95 % of the deviations lie within {within}.",

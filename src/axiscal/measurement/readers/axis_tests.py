@@ -124,7 +124,8 @@ def wide_table(file: TextFile, around: Around) -> Found:
         run, way = run_of(column.stem) or (0, 0)
         rows = [row for row in table.rows[::way] if row.text(column)]
         found += [_read(row, target, way, run, column, kind) for row in rows]
-    return Found(distinct(file, found), note=said("in {units} and um (it names no unit)", units=usual) if silent else "")
+    note = said("in {units} and um (it names no unit)", units=usual) if silent else ""
+    return Found(distinct(file, found), note=note)
 
 
 def _kind(table: CsvTable, target: Column, deviation: Column) -> Test:

@@ -84,7 +84,7 @@ _STRANGERS = (
     (r"N1\d{4}\s*(?:Q\d+\s*)?P-?\d", later("pitch data of a FANUC"), _TO_EXPORT),
     (r"\(PROBEOPEN|G38\.", later("a program that probes"), later("give the file that it writes")),
     (r"<\?xml|<ballbar", later("an XML file of another program"), later("export it there as CSV")),
-    (r"(?:API XD|Position\s+Bidirectional Avg)", later("a list of means by an API laser"), later("export each run, as CSV")),
+    (r"API XD|Position\s+Bidirec", later("a list of means by an API laser"), later("export each run, as CSV")),
     (r"DIM \S+=|planid\t|PART NAME", later("a report of a measuring machine"), _AS_TABLE),
     (r"0\dA[+-]\d", later("a log of dials that names no places"), _AS_TABLE),
 )
