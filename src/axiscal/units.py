@@ -202,7 +202,7 @@ _NEAR = 0.1
 
 
 def figures(value: float, limit: float = math.inf) -> int:
-    """Return how many digits a value is said with, three where a limit is near."""
+    """Return with how many digits a value is said."""
     return 3 if abs(value - limit) < _NEAR * limit < math.inf else 2
 
 

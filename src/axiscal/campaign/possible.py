@@ -15,7 +15,6 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.description.fields import WARM
 from axiscal.description.stated_type_b import takes_temperature
 from axiscal.estimation.case import Case
-from axiscal.estimation.inheritance import last_bumps
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import ReadingError, RecordError, UnitError
 from axiscal.language.spoken import said
@@ -23,6 +22,7 @@ from axiscal.machine import Axis
 from axiscal.measurement.reading import LARGEST, Place, Reading, reading_unit, refuse_other_values
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.record.accepted import Accepted
+from axiscal.record.copies import carried_bumps
 from axiscal.record.events import Asked, Created, Event, Mounted, Noted, Planned, Recorded, State, Warmed
 from axiscal.record.log import EventLog
 from axiscal.record.store import restoring
@@ -55,7 +55,7 @@ def described(record: EventLog) -> CampaignDescription:
             what = "The record is damaged: event {number} cannot be: {reason}"
             raise RecordError(what, restoring(record.path), record.path, number=stored.number, reason=fault)
         possible = possible.after(stored.event)
-    bumps = (*last_bumps(state.created.prior_text), *state.bumps)
+    bumps = *carried_bumps(state.created.prior_text), *state.bumps
     return replace(with_mounted(description, state.mounted, state.warmed), bumps=bumps)
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from axiscal.description.ini_file import IniFile, IniValue
 from axiscal.document import shown
 from axiscal.exceptions import DescriptionError
-from axiscal.measurement.readers.probe_offset import Beside, offset_in
+from axiscal.measurement.readers.probe_offset import Beside, offset_in, offset_of, sections_in
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.units import from_unit
 
@@ -83,8 +83,9 @@ def read_printer(path: Path) -> PrinterFile:
         }
         for of in ("velocity", "accel")
     )
-    beside = offset_in("\n".join(text for _, _, text in lines))
-    thread, screws = _screws(read, beside)
+    whole = "\n".join(text for _, _, text in lines)
+    beside = offset_in(whole)
+    thread, screws = _screws(read, offset_of(sections_in(whole) or {}))
     build = stated.text, _CHAINS[stated.text]
     return PrinterFile(*build, travels, speeds, accelerations, beside, thread, screws, _mesh(read, travels))
 

@@ -21,8 +21,7 @@ from axiscal.estimation.type_prior import carried_over, rivals
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.record.accepted import Bumped
-from axiscal.record.events import Created, Event, Mounted, Recorded, Warmed
+from axiscal.record.events import Created, Mounted, Recorded, Warmed
 from axiscal.record.payload import PayloadError, decode
 
 
@@ -46,38 +45,23 @@ def case_of(description: CampaignDescription) -> Case:
 
 def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
     """Return description and readings of the campaign in a heritage text; raises RecordError if it is none."""
-    created, events = _carried(text)
+    try:
+        document = json.loads(text)
+        created = decode("created", json.dumps(document["created"]))
+        events = [decode("recorded", json.dumps(fields)) for fields in document["readings"]]
+        anew = [decode("mounted", json.dumps(fields)) for fields in document.get("mounted", ())]
+        warm = [decode("warmed", json.dumps(fields)) for fields in document.get("warmed", ())]
+    except (PayloadError, ValueError, KeyError, TypeError) as error:
+        remedy = "Start the campaign anew"
+        raise RecordError("the last campaign cannot be read: {reason}", remedy, reason=error) from None
+    assert isinstance(created, Created)
     texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
     readings = tuple(event.reading for event in events if isinstance(event, Recorded))
     description = campaign_from_texts(
         *texts, prior_text=created.prior_text, usual_doubts=created.usual_doubts, fine_knots=created.fine_knots
     )
-    mounted = [each for each in events if isinstance(each, Mounted)]
-    return with_mounted(description, mounted, [each for each in events if isinstance(each, Warmed)]), readings
-
-
-def last_bumps(text: str) -> tuple[Bumped, ...]:
-    """Return the bumps of a machine's controls in a heritage text, and before it; none of a type or of no text.
-
-    Raises RecordError for a text that cannot be read.
-    """
-    if not text or is_type_text(text):
-        return ()
-    created, events = _carried(text)
-    return (*last_bumps(created.prior_text), *(each for each in events if isinstance(each, Bumped)))
-
-
-def _carried(text: str) -> tuple[Created, list[Event]]:
-    try:
-        document = json.loads(text)
-        created = decode("created", json.dumps(document["created"]))
-        kept = (("recorded", "readings"), ("mounted", "mounted"), ("warmed", "warmed"), ("bumped", "bumped"))
-        events = [decode(kind, json.dumps(fields)) for kind, name in kept for fields in document.get(name, ())]
-    except (PayloadError, ValueError, KeyError, TypeError) as error:
-        remedy = "Start the campaign anew"
-        raise RecordError("the last campaign cannot be read: {reason}", remedy, reason=error) from None
-    assert isinstance(created, Created)
-    return created, events
+    mounted = [each for each in anew if isinstance(each, Mounted)]
+    return with_mounted(description, mounted, [each for each in warm if isinstance(each, Warmed)]), readings
 
 
 def last_estimation(text: str) -> Estimation:

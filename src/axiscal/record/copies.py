@@ -8,13 +8,14 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 
 from axiscal.document.durable import write_whole
 from axiscal.document.ports import part
 from axiscal.exceptions import RecordError
+from axiscal.record.accepted import Bumped
 from axiscal.record.events import Created, Event, Recorded
 from axiscal.record.line_form import EventText
 from axiscal.record.log import STORED, EventLog, in_one
@@ -188,9 +189,16 @@ def carried_text(path: Path) -> str:
     created = state.created
     if created is None or not state.readings:
         raise RecordError("The record has no readings", "Name a campaign that has been measured", path)
-    kept: dict[str, Sequence[Event]] = {"mounted": state.mounted, "warmed": state.warmed, "bumped": state.bumps}
-    kept = {name: events for name, events in kept.items() if events}
-    kept["readings"] = [Recorded(reading) for reading in state.readings]
-    document = {name: [json.loads(encode(each)[1]) for each in events] for name, events in kept.items()}
+    bumps = *carried_bumps(created.prior_text), *state.bumps
+    kept: dict[str, Sequence[Event]] = {"mounted": state.mounted, "warmed": state.warmed, "bumped": bumps}
+    kept = {"readings": [Recorded(reading) for reading in state.readings]} | {k: of for k, of in kept.items() if of}
+    document = {name: [json.loads(encode(each)[1]) for each in of] for name, of in kept.items()}
     document["created"] = json.loads(encode(created)[1])
     return json.dumps(document, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
+
+
+def carried_bumps(text: str) -> tuple[Bumped, ...]:
+    """Return the bumps of a machine's controls in such a text; of a type there are none."""
+    with suppress(ValueError, TypeError, AttributeError):  # what else is damaged in it is said where it is estimated by
+        return tuple(Bumped(**each) for each in json.loads(text).get("bumped", ()))
+    return ()

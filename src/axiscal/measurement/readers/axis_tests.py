@@ -33,8 +33,7 @@ from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import said_quantity
 
 _BOTH = LENGTHS + ANGLES
-_OF_TEST = {"target": _BOTH, "direction": TEXT, "run": TEXT, "deviation": _BOTH}
-_OF_CIRCLE = {"angle": ANGLES, "direction": TEXT, "deviation": LENGTHS}
+_OF_TEST = {"target": _BOTH, "angle": ANGLES, "direction": TEXT, "run": TEXT, "deviation": _BOTH}
 _BESIDE = {"setup": TEXT, "axis": TEXT, "time": TEXT}
 _NUMBERED = later("number the runs 1, 2, 3, ...")
 _TOWARDS = later("write + for the approach in the positive direction, - for the negative one")
@@ -49,35 +48,33 @@ def test_of(file: TextFile) -> Literal["circle", "wide", "long"] | None:
         return "circle"
     if first.stem == "target" and others and wide:
         return "wide"
-    return "long" if stems & _OF_TEST.keys() and "setup" not in stems else None
+    return "long" if stems & _OF_TEST.keys() - {"angle"} and "setup" not in stems else None
 
 
-def circle(file: TextFile, around: Around) -> Found:
-    """Return the readings of a circular test, a line each or a column a run; raises ReadingError."""
-    table = table_of(file, words=STEMS)
-    if not table.all_of("direction"):
-        return wide_table(file, around)
-    silent = [column for column in table.all_of("angle") if not column.unit]
-    if any(abs(row.number(column)) > 2 * math.pi for column in silent for row in table.rows):  # above a turn in rad
-        table = replace(table, columns=tuple(replace(c, stated="deg") if c in silent else c for c in table.columns))
-    angle, direction, deviation = table.needed(_OF_CIRCLE | _BESIDE, "angle_deg", "direction", "deviation_um")
-    note = "" if angle.unit else said("angles in deg (it names no unit)")
-    return Found(tuple(_lines(table, angle, direction, None, deviation, "circle")), note=note)
-
-
-def long_table(file: TextFile, around: Around) -> Found:
-    """Return the readings of a table with a line for each; raises ReadingError, also for one that stands twice.
+def axis_test(file: TextFile, around: Around) -> Found:
+    """Return the readings of a test, with a line or a column for each; raises ReadingError where one stands twice.
 
     The order of the lines numbers the runs where no column does.
     """
     table = table_of(file, words=STEMS)
-    target, way, read = table.needed(_OF_TEST | _BESIDE, "target_mm", "direction", "deviation_um")
+    silent = [column for column in table.all_of("angle") if not column.unit]
+    if any(abs(row.number(column)) > 2 * math.pi for column in silent for row in table.rows):  # above a turn in rad
+        table = replace(table, columns=tuple(replace(c, stated="deg") if c in silent else c for c in table.columns))
+    if not table.all_of("direction") and test_of(file) != "long":
+        return _in_columns(file, table)
+    place = "angle" if table.all_of("angle") else "target"
+    layout = {place: _OF_TEST[place], "direction": TEXT, "run": TEXT, "deviation": _BOTH} | _BESIDE
+    target, way, read = table.needed(
+        layout, "angle_deg" if place == "angle" else "target_mm", "direction", "deviation_um"
+    )
     run = next(iter(table.all_of("run")), None)
     lines = _lines(table, target, way, run, read, _kind(table, target, read))
     found = distinct(file, lines if run else _in_order(lines))
     if column_of(read.name).stem.lower() in ACTUAL:
+        if place == "angle":
+            raise table.fail("'{column}' is no deviation", "take the radius off it", column=read.name)
         found = tuple(replace(each, value=each.value - each.position[""]) for each in found)
-    return Found(found)
+    return Found(found, note=said("angles in deg (it names no unit)") if silent else "")
 
 
 def _lines(
@@ -102,21 +99,18 @@ def _in_order(readings: Iterable[RawReading]) -> Iterator[RawReading]:
         yield replace(each, run=times[place])
 
 
-def wide_table(file: TextFile, around: Around) -> Found:
+def _in_columns(file: TextFile, table: CsvTable) -> Found:
     """Return the readings of a table with a column for each run, there and back; raises ReadingError."""
-    table = table_of(file, words=STEMS)
     if file.unit:
         table.allow(dict.fromkeys((column.stem for column in table.columns), _BOTH))
-    silent = not (file.unit or any(column.unit for column in table.columns))
+    silent = not (file.unit or any(column.unit or column.stem == "angle" for column in table.columns))
     if silent and any(map(_UNIT_IN_WORDS.search, file.lines[: table.line - 1])):
         raise table.fail("a title names a unit, and no column does", "write Pos_mm and 1+_um in the header, or such")
-    usual = "deg" if (round_ := table.columns[0].stem == "angle") else "mm"
+    usual = ("um", "mm") if table.columns[0].stem == "target" else ("", "")
     target, *others = (
-        replace(column, stated=column.stated or ("um" if number else usual))
-        for number, column in enumerate(table.columns)
+        replace(column, stated=column.stated or usual[number == 0]) for number, column in enumerate(table.columns)
     )
-    found = list[RawReading]()
-    kinds = {"circle" if round_ and each.unit in (None, *LENGTHS) else _kind(table, target, each) for each in others}
+    found, kinds = list[RawReading](), {_kind(table, target, column) for column in others}
     if len(kinds) > 1:
         raise table.fail("some runs are lengths, and some are angles", "give a file for each test")
     (kind,) = kinds
@@ -124,12 +118,13 @@ def wide_table(file: TextFile, around: Around) -> Found:
         run, way = run_of(column.stem) or (0, 0)
         rows = [row for row in table.rows[::way] if row.text(column)]
         found += [_read(row, target, way, run, column, kind) for row in rows]
-    note = said("in {units} and um (it names no unit)", units=usual) if silent else ""
-    return Found(distinct(file, found), note=note)
+    return Found(distinct(file, found), note=said("in mm and um (it names no unit)") if silent else "")
 
 
 def _kind(table: CsvTable, target: Column, deviation: Column) -> Test:
     """Return which test it is, by what targets and deviations are; raises ReadingError for lengths over angles."""
+    if target.stem == "angle" and deviation.dimension == "length":
+        return "circle"
     if (target.dimension, deviation.dimension) == ("angle", "length"):
         what = "'{target}' and '{deviation}' mix a length and an angle"
         remedy = "use target_mm with deviation_um, or target_deg with deviation_arcsec"

@@ -68,8 +68,8 @@ def height(file: TextFile, at: Sequence[float], cell: str, line: int, digits: Se
     at : X and Y, m; digits : half of the last one of each, m
     """
     if cell.strip("=").lower() not in _NOT_PROBED:
-        low, rounding = -file.length(cell, "height", line), dict(zip("XY", digits, strict=True))
-        place = dict(zip("XY", at, strict=True))
+        place, rounding = (dict(zip("XY", each, strict=True)) for each in (at, digits))
+        low = -file.length(cell, "height", line)
         yield RawReading("", place, {}, low, None, "length", line, error="z", rounding=rounding)
 
 

@@ -14,7 +14,7 @@ from axiscal.exceptions import InputError
 from axiscal.language.spoken import joined, later, put, said
 from axiscal.machine.axis import Axis
 from axiscal.measurement.readers import bed_map, level_survey, marlin_map, point_lists
-from axiscal.measurement.readers.axis_tests import circle, long_table, test_of, wide_table
+from axiscal.measurement.readers.axis_tests import axis_test, test_of
 from axiscal.measurement.readers.bed_map import points_of
 from axiscal.measurement.readers.csv_readings import ALONE, Around, Found, RawReading, table_readings
 from axiscal.measurement.readers.marlin_map import POINT
@@ -71,24 +71,22 @@ FORMATS = (
     Format(later("a bCNC probe file"), point_lists.is_bcnc, point_lists.bcnc, True),
     Format(later("touches of grbl"), point_lists.is_grbl, point_lists.grbl, True),
     Format(later("a list of points X Y Z"), point_lists.is_list, point_lists.listed, True),
-    Format(later("a circular test (ISO 230-4)"), lambda file: test_of(file) == "circle", circle, True),
-    Format(later("a test of one axis, a column a run"), lambda file: test_of(file) == "wide", wide_table, True),
-    Format(later("a test of one axis (ISO 230-2)"), lambda file: test_of(file) == "long", long_table, True),
+    Format(later("a circular test (ISO 230-4)"), lambda file: test_of(file) == "circle", axis_test, True),
+    Format(later("a test of one axis, a column a run"), lambda file: test_of(file) == "wide", axis_test, True),
+    Format(later("a test of one axis (ISO 230-2)"), lambda file: test_of(file) == "long", axis_test, True),
 )
 """In this order: the first that knows a file reads it."""
-_TO_EXPORT = later("name it by --on-top-of of export; readings are wanted here")
-_AS_TABLE = later("write places and readings into a table, as docs/readings.md has it")
-_STRANGERS = (
-    (r"%_N_|CHANDATA|\$A[AN]_", later("a compensation table of SINUMERIK"), _TO_EXPORT),
-    (r"BEGIN \S+\.CO[MR]|AXISPOS\b", later("a compensation table of HEIDENHAIN"), _TO_EXPORT),
-    (r"N1\d{4}\s*(?:Q\d+\s*)?P-?\d", later("pitch data of a FANUC"), _TO_EXPORT),
-    (r"\(PROBEOPEN|G38\.", later("a program that probes"), later("give the file that it writes")),
-    (r"<\?xml|<ballbar", later("an XML file of another program"), later("export it there as CSV")),
-    (r"API XD|Position\s+Bidirec", later("a list of means by an API laser"), later("export each run, as CSV")),
-    (r"DIM \S+=|planid\t|PART NAME", later("a report of a measuring machine"), _AS_TABLE),
-    (r"0\dA[+-]\d", later("a log of dials that names no places"), _AS_TABLE),
-)
-"""What the first line of a file begins with that others write and nobody reads here; what it is, and what to do."""
+_STRANGERS = {
+    r"%_N_|CHANDATA|\$A[AN]_": later("a compensation table of SINUMERIK"),
+    r"BEGIN \S+\.CO[MR]|AXISPOS\b": later("a compensation table of HEIDENHAIN"),
+    r"N1\d{4}\s*(?:Q\d+\s*)?P-?\d": later("pitch data of a FANUC"),
+    r"\(PROBEOPEN|G38\.": later("a program that probes"),
+    r"<\?xml|<ballbar": later("an XML file of another program"),
+    r"API XD|Position\s+Bidirec": later("a list of means by an API laser"),
+    r"DIM \S+=|planid\t|PART NAME": later("a report of a measuring machine"),
+    r"0\dA[+-]\d": later("a log of dials that names no places"),
+}
+"""What is written elsewhere and not read here, by how its first line begins."""
 _TABLE = Format(later("a table of readings"), lambda file: True, table_readings, True)
 
 
@@ -119,9 +117,8 @@ def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Reco
         return Recognised(file.name, type(reader).__qualname__, Found(tuple(reader.read(file))))
     kind = own or _TABLE
     first = next((line.strip() for line in file.lines if line.strip()), "")
-    for begins, title, remedy in () if own else _STRANGERS:
-        if re.match(begins, first):
-            raise file.fail("this is {title}", remedy, title=said(title))
+    if kind is _TABLE and (title := next((each for begins, each in _STRANGERS.items() if re.match(begins, first)), "")):
+        raise file.fail("this is {title}, which is not read", "docs/readings.md names all that is", title=said(title))
     if unit and not kind.unitless:
         what, remedy = "this is {title}, whose units are known, and --unit names another", "leave --unit out"
         raise file.fail(what, remedy, title=said(kind.title))

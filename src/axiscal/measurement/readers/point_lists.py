@@ -146,13 +146,11 @@ def _axes_of(cells: list[str], unit: str) -> list[Column] | None:
     return columns if sorted(axes[-3:]) == ["X", "Y", "Z"] and len(axes) <= 4 else None
 
 
-def _refuse_columns(file: TextFile, found: list[RawReading]) -> None:
-    """Raise ReadingError where X never comes again, and Y is small or as large as X: places with two readings each."""
-    x, y = np.array([[each.position[axis] for axis in "XY"] for each in found]).reshape(-1, 2).T
-    few = len(set(x)) < len(x) or len(set(y)) == 1
-    if not few and min(np.max(np.abs(y)), np.max(np.abs(y - x))) < _SMALL * np.max(np.abs(x)):
-        what = "these lines look like a place and two readings each, and not like X, Y and Z"
-        raise file.fail(what, "name the columns above them: X,Y,Z, or Pos_mm,1+_um,1-_um", found[0].line)
+def _two_readings(found: Found) -> bool:
+    """Return whether X never comes again, and Y is far below it or as large: places with two readings each."""
+    x, y = np.array([[each.position[axis] for axis in "XY"] for each in found.readings]).T
+    apart = np.abs([y, y - x]).max(axis=1).min()
+    return len(set(x)) == len(x) and len(set(y)) > 1 and bool(apart < _SMALL * np.abs(x).max())
 
 
 def listed(file: TextFile, around: Around, after: int = 0) -> Found:
@@ -178,6 +176,7 @@ def listed(file: TextFile, around: Around, after: int = 0) -> Found:
         z = named["Z"]
         found += height(replace(file, unit=z.unit or z.stated), at, plain(row.text(z), z.mark), number, digits)
     listed = probed_of(file, found, len(points), number)
-    if not head and len(columns) == 3 and not _LETTERS.match(file.lines[points[0][0] - 1]):
-        _refuse_columns(file, found)
+    if len(first) == 3 and not (head or _LETTERS.match(file.lines[points[0][0] - 1])) and _two_readings(listed):
+        what = "these lines look like a place and two readings each, and not like X, Y and Z"
+        raise file.fail(what, "name the columns above them: X,Y,Z, or Pos_mm,1+_um,1-_um", points[0][0])
     return _noted(file, listed)

@@ -16,6 +16,8 @@ from axiscal.units import from_unit
 Beside = tuple[float, float]
 """X and Y, m."""
 Sections = Mapping[str, Mapping[str, str]]
+UNTWISTED = ("z_compensations", "zy_compensations")
+"""By these keys of [axis_twist_compensation] Klipper makes heights those that the nozzle itself would touch."""
 _COMMAND = re.compile(r"^[^;\n]*?\b(?:M851|G31)\b([^;\n]*)", re.MULTILINE)
 _WORD = re.compile(r"\b([XY])(-?[\d.]+)")
 
@@ -37,19 +39,11 @@ def offset_of(sections: Sections) -> Beside | None:
     return None if stated is None else pair_of(stated.get(f"{side}_offset", "0") for side in "xy")
 
 
-def untwisted(sections: Sections) -> bool:
-    """Return whether a Klipper adds to each touch what its probe reads otherwise than the nozzle would."""
-    keys = sections.get("axis_twist_compensation", {})
-    return any(keys.get(key) for key in ("z_compensations", "zy_compensations"))
-
-
 def offset_in(text: str) -> Beside | None:
-    """Return how far beside the nozzle the probe reads by a printer.cfg, a report of M503 or a config.g.
-
-    Klipper's [axis_twist_compensation] makes its heights those that the nozzle would touch.
-    """
+    """Return how far the probe reads beside the nozzle by a printer.cfg, a report of M503 or a config.g."""
     if (sections := sections_in(text)) is not None:
-        return (0.0, 0.0) if untwisted(sections) else offset_of(sections)
+        twist = sections.get("axis_twist_compensation", {})
+        return (0.0, 0.0) if any(map(twist.get, UNTWISTED)) else offset_of(sections)
     words = dict(_WORD.findall("".join(_COMMAND.findall(text)[:1])))
     return pair_of(words.get(side, "0") for side in "XY") if words else None
 

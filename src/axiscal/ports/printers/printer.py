@@ -25,6 +25,7 @@ from typing import Any, NamedTuple
 from axiscal.document.file import json_or_none
 from axiscal.exceptions import InputError, SourceError, TableError, TravelError
 from axiscal.language.spoken import later, said
+from axiscal.measurement.readers.probe_offset import UNTWISTED
 from axiscal.ports.printers.klipper import holds_heights
 
 TIMEOUT = 60.0
@@ -91,6 +92,10 @@ class Printer(ABC):
     @abstractmethod
     def probe_offset(self) -> tuple[float, float]:
         """Return where the probe is beside the nozzle, x and y, mm."""
+
+    def reads_beside(self) -> tuple[float, float]:
+        """Return how far beside the nozzle its heights are read, x and y, mm."""
+        return self.probe_offset()
 
     @abstractmethod
     def execute(self, codes: list[str]) -> None:
@@ -196,6 +201,12 @@ class Moonraker(Printer):
         settings = found_at(self._status(configfile="settings"), "configfile", "settings", name)
         x, y = (self._height(found_at(settings, f"{axis}_offset") or 0.0) for axis in "xy")
         return x, y
+
+    def reads_beside(self) -> tuple[float, float]:
+        """Ask whether Klipper makes heights those of the nozzle."""
+        settings = self._status(configfile="settings")
+        twist = found_at(settings, "configfile", "settings", "axis_twist_compensation") or {}
+        return (0.0, 0.0) if any(map(twist.get, UNTWISTED)) else self.probe_offset()
 
     def execute(self, codes: list[str]) -> None:
         """Send the lines."""

@@ -244,7 +244,7 @@ class PrinterSource:
     def __init__(self, printer: Printer, machine: Machine, asked: Callable[[str], str] = at_the_terminal) -> None:
         self._printer, self._machine, self._asked, self._standing = printer, machine, asked, ""
         printer.refuse_unready()
-        self._aside = printer.probe_offset()
+        self._aside, self._reads = printer.probe_offset(), printer.reads_beside()
 
     def read(self, request: Request) -> Answer | Skip:
         """Have the probe over the point, come to from the side of the request, and probe; a ball is probed six times.
@@ -322,9 +322,9 @@ class PrinterSource:
     def _refuse_other_offset(self, setup: Setup) -> None:
         if setup.offset is not None:
             stated = [float(to_unit(each, "mm")) for each in setup.offset[:2]]
-            if math.dist(stated, self._aside) > _STANDS:
+            if math.dist(stated, self._reads) > _STANDS:
                 what = "the probe of the printer stands {found} mm beside the nozzle along x and y, and not {stated} mm"
-                found, given = (" ".join(f"{each:g}" for each in pair) for pair in (self._aside, stated))
+                found, given = (" ".join(f"{each:g}" for each in pair) for pair in (self._reads, stated))
                 remedy = "Start the campaign again with this offset in campaign.toml"
                 raise SourceError(what, remedy, found=found, stated=given)
 
