@@ -201,9 +201,13 @@ _NEAR = 0.1
 """Share of a limit within which a number has three digits."""
 
 
-def figures(value: float, limit: float = math.inf) -> int:
-    """Return with how many digits a value is said."""
-    return 3 if abs(value - limit) < _NEAR * limit < math.inf else 2
+def digits(value: float, limit: float = math.inf) -> str:
+    """Return a number with two digits, three where a limit is near, without an exponent."""
+    count = 3 if abs(value - limit) < _NEAR * limit < math.inf else 2
+    if value == 0:
+        return "0"
+    places = count - 1 - math.floor(math.log10(abs(float(f"{value:.{count - 1}e}"))))
+    return put(f"{{value:.{max(places, 0)}f}}", value=round(value, places))
 
 
 def um_text(value: float) -> str:

@@ -63,6 +63,13 @@ def _topography_of_marlin_1(found: DrawnMap) -> str:
     return "\n".join(["Bed Topography Report:", "", nodes[0], ends[0], *rows, ends[1], nodes[1], "ok P7 B5"])
 
 
+def _unlabelled(found: DrawnMap, height: str, way: int) -> str:
+    """Return a mesh without labels, the first row along y first, or last."""
+    return "\n".join(
+        [f"Num X,Y: 9,9\nZ search height: {height}\nMeasured points:", *_rows(found, "nan", "  ")[::way], ""]
+    )
+
+
 def _csv_topography(found: DrawnMap) -> str:
     return "\n".join(["Bed Topography Report for CSV:", "", *_rows(found, "NAN", "\t")[::-1], "", "ok"])
 
@@ -172,6 +179,12 @@ FORMS: Mapping[str, Callable[[DrawnMap], str]] = {
     "an OpenCNCPilot height map": _xml,
     "a Moonraker mesh, in a notice": lambda found: '{"method": "notify", "params": [' + _moonraker(found) + ", 1.5]}",
     "a Marlin map (M420 V), of Marlin 1": lambda found: "Num X,Y: 9,9\nMeasured points:" + _bilinear(found)[42:],
+    "a Marlin map (M420 V), of 2015": lambda found: _unlabelled(found, "4\nZ offset: 0.00000", 1),
+    "a Marlin map (M420 V), of a Prusa": lambda found: _unlabelled(found, "5.00", -1),
+    "a UBL map, as CSV with commas": lambda found: _csv_topography(found).replace("\t", ","),
+    "probed points of the Klipper console, screws": lambda found: _points(
+        found, "// rear left : x={x:.1f}, y={y:.1f}, z={z:.5f} : adjust CCW 00:50\n"
+    ),
     "a list of points X Y Z": lambda found: "# UGS\n" + _points(found, "{x} {y} {z}\n"),
     "a list of points X Y Z, with commas": lambda found: "X,Y,Z\n" + _points(found, "{x},{y},{z}\n"),
     "a list of points X Y Z, of nine axes": lambda found: _points(found, "{x:.6f} {y:.6f} {z:.6f}" + 6 * " 0.0" + "\n"),

@@ -30,7 +30,6 @@ from axiscal.answers.answer import (
     coordinate,
     number,
 )
-from axiscal.answers.answer_words import digits
 from axiscal.answers.bed_screws import screw_turns
 from axiscal.answers.row_words import row_name
 from axiscal.campaign.campaign import Campaign
@@ -54,7 +53,7 @@ from axiscal.record.copies import file_name
 from axiscal.tables.offer import places
 from axiscal.tables.registry import controllers, exporter, offered_control
 from axiscal.tables.surface import Control, left_by, turned_by
-from axiscal.units import to_unit
+from axiscal.units import digits, to_unit
 from axiscal_core.threads import one_thread
 
 _COSTS = 1.01

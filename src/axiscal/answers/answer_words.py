@@ -5,7 +5,6 @@ Terminal, page, HTML and PDF lay out these words and say no others, so that all 
 
 from __future__ import annotations
 
-import math
 import shlex
 import textwrap
 from collections.abc import Iterator, Sequence
@@ -32,7 +31,7 @@ from axiscal.answers.row_words import (
 )
 from axiscal.language.spoken import counted, ending, joined, later, listed, put, said
 from axiscal.tables.registry import exporter
-from axiscal.units import figures
+from axiscal.units import digits
 
 _Row = TypeVar("_Row", bound=PlannedRow)
 LINES, WIDTH, _CUT = 14, 80, " …"
@@ -322,15 +321,6 @@ def template_of(control: str) -> str:
 def limit_text(value: float) -> str:
     """Return a limit as a person wrote it."""
     return put("{value:.3g}", value=value)
-
-
-def digits(value: float, limit: float = math.inf) -> str:
-    """Return a number with two digits, three where a limit is near, without an exponent."""
-    count = figures(value, limit)
-    if value == 0:
-        return "0"
-    places = count - 1 - math.floor(math.log10(abs(float(f"{value:.{count - 1}e}"))))
-    return put(f"{{value:.{max(places, 0)}f}}", value=round(value, places))
 
 
 def screen(

@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from axiscal.answers.answer_of_campaign import advised_control
-from axiscal.answers.answer_words import WIDTH, digits, template_of, wrapped
+from axiscal.answers.answer_words import WIDTH, template_of, wrapped
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Source
 from axiscal.cli.arguments import Details, Json, PlacesFile, RecordFile, Template
@@ -27,7 +27,7 @@ from axiscal.record.signing import own_hand
 from axiscal.tables import registry
 from axiscal.tables.bump import other_way
 from axiscal.tables.exporter import ExportOptions
-from axiscal.units import parse_quantity, to_unit
+from axiscal.units import digits, parse_quantity, to_unit
 
 
 def verify(

@@ -9,7 +9,6 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field, fields, replace
-from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -220,19 +219,15 @@ _UNKNOWN = later("text in lines")
 
 
 def with_travels(begun: Beginning, lengths: Mapping[str, float]) -> Beginning:
-    """Return a machine whose linear axes travel so far, mm: up to zero where they end there, else from below.
-
-    Where that is less than before, the lengths of its errors shrink as much.
-    """
+    """Return a machine whose linear axes travel so far, mm: up to zero where they end there, else from below."""
     text = begun.text
     for axis in machine_from_text(begun.text).axes:
         if axis.name in lengths:
             low, high = (to_unit(end, "mm") for end in axis.travel)
             low, high = (-lengths[axis.name], 0.0) if high == 0 else (low, low + lengths[axis.name])
             text = _stating(text, axis.name, "travel", f'["{low:g} mm", "{high:g} mm"]')
-            share = min(1.0, (high - low) / to_unit(axis.length, "mm"))
-            length = re.compile(rf'^(E[XYZABC]{axis.name} = .*\blength = ")([\d.]+) ', re.MULTILINE)
-            text = length.sub(partial(lambda k, found: f"{found[1]}{k * float(found[2]):.3g} ", share), text)
+            if lengths[axis.name] < to_unit(axis.length, "mm"):  # the lengths of its errors are the usual ones then
+                text = re.sub(rf'^(E[XYZABC]{axis.name} = .*), length = "[^"]*"', r"\1", text, flags=re.MULTILINE)
     return replace(begun, text=text)
 
 

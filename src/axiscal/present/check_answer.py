@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from axiscal.answers.answer import AnswerDocument, TablesChecked, finite
-from axiscal.answers.answer_words import VERDICTS, digits, wrapped
+from axiscal.answers.answer_words import VERDICTS, wrapped
 from axiscal.answers.row_words import row_name
 from axiscal.evaluation.check import Check, Taken
 from axiscal.evaluation.datums import GUARD
@@ -17,7 +17,7 @@ from axiscal.evaluation.table_checks import WORKS, Judgement, Verdict
 from axiscal.language.spoken import counted, later, listed, quoted, said
 from axiscal.measurement.reading import Places, approach_text, place_text, shown_pose
 from axiscal.numerics import Array
-from axiscal.units import to_unit
+from axiscal.units import digits, to_unit
 
 _NEAR = 0.3
 """Of the change that tables should make: this near to all, none or the opposite, it is called that."""

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from axiscal.answers.answer import AnswerLine
-from axiscal.answers.answer_words import AnswerText, answer_text, digits
+from axiscal.answers.answer_words import AnswerText, answer_text
 from axiscal.answers.row_words import row_names, signed_text
 from axiscal.estimation.accuracy.expanded import BAND, LEVEL
 from axiscal.estimation.case import Case
@@ -22,7 +22,7 @@ from axiscal.present.result_set import RECORD
 from axiscal.present.sentences import coordinate, figure, percent, quantity, root_mean_square, spelt
 from axiscal.present.summary import WORTH, BudgetRow, ConstantSummary, CurveSummary, Summary, Uncertainty
 from axiscal.present.volume_error import PlaneSummary
-from axiscal.units import said_quantity, to_unit
+from axiscal.units import digits, said_quantity, to_unit
 
 _PARTS = 4
 """Digits: one more than of U."""

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from axiscal.document.durable import write_whole
 from axiscal.document.ports import part
@@ -192,7 +193,7 @@ def carried_text(path: Path) -> str:
     bumps = *carried_bumps(created.prior_text), *state.bumps
     kept: dict[str, Sequence[Event]] = {"mounted": state.mounted, "warmed": state.warmed, "bumped": bumps}
     kept = {"readings": [Recorded(reading) for reading in state.readings]} | {k: of for k, of in kept.items() if of}
-    document = {name: [json.loads(encode(each)[1]) for each in of] for name, of in kept.items()}
+    document: dict[str, Any] = {name: [json.loads(encode(each)[1]) for each in of] for name, of in kept.items()}
     document["created"] = json.loads(encode(created)[1])
     return json.dumps(document, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
 

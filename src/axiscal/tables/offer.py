@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -18,7 +19,7 @@ from axiscal.tables.exporter import Draft
 from axiscal.tables.sampling import untold
 from axiscal.tables.surface import Control, Effect, effect_of_control, left_by, planes_left, rms, tour
 from axiscal.tables.table import CompensationTable
-from axiscal.units import figures, format_quantity, said_quantity, to_unit
+from axiscal.units import digits, format_quantity, to_unit
 
 POSES = 1000
 """Poses at which a file is tried: a file that adds the wrong thing does so at almost every pose."""
@@ -133,9 +134,9 @@ def effect_sentence(files: str, effect: Effect, known: LeftUnknown) -> str:
     certain = known.beside(effect.after)
     if max(*effect, certain) <= _WORTH:
         return said("{files} turn axes about the tool point, which stays where it is over the volume.", files=files)
-    sizes = [(float(np.hypot(each, known.rms)), 2) for each in effect]
-    sizes += [(each, figures(each, known.limit)) for each in (known.expanded, certain)]
-    before, after, U, within = (said_quantity(float(f"{value:.{count}g}"), "um") for value, count in sizes)
+    sizes = [(np.hypot(each, known.rms), math.inf) for each in effect]
+    sizes += [(each, known.limit) for each in (known.expanded, certain)]
+    before, after, U, within = (f"{digits(*to_unit(np.array(each), 'um').tolist())} um" for each in sizes)
     return said(
         "{files} take the TCP deviation over the volume, with what is not known of it, from {before} RMS to {after}. "
         "U of the estimate is {U}; with what the files leave, 95 % of the deviations lie within {within}.",

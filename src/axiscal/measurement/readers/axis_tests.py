@@ -68,8 +68,7 @@ def axis_test(file: TextFile, around: Around) -> Found:
         layout, "angle_deg" if place == "angle" else "target_mm", "direction", "deviation_um"
     )
     run = next(iter(table.all_of("run")), None)
-    lines = _lines(table, target, way, run, read, _kind(table, target, read))
-    found = distinct(file, lines if run else _in_order(lines))
+    found = distinct(file, _lines(table, target, way, run, read, _kind(table, target, read)))
     if column_of(read.name).stem.lower() in ACTUAL:
         if place == "angle":
             raise table.fail("'{column}' is no deviation", "take the radius off it", column=read.name)
@@ -82,21 +81,13 @@ def _lines(
 ) -> Iterator[RawReading]:
     """Yield the reading of each line, with what stands beside it; raises ReadingError."""
     setup, axis, time = (next(iter(table.all_of(stem)), None) for stem in _BESIDE)
+    times = Counter[tuple[str, float, int]]()
     for row, seconds in zip(table.rows, read_times(table.rows, time), strict=True):
         named, moved = (row.text(column) if column else "" for column in (setup, axis))
-        number = row.meant(run, whole, later("run {text!r} is not a whole number"), _NUMBERED) if run else 0
         way = row.meant(direction, sign_of, later("direction {text!r} is not known"), _TOWARDS)
-        read = _read(row, target, way, number, value, kind)
-        yield replace(read, setup=named, axis=moved, time=seconds)
-
-
-def _in_order(readings: Iterable[RawReading]) -> Iterator[RawReading]:
-    """Yield readings with their runs: how often each was read until then."""
-    times = Counter[tuple[str, float, int]]()
-    for each in readings:
-        place = (each.axis, each.position[""], each.approach[""])
-        times[place] += 1
-        yield replace(each, run=times[place])
+        times[place := (moved, row.quantity(target), way)] += 1
+        number = row.meant(run, whole, later("run {text!r} is not a whole number"), _NUMBERED) if run else times[place]
+        yield replace(_read(row, target, way, number, value, kind), setup=named, axis=moved, time=seconds)
 
 
 def _in_columns(file: TextFile, table: CsvTable) -> Found:

@@ -20,9 +20,9 @@ import numpy as np
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import joined
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
-from axiscal.measurement.readers.text_file import TextFile, read_text
+from axiscal.measurement.readers.text_file import TextFile, beginning, read_text
 from axiscal.measurement.setup import Vector
-from axiscal.units import from_unit, to_unit
+from axiscal.units import from_unit
 
 Side = tuple[float, float, float]
 """Of a map: first and last node, m, and how many."""
@@ -31,7 +31,6 @@ Rows = list[tuple[int, list[str]]]
 PlacedRows = Sequence[tuple[float, int, list[str]]]
 Skipping = Callable[[TextFile, Sequence[float], PlacedRows], set[tuple[int, int]]]
 """What gives columns and rows of cells that are no readings, by x and rows with their y, m."""
-_RRF = "RepRapFirmware height map file"
 _BLOCK = re.compile(r"(?:#\*#\s*)?\[bed_mesh\s+([^\]]+?)\s*\]")
 _RECTANGLE, _ROUND = re.compile(r"\[bed_mesh\]"), re.compile(r"\s*mesh_radius\s*[:=]")
 _OPTION = re.compile(r"([a-z_]+)\s*[=:]\s*(.*)")
@@ -51,6 +50,8 @@ _TRAMMED = re.compile("Making the following Z adjustments")
 _MAPPED = re.compile("Mesh Bed Leveling Complete|G29 Auto Bed Leveling")
 """Ends the map of a Klipper, and begins one of a Marlin."""
 _NOT_PROBED = frozenset({"", ".", "nan"})
+_PRINTED_TO = {"X": 1e-4, "Y": 1e-4}
+"""m: places are printed in fewer digits than they have, some in whole millimetres."""
 _SLACK = 1e-4
 """m, of a radius: Klipper cuts its distances to 0.01 mm."""
 _MOST = 1000
@@ -62,15 +63,11 @@ _KEYS = "{0}min min{1} min_{0}", "{0}max max{1} max_{0}", "{0}num num{1} {0}_cou
 _Kind = TypeVar("_Kind")
 
 
-def height(file: TextFile, at: Sequence[float], cell: str, line: int, digits: Sequence[float]) -> Iterator[RawReading]:
-    """Yield the reading of a cell, nothing where nobody probed it; raises ReadingError.
-
-    at : X and Y, m; digits : half of the last one of each, m
-    """
+def height(file: TextFile, x: float, y: float, cell: str, line: int) -> Iterator[RawReading]:
+    """Yield the reading of a cell, nothing where nobody probed it; raises ReadingError.  x, y : m"""
     if cell.strip("=").lower() not in _NOT_PROBED:
-        place, rounding = (dict(zip("XY", each, strict=True)) for each in (at, digits))
         low = -file.length(cell, "height", line)
-        yield RawReading("", place, {}, low, None, "length", line, error="z", rounding=rounding)
+        yield RawReading("", {"X": x, "Y": y}, {}, low, None, "length", line, error="z", rounding=_PRINTED_TO)
 
 
 def probed_of(file: TextFile, readings: Sequence[RawReading], cells: int, line: int) -> Found:
@@ -106,11 +103,6 @@ def _several(file: TextFile, names: Sequence[str], line: int) -> ReadingError:
 def _unsaved(file: TextFile, name: str, known: Sequence[str]) -> ReadingError:
     what, names = "no mesh {name} is saved here", ", ".join(known) or "-"
     return file.fail(what, "saved are: {known}", name=name[:40] or "in force", known=names)
-
-
-def is_height_map(file: TextFile) -> bool:
-    """Return whether this is a height map of RepRapFirmware."""
-    return file.lines[0].startswith(_RRF)
 
 
 def is_mesh(file: TextFile) -> bool:
@@ -256,8 +248,10 @@ def points_of(file: TextFile, pattern: re.Pattern[str], aside: Vector = (0.0, 0.
                 raise file.fail("there are {count} maps in this file", "keep the one that is to count", line, count=2)
             if point[4].strip():
                 raise file.fail("{text!r} is not X, Y and Z", "give the lines as printed", line, text=text[:60])
-            at = [file.length(each, "place", line) + off for each, off in zip(point.groups()[:2], aside, strict=False)]
-            found += height(file, at, point[3], line, [file.last_digit(each) for each in point.groups()[:2]])
+            x, y = (
+                file.length(each, "place", line) + off for each, off in zip(point.groups()[:2], aside, strict=False)
+            )
+            found += height(file, x, y, point[3], line)
             count += 1
     return probed_of(file, found, count, line)
 
@@ -284,7 +278,11 @@ def below_title(file: TextFile, title: re.Pattern[str]) -> tuple[int, list[tuple
 
 
 _PROBED = (_AT_BED, _AT_NOZZLE, _AT_SCREW)
-is_console, is_klipper_probed = telling(_CONSOLE), telling(*_PROBED)
+is_height_map, is_console, is_klipper_probed = (
+    beginning("RepRapFirmware height map file.*"),
+    telling(_CONSOLE),
+    telling(*_PROBED),
+)
 """Whether a line is that by which BED_MESH_OUTPUT begins, or a point that Klipper probed."""
 
 
@@ -355,15 +353,13 @@ def grid(file: TextFile, sides: Sequence[Side], points: Rows, line: int, skipped
         raise file.fail(what, "copy the whole map", line, count=len(at_y), rows=len(points))
     rows = [(at, number, cells) for at, (number, cells) in zip(at_y, points, strict=True)]
     off, found = skipped(file, at_x, rows) if skipped else set(), list[RawReading]()
-    ends = (to_unit(np.array(side[:2]), file.unit or "mm") for side in sides)
-    digits = [max(file.last_digit(f"{end:.9g}") for end in side) for side in ends]
     for j, (y, number, cells) in enumerate(rows):
         if len(cells) != len(at_x):
             what = "the row has {count} heights, and {along} are announced"
             raise file.fail(what, "copy the whole file", number, count=len(cells), along=len(at_x))
         for i, (x, cell) in enumerate(zip(at_x, cells, strict=True)):
             if (i, j) not in off:
-                found += height(file, (x, y), cell, number, digits)
+                found += height(file, x, y, cell, number)
     return probed_of(file, found, len(at_x) * len(rows), rows[0][1])
 
 

@@ -190,12 +190,14 @@ EXAMPLE = "setup,X_mm,approach,value_um"
 """A header."""
 
 
-def table_of(file: TextFile, header: str = EXAMPLE, words: Mapping[str, str] = OF_READINGS) -> CsvTable:
+def table_of(
+    file: TextFile, header: str = EXAMPLE, words: Mapping[str, str] = OF_READINGS, usual: str = ""
+) -> CsvTable:
     """Return the table that a file holds; raises ReadingError, with a header as example where there is none.
 
-    words : stems by what they may be called in the header
+    words : stems by what they may be called in the header; usual : letters of the columns of a file without one
     """
-    number, separator, columns, data = _begun(file, header, words)
+    number, separator, columns, data = _begun(file, header, words, usual)
     rows = [_row(file.name, n, line, _cells(file.name, n, line, separator), columns) for n, line in data]
     if not rows:
         raise file.fail("there is a header but no data", "add one line for each reading", number)
@@ -213,7 +215,7 @@ def header_of(file: TextFile, words: Mapping[str, str]) -> tuple[Column, ...]:
 
 
 def _begun(
-    file: TextFile, header: str, words: Mapping[str, str]
+    file: TextFile, header: str, words: Mapping[str, str], usual: str = ""
 ) -> tuple[int, str, tuple[Column, ...], list[tuple[int, str]]]:
     """Return the line of the header, what separates cells, the columns, and the lines of data; raises ReadingError."""
     data = [(number, line) for number, line in enumerate(file.lines, 1) if not _NOTHING.match(line)]
@@ -224,6 +226,8 @@ def _begun(
     (number, first), *data = data[begin:]
     separator = hint[1] if hint else _separator(first)
     names = _cells(file.name, number, first, separator)
+    if usual and not any(map(str.isalpha, first)):
+        names, data = list(usual[: len(names)]), [(number, first), *data]
     if len(names) == 1 and not (_names(first) or _AXIS.fullmatch(names[0])):
         raise file.fail("no known format begins with {text}", "docs/readings.md names all", number, text=_quote(first))
     width, below = len(names), _cells(file.name, *data[0], separator) if data else []

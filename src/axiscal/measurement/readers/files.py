@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -63,7 +62,7 @@ FORMATS = (
     Format(later("probed points of the Klipper console"), bed_map.is_klipper_probed, bed_map.klipper_probed),
     Format(later("a UBL map"), marlin_map.is_topography, marlin_map.topography),
     Format(later("probed points of Marlin (G29 V4)"), marlin_map.is_probed, lambda file, _: points_of(file, POINT)),
-    Format(later("a linear map of Marlin (G29 T)"), marlin_map.is_linear, marlin_map.linear),
+    Format(later("a linear map of Marlin (G29 T)"), marlin_map.is_linear, marlin_map.printed),
     Format(later("a Marlin map (M420 V)"), marlin_map.is_printed, marlin_map.printed),
     Format(later("a Marlin map (M421, M503)"), marlin_map.is_nodes, marlin_map.nodes),
     Format(later("an OpenCNCPilot height map"), point_lists.is_xml, point_lists.xml, True),
@@ -76,17 +75,6 @@ FORMATS = (
     Format(later("a test of one axis (ISO 230-2)"), lambda file: test_of(file) == "long", axis_test, True),
 )
 """In this order: the first that knows a file reads it."""
-_STRANGERS = {
-    r"%_N_|CHANDATA|\$A[AN]_": later("a compensation table of SINUMERIK"),
-    r"BEGIN \S+\.CO[MR]|AXISPOS\b": later("a compensation table of HEIDENHAIN"),
-    r"N1\d{4}\s*(?:Q\d+\s*)?P-?\d": later("pitch data of a FANUC"),
-    r"\(PROBEOPEN|G38\.": later("a program that probes"),
-    r"<\?xml|<ballbar": later("an XML file of another program"),
-    r"API XD|Position\s+Bidirec": later("a list of means by an API laser"),
-    r"DIM \S+=|planid\t|PART NAME": later("a report of a measuring machine"),
-    r"0\dA[+-]\d": later("a log of dials that names no places"),
-}
-"""What is written elsewhere and not read here, by how its first line begins."""
 _TABLE = Format(later("a table of readings"), lambda file: True, table_readings, True)
 
 
@@ -116,9 +104,6 @@ def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Reco
     if reader is not None:
         return Recognised(file.name, type(reader).__qualname__, Found(tuple(reader.read(file))))
     kind = own or _TABLE
-    first = next((line.strip() for line in file.lines if line.strip()), "")
-    if kind is _TABLE and (title := next((each for begins, each in _STRANGERS.items() if re.match(begins, first)), "")):
-        raise file.fail("this is {title}, which is not read", "docs/readings.md names all that is", title=said(title))
     if unit and not kind.unitless:
         what, remedy = "this is {title}, whose units are known, and --unit names another", "leave --unit out"
         raise file.fail(what, remedy, title=said(kind.title))

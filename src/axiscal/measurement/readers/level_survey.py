@@ -16,10 +16,9 @@ from axiscal.exceptions import InputError
 from axiscal.measurement.readers.columns import LENGTHS, SLOPES, TEXT, Column
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, read_times
 from axiscal.measurement.readers.csv_table import CsvTable, axis_names, table_of
-from axiscal.measurement.readers.text_file import TextFile
+from axiscal.measurement.readers.text_file import TextFile, beginning
 from axiscal.units import within
 
-_MARK = "# level survey"
 _KEYS = ("setup", "base", "division")
 _LEAST = 1e-9
 """m or rad: no base and no division is as small."""
@@ -27,11 +26,8 @@ _KEY = re.compile(r"#\s*([A-Za-z]+)\s*([=:]?)\s*(.*?)\s*")
 _PASSES = ("forward", "back")
 
 
-def is_survey(file: TextFile) -> bool:
-    """Return whether the first line says that this is a survey."""
-    return file.lines[0].strip(" \t;,").lower() == _MARK
-
-
+is_survey = beginning(r"(?i)[ \t;,]*# level survey[ \t;,]*")
+"""Whether the first line says that this is a survey."""
 _Head = dict[str, Any]
 """What the lines before the table say: set-up, base, m, division, rad."""
 

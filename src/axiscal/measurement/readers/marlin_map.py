@@ -30,8 +30,7 @@ _LABELLED = re.compile(r"(\d{1,3}) ?\|(.*)")
 _CORNER = re.compile(r"\(\s*(-?[\d.]+),\s*(-?[\d.]+)\)")
 _CELL = re.compile(r"[-+]?[\d.]+|=+|nan", re.IGNORECASE)
 _NODE = re.compile(r"(?:N\d{1,9}\s+)?(M421|G29 [WS]3?)(?![\d.])([^;*]*)")
-_INDEX = re.compile(r"\d{1,3}")
-_WORD = re.compile(r"([A-Z]) ?([-+.\w]*)")
+_OF_NODE = re.compile(r"\s*I ?(\d{1,3})\s*J ?(\d{1,3})\s*(?:Z ?([-+.\w]+)|N)\s*")
 POINT = re.compile(r"Bed X: ?(\S+) Y: ?(\S+) Z: ?(\S+)(.*)")
 _INCHES = re.compile(r"G20\b")
 _BUILT = re.compile(r"; mesh from X (\S+) to (\S+) and Y (\S+) to (\S+)")
@@ -69,7 +68,10 @@ def topography(file: TextFile, around: Around) -> Found:
             unlabelled.append((number, cells.split()))
         corners += _CORNER.findall(text)
     if not rows:
-        rows, corners = dict(enumerate(reversed(unlabelled))), _inner(corners, unlabelled)
+        rows = dict(enumerate(reversed(unlabelled)))  # of Marlin 1, which prints nodes around the corners in mm
+        right, top = str(len(rows[0][1]) - 1) if rows else "", str(len(rows) - 1)
+        ends = [("0", top), (right, top), ("0", "0"), (right, "0")]
+        corners = corners[2:6] if corners[:2] + corners[6:] == ends else corners
     if len(corners) != 4 or rows.keys() != set(range(len(rows))) or not rows:
         what = "the map has {rows} rows that follow each other from 0 on, and {corners} of 4 corners"
         whole = next((count for count in range(len(rows) + 1) if count not in rows), 0)
@@ -81,20 +83,13 @@ def topography(file: TextFile, around: Around) -> Found:
     return grid(file, sides, [rows[j] for j in range(len(rows))], begin)
 
 
-def _inner(corners: list[tuple[str, str]], rows: Rows) -> list[tuple[str, str]]:
-    """Return the corners in mm of a map of Marlin 1, around which it prints their nodes; all where it is not whole."""
-    right, top = str(len(rows[0][1]) - 1) if rows else "", str(len(rows) - 1)
-    nodes = [("0", top), (right, top), ("0", "0"), (right, "0")]
-    return corners[2:6] if corners[:2] + corners[6:] == nodes else corners
-
-
 def printed(file: TextFile, around: Around) -> Found:
-    """Return the readings of the grid of M420 V, rows along y, or of a Prusa's G81, rows back; raises ReadingError."""
-    rows, begin = rows_below(file, _PRINTED)
+    """Return the readings of a grid, rows along y, those of a Prusa and a linear map backwards; raises ReadingError."""
+    rows, begin = rows_below(file, _LINEAR if is_linear(file) else _PRINTED)
     numbered = [(line, cells[1:]) for j, (line, cells) in enumerate(rows[1:]) if cells[0] == str(j)]
-    if len(numbered) < len(rows) - 1 and _unlabelled(file):
+    if len(numbered) < len(rows) - 1 and (_unlabelled(file) or is_linear(file)):
         note = said("as if all were probed") if (prusa := _of_prusa(file)) else ""
-        return replace(without_places(file, rows[:: -1 if prusa else 1], begin, around), note=note)
+        return replace(without_places(file, rows[:: -1 if prusa or is_linear(file) else 1], begin, around), note=note)
     if len(numbered) < len(rows) - 1:
         what = "these heights lie between the probed ones: they are those that the printer corrects by"
         remedy = "give what was probed: the mesh of printer.cfg, or the answer to BED_MESH_OUTPUT or to M420 V"
@@ -111,18 +106,14 @@ def nodes(file: TextFile, around: Around) -> Found:
     found = dict[tuple[int, int], tuple[int, str]]()
     for number, text in told_lines(file):
         if command := _NODE.match(text):
-            words = dict(_WORD.findall(command[2]))
-            i, j, cell = (words.pop(letter, "") for letter in "IJZ")
-            cell = "nan" if words == {"N": ""} and not cell else cell
-            strange = words.keys() - {"N"} or _WORD.sub("", command[2]).strip()
-            if strange or not (_INDEX.fullmatch(i) and _INDEX.fullmatch(j) and cell):
+            if not (whole := _OF_NODE.fullmatch(command[2])):
                 remedy = "write it as in M421 I0 J0 Z0.05"
                 raise file.fail("{text!r} says no height of a point", remedy, number, text=text[:40])
-            node = int(i), int(j)
+            i, j, node = whole[1], whole[2], (int(whole[1]), int(whole[2]))
             if node in found:
                 what = "node I{i} J{j} stands in line {earlier} too"
                 raise file.fail(what, "keep one of them", number, i=i, j=j, earlier=found[node][0])
-            found[node] = number, cell
+            found[node] = number, whole[3] or "nan"
     stated = next((setup.nodes for setup in around.setups if setup.nodes is not None), None)
     wide, high = (max(node[side] for node in found) + 1 for side in (0, 1))
     line = max(number for number, _ in found.values())
@@ -138,9 +129,3 @@ def nodes(file: TextFile, around: Around) -> Found:
         around = replace(around, ends=((low_x, top_x), (low_y, top_y)))
     rows = [(line, [found.get((i, j), (0, "nan"))[1] for i in range(wide)]) for j in range(high)]
     return without_places(file, rows, line, around)
-
-
-def linear(file: TextFile, around: Around) -> Found:
-    """Return the readings of that topography, from their mean, the last row first; raises ReadingError."""
-    rows, begins = rows_below(file, _LINEAR)
-    return without_places(file, rows[::-1], begins, around)

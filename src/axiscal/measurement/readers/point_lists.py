@@ -14,11 +14,11 @@ import numpy as np
 from axiscal.document.file import number_or_none
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.bed_map import Rows, grid, height, keyed, points_of, probed_of, telling
-from axiscal.measurement.readers.columns import Column, column_of
+from axiscal.measurement.readers.columns import column_of
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
-from axiscal.measurement.readers.csv_table import Row
+from axiscal.measurement.readers.csv_table import table_of
 from axiscal.measurement.readers.decimal_marks import plain
-from axiscal.measurement.readers.text_file import TextFile
+from axiscal.measurement.readers.text_file import TextFile, beginning
 
 _SLACK = 1e-6
 """m, of rounding."""
@@ -27,6 +27,7 @@ _SMALL = 0.05
 _REMARK = re.compile(r"\s*(?:[#%(;]|//|$)")
 _AXES = "XYZABCUVW"
 """In the order in which LinuxCNC writes them."""
+_WORDS = {f"{delta}{axis}".lower(): axis for axis in _AXES for delta in ("", "d")}
 _WIDTHS = (3, 4, 9, 10)
 """Cells of a point with three or nine axes, and its name."""
 _LETTERS = re.compile("".join(rf"\s*{axis}\s*[:=]?\s*([-+.,\d]+)[\s,;]*" for axis in "XYZ"), re.IGNORECASE)
@@ -38,6 +39,11 @@ _WHOLE = "copy the whole file"
 _TOUCH = re.compile(r"(?:\[PRB:([^,\]]+),([^,\]]+),([^,:\]]+)(?:,-?0\.?0*(?=[,:]))*:1]|(?=\[PRB:(?![^][]*:0])))(.*)")
 """The answer of grbl to G38.2, other axes at 0. One with :0 met nothing. Of a broken answer all is the rest."""
 
+_NUMBER = r"\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?"
+_SIDE = rf"{_NUMBER}\s{_NUMBER}\s+\d{{1,4}}\s*"
+is_bcnc = beginning(_SIDE, _SIDE, rf"{_NUMBER}\s{_NUMBER}\s{_NUMBER}\s*", r"\s*")
+is_candle = beginning(*(rf"{_NUMBER}\s*(?:;{_NUMBER}\s*){{{more}}}" for more in (3, 3, 2)))
+"""Whether the first lines are two sides, from, to and how many, and a depth; or four, four and three numbers."""
 is_grbl = telling(re.compile(r"\[PRB:"))
 """Whether a line is such an answer."""
 
@@ -46,27 +52,13 @@ def is_list(file: TextFile) -> bool:
     """Return whether the first line is a point, three numbers or nine of LinuxCNC, or names X, Y and Z and no more."""
     first = next((_cells(line) for line in file.lines if not _REMARK.match(line)), [])
     numbers = all(number_or_none(cell.replace(",", ".")) is not None for cell in first)
-    return (len(first) in (3, 9) and numbers) or _axes_of(first, "") is not None
-
-
-def is_bcnc(file: TextFile) -> bool:
-    """Return whether the first lines are two sides, from, to and how many, and a depth, and then an empty line."""
-    if len(file.lines) < 4 or file.lines[3].strip():
-        return False
-    sides = [line.split() for line in file.lines[:3]]
-    return [len(side) for side in sides] == [3, 3, 3] and all(_COUNT.fullmatch(side[2]) for side in sides[:2])
-
-
-def is_candle(file: TextFile) -> bool:
-    """Return whether the first lines are four, four and three numbers between semicolons."""
-    head = [line.split(";") for line in file.lines[:3]]
-    numbers = all(number_or_none(cell) is not None for line in head for cell in line)
-    return [len(line) for line in head] == [4, 4, 3] and numbers
+    head = [column_of(cell, words=_WORDS).stem for cell in first]  # before X, Y and Z the points' names may stand
+    return (len(first) in (3, 9) and numbers) or (len(head) <= 4 and sorted(head[-3:]) == ["X", "Y", "Z"])
 
 
 def is_xml(file: TextFile) -> bool:
     """Return whether there is an element `heightmap`."""
-    return any(_XML.search(line) for line in file.lines[:10])
+    return any(map(_XML.search, file.lines[:10]))
 
 
 def grbl(file: TextFile, around: Around) -> Found:
@@ -78,11 +70,11 @@ def grbl(file: TextFile, around: Around) -> Found:
 def bcnc(file: TextFile, around: Around) -> Found:
     """Return the readings of a list whose sides stand above it; raises ReadingError."""
     found = listed(file, around, 3)
-    (low_x, high_x, wide), (low_y, high_y, high) = (line.split() for line in file.lines[:2])
-    if found.cells != int(wide) * int(high):
+    sides = [line.split() for line in file.lines[:2]]
+    if found.cells != (count := int(sides[0][2]) * int(sides[1][2])):
         what = "{count} points are announced, and there are {points}"
-        raise file.fail(what, _WHOLE, 1, count=int(wide) * int(high), points=found.cells)
-    for axis, low, top in (("X", low_x, high_x), ("Y", low_y, high_y)):
+        raise file.fail(what, _WHOLE, 1, count=count, points=found.cells)
+    for axis, (low, top, _) in zip("XY", sides, strict=True):
         ends = file.length(low, "side", 1) - _SLACK, file.length(top, "side", 1) + _SLACK
         if off := [each for each in found.readings if not ends[0] <= each.position[axis] <= ends[1]]:
             what = "the point lies outside of the side of {axis}, {low} to {high}"
@@ -138,14 +130,6 @@ def _cells(line: str) -> list[str]:
     return [cell.strip() for cell in (cells if len(cells) in _WIDTHS else line.split(","))]
 
 
-def _axes_of(cells: list[str], unit: str) -> list[Column] | None:
-    """Return the columns of the head of a list, the first of which may be the points' names; None of no head."""
-    columns = [column_of(cell, unit) for cell in cells]
-    columns = [replace(column, stem=column.stem.upper().removeprefix("D")) for column in columns]
-    axes = [column.stem for column in columns]
-    return columns if sorted(axes[-3:]) == ["X", "Y", "Z"] and len(axes) <= 4 else None
-
-
 def _two_readings(found: Found) -> bool:
     """Return whether X never comes again, and Y is far below it or as large: places with two readings each."""
     x, y = np.array([[each.position[axis] for axis in "XY"] for each in found.readings]).T
@@ -155,28 +139,21 @@ def _two_readings(found: Found) -> bool:
 
 def listed(file: TextFile, around: Around, after: int = 0) -> Found:
     """Return the readings of a list behind some lines, other axes at 0; raises ReadingError."""
-    lines = [(n, _cells(line)) for n, line in enumerate(file.lines, 1) if n > after and not _REMARK.match(line)]
-    number, first = lines[0] if lines else (1, [])
-    head = _axes_of(first, file.unit or "mm")
-    columns = head or [column_of(letter, file.unit or "mm") for letter in _AXES[: max(len(first), 3)]]
-    if file.unit and any(column.unit for column in columns):
-        raise file.fail("the header names its unit, and --unit names another", "leave --unit out", number)
-    comma = any("," in cell for _, cells in lines for cell in cells)
-    columns = [replace(column, mark="," if comma else ".") for column in columns]
-    named, found, points = {column.stem: column for column in columns}, list[RawReading](), lines[bool(head) :]
-    for number, cells in points:
-        if len(cells) != len(columns):
-            what = "{text!r} is not X, Y and Z"
-            raise file.fail(what, "write one point a line, three numbers", number, text=" ".join(cells)[:60])
-        row = Row(file.name, number, dict(zip((column.name for column in columns), cells, strict=True)))
+    cells = ["" if _REMARK.match(line) else "\t".join(_cells(line)) for line in file.lines[after:]]
+    lines, mark = tuple([""] * after + cells), "," if any("," in each for each in cells) else "."
+    table = table_of(replace(file, lines=lines, unit=file.unit or "mm"), words=_WORDS, usual=_AXES)
+    if file.unit and any(column.unit for column in table.columns):
+        raise table.fail("the header names its unit, and --unit names another", "leave --unit out")
+    named, readings = {column.stem: replace(column, mark=mark) for column in table.columns}, list[RawReading]()
+    for row in table.rows:
         if aside := [axis for axis in _AXES[3:] if axis in named and row.number(named[axis])]:
             what, remedy = "the point has {axes} beside X, Y and Z", "give a list that was probed without moving them"
-            raise file.fail(what, remedy, number, axes=", ".join(aside))
-        at, digits = ([of(named[axis]) for axis in "XY"] for of in (row.quantity, row.rounding))
-        z = named["Z"]
-        found += height(replace(file, unit=z.unit or z.stated), at, plain(row.text(z), z.mark), number, digits)
-    listed = probed_of(file, found, len(points), number)
-    if len(first) == 3 and not (head or _LETTERS.match(file.lines[points[0][0] - 1])) and _two_readings(listed):
+            raise row.fail(what, remedy, axes=", ".join(aside))
+        x, y, z = row.quantity(named["X"]), row.quantity(named["Y"]), named["Z"]
+        readings += height(replace(file, unit=z.unit or z.stated), x, y, plain(row.text(z), mark), row.line)
+    found = probed_of(file, readings, len(table.rows), table.rows[-1].line)
+    bare = table.line == table.rows[0].line and len(named) == 3 and not _LETTERS.match(file.lines[table.line - 1])
+    if bare and _two_readings(found):
         what = "these lines look like a place and two readings each, and not like X, Y and Z"
-        raise file.fail(what, "name the columns above them: X,Y,Z, or Pos_mm,1+_um,1-_um", points[0][0])
-    return _noted(file, listed)
+        raise table.fail(what, "name the columns above them: X,Y,Z, or Pos_mm,1+_um,1-_um")
+    return _noted(file, found)

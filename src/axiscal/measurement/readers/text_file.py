@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from axiscal.document.file import bounded_content, number_or_none
 from axiscal.exceptions import ReadingError
-from axiscal.measurement.readers.decimal_marks import half_digit
 from axiscal.units import from_unit
 
 MOST = 20_000_000
@@ -35,10 +36,6 @@ class TextFile:
         """Return a length, m, in mm unless another unit was given; raises ReadingError."""
         return from_unit(self.number(text, name, line), self.unit or "mm")
 
-    def last_digit(self, text: str) -> float:
-        """Return half of the last digit of a length, m."""
-        return from_unit(half_digit(text), self.unit or "mm")
-
     def number(self, text: str, name: str, line: int) -> float:
         """Return a number of a machine; raises ReadingError."""
         value = number_or_none(text)
@@ -48,6 +45,11 @@ class TextFile:
         if value is not None:
             what, remedy = "{name} {shown!r} is too large for a machine", "write the number that was read"
         raise self.fail(what, remedy, line, name=name, shown=text if len(text) <= 40 else text[:37] + "...")
+
+
+def beginning(*patterns: str) -> Callable[[TextFile], bool]:
+    """Return what tells whether the first lines are as patterns have them."""
+    return lambda file: len(file.lines) >= len(patterns) and all(map(re.fullmatch, patterns, file.lines))
 
 
 def content(path: str | Path) -> bytes:

@@ -21,6 +21,8 @@ LEFT_OUT = (
     "height does over z."
 )
 """By a firmware that knows one backlash of each axis."""
+STEP = 1e-7
+"""The last decimal that G-code is written with, m."""
 TRIED = "Tried with Klipper's own host by the steps of the motors, never on a printer."
 """Of its files; `make controls` does it again."""
 

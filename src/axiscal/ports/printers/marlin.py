@@ -14,7 +14,7 @@ from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.marlin_map import is_nodes, nodes
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.numerics import Array
-from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, other_words, play_of, zero_note
+from axiscal.ports.printers.contents import LEFT_OUT, STEP, content_of, in_words, other_words, play_of, zero_note
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
@@ -24,8 +24,6 @@ _FILE = "axiscal.gcode"
 _COMMAND = re.compile(r"(M425|M852) ([^;\n]*)")
 _WORD = re.compile(r"(?<!\S)([A-Z])(-?[\d.]+)(?!\S)")
 _SKEW = {"XY": "I", "XZ": "J", "YZ": "K"}
-_STEP = float(from_unit(1e-4, "mm"))
-"""The last decimal that is written, m."""
 
 
 class Marlin(MapFormat):
@@ -41,7 +39,7 @@ class Marlin(MapFormat):
         """Return the file; the firmware has to be built with the points of its map."""
         mesh, skew, play = next(iter(content.meshes), None), content.skew, play_of(content)
         reach = max(abs(end) for axis in machine.axes for end in axis.travel)
-        steps = {"X": _STEP + 2e-7 * reach, "Y": _STEP + 2e-7 * reach, "Z": 2 * _STEP}
+        steps = {"X": STEP + 2e-7 * reach, "Y": STEP + 2e-7 * reach, "Z": 2 * STEP}
         files = {_FILE: text_of(content)} if mesh or skew or play else {}
         where = [zero_note(each, options) for each in content.meshes]
         return Written(files, steps, (*_notes(mesh, skew, play), *where), in_words(content))

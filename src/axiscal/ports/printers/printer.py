@@ -90,12 +90,8 @@ class Printer(ABC):
         """Raise SourceError where the printer is not ready to be measured."""
 
     @abstractmethod
-    def probe_offset(self) -> tuple[float, float]:
-        """Return where the probe is beside the nozzle, x and y, mm."""
-
-    def reads_beside(self) -> tuple[float, float]:
-        """Return how far beside the nozzle its heights are read, x and y, mm."""
-        return self.probe_offset()
+    def probe_offset(self, read: bool = False) -> tuple[float, float]:
+        """Return where the probe is beside the nozzle, x and y, mm.  read : where its heights are"""
 
     @abstractmethod
     def execute(self, codes: list[str]) -> None:
@@ -195,18 +191,14 @@ class Moonraker(Printer):
         if self._exported is None and _apart(motors[:2], asked[:2]):
             raise self._not_ready("the printer {host} has a skew in force", "Send SET_SKEW CLEAR=1 first")
 
-    def probe_offset(self) -> tuple[float, float]:
+    def probe_offset(self, read: bool = False) -> tuple[float, float]:
         """Ask for the section of printer.cfg that the probe has."""
         name = str(found_at(self._status("probe"), "probe", "name") or "probe")
-        settings = found_at(self._status(configfile="settings"), "configfile", "settings", name)
-        x, y = (self._height(found_at(settings, f"{axis}_offset") or 0.0) for axis in "xy")
+        settings = found_at(self._status(configfile="settings"), "configfile", "settings")
+        if read and any(map((found_at(settings, "axis_twist_compensation") or {}).get, UNTWISTED)):
+            return 0.0, 0.0
+        x, y = (self._height(found_at(settings, name, f"{axis}_offset") or 0.0) for axis in "xy")
         return x, y
-
-    def reads_beside(self) -> tuple[float, float]:
-        """Ask whether Klipper makes heights those of the nozzle."""
-        settings = self._status(configfile="settings")
-        twist = found_at(settings, "configfile", "settings", "axis_twist_compensation") or {}
-        return (0.0, 0.0) if any(map(twist.get, UNTWISTED)) else self.probe_offset()
 
     def execute(self, codes: list[str]) -> None:
         """Send the lines."""
@@ -305,7 +297,7 @@ class Duet(Printer):
         self._document("/rr_connect", {"password": ""})
         return {key: self._document("/rr_model", {"key": key}).get("result") for key in _OF_MODEL}
 
-    def probe_offset(self) -> tuple[float, float]:
+    def probe_offset(self, read: bool = False) -> tuple[float, float]:
         """Ask the object model for the first probe."""
         probes = found_at(self._model(), "sensors", "probes")
         found = found_at(probes[0], "offsets") if isinstance(probes, list) and probes else None

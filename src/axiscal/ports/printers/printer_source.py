@@ -244,7 +244,7 @@ class PrinterSource:
     def __init__(self, printer: Printer, machine: Machine, asked: Callable[[str], str] = at_the_terminal) -> None:
         self._printer, self._machine, self._asked, self._standing = printer, machine, asked, ""
         printer.refuse_unready()
-        self._aside, self._reads = printer.probe_offset(), printer.reads_beside()
+        self._aside, self._reads = printer.probe_offset(), printer.probe_offset(read=True)
 
     def read(self, request: Request) -> Answer | Skip:
         """Have the probe over the point, come to from the side of the request, and probe; a ball is probed six times.

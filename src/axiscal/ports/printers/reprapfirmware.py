@@ -13,7 +13,7 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import height_map, is_height_map
 from axiscal.measurement.readers.csv_readings import ALONE
 from axiscal.measurement.readers.text_file import TextFile
-from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, other_words, play_of, zero_note
+from axiscal.ports.printers.contents import LEFT_OUT, STEP, content_of, in_words, other_words, play_of, zero_note
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import PLANES, Mesh, Skew, mesh_of_nodes
@@ -28,8 +28,6 @@ _USUAL, _MOST, _MOST_ALONG_X = 441, 961, 33
 """Points of a map that every Duet takes, those with most memory, and its line of 330 characters with six decimals."""
 _COMMAND = re.compile(r"^\s*(M556|M425)\b([^;\n]*)", re.MULTILINE)
 _WORD = re.compile(r"([A-Z])\s*(-?[\d.]+)")
-_STEP = float(from_unit(1e-4, "mm"))
-"""The last decimal that is written, m."""
 
 
 class RepRapFirmware(MapFormat):
@@ -56,7 +54,7 @@ class RepRapFirmware(MapFormat):
             files[_MAP] = text_of(mesh)
         if content.skew or play:
             files[_CODE] = code_of(content.skew, play)
-        steps = {"X": _STEP, "Y": _STEP, "Z": _STEP if "Z" in play else 2e-9}
+        steps = {"X": STEP, "Y": STEP, "Z": STEP if "Z" in play else 2e-9}
         notes = (*_notes(content, play), *(zero_note(mesh, options) for mesh in content.meshes))
         return Written(files, steps, notes, in_words(content))
 

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Self
 
 from axiscal.answers.answer import AnswerDocument
-from axiscal.answers.answer_words import digits
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.document.durable import write_whole
 from axiscal.evaluation.check import Check, FoundAndLeft, Taken
@@ -20,7 +19,7 @@ from axiscal.present.guide.question import measured
 from axiscal.present.guide.slips import display_text
 from axiscal.present.sentences import spelt
 from axiscal.record.signing import hand_now
-from axiscal.units import to_unit
+from axiscal.units import digits, to_unit
 
 
 class CheckPlace(AnswerDocument):

@@ -9,7 +9,6 @@ from typing import Literal, Self
 import numpy as np
 
 from axiscal.answers.answer import AnswerDocument
-from axiscal.answers.answer_words import digits
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import virtual_machine
 from axiscal.campaign.sources.source import SimulatedSource
@@ -26,7 +25,7 @@ from axiscal.numerics import Array
 from axiscal.present.guide.progress import set_anew
 from axiscal.present.guide.question import BAND, SURPRISING, Question, measured, stands
 from axiscal.present.sentences import spelt
-from axiscal.units import to_unit
+from axiscal.units import digits, to_unit
 
 _STEP = 1e-4
 """m: far beyond backlash and the resolution of a dial, and no dial has less range."""
