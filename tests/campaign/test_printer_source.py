@@ -337,6 +337,8 @@ def test_a_probe_that_stands_elsewhere_than_stated_is_refused(printer: Server) -
         source.read(replace(asked, setup=replace(asked.setup, offset=offset)))
     with pytest.raises(SourceError, match="stands 20 -5 mm beside the nozzle along x and y, and not 20 5 mm"):
         source.read(replace(asked, setup=replace(asked.setup, offset=(0.02, 0.005, 0.0))))
+    printer.klipper["configfile"]["settings"]["axis_twist_compensation"] = {"z_compensations": [0.0, 0.1]}
+    opened("moonraker", printer).read(replace(asked, setup=replace(asked.setup, offset=(0.0, 0.0, 0.0))))
 
 
 def test_as_left_the_exported_mesh_has_to_be_in_force_and_what_it_adds_is_taken_off(printer: Server) -> None:

@@ -81,6 +81,8 @@ def test_a_map_comes_in_as_it_was_drawn(tmp_path: Path, form: str, number: int) 
 def test_a_file_without_end_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ReadingError, match=f"has {MOST_LINES + 2:,} lines, and at most {MOST_LINES:,} are read"):
         read(tmp_path, "X_mm,value_um\n" * (MOST_LINES + 1))
+    with pytest.raises(ReadingError, match=r"a workbook\. Save its sheet as CSV"):
+        read(tmp_path, b"PK\x03\x04\x14\0")
 
 
 def test_every_format_has_a_good_file(tmp_path: Path) -> None:

@@ -16,6 +16,8 @@ from tests.zoo.animals import Job
 from tests.zoo.beds import JOB, rolled
 from tests.zoo.running import described, given
 
+TWIST = "calibrate_y: 10\n#*# [axis_twist_compensation]\n#*# z_compensations = -0.01, 0.0, 0.01\n"
+"""By which Klipper makes the heights those that the nozzle would touch (axis_twist_compensation.py)."""
 MESH = rolled(1e-3, 2, (7.5, -28.0))(0).readings
 
 
@@ -28,6 +30,8 @@ MESH = rolled(1e-3, 2, (7.5, -28.0))(0).readings
         ("echo:; Z-Probe Offset (mm):\necho:  M851 X-44.00 Y-6.50 Z-1.78\n", (-44, -6.5)),
         ("; G31 X1 Y1\nM558 P9\nG31 P25 X2.5 Y30 Z2.1\n", (2.5, 30)),
         ("M420 S1\n", None),
+        (f"[probe]\ny_offset: 46\n[axis_twist_compensation]\n{TWIST}", (0, 0)),
+        ("[probe]\ny_offset: 46\n[axis_twist_compensation]\ncalibrate_y: 10\n", (0, 46)),
         ("[probe]\ny_offset\n  5\n", None),  # a line behind a bare key, on which Python's reader fails
     ],
 )

@@ -224,7 +224,7 @@ def _begun(
         raise file.fail("there is no header and no data", "let the first line name the columns")
     begin = next((at for at, (_, line) in enumerate(data[:_TITLES]) if _names(line) > 1), int(hint is not None))
     (number, first), *data = data[begin:]
-    separator = hint[1] if hint else _separator(first)
+    separator = hint[1] if hint else "\t" if usual else _separator(first)
     names = _cells(file.name, number, first, separator)
     if usual and not any(map(str.isalpha, first)):
         names, data = list(usual[: len(names)]), [(number, first), *data]

@@ -26,7 +26,7 @@ def sections_in(text: str) -> Sections | None:
     """Return the sections of a printer.cfg, those that Klipper saved among them; None where the text has none."""
     config = configparser.RawConfigParser(strict=False, inline_comment_prefixes=("#", ";"), allow_no_value=True)
     try:
-        config.read_string(text.replace("#*#", ""))
+        config.read_string(text.replace("#*# ", "").replace("#*#", ""))
     except (configparser.Error, AttributeError):  # G-code has no sections; Python fails at lines behind a bare key
         return None
     return {name: {key: value or "" for key, value in config[name].items()} for name in config.sections()}
