@@ -14,7 +14,6 @@ from axiscal.answers.answer_words import (
     by_kind,
     columns,
     commands_of,
-    digits,
     first_lines,
     known_text,
     minutes_text,
@@ -30,7 +29,7 @@ from axiscal.planning.helping import helping_words
 from axiscal.present.plan_answer import OtherSearches, PlanAnswer
 from axiscal.present.sentences import cause_words
 from axiscal.tables.exporter import unasked
-from axiscal.units import said_quantity, um_text
+from axiscal.units import digits, said_quantity, um_text
 
 LINES = 16
 """Of a terminal that nobody scrolls."""
