@@ -67,8 +67,7 @@ def axis_test(file: TextFile, around: Around) -> Found:
     target, way, read = table.needed(
         layout, "angle_deg" if place == "angle" else "target_mm", "direction", "deviation_um"
     )
-    run = next(iter(table.all_of("run")), None)
-    found = distinct(file, _lines(table, target, way, run, read, _kind(table, target, read)))
+    found = distinct(file, _lines(table, target, way, read, _kind(table, target, read)))
     if column_of(read.name).stem.lower() in ACTUAL:
         if place == "angle":
             raise table.fail("'{column}' is no deviation", "take the radius off it", column=read.name)
@@ -76,11 +75,9 @@ def axis_test(file: TextFile, around: Around) -> Found:
     return Found(found, note=said("angles in deg (it names no unit)") if silent else "")
 
 
-def _lines(
-    table: CsvTable, target: Column, direction: Column, run: Column | None, value: Column, kind: Test
-) -> Iterator[RawReading]:
+def _lines(table: CsvTable, target: Column, direction: Column, value: Column, kind: Test) -> Iterator[RawReading]:
     """Yield the reading of each line, with what stands beside it; raises ReadingError."""
-    setup, axis, time = (next(iter(table.all_of(stem)), None) for stem in _BESIDE)
+    setup, axis, time, run = (next(iter(table.all_of(stem)), None) for stem in (*_BESIDE, "run"))
     times = Counter[tuple[str, float, int]]()
     for row, seconds in zip(table.rows, read_times(table.rows, time), strict=True):
         named, moved = (row.text(column) if column else "" for column in (setup, axis))
