@@ -15,7 +15,7 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import Simulator
@@ -24,9 +24,9 @@ from axiscal.ports.linuxcnc.volumetric_tables import reversal_times
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded
-from axiscal.tables.offer import foreword, shifts
+from axiscal.tables.offer import effect_sentence, foreword, shifts
 from axiscal.tables.round_trip import drawn_and_known
-from axiscal.tables.surface import CommandedMachine, effect_of_control, planes_left
+from axiscal.tables.surface import CommandedMachine, Effect, effect_of_control, planes_left
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.vcomp_applying import whole_control
 from tests.generators.known import sure
@@ -228,3 +228,8 @@ def test_an_instrument_that_knows_commands_sees_where_the_control_sent_the_axes(
     assert np.abs(turned).max() > 30e-6
     found = seen.rotation(poses, ways) - truth.rotation(poses + further, ways)
     np.testing.assert_allclose(found, turned, atol=1e-9)
+
+
+def test_readme_says_u_in_the_digits_of_the_row_beside_its_limit() -> None:
+    text = effect_sentence("They", Effect(27.7e-6, 12e-6), LeftUnknown(28.6e-6, 49.469e-6, 50e-6))
+    assert "from 40 um RMS to 31 um. U of the estimate is 49.5 um; with what the files leave, 95 %" in text
