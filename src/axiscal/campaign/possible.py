@@ -55,7 +55,7 @@ def described(record: EventLog) -> CampaignDescription:
             what = "The record is damaged: event {number} cannot be: {reason}"
             raise RecordError(what, restoring(record.path), record.path, number=stored.number, reason=fault)
         possible = possible.after(stored.event)
-    bumps = *carried_bumps(state.created.prior_text), *state.bumps
+    bumps = *(carried_bumps(text) if (text := state.created.prior_text) else ()), *state.bumps
     return replace(with_mounted(description, state.mounted, state.warmed), bumps=bumps)
 
 

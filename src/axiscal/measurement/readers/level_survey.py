@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from axiscal.exceptions import InputError
 from axiscal.measurement.readers.columns import LENGTHS, SLOPES, TEXT, Column
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, read_times
 from axiscal.measurement.readers.csv_table import CsvTable, axis_names, table_of
-from axiscal.measurement.readers.text_file import TextFile, beginning
+from axiscal.measurement.readers.text_file import TextFile, begins
 from axiscal.units import within
 
 _KEYS = ("setup", "base", "division")
@@ -26,7 +27,7 @@ _KEY = re.compile(r"#\s*([A-Za-z]+)\s*([=:]?)\s*(.*?)\s*")
 _PASSES = ("forward", "back")
 
 
-is_survey = beginning(r"(?i)[ \t;,]*# level survey[ \t;,]*")
+is_survey = partial(begins, (r"(?i)[ \t;,]*# level survey[ \t;,]*",))
 """Whether the first line says that this is a survey."""
 _Head = dict[str, Any]
 """What the lines before the table say: set-up, base, m, division, rad."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from axiscal.measurement.readers.columns import column_of
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
 from axiscal.measurement.readers.csv_table import table_of
 from axiscal.measurement.readers.decimal_marks import plain
-from axiscal.measurement.readers.text_file import TextFile, beginning
+from axiscal.measurement.readers.text_file import TextFile, begins
 
 _SLACK = 1e-6
 """m, of rounding."""
@@ -41,8 +42,8 @@ _TOUCH = re.compile(r"(?:\[PRB:([^,\]]+),([^,\]]+),([^,:\]]+)(?:,-?0\.?0*(?=[,:]
 
 _NUMBER = r"\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?"
 _SIDE = rf"{_NUMBER}\s{_NUMBER}\s+\d{{1,4}}\s*"
-is_bcnc = beginning(_SIDE, _SIDE, rf"{_NUMBER}\s{_NUMBER}\s{_NUMBER}\s*", r"\s*")
-is_candle = beginning(*(rf"{_NUMBER}\s*(?:;{_NUMBER}\s*){{{more}}}" for more in (3, 3, 2)))
+is_bcnc = partial(begins, (_SIDE, _SIDE, rf"{_NUMBER}\s{_NUMBER}\s{_NUMBER}\s*", r"\s*"))
+is_candle = partial(begins, tuple(rf"{_NUMBER}\s*(?:;{_NUMBER}\s*){{{more}}}" for more in (3, 3, 2)))
 """Whether the first lines are two sides, from, to and how many, and a depth; or four, four and three numbers."""
 is_grbl = telling(re.compile(r"\[PRB:"))
 """Whether a line is such an answer."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -47,9 +46,9 @@ class TextFile:
         raise self.fail(what, remedy, line, name=name, shown=text if len(text) <= 40 else text[:37] + "...")
 
 
-def beginning(*patterns: str) -> Callable[[TextFile], bool]:
-    """Return what tells whether the first lines are as patterns have them."""
-    return lambda file: len(file.lines) >= len(patterns) and all(map(re.fullmatch, patterns, file.lines))
+def begins(patterns: tuple[str, ...], file: TextFile) -> bool:
+    """Return whether the first lines are as patterns have them."""
+    return len(file.lines) >= len(patterns) and all(map(re.fullmatch, patterns, file.lines))
 
 
 def content(path: str | Path) -> bytes:
