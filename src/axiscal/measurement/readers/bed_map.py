@@ -11,6 +11,7 @@ import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from math import hypot
 from pathlib import Path
 from typing import Any, TypeVar
@@ -20,7 +21,7 @@ import numpy as np
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import joined
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
-from axiscal.measurement.readers.text_file import TextFile, beginning, read_text
+from axiscal.measurement.readers.text_file import TextFile, begins, read_text
 from axiscal.measurement.setup import Vector
 from axiscal.units import from_unit
 
@@ -278,11 +279,8 @@ def below_title(file: TextFile, title: re.Pattern[str]) -> tuple[int, list[tuple
 
 
 _PROBED = (_AT_BED, _AT_NOZZLE, _AT_SCREW)
-is_height_map, is_console, is_klipper_probed = (
-    beginning("RepRapFirmware height map file.*"),
-    telling(_CONSOLE),
-    telling(*_PROBED),
-)
+is_height_map = partial(begins, ("RepRapFirmware height map file.*",))
+is_console, is_klipper_probed = telling(_CONSOLE), telling(*_PROBED)
 """Whether a line is that by which BED_MESH_OUTPUT begins, or a point that Klipper probed."""
 
 
