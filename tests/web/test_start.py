@@ -13,10 +13,13 @@ from pathlib import Path
 import pytest
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.planning.next_readings import next_places
+from axiscal.present.plan_answer import coming_answer
 from tests.commands import Command
+from tests.measurement.test_instrument_files import RTL
 from tests.measurement.test_written_instruments import GRID
 from tests.web.browser import Browser, Page
-from tests.web.served import PATIENCE, Served, served
+from tests.web.served import PATIENCE, Answer, Served, kept, served
 from tests.web.test_page import SHOWN, looked_at, stood, type_reading
 
 PRINTER = """\
@@ -370,8 +373,8 @@ def test_what_is_wrong_is_said_by_its_field(start: Served) -> None:
 
 
 DROPPED = {
-    "setup,X_mm,approach,value_um\nlaser,100,+,1.5\n": "These are readings: a table of readings. Begin a",
-    "HEADER::\nTARGET DATA::\n": "These are readings: a positioning test (.rtl)",
+    "setup,X_mm,approach,value_um\nlaser,100,+,1.5\n": "a table of readings",
+    "HEADER::\nTARGET DATA::\n": "a positioning test (.rtl)",
     "setup,X\nlaser,0 mm,+1\n": "This looks like a table of numbers. Give the INI",
     "axiscal record 9\n": "This looks like a record of axiscal",
     "G21\nG0 X1 Y2\n": "This looks like a program in G-code",
@@ -380,8 +383,50 @@ DROPPED = {
 
 
 def test_a_dropped_file_says_what_it_is(start: Served) -> None:
-    said = {text: start.call("draft", file="dropped.txt", text=text).document["faults"]["file"] for text in DROPPED}
+    made = {text: start.call("draft", file="dropped.txt", text=text).document for text in DROPPED}
+    said = {text: each["faults"].get("file", f"dropped.txt: {each['readings']}") for text, each in made.items()}
     assert [each for text, each in said.items() if not each.startswith(f"dropped.txt: {DROPPED[text]}")] == []
+
+
+def opened(start: Served) -> Answer:
+    return start.ask("POST", "/api/1/open", b'{"record": ""}', Authorization=f"Bearer {start.token}")
+
+
+def test_dropped_readings_become_an_answer(start: Served) -> None:
+    """The file of a laser names no axis, which a person then does."""
+    chosen = {"machine": "three-axis-mill", "instruments": ["interferometer"], "file": "x.rtl", "text": RTL}
+    assert start.call("draft", **chosen).document["readings"] == "a positioning test (.rtl)"
+    assert "several set-ups" in opened(start).document["sentence"]
+    assert start.call("draft", **chosen, along="X").document["faults"] == {}
+    state = opened(start).document["state"]
+    assert (state["finished"], state["results"]) == ("all readings evaluated", "three-axis-mill-results")
+    folder = start.record / "three-axis-mill"
+    assert sorted(file.name for file in folder.glob("*.rtl")) == ["x.rtl"]
+    assert len(kept(folder / "three-axis-mill.axiscal")) == 12
+    assert "ISO 230-2, axis X" in (folder / state["results"] / "report.html").read_text()
+
+
+def test_a_curve_that_cannot_be_planned_is_none(start: Served) -> None:
+    """A quick click took the last instrument away while the curve was asked for."""
+    start.call("draft", machine="one-axis", instruments=[])
+    assert start.call("plan").status == 422
+    answer = start.call("curve")
+    assert (answer.status, answer.body) == (200, b"null")
+
+
+def test_the_page_plans_roughly_what_is_measured(start: Served) -> None:
+    """Figures of the lattice are near those of the plan in full, which begins."""
+    start.call("draft", machine="lathe", instruments=["interferometer"])
+    rough = start.call("plan").document["answer"]["document"]
+    opened(start)
+    (record,) = start.record.glob("*/*.axiscal")
+    with Campaign.open(record, write=False) as campaign:
+        exact, places = coming_answer(campaign), next_places(campaign.case(), campaign.estimate().knowledge, ())
+        assert campaign.state.coming == places  # as every other way to begin plans it
+    assert exact is not None
+    pairs = zip([row["known_to"] for row in rough["rows"]], [row.known_to for row in exact.rows], strict=True)
+    assert all(0.8 < one / other < 1.25 for one, other in pairs)
+    assert rough["minutes"] == pytest.approx(exact.minutes, rel=0.02)
 
 
 def test_an_instrument_of_a_package_or_of_the_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,24 +11,21 @@ import typer
 from axiscal.answers.prediction import predict_poses
 from axiscal.campaign.beginning import campaign_with_sisters
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs, RecordFile, Unit, length_unit
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say, say_document, say_either, tell
 from axiscal.cli.progress import tell_mind, tell_unasked
 from axiscal.cli.record import placed_log
-from axiscal.description.placed_readings import file_readings
-from axiscal.evaluation.standards import Positioning, evaluate, figures_of, positioning_test
+from axiscal.evaluation.standards import Positioning, figures_of
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import decimals, later, said
-from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
-from axiscal.present.delivery import evaluated
+from axiscal.present.delivery import evaluated, read_in
 from axiscal.present.findings import copies, of_how_it_was_read, regular_places, untimed
 from axiscal.present.result_set import RECORD, mend
-from axiscal.present.summarising import Extras, iso230_block
+from axiscal.present.summarising import Extras
 from axiscal.units import to_unit
 
 
@@ -98,15 +95,7 @@ def estimate(
         raise typer.BadParameter(said("give READINGS.csv or --log FILE"))
     placed, extras, told = tuple[Reading, ...](), Extras(), ""
     if readings is not None:
-        around = Around(description.machine.axes, description.setups)
-        read = recognised(readings, around, length_unit(unit))
-        description, placed = file_readings(read.found.readings, description, readings)
-        refuse_implausible(placed, description, readings)
-        told = read.sentence([each.setup for each in placed])
-        if read.found.readings[0].test == "positioning" and len({each.setup for each in placed}) == 1:
-            (axis,) = description.setup(placed[0].setup).moves
-            tested = iso230_block(description.machine.axes[axis].name, evaluate(positioning_test(read)))
-            extras = Extras(iso230=[tested])
+        description, placed, extras, told = read_in(description, readings, length_unit(unit))
     if log is not None:
         placed = (*placed, *placed_log(log, programs, description))
     mend(out)

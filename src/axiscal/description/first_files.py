@@ -205,6 +205,16 @@ def of_text(text: str, name: str) -> Beginning:
             raise failure.placed(name, failure.line) from failure
 
 
+def readings_in(text: str, name: str) -> str:
+    """Return what readings in the text of a file are called, "" where it is one of a control, or holds none."""
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / name
+        file.write_text(text, encoding="utf-8")
+        with suppress(InputError):
+            return "" if is_printer_file(file) or _OF_LINUXCNC.search(text) else title_of(file)
+    return ""
+
+
 _OF_LINUXCNC = re.compile(r"^\s*\[(EMC|TRAJ|KINS|(AXIS|JOINT)_\w)\]", re.MULTILINE)
 _KINDS = {
     later("a picture or a workbook, no text"): re.compile(r"[\x01-\x08]"),

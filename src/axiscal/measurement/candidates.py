@@ -201,7 +201,9 @@ def chart_places(machine: Machine, setup: Setup, chart: Chart, count: int) -> Ch
     """Return about so many places of a chart that can be taken, and sides; fewer where fewer can be."""
     choices = chart_sides(machine, setup, chart)
     if all(end.step > 0 for end in chart.coordinates):
-        return _thinned(_raster(chart, choices), _WHOLE * count if count >= _MANY else count, count)
+        return _thinned(
+            _raster(chart, *map(tuple, choices.tolist())), _WHOLE * count if count >= _MANY else count, count
+        )
     return _even(chart, choices, count)
 
 
@@ -224,10 +226,11 @@ def _sides_count(machine: Machine, setup: Setup, chart: Chart) -> NDArray[np.boo
     return result
 
 
-def _raster(chart: Chart, choices: Array) -> Chosen:
+@remembered
+def _raster(chart: Chart, *choices: tuple[float, ...]) -> Chosen:
     values = [each.values for each in chart.coordinates]
     grid = np.stack([g.ravel() for g in np.meshgrid(*values, indexing="ij")], axis=1) if values else np.zeros((1, 0))
-    return _taken(chart, np.repeat(grid, len(choices), axis=0), np.tile(choices, (len(grid), 1)))
+    return _taken(chart, np.repeat(grid, len(choices), axis=0), np.tile(np.array(choices), (len(grid), 1)))
 
 
 def _even(chart: Chart, choices: Array, count: int) -> Chosen:

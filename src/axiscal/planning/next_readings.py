@@ -37,7 +37,7 @@ from axiscal.planning.other_readings import (
 )
 from axiscal.planning.plan.greedy import worth_most
 from axiscal.planning.plan.plan import MANY, Plan, make_plan, renewed
-from axiscal.planning.plan.task import PATIENCE, Goal, Limits, Task
+from axiscal.planning.plan.task import Goal, Limits, Task
 from axiscal.record.events import Asked, Gap
 from axiscal_core.threads import one_thread
 
@@ -113,7 +113,7 @@ def _chosen(
     if len(coming):
         return coming
     # off the lattice a way might lead into a gap
-    patience = 0.0 if gaps or (long and len(left)) else PATIENCE
+    patience = 0.0 if gaps or (long and len(left)) else task.patience
     return make_plan(task, limits, goal=goal, patience=patience, bounded=False, usual=usual).places
 
 
@@ -207,15 +207,19 @@ def next_places(
     outliers: Sequence[Doubt] = (),
     gaps: Sequence[Gap] = (),
     left: Sequence[Place] = (),
+    *,
+    rough: bool = False,
 ) -> tuple[Place, ...]:
     """Return the readings to come, none in a gap, in the order of a short way; none where nothing is left to measure.
 
     knowledge : after the readings, which have their times; outliers : those of them that are not believed
     gaps : where a reading could not be taken; left : of an earlier plan, to begin with
+    rough : for figures only, at places of the lattice
     """
     closed = *gaps, *twice_rejected(case, readings, outliers)
     begin = tuple(place for place in without_markers(case, readings, left) if not in_gap(case, place, closed))
     task = posed(case, knowledge, closed, readings)
+    task = replace(task, patience=0.0) if rough else task
     if not len(task.lattice):
         return ()
     limits, bad = limits_left(case, readings), {doubt.reading for doubt in outliers}

@@ -290,8 +290,9 @@ def with_checks(
     if budget is not None:
         more = checks.seconds(checks.put_among(begun, beside)) - checks.seconds(begun)
         limits = replace(limits, budget=budget - more)
-    places = plan(limits, without_markers(case, readings, begun if limits.timed else own), beside)
-    return checks.fitting(places, beside, budget)
+    if task.patience > 0 or own:  # else for figures only, which checks change little
+        begun = plan(limits, without_markers(case, readings, begun if limits.timed else own), beside)
+    return checks.fitting(begun, beside, budget)
 
 
 @dataclass(frozen=True, eq=False)

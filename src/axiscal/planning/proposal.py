@@ -28,8 +28,8 @@ from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import CANDIDATES, posed, reaching
 from axiscal.planning.other_readings import columns_of, with_rooms
-from axiscal.planning.plan.minutes import retoured
-from axiscal.planning.plan.plan import Plan, judged
+from axiscal.planning.plan.minutes import stretched
+from axiscal.planning.plan.plan import MANY, Plan, judged
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.searches import Searches, searched
 from axiscal.planning.plan.task import Limits
@@ -227,19 +227,25 @@ class Bought(NamedTuple):
 
 @one_thread()
 def bought(case: Case, places: Places, seconds: float, candidates: int = CANDIDATES) -> tuple[Bought, ...]:
-    """Return what a quarter of the time of a plan up to twice as much buys; none where it has no readings.
+    """Return roughly what a quarter of the time of a plan up to twice as much buys; none where it has no readings.
 
     places, seconds : of the plan; candidates : places that it was chosen from
     """
     task = posed(case, case.knowledge, candidates=candidates).coarse
     setups = tuple(np.unique(places.setups).tolist())
-    found = list[Bought]()
-    for share, mark in _SHARES.items() if len(places) else ():
-        limits = Limits(budget=share * seconds)
-        each = places if share == 1.0 else retoured(task, limits, setups, places, 0.0)
-        known = foreseen(case, (), with_rooms(case, each))
-        found.append(Bought(share * seconds, expanded(case.yardstick, known.belief).space, mark))
+    found, left, shares = list[Bought](), np.inf, _SHARES if len(places) else {}
+    others = stretched(task, setups, places, max(MANY, len(places)), [share * seconds for share in shares])
+    asked = _space(case, places)
+    for (share, mark), each in zip(shares.items(), others, strict=True):
+        left = min(left, _space(case, each))  # what less time buys, more does
+        within = asked if share <= 1.0 else 0.0, asked if share >= 1.0 else np.inf
+        found.append(Bought(share * seconds, float(np.clip(left, *within)), mark))
     return tuple(found)
+
+
+def _space(case: Case, places: Places) -> float:
+    """Return U of the volume after some places, m."""
+    return expanded(case.yardstick, foreseen(case, (), with_rooms(case, places)).belief).space
 
 
 def refuse_unless_provable(case: Case) -> None:

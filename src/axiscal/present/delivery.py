@@ -8,20 +8,26 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
 from axiscal.answers.answer_of_campaign import answer_of
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.description.campaign import CampaignDescription, Particulars
+from axiscal.description.placed_readings import file_readings
 from axiscal.document.durable import write_whole, written
 from axiscal.estimation.estimation import Estimation
+from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import put, said, speaking
 from axiscal.language.stages import stage
+from axiscal.measurement.readers.csv_readings import Around
+from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.present.result_document import EFFECT, READINGS, readings_csv, result_json
 from axiscal.present.result_set import RECORD, result_set, write_manifest
 from axiscal.present.statement import NOT_KNOWN
-from axiscal.present.summarising import Extras, record_state, summarise
+from axiscal.present.summarising import Extras, iso230_block, record_state, summarise
 from axiscal.present.summary import RecordState, Summary, TableOffer
 from axiscal.present.whose_language import named_language
 from axiscal.tables import registry
@@ -31,6 +37,30 @@ from axiscal_core.threads import one_thread
 
 _ALWAYS = "csv"
 """What every finished campaign gets beside the files for its own controls; `axiscal export` makes others."""
+
+
+class ReadIn(NamedTuple):
+    """Readings of a file with the campaign that says where its probe stood, more for the report, and what it was."""
+
+    description: CampaignDescription
+    readings: tuple[Reading, ...]
+    extras: Extras
+    told: str
+
+
+def read_in(described: CampaignDescription, file: Path, unit: str = "", along: str = "") -> ReadIn:
+    """Return the readings of a file of any kind; raises ReadingError.
+
+    unit : of lengths, where it names none; along : name of the axis of a test, the same
+    """
+    read, extras = recognised(file, Around(described.machine.axes, described.setups), unit), Extras()
+    rows = tuple(replace(row, axis=row.axis or along) if row.test else row for row in read.found.readings)
+    described, placed = file_readings(rows, described, file)
+    refuse_implausible(placed, described, file)
+    if rows[0].test == "positioning" and len({each.setup for each in placed}) == 1:
+        (axis,) = described.setup(placed[0].setup).moves
+        extras = Extras(iso230=[iso230_block(described.machine.axes[axis].name, evaluate(positioning_test(read)))])
+    return ReadIn(described, placed, extras, read.sentence([each.setup for each in placed]))
 
 
 @contextmanager

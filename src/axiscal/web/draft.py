@@ -9,6 +9,7 @@ import re
 import secrets
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -24,9 +25,11 @@ from axiscal.description.first_campaign import OFFERED, UNSAID, Purpose
 from axiscal.description.target import rows_of
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import AxiscalError, DescriptionError, InputError, PlanError, RecordError
-from axiscal.language.spoken import later, said
+from axiscal.language.spoken import later, said, spoken_now
 from axiscal.machine import machine_from_text
+from axiscal.numerics.remembered import Memo
 from axiscal.planning.helping import rows_shown
+from axiscal.planning.next_readings import next_places
 from axiscal.present.machine_drawing.setup_picture import machine_scene, setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer, minutes_curve
 from axiscal.present.plan_words import open_questions
@@ -36,8 +39,10 @@ from axiscal.record.store import record_errors
 from axiscal.units import parse_quantity, to_unit, within
 from axiscal.web import shapes
 
-FOLDER, _CHOSEN, _OF_PLAN = "axiscal-draft", "draft.json", "planned.json"
-"""Of a draft, of its choices, and of those that its plan was made for."""
+FOLDER, _CHOSEN = "axiscal-draft", "draft.json"
+"""Of a draft, and of its choices."""
+_ROUGH = Memo(1)
+"""The campaign of the last choices with a rough plan: what minutes buy is asked of it after the plan."""
 MACHINES = {
     "router": later("router"),
     "three-axis-mill": later("mill"),
@@ -96,31 +101,46 @@ def keep(here: Path, draft: shapes.DraftShape) -> shapes.MachineShape:
 
 
 def plan(here: Path) -> shapes.PlanShape:
-    """Return the plan of the draft, made where there is none yet; raises InputError for what cannot be planned."""
-    with _planned(here) as campaign:
-        answer = coming_answer(campaign)
-        if answer is None:
-            raise PlanError("No reading of these set-ups is worth its time", "Choose other instruments")
-        minds = open_questions(campaign.description, asked=True)
-        return shapes.PlanShape(
-            answer=shapes.AnswerShape.of_campaign(campaign, answer), minds=[spelt(mind) for mind in minds]
-        )
+    """Return roughly the plan of the draft, which is made in full as it begins; raises InputError where none can be."""
+    campaign = _planned(here)
+    answer = coming_answer(campaign)
+    if answer is None:
+        raise PlanError("No reading of these set-ups is worth its time", "Choose other instruments")
+    minds = open_questions(campaign.description, asked=True)
+    return shapes.PlanShape(
+        answer=shapes.AnswerShape.of_campaign(campaign, answer), minds=[spelt(mind) for mind in minds]
+    )
 
 
 def _begun(here: Path) -> Path:
     """Make the draft a campaign in a folder of its own, and return its record; raises InputError."""
-    with _planned(here) as campaign:
-        record = campaign.path
-        if kept(here).virtual:
-            campaign.note(virtual_note(secrets.randbelow(_MACHINES)))
+    record, described = _written(here)
+    draft = kept(here)
+    if draft.file and draft.machine:
+        _evaluate(record, described, draft)
+    else:
+        with begun_campaign(record, described) as campaign:
+            if draft.virtual:
+                campaign.note(virtual_note(secrets.randbelow(_MACHINES)))
     number, named = 1, here / record.stem
     while named.exists():
         number += 1
         named = here / f"{record.stem}-{number}"
     record.parent.rename(named)
-    for file in (_CHOSEN, _OF_PLAN):
-        (named / file).unlink()
+    (named / _CHOSEN).unlink()
     return named / record.name
+
+
+def _evaluate(record: Path, described: CampaignDescription, draft: shapes.DraftShape) -> None:
+    """Make a record of the readings that were dropped, with its results beside it; raises InputError."""
+    from axiscal.present.delivery import deliver, read_in  # pictures and tables, which no draft else waits for
+
+    found = read_in(described, record.with_name(draft.file), along=draft.along)
+    with Campaign.create(record, found.description) as campaign:
+        campaign.adopt(found.readings, found.told)
+        campaign.finish("all readings evaluated")
+        extras = replace(found.extras, spoken=spoken_now())
+        deliver(campaign, campaign.estimate(ended=True), results_beside(record), extras)
 
 
 def record_of(here: Path, name: str) -> Path:
@@ -152,8 +172,7 @@ def shown_rows(here: Path, instrument: str) -> shapes.RowsShape:
 
 def curve(here: Path) -> shapes.CurveShape:
     """Return what minutes buy beside those of the plan of the draft; raises InputError as `plan`."""
-    with _planned(here) as campaign:
-        return shapes.CurveShape(marks=minutes_curve(campaign))
+    return shapes.CurveShape(marks=minutes_curve(_planned(here)))
 
 
 def _with(begun: first_files.Beginning, instrument: str) -> CampaignDescription:
@@ -163,7 +182,18 @@ def _with(begun: first_files.Beginning, instrument: str) -> CampaignDescription:
 
 
 def _planned(here: Path) -> Campaign:
-    """Return the campaign of the draft with its plan, in the draft's folder; made where it is not of these choices."""
+    """Return the campaign of the draft with a rough plan, as it was made last, in its folder; raises InputError."""
+
+    def made() -> Campaign:
+        with Campaign.create(*_written(here), partial(next_places, rough=True)) as campaign:
+            campaign.prepared()
+            return campaign
+
+    return _ROUGH.answer((here, kept(here).model_copy(update={"screen": "start"}).model_dump_json()), made)
+
+
+def _written(here: Path) -> tuple[Path, CampaignDescription]:
+    """Write the files of the draft; return where its record will stand, and its campaign; raises InputError."""
     draft, folder, faults = kept(here), here / FOLDER, dict[str, InputError]()
     begun, target = _beginning(here, draft, faults), _length(draft.target, "um", _FINEST, faults, "target")
     for fault in faults.values():
@@ -174,10 +204,6 @@ def _planned(here: Path) -> Campaign:
     if shown and not wants:
         raise DescriptionError("Nothing is to be known", "Tick a row at least")
     files = first_files.first_files(begun, draft.instruments, Purpose(target, wants, draft.budget))
-    chosen = draft.model_copy(update={"screen": "start"}).model_dump_json().encode()
-    record, made = next(folder.glob("*.axiscal"), None), folder / _OF_PLAN
-    if record is not None and made.exists() and made.read_bytes() == chosen:
-        return Campaign.open(record)
     for file in [file for file in folder.iterdir() if file.name != _CHOSEN]:
         file.unlink()
     if draft.file:
@@ -189,17 +215,15 @@ def _planned(here: Path) -> Campaign:
     described = replace(described, source="campaign.toml", machine_source="machine.toml")  # as they will stand
     called = f"{'virtual ' * draft.virtual}{described.machine.name}"
     name = re.sub("[^a-z0-9]+", "-", called.casefold()).strip("-") or "machine"
-    campaign = begun_campaign(folder / f"{name}.axiscal", described)
-    write_whole(made, chosen)
-    return campaign
+    return folder / f"{name}.axiscal", described
 
 
 def _beginning(here: Path, draft: shapes.DraftShape, faults: dict[str, InputError]) -> first_files.Beginning:
     """Return the machine of a draft with the travels that can be; raises InputError.  faults : takes the others"""
-    if draft.file:
-        begun = first_files.of_text(draft.text, draft.file)
-    elif draft.machine:
+    if draft.machine:
         begun = first_files.of_builtin(draft.machine)
+    elif draft.file:
+        begun = first_files.of_text(draft.text, draft.file)
     else:
         raise DescriptionError("No machine is chosen", "Choose one, or drop the file of its control")
     lengths = dict[str, float]()
@@ -230,18 +254,20 @@ def _shown(here: Path, draft: shapes.DraftShape) -> shapes.MachineShape:
     """Return what a draft makes of a machine, and what is wrong with it, by the field."""
     faults, begun = dict[str, InputError](), None
     _length(draft.target, "um", _FINEST, faults, "target")
+    readings = first_files.readings_in(draft.text, draft.file) if draft.file else ""
     try:
         begun = _beginning(here, draft, faults)
     except InputError as failure:
-        if draft.file or draft.machine:
+        if (draft.file or draft.machine) and not readings:
             faults["file"] = failure
     in_words = {field: str(fault) for field, fault in faults.items()}
     if begun is None:
-        return shapes.MachineShape(faults=in_words)
+        return shapes.MachineShape(faults=in_words, readings=said(readings))
     machine = machine_from_text(begun.text)
     return shapes.MachineShape(
         title=machine.name,
         faults=in_words,
+        readings=said(readings),
         lengths=first_files.linear_travels(begun),
         carried=[axis.name for axis in machine.axes if axis.workpiece_side],
         radii=[axis.name for axis in machine.axes if axis.diameters],

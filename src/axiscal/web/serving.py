@@ -208,8 +208,11 @@ class _Api:
         return await self._drawn_up(draft.plan)
 
     async def curve(self) -> shapes.CurveShape | None:
-        """What other minutes than those of the plan buy; it takes seconds."""
-        return await self._drawn_up(draft.curve)
+        """What other minutes than those of the plan buy; null where there is no plan, which says why."""
+        try:
+            return await self._drawn_up(draft.curve)
+        except InputError:  # a newer choice stands already that nothing can be planned for
+            return None
 
     async def rows(self, instrument: shapes.Short) -> shapes.RowsShape:
         """The rows that an instrument can show on the machine of the draft."""

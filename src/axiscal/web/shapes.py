@@ -123,6 +123,7 @@ class DraftShape(AnswerDocument):
     """What was chosen of a campaign that has not begun, as a person typed it; kept on the disk at every touch.
 
     screen : which is open; machine : built-in, or file : a file of a control with its text
+    file of a built-in machine : readings of it; along : the axis that was read, where they name none
     travels : of linear axes, such as "600 mm"; switched : axes on the other side than usual, table instead of head
     size : of its errors, as `first_files.SIZES` has them; without : rows that instruments could show and nobody wants
     budget : of machine time, such as "90 min"; compensated : whether a compensation is active, "" where nobody knows
@@ -133,6 +134,7 @@ class DraftShape(AnswerDocument):
     machine: Short = ""
     file: Annotated[str, Field(max_length=60, pattern=r"^([^./\\\x00-\x1f\x7f][^/\\\x00-\x1f\x7f]*)?$")] = ""
     text: Annotated[str, Field(max_length=48_000)] = ""
+    along: Short = ""
     travels: Mapping[str, Short] = {}
     switched: Sequence[Short] = ()
     size: Literal["new", "used", "home-made"] = "used"
@@ -148,6 +150,7 @@ class MachineShape(AnswerDocument):
     """What a draft makes of a machine.
 
     faults : what is wrong, by its field ("file", "travels.X", "target", "instruments")
+    readings : what the dropped file holds, in words, "" where it is one of a control
     lengths : how far each linear axis travels, mm; carried : those whose table moves, not the head
     radii : those whose display shows diameters; look : what the file could not say
     offered : the instruments that it can be read with; asks : whether it is open if a compensation is active
@@ -155,6 +158,7 @@ class MachineShape(AnswerDocument):
 
     title: str = ""
     faults: Mapping[str, str]
+    readings: str = ""
     lengths: Mapping[str, float] = {}
     carried: Sequence[str] = ()
     radii: Sequence[str] = ()

@@ -11,7 +11,7 @@ until the best one just reaches it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -103,9 +103,7 @@ def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, pat
             best, longest = found, found.seconds
     if best is None:
         return None
-    setups = tuple(best.runs)
-    begun = partial(_begun, replace(limits, budget=longest), *_base(coarse, setups), setups)
-    tour, *_ = _all_begun([best], begun, _BESIDE)
+    return _climbed(task, limits, _all_begun([first[setups]], begun(setups), _WORK), patience)
     tour = _shortest(tour, ordered, partial(_settled, better=_WORTH)) if ordered.reached(tour.places) else best
     return retoured(task, limits, setups, tour.places, patience, goal=goal)
 
@@ -163,6 +161,20 @@ def retoured(
     while len(tour.scores.places) > 1 and seconds_along(task, tour.places) > hard:  # ways may lead aside
         tour.drop()
     return set_ups_in_order(task, tour.places)
+
+
+def stretched(task: Task, setups: Setups, left: Places, most: int, budgets: Sequence[float]) -> Iterator[Places]:
+    """Yield readings for each budget that begin with those of another plan: fewer of them, or more, none exchanged.
+
+    left : in their order; most : readings; budgets : rising
+    """
+    tour = Tour.through(*_base(task, setups), setups, Limits(most), left)
+    for budget in budgets:
+        other = tour.within(budget)
+        whole = len(other.scores.places) == len(tour.scores.places)
+        other.fill(np.random.default_rng(_SEED), _POWER, 0.0)
+        tour = other if whole else tour
+        yield other.places
 
 
 def from_elsewhere(task: Task, limits: Limits, setups: Setups, number: int, patience: float) -> tuple[Places, float]:

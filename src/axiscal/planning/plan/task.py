@@ -22,6 +22,8 @@ from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 from axiscal.planning.gains.covariance import Covariance
 
+PATIENCE = 1e11
+"""Operations that climbing off the lattice may take unless said otherwise: half a minute."""
 _TYPICAL = 24
 _COARSE, _EACH = 500, 100
 """Candidates among which sets of set-ups and numbers of readings are compared, of all and of each set-up: of time."""
@@ -34,6 +36,7 @@ class Task:
     belief : over the unknowns of the observation; root : V (w, n) of the criterion; lattice : the candidates
     here : one place, of the set-up that is mounted and where the machine stands; None before the first
     read : places of readings that are taken already; beside : of those that will be, whatever is planned
+    patience : operations that climbing off the lattice may take; 0 for figures of a plan alone
     """
 
     observation: Observation
@@ -44,6 +47,7 @@ class Task:
     here: Places | None = None
     read: Places | None = None
     beside: Places | None = None
+    patience: float = PATIENCE
 
     @property
     def taken(self) -> Places:
@@ -146,8 +150,6 @@ def clock(task: Task) -> Clock:
     return Clock(task.observation, None if task.here is None else int(task.here.setups[0]))
 
 
-PATIENCE = 1e11
-"""Operations that climbing off the lattice may take unless said otherwise: half a minute."""
 _LOOKS = 400
 """Places at which a climb looks, roughly: stencils around five places, then lines."""
 _CALLS = 2e7

@@ -4,7 +4,7 @@ import { language, said, translate } from "/words.js";
 
 const SCREENS = ["start", "machine", "with", "plan"];
 const LONGEST = 48000; // letters of a file: a control's own is shorter, and of another one its beginning tells what it is
-const OF_MACHINE = { travels: {}, switched: [], size: "used", without: [], budget: "" }; // what another machine has as usual
+const OF_MACHINE = { travels: {}, switched: [], size: "used", without: [], budget: "", along: "" }; // what another machine has as usual
 let start = null; // what there is to choose from
 let draft = null; // what was chosen
 let machine = null; // what that makes of a machine
@@ -42,6 +42,7 @@ function choose(change) {
   const chosen = draft;
   render();
   if (planned.of !== planOf()) outdate();
+  version += 1; // nothing more is asked about the choices before
   turn = turn.then(async () => {
     if (chosen !== draft) return;
     const made = await asked("/draft", chosen);
@@ -70,8 +71,8 @@ function enter(screen) {
 function render() {
   const wrong = Object.keys(machine.faults), known = machine.title !== "";
   const travels = known && wrong.every((field) => field === "target");
-  const plan = known && wrong.length === 0 && draft.instruments.length > 0;
-  const ready = { start: true, machine: known, with: travels, plan };
+  const enough = known && wrong.length === 0 && draft.instruments.length > 0, plan = enough && machine.readings === "";
+  const ready = { start: true, machine: known || machine.readings !== "", with: travels, plan };
   for (const screen of SCREENS) show(screen, screen === draft.screen);
   for (const step of find("path").querySelectorAll("button")) {
     step.disabled = !ready[step.dataset.screen];
@@ -83,7 +84,7 @@ function render() {
   text("instruments-fault", draft.instruments.map((name) => faults.get(ofMachine(name)) ?? "").join(" ").trim());
   show("coming", plan && ["with", "plan"].includes(draft.screen));
   find("machine-next").disabled = !ready.with;
-  find("with-next").disabled = !ready.plan;
+  find("with-next").disabled = !enough;
   drawMachine();
 }
 
@@ -118,12 +119,12 @@ function renderStart() {
 }
 
 function renderMachine() {
-  const read = draft.file !== "" && machine.title !== "";
+  const read = draft.file !== "" && machine.title !== "" && machine.readings === "";
   show("kinds", !read);
   for (const button of find("kinds").children) button.setAttribute("aria-pressed", button.dataset.machine === draft.machine);
-  show("read", read);
+  show("read", read || machine.readings !== "");
   text("machine-title", read ? said("Is this your machine?") : said("Which machine is most like yours?"));
-  text("read", said("{file} says: {machine}", { file: draft.file, machine: machine.title }));
+  text("read", said("{file} says: {machine}", { file: draft.file, machine: machine.readings || machine.title }));
   text("file-fault", machine.faults.file ?? "");
   const axes = Object.keys(machine.lengths), shown = [...find("travels").querySelectorAll("input")].map((field) => field.dataset.axis);
   if (axes.join() !== shown.join()) find("travels").replaceChildren(...axes.map(travel));
@@ -163,6 +164,9 @@ function renderInstruments() {
   if (find("target") !== document.activeElement) find("target").value = draft.target;
   find("compensated").value = draft.compensated;
   show("compensation", machine.asks);
+  show("reads", machine.readings !== "");
+  find("along").replaceChildren(...["", ...Object.keys(machine.lengths)].map((axis) => new Option(axis || said("as the file says"), axis, false, axis === draft.along)));
+  text("with-next", machine.readings ? said("Evaluate the readings") : said("Plan"));
 }
 
 function toggled(names, name) {
@@ -251,9 +255,9 @@ function drawMachine() {
 
 // A campaign that is here, or that of the draft, which begins.
 async function openRecord(record) {
-  find("begin").disabled = leaving = true;
-  if (await waiting(asked("/open", { record })) !== null) location.assign("/");
-  else find("begin").disabled = leaving = false;
+  find("begin").disabled = find("with-next").disabled = leaving = true;
+  if (await waiting(turn.then(() => asked("/open", { record }))) !== null) location.assign("/");
+  else find("begin").disabled = find("with-next").disabled = leaving = false;
 }
 
 // The choices that a plan is of.
@@ -275,7 +279,6 @@ async function makePlan() {
   const of = planOf();
   if (planned.of !== of) {
     outdate();
-    text("doing", said("one moment"));
     const { ok, document: plan } = await waiting(call("/plan"));
     if (plan === null) return;
     alarm(ok ? "" : plan.sentence);
@@ -300,7 +303,7 @@ async function makeCurve() {
 function renderPlan(plan) {
   find("coming").className = "";
   show("first", true);
-  renderWords(plan.answer.first, plan.answer.rows);
+  renderWords(plan.answer.first.map((words, n) => n ? words : `≈ ${words}`), plan.answer.rows);
   find("strip").replaceChildren(...plan.answer.document.setups.map(mounted));
   find("known").replaceChildren(...plan.answer.sentences.map((words) => element("p", words)));
   find("minds").replaceChildren(...plan.minds.map((words) => element("li", words)));
@@ -341,16 +344,18 @@ async function take(file) {
   const letters = (await file.slice(0, LONGEST).text()).replaceAll("\0", "\x01").slice(0, LONGEST);
   const name = file.name.slice(-60).replace(/^\.+/, "");
   const usual = /^\s*\[stepper_/m.test(letters) ? ["probe"] : [];
-  draft = { ...draft, ...OF_MACHINE, file: name, text: letters, machine: "", instruments: usual };
+  draft = { ...draft, ...OF_MACHINE, file: name, text: letters, machine: "", instruments: usual, virtual: false };
   return go("machine");
 }
 
+// Readings that were dropped stay: they are of the machine that is chosen.
 function chooseMachine(name) {
-  choose({ ...OF_MACHINE, machine: name, file: "", text: "", instruments: name === draft.machine ? draft.instruments : [] });
+  const { file, text: letters } = machine.readings ? draft : { file: "", text: "" };
+  choose({ ...OF_MACHINE, machine: name, file, text: letters, instruments: name === draft.machine ? draft.instruments : [] });
 }
 
 function anew(virtual) {
-  draft = { ...draft, file: "", text: "", virtual };
+  draft = { ...draft, file: "", text: "", along: "", virtual };
   go("machine");
 }
 
@@ -364,7 +369,8 @@ addEventListener("drop", (event) => {
   if (event.dataTransfer.files.length) take(event.dataTransfer.files[0]);
 });
 on("machine-next", "click", () => go("with"));
-on("with-next", "click", () => go("plan"));
+on("with-next", "click", () => machine.readings ? openRecord("") : go("plan"));
+find("along").addEventListener("change", () => choose({ along: find("along").value }));
 on("begin", "click", () => openRecord(""));
 on("minutes", "input", sayBought);
 on("minutes", "change", () => choose({ budget: `${find("minutes").value} min` }));
