@@ -15,6 +15,7 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.planning.next_readings import next_places
 from axiscal.present.plan_answer import coming_answer
+from axiscal.web import shapes
 from tests.commands import Command
 from tests.measurement.test_instrument_files import RTL
 from tests.measurement.test_written_instruments import GRID
@@ -397,6 +398,8 @@ def test_dropped_readings_become_an_answer(start: Served) -> None:
     chosen = {"machine": "three-axis-mill", "instruments": ["interferometer"], "file": "x.rtl", "text": RTL}
     assert start.call("draft", **chosen).document["readings"] == "a positioning test (.rtl)"
     assert "several set-ups" in opened(start).document["sentence"]
+    cut = (RTL + "\n" * shapes.LETTERS)[: shapes.LETTERS]
+    assert "of up to 48000 letters" in start.call("draft", **chosen | {"text": cut}).document["faults"]["file"]
     assert start.call("draft", **chosen, along="X").document["faults"] == {}
     state = opened(start).document["state"]
     assert (state["finished"], state["results"]) == ("all readings evaluated", "three-axis-mill-results")

@@ -23,7 +23,7 @@ from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import evaluated, read_in
-from axiscal.present.findings import copies, of_how_it_was_read, regular_places, untimed
+from axiscal.present.findings import of_how_it_was_read, of_readings, regular_places
 from axiscal.present.result_set import RECORD, mend
 from axiscal.present.summarising import Extras
 from axiscal.units import to_unit
@@ -103,11 +103,10 @@ def estimate(
         raise RecordError("This folder holds a campaign already", "Name another --out, or remove it", out / RECORD)
     if told:
         tell(told)
-    regular = list(regular_places(placed, description.setups, description.machine.axes))
-    warnings = [*copies(placed, description.setups), *untimed(placed, description.setups), *regular]
-    extras = replace(extras, warnings=warnings)
+    around = placed, description.setups, description.machine.axes
+    extras = replace(extras, warnings=of_readings(*around))
     with evaluated(description, placed) as opened:
-        seen = [*regular, *of_how_it_was_read(opened.so_far())]
+        seen = [*regular_places(*around), *of_how_it_was_read(opened.so_far())]
         kept = out / RECORD
         again = "give the command again"
         write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)

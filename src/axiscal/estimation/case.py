@@ -116,11 +116,12 @@ class Case:
     def rescaled(self, sizes: Mapping[tuple[Kind, str], float]) -> Case:
         """Return the case with priors and noise at other sizes.  sizes : factors by kind and owner"""
         machine = rescaled_machine(self.description.machine, sizes)
-        noises = ((s, 1.0 if is_coarse(s) else sizes.get(("noise", s.name), 1.0)) for s in self.description.setups)
-        setups = tuple(replace(setup, noise=times * setup.noise) for setup, times in noises)
-        return replace(
-            self._plain(replace(self.description, machine=machine, setups=setups)), sized_from=self.sized_from or self
-        )
+        setups = list[Setup]()
+        for setup in self.description.setups:
+            times = sizes.get(("noise", setup.name), 1.0)  # one step of a coarse display, read again, tells of no noise
+            setups.append(replace(setup, noise=setup.noise * (max(times, 1.0) if is_coarse(setup) else times)))
+        plain = self._plain(replace(self.description, machine=machine, setups=tuple(setups)))
+        return replace(plain, sized_from=self.sized_from or self)
 
     @property
     def bends(self) -> bool:

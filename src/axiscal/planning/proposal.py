@@ -231,12 +231,13 @@ def bought(case: Case, places: Places, seconds: float, candidates: int = CANDIDA
 
     places, seconds : of the plan; candidates : places that it was chosen from
     """
+    if not len(places):
+        return ()
     task = posed(case, case.knowledge, candidates=candidates).coarse
     setups = tuple(np.unique(places.setups).tolist())
-    found, left, shares = list[Bought](), np.inf, _SHARES if len(places) else {}
-    others = stretched(task, setups, places, max(MANY, len(places)), [share * seconds for share in shares])
-    asked = _space(case, places)
-    for (share, mark), each in zip(shares.items(), others, strict=True):
+    found, left, asked = list[Bought](), np.inf, _space(case, places)
+    others = stretched(task, setups, places, max(MANY, len(places)), [share * seconds for share in _SHARES])
+    for (share, mark), each in zip(_SHARES.items(), others, strict=True):
         left = min(left, _space(case, each))  # what less time buys, more does
         within = asked if share <= 1.0 else 0.0, asked if share >= 1.0 else np.inf
         found.append(Bought(share * seconds, float(np.clip(left, *within)), mark))

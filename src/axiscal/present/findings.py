@@ -161,6 +161,11 @@ def of_how_it_was_read(estimation: Estimation) -> Iterator[Finding]:
         yield from warned(estimation)
 
 
+def of_readings(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> list[Finding]:
+    """Return the warnings that readings of a file give before anything is estimated."""
+    return [*copies(readings, setups), *untimed(readings, setups), *regular_places(readings, setups, axes)]
+
+
 def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Finding]:
     """Return warnings of set-ups whose zero may drift, where given readings do not tell when they were taken."""
     silent = {reading.setup for reading in readings if reading.time is None}

@@ -10,7 +10,7 @@ import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
 from axiscal.exceptions import TableError
-from axiscal.language.spoken import joined, later, said
+from axiscal.language.spoken import joined, later, put, said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import uncounted
@@ -136,7 +136,8 @@ def effect_sentence(files: str, effect: Effect, known: LeftUnknown) -> str:
         return said("{files} turn axes about the tool point, which stays where it is over the volume.", files=files)
     sizes = [(np.hypot(each, known.rms), math.inf) for each in effect]
     sizes += [(each, known.limit) for each in (known.expanded, certain)]
-    before, after, U, within = (f"{digits(*to_unit(np.array(each), 'um').tolist())} um" for each in sizes)
+    of_rows = (digits(*to_unit(np.array(each), "um").tolist()) for each in sizes)
+    before, after, U, within = (put("{size} um", size=size) for size in of_rows)
     return said(
         "{files} take the TCP deviation over the volume, with what is not known of it, from {before} RMS to {after}. "
         "U of the estimate is {U}; with what the files leave, 95 % of the deviations lie within {within}.",

@@ -134,12 +134,14 @@ def _begun(here: Path) -> Path:
 def _evaluate(record: Path, described: CampaignDescription, draft: shapes.DraftShape) -> None:
     """Make a record of the readings that were dropped, with its results beside it; raises InputError."""
     from axiscal.present.delivery import deliver, read_in  # pictures and tables, which no draft else waits for
+    from axiscal.present.findings import of_readings
 
     found = read_in(described, record.with_name(draft.file), along=draft.along)
     with Campaign.create(record, found.description) as campaign:
         campaign.adopt(found.readings, found.told)
         campaign.finish("all readings evaluated")
-        extras = replace(found.extras, spoken=spoken_now())
+        warnings = of_readings(found.readings, described.setups, described.machine.axes)
+        extras = replace(found.extras, warnings=warnings, spoken=spoken_now())
         deliver(campaign, campaign.estimate(ended=True), results_beside(record), extras)
 
 
@@ -260,6 +262,9 @@ def _shown(here: Path, draft: shapes.DraftShape) -> shapes.MachineShape:
     except InputError as failure:
         if (draft.file or draft.machine) and not readings:
             faults["file"] = failure
+    if readings and len(draft.text) == shapes.LETTERS:
+        what, remedy = "Readings of up to {most} letters can be dropped", "Evaluate it with `axiscal data estimate`"
+        faults["file"] = DescriptionError(what, remedy, draft.file, most=shapes.LETTERS)
     in_words = {field: str(fault) for field, fault in faults.items()}
     if begun is None:
         return shapes.MachineShape(faults=in_words, readings=said(readings))

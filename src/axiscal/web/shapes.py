@@ -26,6 +26,8 @@ LONGEST = 25.0
 Seen = Annotated[int, Field(ge=0, description="Wait until the state has another version")]
 Wait = Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False, description="s, at most")]
 After = Annotated[int, Field(ge=0, description="`last` of the state that is answered; 409 if it has changed")]
+LETTERS = 48_000
+"""Of a dropped file at most: the page sends no more of it."""
 Short = Annotated[str, Field(max_length=LONGEST_TEXT)]
 
 
@@ -133,7 +135,7 @@ class DraftShape(AnswerDocument):
     screen: Literal["start", "machine", "with", "plan"] = "start"
     machine: Short = ""
     file: Annotated[str, Field(max_length=60, pattern=r"^([^./\\\x00-\x1f\x7f][^/\\\x00-\x1f\x7f]*)?$")] = ""
-    text: Annotated[str, Field(max_length=48_000)] = ""
+    text: Annotated[str, Field(max_length=LETTERS)] = ""
     along: Short = ""
     travels: Mapping[str, Short] = {}
     switched: Sequence[Short] = ()

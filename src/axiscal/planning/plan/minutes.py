@@ -103,7 +103,9 @@ def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, pat
             best, longest = found, found.seconds
     if best is None:
         return None
-    return _climbed(task, limits, _all_begun([first[setups]], begun(setups), _WORK), patience)
+    setups = tuple(best.runs)
+    begun = partial(_begun, replace(limits, budget=longest), *_base(coarse, setups), setups)
+    tour, *_ = _all_begun([best], begun, _BESIDE)
     tour = _shortest(tour, ordered, partial(_settled, better=_WORTH)) if ordered.reached(tour.places) else best
     return retoured(task, limits, setups, tour.places, patience, goal=goal)
 

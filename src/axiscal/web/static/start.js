@@ -341,7 +341,7 @@ function mounted({ setup, readings, minutes }) {
 async function take(file) {
   const known = start.begun.find((each) => each.record.split("/").at(-1) === file.name);
   if (known) return openRecord(known.record);
-  const letters = (await file.slice(0, LONGEST).text()).replaceAll("\0", "\x01").slice(0, LONGEST);
+  const letters = (await file.slice(0, 4 * LONGEST).text()).replaceAll("\0", "\x01").slice(0, LONGEST);
   const name = file.name.slice(-60).replace(/^\.+/, "");
   const usual = /^\s*\[stepper_/m.test(letters) ? ["probe"] : [];
   draft = { ...draft, ...OF_MACHINE, file: name, text: letters, machine: "", instruments: usual, virtual: false };
