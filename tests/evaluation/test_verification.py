@@ -16,6 +16,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.evaluation import table_checks
 from axiscal.evaluation.check import Check, tolerance_of
 from axiscal.evaluation.datums import GUARD
 from axiscal.evaluation.table_checks import verdict
@@ -26,6 +27,7 @@ from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
 from axiscal.tables.surface import Control
+from axiscal.tables.table import CompensationTable
 from tests.commands import Command
 from tests.evaluation.said import idle, measured, readings_of, said_of
 from tests.generators.reaches import reach_of
@@ -232,11 +234,20 @@ def test_the_command_plans_a_sheet_and_judges_what_is_filled_in(record: Path, tm
         rows = [f"{line}{place[f'{name}_um']:.3f}" for line, place in zip(lines, planned, strict=True)]
         (tmp_path / f"{name}.csv").write_text("\n".join([head, *rows]) + "\n")
     filled = ("verify", record, "--found", tmp_path / "found.csv", "--left", tmp_path / "left.csv")
-    assert "PASS at 6 um" in command(*filled, "--tolerance", "6 um").printed
+    assert "PASS at 7 um" in command(*filled, "--tolerance", "7 um").printed
     assert command(*filled, "--json").document["tolerance_um"] == pytest.approx(3.0)
     shown = command("verify", record, "--points", 8, "--plan", plan).printed
     assert shown.startswith("8 PLACES TO CHECK\n")
     assert shown.endswith("--found found.csv --left left.csv\n")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_rounding_moves_no_place_at_which_an_even_reversal_is_read(state: tuple[Estimate, Any, Any], seed: int) -> None:
+    """Processors round unlike each other; a sheet of one must be that of another."""
+    low, high = state[0].box[0]
+    trims = 4e-6 + 1e-20 * np.random.default_rng(seed).normal(size=9)
+    table = CompensationTable("X", np.linspace(low, high, 9), trims, -trims)
+    assert table_checks._targets(state[0], 0, table) == (low, high, low, low)
 
 
 @pytest.mark.parametrize(

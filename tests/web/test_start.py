@@ -398,7 +398,7 @@ def test_dropped_readings_become_an_answer(start: Served) -> None:
     chosen = {"machine": "three-axis-mill", "instruments": ["interferometer"], "file": "x.rtl", "text": RTL}
     assert start.call("draft", **chosen).document["readings"] == "a positioning test (.rtl)"
     assert "several set-ups" in opened(start).document["sentence"]
-    cut = (RTL + "\n" * shapes.LETTERS)[: shapes.LETTERS]
+    cut = (RTL + " " * shapes.LETTERS)[: shapes.LETTERS]
     assert "of up to 48000 letters" in start.call("draft", **chosen | {"text": cut}).document["faults"]["file"]
     assert start.call("draft", **chosen, along="X").document["faults"] == {}
     state = opened(start).document["state"]

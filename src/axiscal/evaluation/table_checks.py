@@ -31,6 +31,7 @@ from axiscal.tables.offer import Export, title
 from axiscal.tables.surface import Control, sum_of
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity
+from axiscal_core.ties import ALIKE, first_best
 
 KNOWN = 0.15
 """A share known to this standard deviation is checked: 0 and 1 are more than six of them apart."""
@@ -136,7 +137,7 @@ def needed(
         ]
         scores = [_shown(estimate.machine, part, setups, places) for places in options]
         if scores and max(scores) > 0:
-            found = Places.joined([found, _new(options[int(np.argmax(scores))], found)])
+            found = Places.joined([found, _new(options[first_best(np.array(scores), ALIKE)], found)])
     return found
 
 
@@ -209,8 +210,8 @@ def _targets(estimate: Estimate, over: int, table: CompensationTable) -> tuple[f
     low, high = estimate.box[over]
     at = np.linspace(low, high, 201)
     values = table.deviation(at, 1)
-    apart = np.abs(values - (values[0] + values[-1]) / 2)
-    return (low, high, float(at[int(np.argmax(apart))]), float(at[int(np.argmax(np.abs(values)))]))
+    apart = np.round(np.abs(values - (values[0] + values[-1]) / 2), 12)  # of what is even all along, rounding
+    return (low, high, float(at[first_best(apart, ALIKE)]), float(at[first_best(np.abs(values), ALIKE)]))
 
 
 def _places(estimate: Estimate, setup: Setup, index: int, part: Part, used: Places) -> Places:

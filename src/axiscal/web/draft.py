@@ -256,7 +256,7 @@ def _shown(here: Path, draft: shapes.DraftShape) -> shapes.MachineShape:
     """Return what a draft makes of a machine, and what is wrong with it, by the field."""
     faults, begun = dict[str, InputError](), None
     _length(draft.target, "um", _FINEST, faults, "target")
-    readings = first_files.readings_in(draft.text, draft.file) if draft.file else ""
+    readings = said(first_files.readings_in(draft.text, draft.file)) if draft.file else ""
     try:
         begun = _beginning(here, draft, faults)
     except InputError as failure:
@@ -267,12 +267,12 @@ def _shown(here: Path, draft: shapes.DraftShape) -> shapes.MachineShape:
         faults["file"] = DescriptionError(what, remedy, draft.file, most=shapes.LETTERS)
     in_words = {field: str(fault) for field, fault in faults.items()}
     if begun is None:
-        return shapes.MachineShape(faults=in_words, readings=said(readings))
+        return shapes.MachineShape(faults=in_words, readings=readings)
     machine = machine_from_text(begun.text)
     return shapes.MachineShape(
         title=machine.name,
         faults=in_words,
-        readings=said(readings),
+        readings=readings,
         lengths=first_files.linear_travels(begun),
         carried=[axis.name for axis in machine.axes if axis.workpiece_side],
         radii=[axis.name for axis in machine.axes if axis.diameters],
