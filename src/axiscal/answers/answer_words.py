@@ -8,6 +8,7 @@ from __future__ import annotations
 import shlex
 import textwrap
 from collections.abc import Iterator, Sequence
+from itertools import groupby
 from typing import NamedTuple, TypeVar
 
 from axiscal.answers.answer import (
@@ -233,7 +234,8 @@ def _unmeasured(answer: ResultAnswer, cut: bool) -> str:
     rows = [] if answer.verdict == "contradict" else [row for row in answer.rows if not row.measured]
     if not rows:
         return ""
-    groups = sorted(by_kind(rows), key=lambda group: group[0].one_more is None)  # U counts it as stated
+    alike = groupby(sorted(rows, key=_lacking), _lacking)
+    groups = [group for _, mine in alike for group in by_kind([*mine])]
     parts = [put("{names} ({why})", names=row_names(group), why=_why(group)) for group in groups]
     text = said("Not measured: {rows}.", rows=listed(", ", parts))
     for told in range(len(parts) - 1, 0, -1):
@@ -243,12 +245,21 @@ def _unmeasured(answer: ResultAnswer, cut: bool) -> str:
     return text
 
 
+def _lacking(row: AnswerRow) -> tuple[bool, bool]:
+    """Return what a row has not: one side, which U counts as stated, and any place of its own."""
+    return row.one_more is None, not _places(row)
+
+
+def _places(row: AnswerRow) -> int:
+    return min((line.read for line in row.lines), default=0)
+
+
 def _why(rows: Sequence[AnswerRow]) -> str:
     then = [row.one_more for row in rows if row.one_more is not None]
     if then:
         return said("one side read; one reading more: {size}", size=_within(max(then), rows[0].unit))
     worst = max(rows, key=lambda row: row.known_to)
-    places = min((line.read for line in worst.lines), default=0)
+    places = _places(worst)
     aimed = places and any(line.setup for line in worst.lines)  # the angles of an axis show nothing of its centre
     if not aimed and worst.known_to >= _TOLD * worst.known_before:
         return said("not read")
