@@ -21,7 +21,6 @@ from axiscal.planning.plan.order import in_order, seconds_along, set_ups_in_orde
 from axiscal.planning.plan.plan import make_plan, renewed
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import Limits, Task
-from axiscal.planning.plan.tour import Tour
 from tests.generators.designs import levered, problem
 
 TIMES = 2
@@ -72,19 +71,6 @@ def best_of_all(asked: Task, budget: float) -> float:
     known = np.eye(told.shape[1]) + (often[within] @ grams).reshape(-1, told.shape[1], told.shape[1])
     reach = asked.root.times(asked.belief.factor)
     return float(np.tensordot(np.linalg.inv(known), reach.T @ reach).min())
-
-
-def test_places_of_other_set_ups_are_not_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
-    looked, fill = list[tuple[set[int], set[int]]](), Tour.fill
-
-    def filled(tour: Tour, rng: np.random.Generator, power: float, shaken: float) -> None:
-        looked.append((set(tour.scores.pool.lattice.setups.tolist()), {*tour.runs}))
-        fill(tour, rng, power, shaken)
-
-    monkeypatch.setattr(Tour, "fill", filled)
-    make_plan(gantry(8, 0.05, zero=1e-3, settings=3), Limits(budget=170.0), bounded=False)
-    assert looked
-    assert all(there == mounted for there, mounted in looked)
 
 
 def test_the_set_up_that_takes_most_per_second_comes_first() -> None:

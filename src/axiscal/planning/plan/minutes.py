@@ -18,9 +18,10 @@ from functools import partial
 import numpy as np
 
 from axiscal.measurement.reading import Places
+from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.exchange import Minutes, relocated
-from axiscal.planning.plan.greedy import Setups, of_best_size, openings, scores_among
+from axiscal.planning.plan.greedy import Setups, of_best_size, openings
 from axiscal.planning.plan.order import seconds_along, seconds_around, set_ups_in_order
 from axiscal.planning.plan.run import Ways
 from axiscal.planning.plan.task import Goal, Limits, Patience, Task, work_of_climb
@@ -57,18 +58,15 @@ def toured(task: Task, limits: Limits, sets: Iterable[Setups], patience: float) 
 
     sets : of set-ups, of which each can be mounted within the budget; patience : operations that climbs may take
     """
-    coarse, first = task.coarse, dict[Setups, Tour]()
-
-    def begun(setups: Setups) -> Callable[[int], Tour]:
-        return partial(_begun, limits, *_base(coarse, setups), setups)
+    begun, first = partial(_begun, limits, *_base(task.coarse)), dict[Setups, Tour]()
 
     def left(setups: Setups) -> float:
-        first[setups] = first.get(setups) or begun(setups)(0)
+        first[setups] = first.get(setups) or begun(setups, 0)
         return first[setups].scores.state.value
 
     setups = of_best_size(sets, left)
     left(setups)
-    return _climbed(task, limits, _all_begun([first[setups]], begun(setups), _WORK), patience)
+    return _climbed(task, limits, _all_begun([first[setups]], partial(begun, setups), _WORK), patience)
 
 
 def _climbed(task: Task, limits: Limits, tours: Sequence[Tour], patience: float) -> Places:
@@ -92,10 +90,10 @@ def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, pat
     """
     if goal.reached(nothing := Places.none(task.lattice.poses.shape[1])):
         return nothing
-    coarse, ordered = task.coarse, _as_taken(task, goal)
+    (ways, scores), ordered = _base(task.coarse), _as_taken(task, goal)
     best, longest, endless = None, np.inf if limits.budget is None else limits.budget, replace(limits, budget=None)
     for setups in sets:
-        opened = _opened(endless, *_base(coarse, setups), setups, np.random.default_rng(_SEED))
+        opened = _opened(endless, ways, scores, setups, np.random.default_rng(_SEED))
         if opened.seconds >= longest:
             break
         found = _grown(opened, ordered, longest)
@@ -103,11 +101,10 @@ def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, pat
             best, longest = found, found.seconds
     if best is None:
         return None
-    setups = tuple(best.runs)
-    begun = partial(_begun, replace(limits, budget=longest), *_base(coarse, setups), setups)
+    begun = partial(_begun, replace(limits, budget=longest), ways, scores, tuple(best.runs))
     tour, *_ = _all_begun([best], begun, _BESIDE)
     tour = _shortest(tour, ordered, partial(_settled, better=_WORTH)) if ordered.reached(tour.places) else best
-    return retoured(task, limits, setups, tour.places, patience, goal=goal)
+    return retoured(task, limits, tuple(tour.runs), tour.places, patience, goal=goal)
 
 
 def grown(task: Task, limits: Limits, setups: Setups, left: Places, goal: Goal, longest: float) -> Places | None:
@@ -115,7 +112,7 @@ def grown(task: Task, limits: Limits, setups: Setups, left: Places, goal: Goal, 
 
     longest : seconds
     """
-    tour = _grown(Tour.through(*_base(task, setups), setups, limits, left), _as_taken(task, goal), longest)
+    tour = _grown(Tour.through(*_base(task), setups, limits, left), _as_taken(task, goal), longest)
     return None if tour is None else tour.places
 
 
@@ -133,7 +130,7 @@ def retoured(
     left : in their order; better : share by which what takes their place must gain more
     goal : an accuracy that they reach, or nearly do: of the least time then
     """
-    ways, scores = _base(task, setups)
+    ways, scores = _base(task)
     patient, through = Patience(patience), partial(Tour.through, ways)
     tour, settle = through(scores.fork(), setups, limits, left), partial(_settled, better=better)
     tour.cut()
@@ -170,7 +167,7 @@ def stretched(task: Task, setups: Setups, left: Places, most: int, budgets: Sequ
 
     left : in their order; most : readings; budgets : rising
     """
-    tour = Tour.through(*_base(task, setups), setups, Limits(most), left)
+    tour = Tour.through(*_base(task), setups, Limits(most), left)
     for budget in budgets:
         other = tour.within(budget)
         whole = len(other.scores.places) == len(tour.scores.places)
@@ -184,7 +181,7 @@ def from_elsewhere(task: Task, limits: Limits, setups: Setups, number: int, pati
 
     number : of the start; patience : operations that climbs may take
     """
-    tour = _begun(limits, *_base(task.coarse, setups), setups, _STARTS + number)
+    tour = _begun(limits, *_base(task.coarse), setups, _STARTS + number)
     places = retoured(task, limits, setups, tour.places, patience)
     size = task.observation.size
     return places, tour.work + _ROUNDS * work_of_climb(size, size) * len(places)
@@ -199,10 +196,9 @@ def _as_taken(task: Task, goal: Goal) -> Goal:
     return Goal(partial(asked, goal.reached), partial(asked, goal.surely))
 
 
-def _base(task: Task, setups: Setups) -> tuple[Ways, Scores]:
-    """Return ways and gains of the candidates of these set-ups: those of others never enter."""
-    scores = scores_among(task, setups)
-    return Ways(task, scores.pool.lattice), scores
+def _base(task: Task) -> tuple[Ways, Scores]:
+    pool = Pool(task.observation, task.lattice)
+    return Ways(task, pool.lattice), Scores(pool, task.state)
 
 
 def _all_begun(tried: list[Tour], begun: Callable[[int], Tour], work: float) -> list[Tour]:
@@ -248,7 +244,11 @@ def _grown(tour: Tour, goal: Goal, longest: float) -> Tour | None:
         tour.most = most
         if len(tour.scores.places) == count:
             return None
-    return _shortest(tour, Goal(goal.reached, goal.reached), lambda _: None) if earlier else tour
+    return _shortest(tour, Goal(goal.reached, goal.reached), _as_cut) if earlier else tour
+
+
+def _as_cut(tour: Tour) -> None:
+    """Leave a tour as it is."""
 
 
 def _shortest(tour: Tour, goal: Goal, settle: Callable[[Tour], None]) -> Tour:
