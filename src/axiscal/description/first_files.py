@@ -6,8 +6,8 @@ import ast
 import json
 import os
 import re
-from collections.abc import Collection, Mapping, Sequence
-from contextlib import ExitStack, suppress
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -196,23 +196,26 @@ def of_file(file: Path, folder: Path) -> Beginning:
 
 def of_text(text: str, name: str) -> Beginning:
     """Return the machine of the text of a file that stands elsewhere.  name : of the file; raises as `of_file`"""
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / name
-        file.write_text(text, encoding="utf-8")
+    with _as_file(text, name) as file:
         try:
-            return of_file(file, Path(folder))
+            return of_file(file, file.parent)
         except InputError as failure:
             raise failure.placed(name, failure.line) from failure
 
 
 def readings_in(text: str, name: str) -> str:
     """Return what readings in the text of a file are called, "" where it is one of a control, or holds none."""
+    with _as_file(text, name) as file, suppress(InputError):
+        return "" if is_printer_file(file) or _OF_LINUXCNC.search(text) else title_of(file)
+    return ""
+
+
+@contextmanager
+def _as_file(text: str, name: str) -> Iterator[Path]:
     with TemporaryDirectory() as folder:
         file = Path(folder) / name
         file.write_text(text, encoding="utf-8")
-        with suppress(InputError):
-            return "" if is_printer_file(file) or _OF_LINUXCNC.search(text) else title_of(file)
-    return ""
+        yield file
 
 
 _OF_LINUXCNC = re.compile(r"^\s*\[(EMC|TRAJ|KINS|(AXIS|JOINT)_\w)\]", re.MULTILINE)
