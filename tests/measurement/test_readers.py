@@ -19,12 +19,12 @@ from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.readers.csv_table import (
     RawPose,
     csv_text,
-    parse_table,
     read_poses,
+    table_of,
     unshielded,
 )
 from axiscal.measurement.readers.files import read_any
-from axiscal.measurement.readers.text_file import read_text
+from axiscal.measurement.readers.text_file import TextFile, lines_of, read_text
 from axiscal.measurement.simulation import read_truth
 
 READINGS = """setup,X_mm,Y_mm,B_deg,approach,value_um,value_arcsec,std_um
@@ -106,26 +106,26 @@ def test_a_file_without_a_header_is_shown_that_of_the_machine(tmp_path: Path) ->
 @given(st.text())
 def test_any_text_is_a_table_or_refused(text: str) -> None:
     try:
-        table = parse_table(text, "file.csv")
+        table = table_of(TextFile("file.csv", lines_of(text, "file.csv")))
     except ReadingError:
         return
     assert table.rows
-    assert all(set(row.cells) == {column.name for column in table.columns} for row in table.rows)
+    assert all(len(row.texts) == len(table.columns) for row in table.rows)
 
 
 @given(st.lists(st.lists(st.floats(-1e3, 1e3, exclude_min=True, exclude_max=True), min_size=3, max_size=3), min_size=1))
 def test_numbers_come_back_as_written(rows: list[list[float]]) -> None:
     text = "X_m,Y_m,Z_m\n" + "".join(",".join(map(repr, row)) + "\n" for row in rows)
-    table = parse_table(text, "file.csv")
-    assert [[row.quantity(column) for column in table.columns] for row in table.rows] == rows
+    table = table_of(TextFile("file.csv", lines_of(text, "file.csv")))
+    assert [[row.of(axis).quantity() for axis in "XYZ"] for row in table.rows] == rows
 
 
 @given(st.text(alphabet="0123456789.,'eE+-_ naif١²", min_size=1))
 def test_a_number_is_read_only_when_everybody_reads_it_so(cell: str) -> None:
     """A mark that stands once is the decimal one, unless three digits behind it may be thousands."""
-    table = parse_table('X_m,Y_m\n"' + cell + '",1\n', "file.csv")
+    table = table_of(TextFile("file.csv", ("X_m,Y_m", f'"{cell}",1')))
     try:
-        value = table.rows[0].quantity(table.columns[0])
+        value = table.rows[0].of("X").quantity()
     except ReadingError:
         return
     marks = [letter for letter in cell if letter in ".,"]

@@ -27,7 +27,7 @@ from axiscal.measurement.charts.kinds import Circle, Held
 from axiscal.measurement.charts.room import Chart
 from axiscal.measurement.instrument import instrument_of, values_of
 from axiscal.measurement.readers.csv_readings import RawReading
-from axiscal.measurement.readers.csv_table import RawPose, parse_table, raw_pose
+from axiscal.measurement.readers.csv_table import RawPose, raw_pose, table_of
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.readers.touch_log import LISTS, LoggedTouch, TouchLog, plan_code, read_touch_log
 from axiscal.measurement.reading import Reading, in_radii, refuse_other_values
@@ -89,16 +89,14 @@ def _planned(log: TouchLog, file: Path, folder: Path) -> dict[int, RawPose]:
         remedy = "Say by --programs into which folder plan --log wrote the programs"
         raise ReadingError(what, remedy, file, code=log.code, folder=folder, list=names.name)
     lists = [folder / Path(name).name for name in read_text(names).lines if name.strip()]
-    texts = {path: "\n".join(read_text(path).lines) for path in lists}
-    code = plan_code(list(texts.values()))
+    files = [*map(read_text, lists)]
+    code = plan_code(["\n".join(each.lines) for each in files])
     if code != log.code:
         what = "the lists of plan {code} have been changed, or written anew for another plan"
         raise ReadingError(what, "Write the programs of that plan into a folder of their own", names, code=log.code)
     planned = dict[int, RawPose]()
-    for table in (parse_table(text, str(path)) for path, text in texts.items()):
-        number, setup = table.one_of("reading", "reading"), table.one_of("setup", "setup")
-        for row in table.rows:
-            planned[int(row.text(number))] = replace(raw_pose(table, row), setup=row.text(setup))
+    for table in map(table_of, files):
+        planned |= {int(row.of("reading").text): raw_pose(table, row) for row in table.rows}
     return planned
 
 

@@ -26,8 +26,9 @@ from axiscal.machine.kinematics import Deviation, actual_deviation
 from axiscal.measurement.cells import MEMORY
 from axiscal.measurement.instrument import model_of, scales_of, values_of
 from axiscal.measurement.observation import Owned
-from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, Column
-from axiscal.measurement.readers.csv_table import CsvTable, Row, table_of
+from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT
+from axiscal.measurement.readers.csv_table import table_of
+from axiscal.measurement.readers.table_cells import Cell, Row
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.setup import Setup
@@ -48,47 +49,47 @@ class TruthCurve(NamedTuple):
 def read_truth(path: str | Path) -> dict[str, TruthCurve]:
     """Read the curves of a file by canonical error name, in the order of the file; raises ReadingError."""
     table = table_of(read_text(path)).allow(_LAYOUT)
-    error = table.one_of("error", "error")
+    table.one_of("error", "error")
     for stem, example in (("position", "position_mm"), ("value", "value_um")):
         if not table.all_of(stem):
             table.one_of(stem, example)
     curves: dict[str, list[tuple[float, float]]] = {}
     for row in table.rows:
         try:
-            name = parse_error_name(row.text(error))
+            name = parse_error_name(row.of("error").text)
         except DescriptionError as fault:
             raise row.fail(fault.what, fault.remedy) from None
         points = curves.setdefault(name.canonical, [])
-        points.append(_point(table, row, name, points))
+        points.append(_point(row, name, points))
     return {name: TruthCurve(*np.array(points).T) for name, points in curves.items()}
 
 
-def _point(table: CsvTable, row: Row, name: ErrorName, before: list[tuple[float, float]]) -> tuple[float, float]:
-    position, value = row.only_filled(table.all_of("position")), row.only_filled(table.all_of("value"))
-    if value is None:
+def _point(row: Row, name: ErrorName, before: list[tuple[float, float]]) -> tuple[float, float]:
+    position, value = row.of("position"), row.of("value")
+    if not value.text:
         remedy = "write the value of the error, or take out the line"
         raise row.fail("{name} has no value here", remedy, name=name.canonical)
-    _fits(row, value, name, "angle" if name.angular else "length")
-    if position is None:
+    _fits(value, name, "angle" if name.angular else "length")
+    if not position.text:
         if name.kind == "motion" or before:
             remedy = "write the position; only a constant, given in one line, goes without"
             raise row.fail("{name} has no position here", remedy, name=name.canonical)
-        return 0.0, row.quantity(value)
-    _fits(row, position, name, "angle" if name.axis[0] in "ABC" else "length")
-    at = row.quantity(position)
+        return 0.0, value.quantity()
+    _fits(position, name, "angle" if name.axis[0] in "ABC" else "length")
+    at = position.quantity()
     if before and at <= before[-1][0]:
         what = "position {text} of {name} does not lie beyond the one before it"
         remedy = "sort the positions of each error and give each once"
-        raise row.fail(what, remedy, text=row.text(position), name=name.canonical)
-    return at, row.quantity(value)
+        raise position.fail(what, remedy, text=position.text, name=name.canonical)
+    return at, value.quantity()
 
 
-def _fits(row: Row, column: Column, name: ErrorName, dimension: str) -> None:
-    if column.dimension != dimension:
+def _fits(cell: Cell, name: ErrorName, dimension: str) -> None:
+    if cell.column.dimension != dimension:
         remedy = "the {stem} of {name} is an angle: deg, urad or arcsec"
         remedy = "the {stem} of {name} is a length: mm or um" if dimension == "length" else remedy
         what = "'{column}' does not fit {name}"
-        raise row.fail(what, remedy, column=column.name, name=name.canonical, stem=column.stem)
+        raise cell.fail(what, remedy, column=cell.column.name, name=name.canonical, stem=cell.column.stem)
 
 
 _SHORTEST = 1e-4

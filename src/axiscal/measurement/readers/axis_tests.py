@@ -28,7 +28,8 @@ from axiscal.measurement.readers.columns import (
     whole,
 )
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, Test, read_times
-from axiscal.measurement.readers.csv_table import CsvTable, Row, header_of, table_of
+from axiscal.measurement.readers.csv_table import CsvTable, header_of, table_of
+from axiscal.measurement.readers.table_cells import Cell
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import said_quantity
 
@@ -57,17 +58,15 @@ def axis_test(file: TextFile, around: Around) -> Found:
     The order of the lines numbers the runs where no column does.
     """
     table = table_of(file, words=STEMS)
-    silent = [column for column in table.all_of("angle") if not column.unit]
-    if any(abs(row.number(column)) > 2 * math.pi for column in silent for row in table.rows):  # above a turn in rad
-        table = replace(table, columns=tuple(replace(c, stated="deg") if c in silent else c for c in table.columns))
+    silent = any(column.stem == "angle" and not column.unit for column in table.columns)
+    if silent and any(abs(row.of("angle").number()) > 2 * math.pi for row in table.rows):  # above a turn in rad
+        table = table.with_columns(replace(c, stated="deg" if c.stem == "angle" else c.stated) for c in table.columns)
     if not table.all_of("direction") and test_of(file) != "long":
         return _in_columns(file, table)
     place = "angle" if table.all_of("angle") else "target"
     layout = {place: _OF_TEST[place], "direction": TEXT, "run": TEXT, "deviation": _BOTH} | _BESIDE
-    target, way, read = table.needed(
-        layout, "angle_deg" if place == "angle" else "target_mm", "direction", "deviation_um"
-    )
-    found = distinct(file, _lines(table, target, way, read, _kind(table, target, read)))
+    at, _, read = table.needed(layout, "angle_deg" if place == "angle" else "target_mm", "direction", "deviation_um")
+    found = distinct(file, _lines(table, place, _kind(table, at, read)))
     if column_of(read.name).stem.lower() in ACTUAL:
         if place == "angle":
             raise table.fail("'{column}' is no deviation", "take the radius off it", column=read.name)
@@ -75,16 +74,18 @@ def axis_test(file: TextFile, around: Around) -> Found:
     return Found(found, note=said("angles in deg (it names no unit)") if silent else "")
 
 
-def _lines(table: CsvTable, target: Column, direction: Column, value: Column, kind: Test) -> Iterator[RawReading]:
+def _lines(table: CsvTable, place: str, kind: Test) -> Iterator[RawReading]:
     """Yield the reading of each line, with what stands beside it; raises ReadingError."""
-    setup, axis, time, run = (next(iter(table.all_of(stem)), None) for stem in (*_BESIDE, "run"))
     times = Counter[tuple[str, float, int]]()
-    for row, seconds in zip(table.rows, read_times(table.rows, time), strict=True):
-        named, moved = (row.text(column) if column else "" for column in (setup, axis))
-        way = row.meant(direction, sign_of, later("direction {text!r} is not known"), _TOWARDS)
-        times[place := (moved, row.quantity(target), way)] += 1
-        number = row.meant(run, whole, later("run {text!r} is not a whole number"), _NUMBERED) if run else times[place]
-        yield replace(_read(row, target, way, number, value, kind), setup=named, axis=moved, time=seconds)
+    for row, seconds in zip(table.rows, read_times(table), strict=True):
+        moved, target = row.of("axis").text, row.of(place)
+        way = row.of("direction").meant(sign_of, later("direction {text!r} is not known"), _TOWARDS)
+        times[at := (moved, target.quantity(), way)] += 1
+        run = times[at]
+        if table.all_of("run"):
+            run = row.of("run").meant(whole, later("run {text!r} is not a whole number"), _NUMBERED)
+        read = _read(target, way, run, row.of("deviation"), kind)
+        yield replace(read, setup=row.of("setup").text, axis=moved, time=seconds)
 
 
 def _in_columns(file: TextFile, table: CsvTable) -> Found:
@@ -95,17 +96,15 @@ def _in_columns(file: TextFile, table: CsvTable) -> Found:
     if silent and any(map(_UNIT_IN_WORDS.search, file.lines[: table.line - 1])):
         raise table.fail("a title names a unit, and no column does", "write Pos_mm and 1+_um in the header, or such")
     usual = ("um", "mm") if table.columns[0].stem == "target" else ("", "")
-    target, *others = (
-        replace(column, stated=column.stated or usual[number == 0]) for number, column in enumerate(table.columns)
-    )
+    table = table.with_columns(replace(c, stated=c.stated or usual[k == 0]) for k, c in enumerate(table.columns))
+    target, *others = table.columns
     found, kinds = list[RawReading](), {_kind(table, target, column) for column in others}
     if len(kinds) > 1:
         raise table.fail("some runs are lengths, and some are angles", "give a file for each test")
     (kind,) = kinds
-    for column in others:
+    for at, column in enumerate(others, 1):
         run, way = run_of(column.stem) or (0, 0)
-        rows = [row for row in table.rows[::way] if row.text(column)]
-        found += [_read(row, target, way, run, column, kind) for row in rows]
+        found += [_read(row.cell(0), way, run, row.cell(at), kind) for row in table.rows[::way] if row.texts[at]]
     return Found(distinct(file, found), note=said("in mm and um (it names no unit)") if silent else "")
 
 
@@ -136,7 +135,6 @@ def distinct(file: TextFile, readings: Iterable[RawReading]) -> tuple[RawReading
     return tuple(seen.values())
 
 
-def _read(row: Row, target: Column, way: int, run: int, value: Column, test: Test) -> RawReading:
-    at, rounding, read = row.quantity(target), row.rounding(target), row.quantity(value)
-    found = RawReading("", {"": at}, {"": way}, read, None, value.dimension, row.line, test=test, run=run)
-    return replace(found, rounding={"": rounding})
+def _read(target: Cell, way: int, run: int, value: Cell, test: Test) -> RawReading:
+    of = (target.quantity(), {"": way}, value.quantity(), None, value.column.dimension, value.line)
+    return RawReading("", {"": of[0]}, *of[1:], test=test, run=run, rounding={"": target.rounding()})

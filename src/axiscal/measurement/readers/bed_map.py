@@ -9,19 +9,20 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import compress
 from math import hypot
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import joined
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
-from axiscal.measurement.readers.text_file import TextFile, begins, read_text
+from axiscal.measurement.readers.text_file import TextFile, begins, read_text, telling
 from axiscal.measurement.setup import Vector
 from axiscal.units import from_unit
 
@@ -29,9 +30,6 @@ Side = tuple[float, float, float]
 """Of a map: first and last node, m, and how many."""
 Rows = list[tuple[int, list[str]]]
 """Of a map, along y: line and cells."""
-PlacedRows = Sequence[tuple[float, int, list[str]]]
-Skipping = Callable[[TextFile, Sequence[float], PlacedRows], set[tuple[int, int]]]
-"""What gives columns and rows of cells that are no readings, by x and rows with their y, m."""
 _BLOCK = re.compile(r"(?:#\*#\s*)?\[bed_mesh\s+([^\]]+?)\s*\]")
 _RECTANGLE, _ROUND = re.compile(r"\[bed_mesh\]"), re.compile(r"\s*mesh_radius\s*[:=]")
 _OPTION = re.compile(r"([a-z_]+)\s*[=:]\s*(.*)")
@@ -43,8 +41,6 @@ _AT_BED = re.compile(r"probe: at ([^\s,]+),([^\s,]+) bed will contact at z=(\S+)
 """What Klipper prints of each touch, until 2025 and since."""
 _AT_SCREW = re.compile(r"\S.*? : x=([^\s,]+), y=([^\s,]+), z=([^\s,]+)(?: : adjust C?CW \d+:\d+)?(.*)")
 """What SCREWS_TILT_CALCULATE prints of each screw, where the nozzle stood."""
-_TIME = r"(?:[\d-]{10} )?\d\d?:\d\d(?::\d\d)?(?:[.,]\d+)?\s*(?:[AP]M\s*)?(?:- )?"
-_LOG = re.compile(rf"^\s*(?:\[?{_TIME}\]?\s*(?::\s+)?)?(?:Recv:|<<<|>>>|[<>])?\s*(?:echo:|//)?\s*")
 _NUMBER = re.compile(r"[-+]?[\d.]+(?:e[-+]?\d+)?|=+|nan", re.IGNORECASE)
 _TRAMMED = re.compile("Making the following Z adjustments")
 """Behind it the gantry lies anew: what was probed before is no part of a map."""
@@ -59,9 +55,6 @@ _MOST = 1000
 """Nodes along a side."""
 _KEYS = "{0}min min{1} min_{0}", "{0}max max{1} max_{0}", "{0}num num{1} {0}_count", "{0}spacing spacing{1} spacing"
 """Of a side: as RepRapFirmware writes them today, in its newest version, and Klipper, or its first version."""
-
-
-_Kind = TypeVar("_Kind")
 
 
 def height(file: TextFile, x: float, y: float, cell: str, line: int) -> Iterator[RawReading]:
@@ -92,7 +85,7 @@ def read_part(path: str | Path, unit: str = "") -> TextFile:
         kept.append(line if section in ("", name) else "")
     if name not in (known := list(_profiles(file).values())):
         raise _unsaved(file, name, known)
-    return TextFile(str(path), tuple(kept), unit)
+    return replace(file, name=str(path), lines=tuple(kept))
 
 
 def _several(file: TextFile, names: Sequence[str], line: int) -> ReadingError:
@@ -127,17 +120,16 @@ def height_map(file: TextFile, around: Around) -> Found:
     if len(file.lines) < 4:
         raise file.fail("the height map is cut off", "copy the whole heightmap.csv", len(file.lines))
     head = dict(zip(_cells(file.lines[1]), _cells(file.lines[2]), strict=False))
-    rows = [(n, _cells(line)) for n, line in enumerate(file.lines[3:], 4) if line.strip()]
+    lines = ((n, line) for n, line in enumerate(file.lines[3:], 4) if line.strip())
+    rows = [(n, ["" if cell == "0" else cell for cell in _cells(line)]) for n, line in lines]
     if (over := (head.get("axis0", "X"), head.get("axis1", "Y"))) != ("X", "Y"):  # named since version 3.3
         what, remedy = "the map is over {axes}, and that of a bed is over X and Y", "probe the bed by X and Y"
         raise file.fail(what, remedy, 3, axes=joined(over))
     radius = file.length(head.get("radius", "-1"), "radius", 3)
 
-    def skipped(file: TextFile, along: Sequence[float], rows: PlacedRows) -> set[tuple[int, int]]:
-        places = ((i, j, x, y, cells[i : i + 1]) for j, (y, _, cells) in enumerate(rows) for i, x in enumerate(along))
-        return {(i, j) for i, j, x, y, cell in places if cell == ["0"] or 0 <= radius < hypot(x, y)}
-
-    return grid(file, keyed(file, head, 3, spaced=True), rows, 3, skipped)
+    found = grid(file, keyed(file, head, 3, spaced=True), rows, 3)
+    inside = [each for each in found.readings if not 0 <= radius < hypot(*each.position.values())]
+    return probed_of(file, inside, found.cells, 3)
 
 
 def mesh(file: TextFile, around: Around, whole: bool = False) -> Found:
@@ -161,16 +153,23 @@ def mesh(file: TextFile, around: Around, whole: bool = False) -> Found:
             text = option[2] if inside else ""
         if inside and text:
             points.append((number, _cells(text.rstrip(", "))))
-    return grid(file, keyed(file, keys, begin), points, begin, None if whole else filled)
+    found = grid(file, keyed(file, keys, begin), points, begin)
+    return found if whole else unfilled(file, found)
 
 
 def moonraker(file: TextFile, around: Around) -> Found:
     """Return the readings of the mesh in force in an answer of Moonraker, or of FILE#NAME; raises ReadingError."""
+    found = list[dict[str, Any]]()
+
+    def with_mesh(held: dict[str, Any]) -> dict[str, Any]:
+        found.extend([held] if {"probed_matrix", "profiles"} & held.keys() else [])
+        return held
+
     try:
-        document = json.loads("\n".join(file.lines), parse_float=str, parse_int=str, parse_constant=str)
+        json.loads("\n".join(file.lines), object_hook=with_mesh, parse_float=str, parse_int=str, parse_constant=str)
     except (ValueError, RecursionError):
         raise file.fail("this is no JSON", "save the whole answer of Moonraker", len(file.lines)) from None
-    held = _status(document) or {}
+    held = found[0] if found else {}
     whole, _, named = file.name.rpartition("#")
     active = str(held.get("profile_name") or "")
     named = named if whole and not Path(file.name).exists() else ""
@@ -178,22 +177,14 @@ def moonraker(file: TextFile, around: Around) -> Found:
     saved = {str(key): _as(dict, value) for key, value in _as(dict, held.get("profiles")).items()}
     if _as(list, held.get("probed_matrix")) not in ([], [[]]) and name == active:
         saved[name] = _in_force(held)
-    if not name and len(saved) > 1:
+    if name not in saved and not named and len(saved) > 1:
         raise _several(file, list(saved), 1)
     if not saved or (name not in saved and named):
         raise _unsaved(file, name, list(saved))
     chosen = saved.get(name) or next(iter(saved.values()))
     points = [(1, [str(cell) for cell in _as(list, row)]) for row in _as(list, chosen.get("points"))]
     keys = {str(key): str(value) for key, value in _as(dict, chosen.get("mesh_params")).items()}
-    return grid(file, keyed(file, keys, 1), points, 1, filled)
-
-
-def _status(document: object) -> dict[str, Any] | None:
-    """Return the table of an answer or a notice that holds a matrix or profiles, None where there is none."""
-    if isinstance(document, dict) and {"probed_matrix", "profiles"} & document.keys():
-        return document
-    inside = document.values() if isinstance(document, dict) else _as(list, document)
-    return next((found for each in inside if (found := _status(each)) is not None), None)
+    return unfilled(file, grid(file, keyed(file, keys, 1), points, 1))
 
 
 def _in_force(held: Mapping[str, Any]) -> dict[str, Any]:
@@ -205,14 +196,14 @@ def _in_force(held: Mapping[str, Any]) -> dict[str, Any]:
     return {"points": rows, "mesh_params": {**keys, "x_count": len(_as(list, rows[0])), "y_count": len(rows)}}
 
 
-def _as(kind: type[_Kind], value: object) -> _Kind:
+def _as(kind: type, value: object) -> Any:
     """Return a value of that kind, an empty one in place of another."""
     return value if isinstance(value, kind) else kind()
 
 
 def console(file: TextFile, around: Around) -> Found:
     """Return the readings of what BED_MESH_OUTPUT printed, rows along y; raises ReadingError."""
-    return without_places(file, *rows_below(file, _CONSOLE), around, filled)
+    return unfilled(file, grid(file, around, *rows_below(file, _CONSOLE)))
 
 
 def rows_below(file: TextFile, title: re.Pattern[str]) -> tuple[Rows, int]:
@@ -240,7 +231,7 @@ def klipper_probed(file: TextFile, around: Around) -> Found:
 def points_of(file: TextFile, pattern: re.Pattern[str], aside: Vector = (0.0, 0.0, 0.0)) -> Found:
     """Return the readings of lines with X, Y, Z and nothing behind; raises ReadingError.  aside : of each place, m"""
     found, count, line, whole = list[RawReading](), 0, 1, False
-    for line, text in told_lines(file):
+    for line, text in file.told:
         whole |= bool(found and _MAPPED.match(text))
         if _TRAMMED.match(text):
             found, count = [], 0
@@ -249,33 +240,19 @@ def points_of(file: TextFile, pattern: re.Pattern[str], aside: Vector = (0.0, 0.
                 raise file.fail("there are {count} maps in this file", "keep the one that is to count", line, count=2)
             if point[4].strip():
                 raise file.fail("{text!r} is not X, Y and Z", "give the lines as printed", line, text=text[:60])
-            x, y = (
-                file.length(each, "place", line) + off for each, off in zip(point.groups()[:2], aside, strict=False)
-            )
+            x, y = (file.length(point[1 + k], "place", line) + aside[k] for k in (0, 1))
             found += height(file, x, y, point[3], line)
             count += 1
     return probed_of(file, found, count, line)
 
 
-def told_lines(file: TextFile) -> Iterator[tuple[int, str]]:
-    """Yield the lines with their numbers, without what a terminal and the firmware write in front."""
-    for number, line in enumerate(file.lines, 1):
-        yield number, _LOG.split(line, maxsplit=1)[-1].rstrip()
-
-
-def telling(*patterns: re.Pattern[str]) -> Callable[[TextFile], bool]:
-    """Return what tells whether a line of a file begins with one of some patterns."""
-    return lambda file: any(pattern.match(text) for _, text in told_lines(file) for pattern in patterns)
-
-
-def below_title(file: TextFile, title: re.Pattern[str]) -> tuple[int, list[tuple[int, str]]]:
+def below_title(file: TextFile, title: re.Pattern[str]) -> tuple[int, Sequence[tuple[int, str]]]:
     """Return the line of a title, and the numbered lines below it; raises ReadingError for more than one map."""
-    lines = list(told_lines(file))
-    begins = [number for number, text in lines if title.match(text)]
+    begins = [number for number, text in file.told if title.match(text)]
     if len(begins) > 1:
         what = "there are {count} maps in this file"
         raise file.fail(what, "keep the one that is to count", begins[1], count=len(begins))
-    return begins[0], lines[begins[0] :]
+    return begins[0], file.told[begins[0] :]
 
 
 _PROBED = (_AT_BED, _AT_NOZZLE, _AT_SCREW)
@@ -284,14 +261,11 @@ is_console, is_klipper_probed = telling(_CONSOLE), telling(*_PROBED)
 """Whether a line is that by which BED_MESH_OUTPUT begins, or a point that Klipper probed."""
 
 
-def without_places(file: TextFile, rows: Rows, line: int, around: Around, skipped: Skipping | None = None) -> Found:
-    """Return the readings of a map that carries no coordinates; raises ReadingError.  rows : along y
+def _stated(file: TextFile, wide: int, high: int, line: int, around: Around) -> list[Side]:
+    """Return the sides of a map that carries no coordinates, as the set-up states them by `map`.
 
-    The set-up states by `map` where they lie; another number of nodes than it says is refused.
+    Raises ReadingError for another number of nodes than it says.
     """
-    if not rows:
-        raise file.fail("the height map is cut off", "copy the whole map", line)
-    wide, high = len(rows[0][1]), len(rows)
     ends, stated = around.ends, {setup.nodes: setup.name for setup in around.setups if setup.nodes is not None}
     if len(stated) > 1:
         what = "the map does not say where it lies, and {names} state it differently"
@@ -310,37 +284,42 @@ def without_places(file: TextFile, rows: Rows, line: int, around: Around, skippe
             'map = {{ X = ["20 mm", "280 mm", {wide}], Y = ["20 mm", "280 mm", {high}] }}'
         )
         raise file.fail(what, remedy, line, wide=wide, high=high)
-    return grid(file, [(*side, count) for side, count in zip(ends, (wide, high), strict=True)], rows, line, skipped)
+    return [(*side, count) for side, count in zip(ends, (wide, high), strict=True)]
 
 
 def _cells(line: str) -> list[str]:
     return [cell.strip() for cell in line.split(",")]
 
 
-def filled(file: TextFile, x: Sequence[float], rows: PlacedRows) -> set[tuple[int, int]]:
-    """Return the cells that Klipper filled: off the circle, and all of them copies of their row's last inside.
+def unfilled(file: TextFile, found: Found) -> Found:
+    """Return a map without the cells that Klipper filled: off the circle, all copies of their row's last inside.
 
     A [bed_mesh] without mesh_radius in the same file says that the bed is no circle.
     """
-    lines, y = file.lines, [row[0] for row in rows]
-    rectangle = any(map(_RECTANGLE.match, lines)) and not any(map(_ROUND.match, lines))
-    radius, found = (x[-1] - x[0]) / 2 + _SLACK, set[tuple[int, int]]()
-    if rectangle or abs(y[-1] - y[0] - x[-1] + x[0]) > _SLACK:
+    rectangle = any(map(_RECTANGLE.match, file.lines)) and not any(map(_ROUND.match, file.lines))
+    places = np.array([(each.position["X"], each.position["Y"]) for each in found.readings])
+    middle, (wide, high) = (places.min(0) + places.max(0)) / 2, np.ptp(places, axis=0)
+    if rectangle or abs(high - wide) > _SLACK:
         return found
-    for j, (at, _, cells) in enumerate(rows):
-        off = [hypot(each - (x[0] + x[-1]) / 2, at - (y[0] + y[-1]) / 2) > radius for each in x]
-        inside = [cell for cell, aside in zip(cells, off, strict=False) if not aside]
-        if not inside or cells != [inside[0]] * off.index(False) + inside + [inside[-1]] * off[::-1].index(False):
-            return set()
-        found |= {(i, j) for i, aside in enumerate(off) if aside}
-    return found
+    inside = np.hypot(*(places - middle).T) <= wide / 2 + _SLACK
+    rows = dict[float, list[RawReading]]()
+    for each in compress(found.readings, inside):
+        rows.setdefault(each.position["Y"], []).append(each)
+    for each in compress(found.readings, ~inside):
+        row = rows.get(each.position["Y"])
+        if row is None or each.value != row[0 if each.position["X"] < middle[0] else -1].value:
+            return found
+    return replace(found, readings=tuple(compress(found.readings, inside)))
 
 
-def grid(file: TextFile, sides: Sequence[Side], points: Rows, line: int, skipped: Skipping | None = None) -> Found:
+def grid(file: TextFile, places: Sequence[Side] | Around, points: Rows, line: int) -> Found:
     """Return the readings of the cells that were probed; raises ReadingError.
 
-    sides : of x and of y; skipped : gives columns and rows of cells that are no readings
+    places : sides of x and of y, or who states them
     """
+    if not points:
+        raise file.fail("the height map is cut off", "copy the whole map", line)
+    sides = _stated(file, len(points[0][1]), len(points), line, places) if isinstance(places, Around) else places
     for low, high, count in sides:
         if not (float(count).is_integer() and 1 <= count <= _MOST and (high > low if count > 1 else high == low)):
             what, ends = "{count:g} nodes from {low:g} to {high:g} mm are no map", (1e3 * low, 1e3 * high)
@@ -349,16 +328,14 @@ def grid(file: TextFile, sides: Sequence[Side], points: Rows, line: int, skipped
     if len(points) != len(at_y):
         what = "{count} rows are announced, and there are {rows}"
         raise file.fail(what, "copy the whole map", line, count=len(at_y), rows=len(points))
-    rows = [(at, number, cells) for at, (number, cells) in zip(at_y, points, strict=True)]
-    off, found = skipped(file, at_x, rows) if skipped else set(), list[RawReading]()
-    for j, (y, number, cells) in enumerate(rows):
+    found = list[RawReading]()
+    for y, (number, cells) in zip(at_y, points, strict=True):
         if len(cells) != len(at_x):
             what = "the row has {count} heights, and {along} are announced"
             raise file.fail(what, "copy the whole file", number, count=len(cells), along=len(at_x))
-        for i, (x, cell) in enumerate(zip(at_x, cells, strict=True)):
-            if (i, j) not in off:
-                found += height(file, x, y, cell, number)
-    return probed_of(file, found, len(at_x) * len(rows), rows[0][1])
+        for x, cell in zip(at_x, cells, strict=True):
+            found += height(file, x, y, cell, number)
+    return probed_of(file, found, len(at_x) * len(at_y), points[0][0])
 
 
 def keyed(file: TextFile, keys: Mapping[str, str], line: int, spaced: bool = False) -> list[Side]:

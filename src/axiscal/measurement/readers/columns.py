@@ -11,7 +11,9 @@ LENGTHS = ("mm", "um", "nm", "m", "in", "inch", "thou", "uin")
 ANGLES = ("deg", "arcsec", "urad", "mrad", "rad")
 SLOPES = ("um/m", "mm/m", "arcsec", "arcmin", "urad", "mrad", "deg", "in/ft", "div")
 """Of a level: div are divisions, whose value is stated beside."""
-TEXT: tuple[str, ...] = ()
+Units = tuple[str, ...]
+"""In which a column may be."""
+TEXT: Units = ()
 UNITS = {*LENGTHS, *ANGLES, *SLOPES}
 _IN_BRACKETS = re.compile(r"(.*?)\s*[\[(]([^\[(]*)[\])]")
 _CANONICAL = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})

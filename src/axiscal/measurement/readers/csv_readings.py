@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Literal
@@ -19,17 +20,9 @@ from axiscal.exceptions import Faults, UnitError
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, Column, whole
-from axiscal.measurement.readers.csv_table import (
-    EXAMPLE,
-    CsvTable,
-    Row,
-    axis_columns,
-    axis_layout,
-    csv_text,
-    raw_pose,
-    table_of,
-)
+from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, Column, Units, whole
+from axiscal.measurement.readers.csv_table import EXAMPLE, CsvTable, csv_text, raw_pose, table_of
+from axiscal.measurement.readers.table_cells import Cell, Row
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.measurement.reading import Places, Reading, approach_text, columns_of
 from axiscal.measurement.setup import FINEST, Setup
@@ -163,139 +156,114 @@ def table_readings(file: TextFile, around: Around) -> Found:
     header = ",".join(heading(around.axes, columns_of(around.setups))) if around.axes else EXAMPLE
     table, bare = table_of(file, header), around.bare
     own = {each.name: own_columns(each) for each in around.setups if each.written}
-    table.allow(_LAYOUT | {stem: units for each in own.values() for stem, units in each.items()} | axis_layout(table))
-    setup = next(iter(table.all_of("setup")), None) if bare else table.one_of("setup", "setup")
+    table.allow(_LAYOUT | {stem: units for each in own.values() for stem, units in each.items()} | table.axis_layout)
+    if not bare:
+        table.one_of("setup", "setup")
     if not any(table.all_of(first) for first, *_ in (*_FORMS, *own.values())):
         table.one_of("value", "value_um")
-    used = next(iter(table.all_of("used")), None)
-    table = replace(table, rows=tuple(row for row in table.rows if used is None or row.text(used) != "no"))
+    table = replace(table, rows=tuple(row for row in table.rows if row.of("used").text != "no"))
     if not table.rows:
         raise table.fail("no reading of this file was used", "write yes below used in the lines that are to count")
     faults, readings = Faults(), list[RawReading]()
     for row in table.rows:
         with faults.noted():
-            name = "" if setup is None else row.text(setup)
-            readings.append(_reading(table, row, name, bare, own.get(name, {})))
+            readings.append(_reading(table, row, bare, own))
     faults.refuse()
-    times = read_times(table.rows, next(iter(table.all_of("time")), None))
-    drawn = next(iter(table.all_of("check")), None)
-    checks = [drawn is not None and row.text(drawn) == "yes" for row in table.rows]
-    beside = zip(readings, times, _numbers(table), checks, strict=True)
-    return Found(tuple(replace(reading, time=t, number=n, check=c) for reading, t, n, c in beside))
+    beside = zip(readings, read_times(table), _numbers(table), table.rows, strict=True)
+    return Found(tuple(replace(r, time=t, number=n, check=row.of("check").text == "yes") for r, t, n, row in beside))
 
 
 def _numbers(table: CsvTable) -> list[int | None]:
     """Return the numbers of the readings; raises ReadingError for one that is none, or that stands twice."""
-    column, lines = next(iter(table.all_of("reading")), None), dict[int, int]()
-    if column is None or not any(row.text(column) for row in table.rows):
-        return [None] * len(table.rows)
+    cells, lines = [row.of("reading") for row in table.rows], dict[int, int]()
+    if not any(cell.text for cell in cells):
+        return [None] * len(cells)
     remedy, faults = "write the number that the program gives it, 1 or more, in every line", Faults()
-    for row in table.rows:
+    for cell in cells:
         with faults.noted():
             what = "{text!r} is not the number of a reading"
-            number = row.meant(column, lambda text: whole(text) or None, what, remedy)
+            number = cell.meant(lambda text: whole(text) or None, what, remedy)
             if number in lines:
                 what = "reading {number} stands in line {earlier} too"
-                raise row.fail(what, "leave one of them out", number=number, earlier=lines[number])
-            lines[number] = row.line
+                raise cell.fail(what, "leave one of them out", number=number, earlier=lines[number])
+            lines[number] = cell.line
     faults.refuse()
     return list(lines)
 
 
-def own_columns(setup: Setup) -> dict[str, tuple[str, ...]]:
+def own_columns(setup: Setup) -> dict[str, Units]:
     """Return the columns of an instrument whose class names them, each with its units."""
     kind = model_of(setup)
     each = zip(kind.names_of(setup), kind.reads_each(setup), strict=True)
     return {kind.column(name): LENGTHS if reads == "length" else ANGLES for name, reads in each}
 
 
-def _reading(table: CsvTable, row: Row, setup: str, bare: bool, own: Mapping[str, tuple[str, ...]]) -> RawReading:
-    """Return the reading of a line; raises ReadingError.  own : columns that its instrument names, {} of one of ours"""
-    first = row.only_filled([column for stems in _FORMS for column in table.all_of(stems[0])])
-    stems = tuple(own) or next((each for each in _FORMS if first is not None and each[0] == first.stem), ())
+def _reading(table: CsvTable, row: Row, bare: bool, instruments: Mapping[str, Mapping[str, Units]]) -> RawReading:
+    """Return the reading of a line; raises ReadingError.  instruments : columns of those that name their own"""
+    pose, first = raw_pose(table, row, alone=True), row.of(*(stems[0] for stems in _FORMS))
+    own = instruments.get(pose.setup, {})
+    stems = tuple(own) or next((each for each in _FORMS if first.text and each[0] == first.column.stem), ())
     if not stems:
         raise row.fail("the line has no value", "write the deviation that was read, or take out the line")
-    if not (setup or bare):
+    if not (pose.setup or bare):
         raise row.fail("the line has no set-up", "write the name of the set-up as the campaign has it")
-    columns = _filled(table, row, stems, own)
-    value, *others = map(row.quantity, columns)
-    std = _std(table, row, columns[0])
-    pose = raw_pose(table, row, alone=True)
-    rounding = {name: row.rounding(column) for name, column in axis_columns(table, row).items()}
-    form = "" if own else _FORMS.get(stems, "")
-    of = (value, std, columns[0].dimension, row.line, tuple(others))
-    return RawReading(setup, pose.position, pose.approach, *of, form=form, rounding=rounding)
-
-
-def _filled(table: CsvTable, row: Row, stems: Sequence[str], own: Mapping[str, tuple[str, ...]]) -> list[Column]:
-    """Return the column of each number of a reading, of one kind unless its instrument names them; of some stations."""
-    each = [[column for column in table.all_of(stem) if not own or column.fits(own[stem])] for stem in stems]
-    columns = list(map(row.only_filled, each))
-    while stems is _STATIONS and columns[-1] is None:
-        columns.pop()
-    found = list[Column]()
-    for stem, column in zip(stems, columns, strict=False):
-        if column is None or not (own or column.dimension == (found or [column])[0].dimension):
+    cells = [row.of(stem, units=own.get(stem, ())) for stem in stems]
+    while stems is _STATIONS and not cells[-1].text:
+        cells.pop()
+    dimension = cells[0].column.dimension
+    for stem, cell in zip(stems, cells, strict=False):
+        if not cell.text or not (own or cell.column.dimension == dimension):
             raise row.fail("the line has no value {name}", "write all of its numbers, or take out the line", name=stem)
-        found.append(column)
-    return found
+    value, *others = (cell.quantity() for cell in cells)
+    of = (pose.setup, pose.position, pose.approach, value, _std(row, cells[0].column), dimension, row.line)
+    return RawReading(*of, tuple(others), form="" if own else _FORMS.get(stems, ""), rounding=pose.rounding)
 
 
-def _std(table: CsvTable, row: Row, value: Column) -> float | None:
-    column = row.only_filled(table.all_of("std"))
-    if column is None:
+def _std(row: Row, value: Column) -> float | None:
+    cell = row.of("std")
+    if not cell.text:
         return None
-    if column.dimension != value.dimension:
+    if cell.column.dimension != value.dimension:
         what = "'{column}' does not fit '{value}'"
-        raise row.fail(what, "write it as 'std_{unit}'", column=column.name, value=value.name, unit=value.unit)
-    std = row.quantity(column)
+        names = {"column": cell.column.name, "value": value.name, "unit": value.unit}
+        raise cell.fail(what, "write it as 'std_{unit}'", **names)
+    std = cell.quantity()
     if std < FINEST:
         remedy = "a standard deviation is at least 0.1 nm or 0.1 nrad; leave it empty to take the set-up's noise"
-        raise row.fail("{column} is {text}", remedy, column=column.name, text=row.text(column))
+        raise cell.fail("{column} is {text}", remedy, column=cell.column.name, text=cell.text)
     return std
 
 
-def read_times(rows: Sequence[Row], column: Column | None) -> list[float | None]:
+def read_times(table: CsvTable) -> list[float | None]:
     """Return the seconds of each row after the first; None where there is no such column.
 
     Raises ReadingError for a cell that is empty or no time, and for a time before that of the line above.
     """
-    if column is None:
-        return [None] * len(rows)
-    found: list[float | None] = []
-    kinds = set[str]()
-    first = last = None
-    for row in rows:
-        kind, seconds = _time(row, column)
-        first, kinds = seconds if first is None else first, kinds | {kind}
-        if len(kinds) > 1:
-            raise row.fail("time {text!r} is written unlike those above", _REMEDY, text=row.text(column))
-        if last is not None and seconds < last:
-            raise row.fail("time {text!r} is before that of the line above", _REMEDY, text=row.text(column))
-        last = seconds
-        found.append(seconds - first)
-    return found
+    if not table.all_of("time"):
+        return [None] * len(table.rows)
+    cells = [row.of("time") for row in table.rows]
+    times = [*map(_time, cells)]
+    for cell, (kind, seconds), (_, last) in zip(cells, times, (times[0], *times), strict=False):
+        if kind != times[0][0]:
+            raise cell.fail("time {text!r} is written unlike those above", _REMEDY, text=cell.text)
+        if seconds < last:
+            raise cell.fail("time {text!r} is before that of the line above", _REMEDY, text=cell.text)
+    return [seconds - times[0][1] for _, seconds in times]
 
 
-def _time(row: Row, column: Column) -> tuple[str, float]:
+def _time(cell: Cell) -> tuple[str, float]:
     """Return how a time is written, and its seconds from wherever such times begin."""
-    text = row.text(column)
-    clock = _CLOCK.fullmatch(text)
-    if clock is not None:
+    if clock := _CLOCK.fullmatch(cell.text):
         return "clock", 3600.0 * int(clock[1]) + 60.0 * int(clock[2]) + float(clock[3] or 0.0)
+    with suppress(UnitError):
+        return "since", parse_quantity(cell.text, "time")
     try:
-        return "since", parse_quantity(text, "time")
-    except UnitError:
-        pass
-    try:
-        moment = datetime.fromisoformat(text)
+        moment = datetime.fromisoformat(cell.text)
     except ValueError:
-        raise row.fail("time {text!r} is no time", _REMEDY, text=text[:40]) from None
-    if _DAY.fullmatch(text):  # all readings of a day at once, and no drift between them
-        raise row.fail("time {text!r} is a day without a time of day", _REMEDY, text=text)
-    if moment.tzinfo is None:
-        return "date", moment.replace(tzinfo=UTC).timestamp()
-    return "date with zone", moment.timestamp()
+        raise cell.fail("time {text!r} is no time", _REMEDY, text=cell.text[:40]) from None
+    if _DAY.fullmatch(cell.text):  # all readings of a day at once, and no drift between them
+        raise cell.fail("time {text!r} is a day without a time of day", _REMEDY, text=cell.text)
+    return ("date with zone", moment.timestamp()) if moment.tzinfo else ("date", moment.replace(tzinfo=UTC).timestamp())
 
 
 def blank_sheet(setups: Sequence[Setup], axes: Sequence[Axis], places: Places) -> str:

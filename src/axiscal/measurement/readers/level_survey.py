@@ -14,9 +14,9 @@ from functools import partial
 from typing import Any
 
 from axiscal.exceptions import InputError
-from axiscal.measurement.readers.columns import LENGTHS, SLOPES, TEXT, Column
+from axiscal.measurement.readers.columns import LENGTHS, SLOPES, TEXT
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, read_times
-from axiscal.measurement.readers.csv_table import CsvTable, axis_names, table_of
+from axiscal.measurement.readers.csv_table import CsvTable, table_of
 from axiscal.measurement.readers.text_file import TextFile, begins
 from axiscal.units import within
 
@@ -36,26 +36,26 @@ _Head = dict[str, Any]
 def survey_readings(file: TextFile, around: Around) -> Found:
     """Return the readings, first those of the way there, then those of the way back; raises ReadingError."""
     head, table = _head(file), table_of(file)
-    station, ways, clock = _columns(table, head)
-    places = [row.quantity(station) for row in table.rows]
+    station, ways = _columns(table, head)
+    places = [row.of(station).quantity() for row in table.rows]
     upward = places[-1 if len(places) < 3 else len(places) // 2] >= places[0]  # the last may close the circle
-    lines = list(zip(table.rows, places, read_times(table.rows, clock), strict=True))
-    found, setup, base = list[RawReading](), head.get("setup", ""), head.get("base")
-    for row in table.rows:
-        filled = sum(bool(row.text(way)) for way in ways)
+    times, found, setup = read_times(table), list[RawReading](), head.get("setup", "")
+    for row, time in zip(table.rows, times, strict=True):
+        filled = sum(bool(row.of(way).text) for way in ways)
         if not filled:
             raise row.fail("the station has no reading", "write what the level showed, or take out the line")
-        if filled > 1 and clock is not None:
+        if filled > 1 and time is not None:
             what = "the line has two readings, and one time"
             raise row.fail(what, "write the way back in lines of its own where times are given")
+    lines = list(zip(table.rows, places, times, strict=True))
     for way in ways:
-        onward = way.stem == _PASSES[0]
+        onward = way == _PASSES[0]
         for row, place, time in lines if onward else reversed(lines):
-            if row.text(way):
-                at, towards = {station.stem: place}, {station.stem: 1 if upward == onward else -1}
-                value = row.number(way) * head["division"] if way.unit == "div" else row.quantity(way)
-                read = RawReading(setup, at, towards, value, None, "angle", row.line, error="slope")
-                found.append(replace(read, time=time, base=base))
+            if (cell := row.of(way)).text:
+                towards = {station: 1 if upward == onward else -1}
+                value = cell.number() * head["division"] if cell.column.unit == "div" else cell.quantity()
+                read = RawReading(setup, {station: place}, towards, value, None, "angle", row.line, error="slope")
+                found.append(replace(read, time=time, base=head.get("base")))
     return Found(tuple(found))
 
 
@@ -86,18 +86,19 @@ def _size(text: str, key: str) -> float:
     return within(text, "length" if key == "base" else "angle", _LEAST)
 
 
-def _columns(table: CsvTable, head: _Head) -> tuple[Column, list[Column], Column | None]:
-    """Return the column of stations, those of readings, the way there first, and that of times."""
-    station = next((column for column in table.columns if column.stem in axis_names(table)), None)
-    places = {} if station is None else {station.stem: LENGTHS}  # a second one is not known
-    table.allow({**places, **dict.fromkeys(_PASSES, SLOPES), "time": TEXT})
-    ways = [column for stem in _PASSES for column in table.all_of(stem)]
-    if station is None or not ways:
+def _columns(table: CsvTable, head: _Head) -> tuple[str, list[str]]:
+    """Return what the column of stations holds, and those of readings, the way there first."""
+    station = next(iter(table.axes), "")  # a second one is not known
+    table.allow({**({station: LENGTHS} if station else {}), **dict.fromkeys(_PASSES, SLOPES), "time": TEXT})
+    columns = [column for stem in _PASSES for column in table.all_of(stem)]
+    ways = [column.stem for column in columns]
+    if not (station and ways):
         what = "there is no column of readings, such as forward_um/m"
-        what = "there is no column of stations, such as X_mm" if station is None else what
-        raise table.fail(what, "name it in the header; found: {found}")
-    if len({way.stem for way in ways}) < len(ways):
+        what = what if station else "there is no column of stations, such as X_mm"
+        names = ",".join(column.name for column in table.columns)
+        raise table.fail(what, "name it in the header; found: {found}", found=names)
+    if len({*ways}) < len(ways):
         raise table.fail("a way is named twice", "give one column forward, and one back")
-    if "division" not in head and any(way.unit == "div" for way in ways):
+    if "division" not in head and any(column.unit == "div" for column in columns):
         raise table.fail("readings are in divisions, and the value of one is not said", "write # division = 0.02 mm/m")
-    return station, ways, next(iter(table.all_of("time")), None)
+    return station, ways

@@ -10,17 +10,9 @@ import re
 from dataclasses import replace
 
 from axiscal.language.spoken import said
-from axiscal.measurement.readers.bed_map import (
-    Rows,
-    below_title,
-    grid,
-    rows_below,
-    telling,
-    told_lines,
-    without_places,
-)
+from axiscal.measurement.readers.bed_map import Rows, below_title, grid, rows_below
 from axiscal.measurement.readers.csv_readings import Around, Found
-from axiscal.measurement.readers.text_file import TextFile
+from axiscal.measurement.readers.text_file import TextFile, telling
 from axiscal.units import from_unit
 
 _TOPOGRAPHY = re.compile("Bed Topography Report")
@@ -53,10 +45,10 @@ def is_topography(file: TextFile) -> bool:
 
 def topography(file: TextFile, around: Around) -> Found:
     """Return the readings of a topography: its corners are printed, or the set-up states them; raises ReadingError."""
-    begin, below = below_title(file, _TOPOGRAPHY) if _titled(file) else (1, list(told_lines(file)))
+    begin, below = below_title(file, _TOPOGRAPHY) if _titled(file) else (1, file.told)
     if "CSV" in file.lines[begin - 1]:
         lines = [(number, re.split("[\t,]", text)) for number, text in below if re.search("[\t,]", text)]
-        return without_places(file, lines[::-1], begin, around)
+        return grid(file, around, lines[::-1], begin)
     rows, unlabelled, corners = dict[int, tuple[int, list[str]]](), Rows(), list[tuple[str, str]]()
     for number, text in below:
         cells = re.sub(r"[\[\]]", " ", text)
@@ -89,12 +81,12 @@ def printed(file: TextFile, around: Around) -> Found:
     numbered = [(line, cells[1:]) for j, (line, cells) in enumerate(rows[1:]) if cells[0] == str(j)]
     if len(numbered) < len(rows) - 1 and (_unlabelled(file) or is_linear(file)):
         note = said("as if all were probed") if (prusa := _of_prusa(file)) else ""
-        return replace(without_places(file, rows[:: -1 if prusa or is_linear(file) else 1], begin, around), note=note)
+        return replace(grid(file, around, rows[:: -1 if prusa or is_linear(file) else 1], begin), note=note)
     if len(numbered) < len(rows) - 1:
         what = "these heights lie between the probed ones: they are those that the printer corrects by"
         remedy = "give what was probed: the mesh of printer.cfg, or the answer to BED_MESH_OUTPUT or to M420 V"
         raise file.fail(what, remedy, begin)
-    return without_places(file, numbered, begin, around)
+    return grid(file, around, numbered, begin)
 
 
 def nodes(file: TextFile, around: Around) -> Found:
@@ -102,9 +94,9 @@ def nodes(file: TextFile, around: Around) -> Found:
 
     A node that no command sets was not probed, where the set-up says how many there are; else it is refused.
     """
-    file = replace(file, unit="in") if any(_INCHES.match(text) for _, text in told_lines(file)) else file
+    file = replace(file, unit="in") if any(_INCHES.match(text) for _, text in file.told) else file
     found = dict[tuple[int, int], tuple[int, str]]()
-    for number, text in told_lines(file):
+    for number, text in file.told:
         if command := _NODE.match(text):
             if not (whole := _OF_NODE.fullmatch(command[2])):
                 remedy = "write it as in M421 I0 J0 Z0.05"
@@ -128,4 +120,4 @@ def nodes(file: TextFile, around: Around) -> Found:
         low_x, top_x, low_y, top_y = (from_unit(file.number(end, "end", 1), "mm") for end in built.groups())
         around = replace(around, ends=((low_x, top_x), (low_y, top_y)))
     rows = [(line, [found.get((i, j), (0, "nan"))[1] for i in range(wide)]) for j in range(high)]
-    return without_places(file, rows, line, around)
+    return grid(file, around, rows, line)

@@ -14,12 +14,12 @@ import numpy as np
 
 from axiscal.document.file import number_or_none
 from axiscal.language.spoken import said
-from axiscal.measurement.readers.bed_map import Rows, grid, height, keyed, points_of, probed_of, telling
+from axiscal.measurement.readers.bed_map import Rows, grid, height, keyed, points_of, probed_of
 from axiscal.measurement.readers.columns import column_of
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
 from axiscal.measurement.readers.csv_table import table_of
 from axiscal.measurement.readers.decimal_marks import plain
-from axiscal.measurement.readers.text_file import TextFile, begins
+from axiscal.measurement.readers.text_file import TextFile, begins, telling
 
 _SLACK = 1e-6
 """m, of rounding."""
@@ -145,15 +145,19 @@ def listed(file: TextFile, around: Around, after: int = 0) -> Found:
     table = table_of(replace(file, lines=lines, unit=file.unit or "mm"), words=_WORDS, usual=_AXES)
     if file.unit and any(column.unit for column in table.columns):
         raise table.fail("the header names its unit, and --unit names another", "leave --unit out")
-    named, readings = {column.stem: replace(column, mark=mark) for column in table.columns}, list[RawReading]()
+    table, readings = table.with_columns(replace(column, mark=mark) for column in table.columns), list[RawReading]()
     for row in table.rows:
-        if aside := [axis for axis in _AXES[3:] if axis in named and row.number(named[axis])]:
+        if aside := [axis for axis in _AXES[3:] if table.all_of(axis) and row.of(axis).number()]:
             what, remedy = "the point has {axes} beside X, Y and Z", "give a list that was probed without moving them"
             raise row.fail(what, remedy, axes=", ".join(aside))
-        x, y, z = row.quantity(named["X"]), row.quantity(named["Y"]), named["Z"]
-        readings += height(replace(file, unit=z.unit or z.stated), x, y, plain(row.text(z), mark), row.line)
+        z = row.of("Z")
+        unit = z.column.unit or z.column.stated
+        x, y = row.of("X").quantity(), row.of("Y").quantity()
+        readings += height(replace(file, unit=unit), x, y, plain(z.text, mark), row.line)
     found = probed_of(file, readings, len(table.rows), table.rows[-1].line)
-    bare = table.line == table.rows[0].line and len(named) == 3 and not _LETTERS.match(file.lines[table.line - 1])
+    bare = (
+        table.line == table.rows[0].line and len(table.columns) == 3 and not _LETTERS.match(file.lines[table.line - 1])
+    )
     if bare and _two_readings(found):
         what = "these lines look like a place and two readings each, and not like X, Y and Z"
         raise table.fail(what, "name the columns above them: X,Y,Z, or Pos_mm,1+_um,1-_um")

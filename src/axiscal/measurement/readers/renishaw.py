@@ -29,6 +29,7 @@ _KINDS: dict[str, tuple[Test, str]] = {
 _UNITS = re.compile(r"(deviation )?units?\s*:\s*(.*?)\s*", re.IGNORECASE)
 _CALLED = {"microns": "um", "metric": "mm", "inch": "in", "inches": "in", "imperial": "in"}
 _TYPE = re.compile(r"file type\s*:\s*(.*?)\s*", re.IGNORECASE)
+_NEEDED = ("TARGET DATA", "DEVIATIONS")
 _OF_TARGETS = ("filetype", "target-count", "targets", "flags")
 _DEVIATION = re.compile(r"([0-9]{1,6})\s+([0-9]{1,6})\s+(\S+)")
 _SHORTENED = "export it again from the laser software; the file seems to be cut or edited"
@@ -44,23 +45,26 @@ def file_type(file: TextFile) -> str | None:
 
 def laser_test(file: TextFile, around: Around) -> Found:
     """Return the readings of such a file; raises ReadingError."""
-    sections = _sections(file)
     kind = file_type(file)
     if kind not in _KINDS:
         what, known = "files of type {kind} are not known", ", ".join(_KINDS)
         raise file.fail(what, "known are {known}", 2, kind=str(kind)[:40], known=known)
-    test, usual = _KINDS[kind]
-    targets, rotary, one_way = _targets(file, _section(file, sections, "TARGET DATA"))
+    sections, (test, usual) = _sections(file), _KINDS[kind]
+    targets, rotary, one_way = _targets(file, sections["TARGET DATA"])
     angles = rotary or test == "angular"
     along, unit, silent = _units(file, "arcsec" if rotary else usual, angles)
     at = [from_unit(target, "deg" if rotary else along) for target in targets]
     rises = 1 if at[-1] >= at[0] else -1
     dimension: Literal["length", "angle"] = "angle" if angles else "length"
-    lines = _section(file, sections, "DEVIATIONS")
-    read = [(line, text) for line, text in lines if not text.lower().startswith("run target data")]
+    read = [(line, text) for line, text in sections["DEVIATIONS"] if not text.lower().startswith("run target data")]
     found, first = list[RawReading](), dict[int, int]()
     for line, text in read:
-        run, index, value = _row(file, line, text, len(targets))
+        if (whole := _DEVIATION.fullmatch(text)) is None:
+            raise file.fail("{text!r} is not run, target and deviation", _SHORTENED, line, text=text[:40])
+        run, index, value = int(whole[1]), int(whole[2]), file.number(whole[3], "deviation", line)
+        if run < 1 or not 1 <= index <= len(at):
+            what = "target {index} of run {run} is not there: targets go from 1 to {count}"
+            raise file.fail(what, _SHORTENED, line, index=index, run=run, count=len(at))
         way, number = (1, run) if one_way else (1 if run % 2 else -1, (run + 1) // 2)
         if way * (index - first.setdefault(run, index)) < 0:
             what = "run {run} goes the other way than the flags say"
@@ -68,9 +72,9 @@ def laser_test(file: TextFile, around: Around) -> Found:
             raise file.fail(what, remedy, line, run=run)
         come, read_as = {"": way * rises}, from_unit(value, unit)
         found.append(RawReading("", {"": at[index - 1]}, come, read_as, None, dimension, line, test=test, run=number))
-    whole = distinct(file, found)
-    _refuse_cut(file, sections, whole)
-    return Found(whole, note=said("deviations in arcsec (it names no unit)") if rotary and silent else "")
+    every = distinct(file, found)
+    _refuse_cut(file, sections, every)
+    return Found(every, note=said("deviations in arcsec (it names no unit)") if rotary and silent else "")
 
 
 def _units(file: TextFile, usual: str, angles: bool) -> tuple[str, str, bool]:
@@ -96,7 +100,10 @@ def _units(file: TextFile, usual: str, angles: bool) -> tuple[str, str, bool]:
 
 
 def _sections(file: TextFile) -> dict[str, _Lines]:
-    """Return the lines of each section with their numbers, empty ones left out; raises ReadingError for one twice."""
+    """Return the lines of each section with their numbers, empty ones left out, and decimal commas as points.
+
+    Raises ReadingError for a section that stands there twice or is missing.
+    """
     sections = {"": (lines := _Lines())}
     for number, line in enumerate(file.lines, 1):
         text = line.strip()
@@ -107,15 +114,12 @@ def _sections(file: TextFile) -> dict[str, _Lines]:
             sections[name] = lines
         elif text:
             lines.append((number, text))
+    if lacking := [name for name in _NEEDED if name not in sections]:
+        raise file.fail("there is no section {name}::", _SHORTENED, name=lacking[0])
+    for lines in sections.values():
+        if not any("." in text for _, text in lines):
+            lines[:] = [(number, text.replace(",", ".")) for number, text in lines]
     return sections
-
-
-def _section(file: TextFile, sections: dict[str, _Lines], name: str) -> _Lines:
-    """Return the lines of a section, decimal commas as points; raises ReadingError where it is missing."""
-    if name not in sections:
-        raise file.fail("there is no section {name}::", _SHORTENED, name=name)
-    commas = not any("." in text for _, text in sections[name])
-    return [(number, text.replace(",", ".") if commas else text) for number, text in sections[name]]
 
 
 def _targets(file: TextFile, lines: _Lines) -> tuple[list[float], bool, bool]:
@@ -140,18 +144,6 @@ def _targets(file: TextFile, lines: _Lines) -> tuple[list[float], bool, bool]:
     if len(set(targets)) < len(targets):
         raise file.fail("a target is named twice", "name each once", lines[0][0])
     return targets, rotary, one_way
-
-
-def _row(file: TextFile, line: int, text: str, targets: int) -> tuple[int, int, float]:
-    """Return run, index of the target, and what was read."""
-    found = _DEVIATION.fullmatch(text)
-    if found is None:
-        raise file.fail("{text!r} is not run, target and deviation", _SHORTENED, line, text=text[:40])
-    run, index = int(found[1]), int(found[2])
-    if run < 1 or not 1 <= index <= targets:
-        what = "target {index} of run {run} is not there: targets go from 1 to {count}"
-        raise file.fail(what, _SHORTENED, line, index=index, run=run, count=targets)
-    return run, index, file.number(found[3], "deviation", line)
 
 
 def _refuse_cut(file: TextFile, sections: dict[str, _Lines], readings: tuple[RawReading, ...]) -> None:

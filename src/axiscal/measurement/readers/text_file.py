@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from axiscal.document.file import bounded_content, number_or_none
@@ -15,17 +17,24 @@ MOST = 20_000_000
 MOST_LINES = 200_000
 """Lines; estimating takes 10,000 readings in a minute, and a file that is wrong is to be refused in a second."""
 
+_TIME = r"(?:[\d-]{10} )?\d\d?:\d\d(?::\d\d)?(?:[.,]\d+)?\s*(?:[AP]M\s*)?(?:- )?"
+_LOG = re.compile(rf"^\s*(?:\[?{_TIME}\]?\s*(?::\s+)?)?(?:Recv:|<<<|>>>|[<>])?\s*(?:echo:|//)?\s*")
 _LARGEST = 1e9
 """In whatever unit the file has: a kilometre in micrometres, which no machine has."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class TextFile:
     """A file as lines, without the ends of lines.  unit : of lengths whose unit it does not state, "" where unsaid"""
 
     name: str
     lines: tuple[str, ...]
     unit: str = ""
+
+    @cached_property
+    def told(self) -> tuple[tuple[int, str], ...]:
+        """The lines with their numbers, without what a terminal and a firmware write in front."""
+        return tuple((number, _LOG.split(line, maxsplit=1)[-1].rstrip()) for number, line in enumerate(self.lines, 1))
 
     def fail(self, what: str, remedy: str, line: int | None = None, **values: object) -> ReadingError:
         """Return the error that places a fault in a line, counted from 1."""
@@ -49,6 +58,11 @@ class TextFile:
 def begins(patterns: tuple[str, ...], file: TextFile) -> bool:
     """Return whether the first lines are as patterns have them."""
     return len(file.lines) >= len(patterns) and all(map(re.fullmatch, patterns, file.lines))
+
+
+def telling(*patterns: re.Pattern[str]) -> Callable[[TextFile], bool]:
+    """Return what tells whether a line of a file begins with one of some patterns."""
+    return lambda file: any(pattern.match(text) for _, text in file.told for pattern in patterns)
 
 
 def content(path: str | Path) -> bytes:

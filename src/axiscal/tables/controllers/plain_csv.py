@@ -13,7 +13,8 @@ import numpy as np
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT
-from axiscal.measurement.readers.csv_table import parse_table
+from axiscal.measurement.readers.csv_table import table_of
+from axiscal.measurement.readers.text_file import TextFile, lines_of
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
@@ -61,18 +62,18 @@ def text_of(table: CompensationTable) -> str:
 
 def parse(text: str, file: str = "table.csv") -> CompensationTable:
     """Return the table of a text; raises ReadingError or TableError."""
-    source = parse_table(text, file)
-    axis, *found = source.needed(_LAYOUT, "axis", "position_mm", "forward_mm", "reverse_mm", "std_mm")
-    names = {row.text(axis) for row in source.rows}
+    source = table_of(TextFile(file, lines_of(text, file)))
+    _, *found = source.needed(_LAYOUT, "axis", "position_mm", "forward_mm", "reverse_mm", "std_mm")
+    names = {row.of("axis").text for row in source.rows}
     if len(names) > 1:
         remedy = "write one file for each axis"
         raise TableError("the file holds the axes {known}", remedy, file, known=", ".join(sorted(names)))
-    over = {row.text(column) for column in source.all_of("over") for row in source.rows}
+    over = {row.of("over").text for row in source.rows if source.all_of("over")}
     if len(over) > 1:
         raise TableError("the file holds several tables", "write one file for each", file)
     if not over and len({column.dimension for column in found}) > 1:
         raise TableError("the columns mix lengths and angles", "a table of one axis holds one kind", file, source.line)
-    at, forward, reverse, std = (np.array([row.quantity(column) for row in source.rows]) for column in found)
+    at, forward, reverse, std = (np.array([row.of(each.stem).quantity() for row in source.rows]) for each in found)
     return CompensationTable(names.pop(), at, forward, reverse, std, over.pop() if over else "")
 
 

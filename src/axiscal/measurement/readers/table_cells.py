@@ -1,0 +1,126 @@
+"""Lines of a table and their cells: what stands in a column, as text or as a number, and where a fault is."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from axiscal.exceptions import ReadingError
+from axiscal.language.spoken import later, listed, said
+from axiscal.measurement.readers.columns import Column
+from axiscal.measurement.readers.decimal_marks import NUMBER, doubtful, half_digit, plain
+from axiscal.measurement.reading import LARGEST
+from axiscal.units import from_unit
+
+LONGEST = 60
+"""Characters of what is quoted."""
+_NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class TableLine:
+    """A line of a file, where a fault can stand."""
+
+    file: str
+    line: int
+
+    def fail(self, what: str, remedy: str, **values: object) -> ReadingError:
+        """Return the error that places a fault in this line."""
+        return ReadingError(what, remedy, self.file, self.line, **values)
+
+
+@dataclass(frozen=True, slots=True)
+class Cell(TableLine):
+    """What stands in a column of a line, stripped of white space, its shield taken away; "" where it is empty."""
+
+    column: Column
+    text: str
+
+    def quantity(self) -> float:
+        """Return a number of a machine in SI units; raises ReadingError."""
+        unit = self.column.unit or self.column.stated
+        if not unit:
+            remedy = "write it as '{stem}_mm' or '{stem}_deg'"
+            raise self.fail("column '{column}' has no unit", remedy, column=self.column.name, stem=self.column.stem)
+        value = from_unit(self.number(), unit)
+        if abs(value) >= LARGEST:
+            raise self._no_number()
+        return value
+
+    def number(self) -> float:
+        """Return the number that it says; raises ReadingError."""
+        text = plain(self.text, self.column.mark)
+        value = float(text) if NUMBER.fullmatch(text) else math.nan
+        if not math.isfinite(value) or doubtful(self.text, self.column.mark):
+            raise self._no_number()
+        return value
+
+    def rounding(self) -> float:
+        """Return half of the last digit of a number, in SI units."""
+        return from_unit(half_digit(plain(self.text, self.column.mark)), self.column.unit or self.column.stated)
+
+    def _no_number(self) -> ReadingError:
+        what, remedy = _why_not(self.text, self.column.mark)
+        values = {"text": quoted(self.text), "better": self.text.replace(",", ".")}
+        return self.fail(what, remedy, column=self.column.name, **values)
+
+    def meant(self, read: Callable[[str], int | None], what: str, remedy: str) -> int:
+        """Return what it means; raises ReadingError where `read` returns None."""
+        if (found := read(self.text)) is None:
+            raise self.fail(what, remedy, text=self.text[:40])
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class Row(TableLine):
+    """One line of data: its texts by the columns of the table.  places : of columns by what they hold"""
+
+    texts: tuple[str, ...]
+    columns: tuple[Column, ...]
+    places: Mapping[str, Sequence[int]]
+
+    def cell(self, place: int) -> Cell:
+        """Return the cell of a column."""
+        return Cell(self.file, self.line, self.columns[place], self.texts[place])
+
+    def of(self, *stems: str, units: Sequence[str] = ()) -> Cell:
+        """Return the one filled cell of all columns that hold these; an empty one where none is; raises ReadingError.
+
+        units : that the column may have, any unless said
+        """
+        known = [at for stem in stems for at in self.places.get(stem, ()) if not units or self.columns[at].fits(units)]
+        filled = [at for at in known if self.texts[at]]
+        if len(filled) > 1:
+            names = listed(said(" and "), [f"'{self.columns[at].name}'" for at in filled])
+            raise self.fail("{names} are both filled", "fill exactly one of them in each line", names=names)
+        if not known:
+            return Cell(self.file, self.line, Column(stems[0], stems[0], None), "")
+        return self.cell((filled or known)[0])
+
+
+def quoted(text: str) -> str:
+    """Quote what somebody wrote, shortened, control characters made visible."""
+    return repr(text if len(text) <= LONGEST else text[: LONGEST - 3] + "...")
+
+
+def _why_not(text: str, mark: str) -> tuple[str, str]:
+    """Return what is wrong with a cell that is no number of a machine, and what would be right."""
+    number, or_out = plain(text, mark), later("write the number that was read, or take out the line")
+    if not text:
+        return later("{column} is empty"), or_out
+    if doubtful(text, mark):
+        remedy = later("write it without a mark of thousands, or with four decimals")
+        return later("{column} {text} is a number of thousands, or one with three decimals"), remedy
+    if NUMBER.fullmatch(number) and math.isfinite(float(number)):
+        remedy = later("write the number that was read, in the unit of the header")
+        return later("{column} {text} is too large for a machine"), remedy
+    if _NOT_FINITE.fullmatch(number) or NUMBER.fullmatch(number):
+        return later("{column} {text} is not finite"), or_out
+    if NUMBER.fullmatch(text):
+        return later("{column} {text} has a decimal point, others have a comma"), later("write all numbers alike")
+    if NUMBER.fullmatch(text.replace(",", ".")):
+        return later("{column} {text} has a decimal comma"), later("write a decimal point: {better}")
+    remedy = later("write digits with a decimal point; the unit stands in the header")
+    return later("{column} {text} is not a number"), remedy
