@@ -206,6 +206,11 @@ def test_a_unit_is_taken_where_the_file_names_none(tmp_path: Path) -> None:
             read(tmp_path, text, unit="inch")
 
 
+def test_a_list_says_what_it_took_for_granted(tmp_path: Path) -> None:
+    named, silent = (read(tmp_path, f"{head}\n1,2,3\n").found.note for head in ("X (in),Y (in),Z (thou)", "X,Y,Z"))
+    assert (named, silent) == ("", "in mm")
+
+
 def test_a_side_alone_is_that_of_the_only_axis_that_moves(tmp_path: Path) -> None:
     text = "setup;X_mm;approach;value_um\ndial;100;+;1\ndial;200;-;2\n"
     (tmp_path / "r.csv").write_text(text, encoding="utf-8")
@@ -254,17 +259,19 @@ def test_a_file_of_a_trade_is_read_as_it_is_meant(tmp_path: Path, unit: str, say
 
 
 @pytest.mark.parametrize(
-    ("header", "unit"),
+    ("header", "unit", "note"),
     [
-        ("Pos;1+;1-;2+;2-", 1e-6),
-        ("Position [mm];Lauf 1 vor [µm];Lauf 1 rück [µm];Lauf 2 vor [µm];Lauf 2 rück [µm]", 1e-6),
-        ("target_mm;run1_up_um;run1_down_um;run2_up_um;run2_down_um", 1e-6),
-        ("Pos_mm;1 forward_mm;1 reverse_mm;2 forward_mm;2 reverse_mm", 1e-3),
+        ("Pos;1+;1-;2+;2-", 1e-6, "in mm and um (it names no unit)"),
+        ("Pos_mm;1+;1-;2+;2-", 1e-6, "deviations in um (it names no unit)"),
+        ("Position [mm];Lauf 1 vor [µm];Lauf 1 rück [µm];Lauf 2 vor [µm];Lauf 2 rück [µm]", 1e-6, ""),
+        ("target_mm;run1_up_um;run1_down_um;run2_up_um;run2_down_um", 1e-6, ""),
+        ("Pos_mm;1 forward_mm;1 reverse_mm;2 forward_mm;2 reverse_mm", 1e-3, ""),
     ],
 )
-def test_a_column_a_run_is_a_test(tmp_path: Path, header: str, unit: float) -> None:
-    found = read(tmp_path, f"{header}\n10,5;1;2;3;4\n-7;5;6;;8\n").found.readings
-    values = {(1e3 * each.position[""], each.approach[""], each.run): each.value / unit for each in found}
+def test_a_column_a_run_is_a_test(tmp_path: Path, header: str, unit: float, note: str) -> None:
+    found = read(tmp_path, f"{header}\n10,5;1;2;3;4\n-7;5;6;;8\n").found
+    assert found.note == note
+    values = {(1e3 * each.position[""], each.approach[""], each.run): each.value / unit for each in found.readings}
     left = {(10.5, 1, 1): 1, (10.5, -1, 1): 2, (10.5, 1, 2): 3, (10.5, -1, 2): 4, (-7, 1, 1): 5, (-7, -1, 1): 6}
     assert values == pytest.approx(left | {(-7, -1, 2): 8})
 

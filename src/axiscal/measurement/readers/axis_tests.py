@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -36,18 +36,23 @@ from axiscal.units import said_quantity
 _BOTH = LENGTHS + ANGLES
 _OF_TEST = {"target": _BOTH, "angle": ANGLES, "direction": TEXT, "run": TEXT, "deviation": _BOTH}
 _BESIDE = {"setup": TEXT, "axis": TEXT, "time": TEXT}
+_RADII = later("these are radii, and no deviations"), later("take the radius off them")
 _NUMBERED = later("number the runs 1, 2, 3, ...")
 _TOWARDS = later("write + for the approach in the positive direction, - for the negative one")
+_STROKE = 5e-3
+"""m, further than any ball bar reads."""
+_ALIKE = 0.02
+"""Share of a target: no axis is as far off at each."""
 _UNIT_IN_WORDS = re.compile(r"\b(inch(es)?|in|thou|zoll|pouces?|mm|[uµμ]m|microns?)\b", re.IGNORECASE)
 
 
 def test_of(file: TextFile) -> Literal["circle", "wide", "long"] | None:
     """Return which test the columns are of: wide has a column a run, long a line a reading; None of no test."""
     first, *others = header_of(file, STEMS) or (Column("", "", None),)
-    stems, wide = {column.stem for column in (first, *others)}, all(run_of(column.stem) for column in others)
-    if {"angle", "direction"} <= stems or (first.stem == "angle" and others and wide):
+    stems = {column.stem for column in (first, *others)}
+    if {"angle", "direction"} <= stems or (first.stem == "angle" and any(run_of(column.stem) for column in others)):
         return "circle"
-    if first.stem == "target" and others and wide:
+    if first.stem == "target" and others and not stems & {"direction", "deviation", "setup"}:
         return "wide"
     return "long" if stems & _OF_TEST.keys() - {"angle"} and "setup" not in stems else None
 
@@ -69,8 +74,9 @@ def axis_test(file: TextFile, around: Around) -> Found:
     found = distinct(file, _lines(table, place, _kind(table, at, read)))
     if column_of(read.name).stem.lower() in ACTUAL:
         if place == "angle":
-            raise table.fail("'{column}' is no deviation", "take the radius off it", column=read.name)
+            raise table.fail(*_RADII)
         found = tuple(replace(each, value=each.value - each.position[""]) for each in found)
+    _refuse_positions(table, found)
     return Found(found, note=said("angles in deg (it names no unit)") if silent else "")
 
 
@@ -95,17 +101,37 @@ def _in_columns(file: TextFile, table: CsvTable) -> Found:
     silent = not (file.unit or any(column.unit or column.stem == "angle" for column in table.columns))
     if silent and any(map(_UNIT_IN_WORDS.search, file.lines[: table.line - 1])):
         raise table.fail("a title names a unit, and no column does", "write Pos_mm and 1+_um in the header, or such")
-    usual = ("um", "mm") if table.columns[0].stem == "target" else ("", "")
-    table = table.with_columns(replace(c, stated=c.stated or usual[k == 0]) for k, c in enumerate(table.columns))
+    of_length = table.columns[0].stem == "target"
+    usual = ["mm" if of_length else "", "um" if of_length and table.columns[0].unit in (None, "mm") else ""]
+    table = table.with_columns(replace(c, stated=c.stated or usual[k > 0]) for k, c in enumerate(table.columns))
     target, *others = table.columns
     found, kinds = list[RawReading](), {_kind(table, target, column) for column in others}
     if len(kinds) > 1:
         raise table.fail("some runs are lengths, and some are angles", "give a file for each test")
     (kind,) = kinds
     for at, column in enumerate(others, 1):
-        run, way = run_of(column.stem) or (0, 0)
+        if (meant := run_of(column.stem)) is None:
+            what = "column '{column}' names no run with its direction"
+            raise table.fail(what, "write it as in 1+ or 1-, or take it out", column=column.name[:40])
+        run, way = meant
         found += [_read(row.cell(0), way, run, row.cell(at), kind) for row in table.rows[::way] if row.texts[at]]
-    return Found(distinct(file, found), note=said("in mm and um (it names no unit)") if silent else "")
+    unsaid = not file.unit and any(column.unit is None for column in others)
+    _refuse_positions(table, found, 1e3 if unsaid else 1.0)
+    note = said("in mm and um (it names no unit)") if silent else said("deviations in um (it names no unit)")
+    return Found(distinct(file, found), note=note if unsaid else "")
+
+
+def _refuse_positions(table: CsvTable, found: Sequence[RawReading], scale: float = 1.0) -> None:
+    """Raise ReadingError where what was read is as large as the target each time, or further than a ball bar reads.
+
+    scale : of a deviation whose unit nobody has named, to that of the targets
+    """
+    away = [(each.position[""], each.value * scale) for each in found if each.position[""]]
+    if found[:1] and found[0].test == "circle" and min(abs(each.value) for each in found) > _STROKE:
+        raise table.fail(*_RADII)
+    if away and found[0].test == "positioning" and all(abs(abs(v) - abs(t)) < _ALIKE * abs(t) for t, v in away):
+        what = "the deviations are as large as the targets each time"
+        raise table.fail(what, "give deviations, or name a column of positions actual_mm")
 
 
 def _kind(table: CsvTable, target: Column, deviation: Column) -> Test:

@@ -170,7 +170,8 @@ def _begun(
     if usual and not any(map(str.isalpha, first)):
         names, data = list(usual[: len(names)]), [(number, first), *data]
     if len(names) == 1 and not (_names(first) or _AXIS.fullmatch(names[0])):
-        raise file.fail("no known format begins with {text}", "docs/readings.md names all", number, text=quoted(first))
+        what, remedy = "no known format begins with {text}", "give a table such as {header}; docs/readings.md names all"
+        raise file.fail(what, remedy, number, text=quoted(first), header=header)
     width, below = len(names), _cells(file.name, *data[0], separator) if data else []
     while len(names) > 1 and not names[-1]:
         names.pop()

@@ -161,4 +161,4 @@ def listed(file: TextFile, around: Around, after: int = 0) -> Found:
     if bare and _two_readings(found):
         what = "these lines look like a place and two readings each, and not like X, Y and Z"
         raise table.fail(what, "name the columns above them: X,Y,Z, or Pos_mm,1+_um,1-_um")
-    return _noted(file, found)
+    return found if all(column.unit for column in table.columns[-3:]) else _noted(file, found)
