@@ -8,7 +8,8 @@
     known = ac.estimate(case, "readings.csv")
 
 `Curve` is one error with its band and its next reading. A `Case` is a machine with what `setup` makes of instruments,
-and plans. `estimate` takes readings to curves, deviations and tables. For whoever builds on the method:
+or of an `Instrument` of one's own. It plans, judges `Places` of one's own, and goes on after `Readings`. `estimate`
+takes readings to curves, deviations and tables. For whoever builds on the method:
 
 - `load_machine` reads a machine. Its errors are splines (`NaturalSpline`, `CyclicSpline`, `Constant`), stacked by
   `ErrorModel`.
@@ -33,12 +34,15 @@ _HOMES = {
     "Curve": "axiscal.python.estimated",
     "CyclicSpline": "axiscal_core.splines",
     "ErrorModel": "axiscal.errors.model",
+    "Instrument": "axiscal_core.instrument",
     "Knowledge": "axiscal.estimation.knowledge",
     "NaturalSpline": "axiscal_core.splines",
     "Observation": "axiscal.measurement.observation",
+    "Places": "axiscal_core.places",
+    "Readings": "axiscal_core.places",
     "Setup": "axiscal.measurement.setup",
     "Simulator": "axiscal.measurement.simulation",
-    "estimate": "axiscal.python.estimated",
+    "estimate": "axiscal.python.measured_case",
     "load_machine": "axiscal.machine.description",
     "read_campaign": "axiscal.description.campaign",
     "setup": "axiscal.python.measured_case",

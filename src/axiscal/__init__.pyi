@@ -10,9 +10,12 @@ from axiscal.measurement.observation import Observation as Observation
 from axiscal.measurement.setup import Setup as Setup
 from axiscal.measurement.simulation import Simulator as Simulator
 from axiscal.python.estimated import Curve as Curve
-from axiscal.python.estimated import estimate as estimate
 from axiscal.python.measured_case import Case as Case
+from axiscal.python.measured_case import estimate as estimate
 from axiscal.python.measured_case import setup as setup
+from axiscal_core.instrument import Instrument as Instrument
+from axiscal_core.places import Places as Places
+from axiscal_core.places import Readings as Readings
 from axiscal_core.splines import Constant as Constant
 from axiscal_core.splines import CyclicSpline as CyclicSpline
 from axiscal_core.splines import NaturalSpline as NaturalSpline
@@ -26,9 +29,12 @@ __all__ = [
     "Curve",
     "CyclicSpline",
     "ErrorModel",
+    "Instrument",
     "Knowledge",
     "NaturalSpline",
     "Observation",
+    "Places",
+    "Readings",
     "Setup",
     "Simulator",
     "estimate",

@@ -57,7 +57,7 @@ def test_of_each_interval_the_estimate_has_the_mean_and_the_variance_that_all_ot
     changed, scatter = sited(coarse, readings), setup.scatter
     values = fitted.values + np.array([new.value - old.value for new, old in zip(changed, readings, strict=True)])
     precisions = np.array([(each.std or np.nan) ** -2 for each in changed])
-    mean, variance = fitted.estimate(values, precisions)
+    mean, variance = fitted.at_precisions(values, precisions)
     assert changed[4] == readings[4]
     assert len({each.std for each in changed}) > 3
     z = np.linspace(-8, 8, 4001)

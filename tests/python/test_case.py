@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -12,7 +12,7 @@ import pytest
 
 import axiscal as ac
 from axiscal.exceptions import DescriptionError, ReadingError
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.python.measured_case import Case
@@ -99,6 +99,94 @@ def test_a_plan_says_its_figures_and_shows_itself() -> None:
 def test_an_end_that_makes_no_sense_is_refused(end: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=r"Case\.plan: "):
         case().plan(**end)
+
+
+LINE = ac.Places("laser", [[x, 0.1, 0.2] for x in np.linspace(0.02, 0.58, 8).round(3)], [[1.0, 0.0, 0.0]] * 8)
+
+
+def test_places_of_ones_own_are_judged_as_a_plan_is() -> None:
+    plan = case().plan(readings=5, candidates=30)
+    found = case().evaluate(plan.places)
+    assert (found.rms, found.minutes) == pytest.approx((plan.rms, plan.minutes), rel=1e-9)
+    assert pytest.approx(plan.proposal.plan.value, rel=1e-9) == found.J
+    assert found.rms < found.U < 2 * found.rms
+
+
+def test_a_plan_goes_on_after_places_or_readings() -> None:
+    mine = case()
+    later = mine.plan(readings=3, after=LINE)
+    both = [*(ac.Places.at(LINE, [i]) for i in range(len(LINE))), *map(_alone, later.places)]
+    whole = mine.evaluate(sum(both[1:], both[0]))
+    assert pytest.approx(whole.J, rel=1e-9) == mine.evaluate(later.places, after=LINE).J
+    assert later.minutes < 5, "the laser is mounted already"
+    read = ac.Readings.simulated(mine, LINE, seed=1)
+    assert mine.plan(readings=3, after=read).rms < mine.estimate(read).rms
+    assert np.array_equal(mine.next(after=mine.estimate(read)).poses, mine.next(after=read).poses)
+
+
+def _alone(place: Place) -> ac.Places:
+    return ac.Places(place.setup, [place.pose], [place.approach])
+
+
+@pytest.mark.parametrize("end", [{"readings": 4}, {"minutes": 32}, {"rms": "14 um"}])
+def test_candidates_of_ones_own_are_the_only_places(end: dict[str, Any]) -> None:
+    found = case().plan(candidates=LINE, **end).places
+    assert {place.pose for place in found} <= {tuple(pose) for pose in LINE.poses.tolist()}
+
+
+def test_what_is_shown_scatters_as_it_says() -> None:
+    mine, truth = case(), case().prior.sample(1, seed=3)[0]
+    shown = mine.shows(LINE, truth)
+    drawn = np.array([ac.Readings.simulated(mine, LINE, seed, truth).values for seed in range(400)])
+    root = np.linalg.cholesky(shown.covariance)
+    apart = np.linalg.solve(root, (drawn - shown.mean).T)
+    assert np.abs(apart @ apart.T / 400 - np.eye(len(LINE))).max() < 0.3
+
+
+def test_arrays_a_table_and_a_list_are_the_same_readings(tmp_path: Path) -> None:
+    mine = case()
+    read = ac.Readings.simulated(mine, LINE, seed=2)
+    listed = [Reading("laser", tuple(p), (1, 0, 0), v) for p, v in zip(LINE.poses.tolist(), read.values, strict=True)]
+    table: dict[str, Any] = {
+        "setup": ["laser"] * len(LINE), "X_mm": 1e3 * LINE.poses[:, 0], "approach": ["X+"] * len(LINE),
+        "value_um": [repr(1e6 * float(value)) for value in read.values],
+    }  # fmt: skip
+    expected = mine.estimate(listed)
+    for known in (mine.estimate(read), mine.estimate(table)):
+        assert known.mean == pytest.approx(expected.mean, rel=1e-6, abs=1e-15)
+    assert expected.table()["name"] == [*expected.names]
+    assert np.cov(expected.sample(4000, seed=1).T)[0, 0] == pytest.approx(expected.covariance[0, 0], rel=0.1)
+    found = expected.deviation([["100 mm", "100 mm", "200 mm"], [0.3, 0.1, 0.2]])
+    assert (found.mean.shape, found.covariance.shape) == ((2, 3), (2, 3, 3))
+
+
+def test_what_is_known_already_makes_curves_and_tables(tmp_path: Path) -> None:
+    mine = case()
+    size = mine.inner.errors.size
+    known = mine.known(np.full(size, 5e-6), 1e-14 * np.eye(size))
+    assert known["EXX"](["100 mm"]).mean == pytest.approx([5e-6])
+    assert "X.comp" in {file.name for file in known.export("linuxcnc", tmp_path)}
+    with pytest.raises(InputError, match=r"Estimated\.report: readings are none"):
+        known.report(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("misuse", "says"),
+    [
+        (lambda one: one.evaluate(ac.Places("laser", [[0.1, 0.1, 0.2], [9, 0.1, 0.2]])), "places, line 2: X = 9000 mm"),
+        (lambda one: one.evaluate(ac.Places("lazer", [[0.1, 0.1, 0.2]])), 'places, line 1: there is no set-up "lazer"'),
+        (lambda one: one.evaluate([1]), r"Case\.evaluate: places = 1 is none"),
+        (lambda one: one.plan(2, candidates=ac.Places("laser", [[0.1, 0.1]])), "candidates, line 1: pose and approach"),
+        (lambda one: one.next(after=3), r"Case\.next: after = 3 is none"),
+        (lambda one: one.estimate(ac.Readings(LINE, [1e-6])), r"values has the shape \(1,\)"),
+        (lambda one: one.estimate({"setup": ["laser"], "X_mm": [9e3], "value_um": [1]}), "readings, line 2: X = 9000"),
+        (lambda one: one.estimate({"setup": ["laser"], "X_mm": [], "value_um": [1]}), "columns of other lengths"),
+        (lambda one: one.known([0.0], [[1.0]]), r"Case\.known: mean has the shape \(1,\)"),
+    ],
+)
+def test_a_misuse_is_refused_with_its_place(misuse: Callable[[Case], object], says: str) -> None:
+    with pytest.raises((InputError, ReadingError), match=says):
+        misuse(case())
 
 
 def test_a_hostile_name_stays_text() -> None:

@@ -14,7 +14,7 @@ import axiscal_core
 
 
 def test_every_name_is_there() -> None:
-    assert len(ac.__all__) <= 16
+    assert len(ac.__all__) <= 19
     for name in ac.__all__:
         assert getattr(ac, name).__name__ == name
         assert name in dir(ac)
@@ -26,13 +26,15 @@ def test_every_name_is_there() -> None:
     ("before", "complete"),
     [
         ("", set()),
-        ("case", {"plan"}),
+        ("case", {"plan", "evaluate", "next", "estimate"}),
         ("plan", {"places", "minutes", "rms"}),
+        ("known", {"mean", "covariance", "names", "sample", "deviation", "table", "U"}),
         ("ac.Curve", {"next"}),
     ],
 )
 def test_an_editor_completes_the_names(package: ModuleType, before: str, complete: set[str]) -> None:
     text = f"import {package.__name__} as ac\ncase = ac.Case(ac.Machine(), [])\nplan = case.plan(readings=6)\n"
+    text += "known = case.estimate([])\n"
     looked_at = jedi.Script(f"{text}{before or 'ac'}.", environment=jedi.InterpreterEnvironment())
     assert {each.name for each in looked_at.complete()} >= (complete or {*package.__all__})
 

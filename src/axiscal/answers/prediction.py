@@ -20,6 +20,7 @@ from axiscal.measurement.reading import Place, in_radii
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics import Array
 from axiscal.units import to_unit
+from axiscal_core.normal import Normal
 from axiscal_core.threads import one_thread
 
 _SLACK = 1e-9
@@ -45,25 +46,29 @@ def predict_poses(estimation: Estimation, wanted: Sequence[RawPose], file: Path)
 
 
 def tcp_prediction(estimation: Estimation, poses: Array, approaches: Array) -> tuple[Array, Array]:
-    """Return mean and standard deviation (m, 3) of the TCP deviation, rests included, m; the mean by the exact chain.
+    """Return mean and standard deviation (m, 3) of `tcp_normal`."""
+    found = tcp_normal(estimation, poses, approaches)
+    return found.mean, found.std
 
-    poses, approaches : (m, q); where an approach is 0 the reversal of that axis counts in the standard deviation
+
+def tcp_normal(estimation: Estimation, poses: Array, approaches: Array) -> Normal:
+    """Return the TCP deviation at each pose (m, 3), m, rests included; the mean is by the exact chain.
+
+    poses, approaches : (m, q); where an approach is 0 the reversal of that axis counts in the covariance
     """
     errors, belief = estimation.case.errors, estimation.printed.belief
-    rows, levers = errors.rows(poses, approaches), errors.levers(poses)
-    known = np.sum((rows @ belief.factor[: errors.size]) ** 2, axis=2)
-    rests = np.array([term.rest for term in errors.terms])
-    loose = np.sum((levers * rests[:, None, None]) ** 2, axis=0)
-    for function, lever in zip(errors.functions, levers, strict=False):
+    root, levers = errors.rows(poses, approaches) @ belief.factor[: errors.size], errors.levers(poses)
+    loose = np.array([term.rest**2 for term in errors.terms])[:, None] * np.ones(len(poses))
+    for k, function in enumerate(errors.functions):
         if function.kind == "reversal":
             basis = function.basis.rows(poses[:, function.axis])
             square = (basis @ belief.mean[function.columns]) ** 2
             square += np.sum((basis @ belief.factor[function.columns]) ** 2, axis=1)
-            open_side = approaches[:, function.axis] == 0
-            loose += np.where(open_side, square / 4, 0.0)[:, None] * lever**2
+            loose[k] += np.where(approaches[:, function.axis] == 0, square / 4, 0.0)
     mean = deviation_of(errors, belief.mean[: errors.size], poses, approaches).displacement
     beside = beside_the_line(estimation.case.description, estimation.readings, poses)
-    return mean, np.sqrt(known + loose + beside**2)
+    covariance = root @ root.swapaxes(1, 2) + np.einsum("kmi,km,kmj->mij", levers, loose, levers)
+    return Normal(mean, covariance + beside[:, :, None] ** 2 * np.eye(3))
 
 
 def pose_and_sides(

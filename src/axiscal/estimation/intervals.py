@@ -120,7 +120,7 @@ def sites(fitted: Fitted, steps: Array, scatter: Array) -> tuple[Array, Array]:
     which = steps > 0
     values, precisions = fitted.values.copy(), 1.0 / fitted.noise
     for _ in range(_SWEEPS):
-        mean, spread = fitted.estimate(values, precisions)
+        mean, spread = fitted.at_precisions(values, precisions)
         cavity = 1.0 / np.maximum(1.0 / spread - precisions, 1.0 / (WIDEST * fitted.noise))
         centre = cavity * (mean / spread - precisions * values)
         wanted_mean, wanted = _moments(fitted.values, steps, scatter, centre, cavity)
@@ -174,7 +174,7 @@ class Fitted:
         features = turned(posed, posed.rows, stated, [curves.roots(stated) for curves in posed.curves])
         return cls(features * posed.noise[:, None], posed.noise**2, posed.values * posed.noise, posed.reading)
 
-    def estimate(self, values: Array, precisions: Array) -> tuple[Array, Array]:
+    def at_precisions(self, values: Array, precisions: Array) -> tuple[Array, Array]:
         """Return mean and variance of the numbers without noise, (m,), if these values had these precisions 1/σ²."""
         information = np.eye(self._features.shape[1]) + (self._features.T * precisions) @ self._features
         spread = self._features @ np.asarray(np.linalg.inv(information), dtype=float)

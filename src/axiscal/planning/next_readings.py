@@ -128,15 +128,18 @@ def posed(
     knowledge: Knowledge,
     gaps: Sequence[Gap] = (),
     readings: Sequence[Reading] = (),
-    candidates: int = CANDIDATES,
+    candidates: int | Places = CANDIDATES,
 ) -> Task:
-    """Return what is to be planned: the belief so far, and candidates outside the gaps."""
+    """Return what is to be planned: the belief so far, and candidates outside the gaps.
+
+    candidates : how many, or which
+    """
     refuse_lacking(case)
     machine, setups, here = case.description.machine, case.description.setups, None
     if readings:
         last = readings[-1]
         here = Places.one(case.index(last.setup), np.array(last.pose), np.zeros(len(last.pose)))
-    lattice = spread(machine, setups, candidates)
+    lattice = candidates if isinstance(candidates, Places) else spread(machine, setups, candidates)
     keep = np.ones(len(lattice), dtype=bool)
     for setup in np.unique(lattice.setups):
         mine = lattice.setups == setup

@@ -1,4 +1,4 @@
-"""A whole plan from the beginning, and the proof of how good any other could be.
+"""A whole plan, and the proof of how good any other could be.
 
 Before the first reading it is tested whether the set-ups can reach the target at all.
 """
@@ -6,6 +6,7 @@ Before the first reading it is tested whether the set-ups can reach the target a
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -15,21 +16,22 @@ from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import listed, put, said
-from axiscal.measurement.reading import Places, reading_unit
+from axiscal.measurement.reading import Places, Reading, reading_unit
 from axiscal.measurement.travel import reading_seconds
 from axiscal.planning.bound.lower_bound import prove
 from axiscal.planning.bound.relaxation import Relaxation
-from axiscal.planning.enough import enough, reached
+from axiscal.planning.enough import enough, goal_of, reached
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import CANDIDATES, posed, reaching
 from axiscal.planning.other_readings import columns_of, with_rooms
 from axiscal.planning.plan.minutes import stretched
-from axiscal.planning.plan.plan import MANY, Plan, judged
+from axiscal.planning.plan.plan import MANY, Plan, judged, make_plan
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.searches import Searches, searched
 from axiscal.planning.plan.task import Limits
@@ -182,22 +184,35 @@ class Proposal:
     searches: Searches | None = None
 
 
+class SoFar(NamedTuple):
+    """What a plan goes on from.  knowledge : after the readings, which are believed and have their times"""
+
+    knowledge: Knowledge
+    readings: Sequence[Reading] = ()
+
+
 @one_thread()
 def proposed(
     case: Case,
     limits: Limits,
-    candidates: int = CANDIDATES,
+    candidates: int | Places = CANDIDATES,
     bounded: bool = False,
+    so_far: SoFar | None = None,
 ) -> Proposal:
-    """Return a plan from the beginning.  Raises PlanError, DescriptionError.
+    """Return a plan of the readings to come.  Raises PlanError, DescriptionError.
 
-    Places and order are those that a campaign asks for that begins with these limits.
-    candidates : places to choose from; bounded : whether the bound is wanted
+    Places and order are those that a campaign asks for that goes on with these limits.
+    candidates : how many places to choose from, or these alone; bounded : whether the bound is wanted
+    so_far : None from the beginning
     """
     refuse_unmade(case)
-    task = posed(case, case.knowledge, candidates=candidates)
-    heeded = enough(case, limits)
-    places = reaching(case, task, limits, heeded)
+    knowledge, readings = so_far or SoFar(case.knowledge)
+    task = posed(case, knowledge, readings=readings, candidates=candidates)
+    heeded = enough(case, limits, readings)
+    if isinstance(candidates, Places):
+        goal = goal_of(case, heeded, readings, readings)
+        return Proposal(make_plan(task, heeded, goal=goal, patience=0.0, bounded=bounded))
+    places = reaching(case, task, limits, heeded, readings, readings)
     plan = judged(task, heeded, columns_of(case, places), bounded)
     return Proposal(replace(plan, checks=frozenset(i for i, place in enumerate(places) if place.check)))
 

@@ -32,7 +32,7 @@ from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_rows
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.reading import Place, shown_approach, shown_pose
+from axiscal.measurement.reading import Place, Reading, shown_approach, shown_pose
 from axiscal.measurement.reading_rows import blank_readings, places_of
 from axiscal.planning.helping import helping_setups
 from axiscal.planning.next_readings import placed
@@ -111,17 +111,24 @@ class PlanAnswer(PlannedAnswer):
 
 @one_thread()
 def plan_answer(
-    case: Case, proposal: Proposal, limits: Limits, buys: Sequence[Bought] = (), *, ends: bool = True
+    case: Case,
+    proposal: Proposal,
+    limits: Limits,
+    buys: Sequence[Bought] = (),
+    *,
+    ends: bool = True,
+    before: Sequence[Reading] = (),
 ) -> PlanAnswer:
     """Return the document of a plan that was made within limits.
 
-    buys : what other minutes buy; ends : whether the campaign says when it ends
+    buys : what other minutes buy; ends : whether the campaign says when it ends; before : readings so far
     """
     plan, places = proposal.plan, placed(case, proposal.plan)
     bound = bound_rms_um(case, plan)
     ratio = _ratio(plan, bound)
     begin: list[StepCode] = ["start"] if ends else ["target", "start"]
-    answer = _planned(case, places, lambda count: plan.readings[count - 1].seconds if count else 0.0, limits, begin)
+    passed = [0.0, *(reading.seconds for reading in plan.readings)]
+    answer = _planned(case, places, passed.__getitem__, limits, begin, before)
     return PlanAnswer(
         **{**dict(answer), "bought": _bought(buys)},
         criterion=case.description.target.criterion,
@@ -177,11 +184,16 @@ def _bought(buys: Sequence[Bought]) -> list[BoughtAccuracy]:
 
 
 def _planned(
-    case: Case, places: Sequence[Place], passed: Callable[[int], float], limits: Limits, steps: Sequence[StepCode]
+    case: Case,
+    places: Sequence[Place],
+    passed: Callable[[int], float],
+    limits: Limits,
+    steps: Sequence[StepCode],
+    before: Sequence[Reading] = (),
 ) -> PlannedAnswer:
-    """Return what is known after readings at places.  passed : seconds after so many of them"""
-    readings = blank_readings(case.description.setups, places)
-    blank = blank_problem(case, readings) if places else None
+    """Return what is known after readings at places.  passed : seconds after so many of them; before : others"""
+    readings = [*before, *blank_readings(case.description.setups, places)]
+    blank = blank_problem(case, readings) if readings else None
     known = case.knowledge if blank is None else blank.knowledge
     rows = known_rows(case, known, readings)
     aims = Aims.from_case(case, known.belief, case.yardstick, rows)

@@ -2,43 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
-from numbers import Real
 from pathlib import Path
 from typing import Self
 
 import numpy as np
 
-from axiscal.answers.prediction import pose_and_sides, tcp_prediction
-from axiscal.campaign.beginning import campaign_with_sisters
-from axiscal.campaign.wrong_unit import refuse_implausible
-from axiscal.description.campaign import CampaignDescription
-from axiscal.description.placed_readings import file_readings, placed_pose
+from axiscal.answers.prediction import pose_and_sides, tcp_normal
 from axiscal.errors.model import ErrorFunction
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
+from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import in_detail
-from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.machine_estimate import Band
 from axiscal.estimation.promise.agreement import Agreement
-from axiscal.exceptions import InputError, ReadingError, ShapeError
-from axiscal.language.spoken import joined
+from axiscal.exceptions import ShapeError
 from axiscal.machine.description import Machine
-from axiscal.measurement.readers.files import read_any
-from axiscal.measurement.reading import Reading, refuse_other_values
+from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import deliver, evaluated, write_files
 from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, line_trace
 from axiscal.present.summarising import Extras
-from axiscal.python.measured_case import FILL, HEIGHT, LINE, Case, NotebookPicture, html_table
+from axiscal.python.notebook import FILL, HEIGHT, LINE, NotebookPicture, html_table
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.units import format_quantity, to_unit
 from axiscal_core import curve as alone
 from axiscal_core.normal import Normal
 from axiscal_core.places import sided
-from axiscal_core.refusals import Array, finite, one
+from axiscal_core.refusals import Array, InputError, finite, one, whole
 from axiscal_core.splines import Spline
 from axiscal_core.units import EITHER, METRES, RADIANS, Quantity, quantities, si
 
@@ -130,51 +123,19 @@ class Curve:
         return f"<Curve {self.name}: from {low:g} to {high:g} {self.position_unit}, {size}>"
 
 
-def estimate(campaign: Case | str | Path, readings: Iterable[Reading] | str | Path) -> Estimated:
-    """Return what readings make known of a machine.
+class AtPoses(Normal):
+    """Deviations of the tool point, (m, 3) with their covariances (m, 3, 3); as a pair they are mean and std."""
 
-    campaign : a case, or the file campaign.toml; readings : of `Reading`, or a file that `axiscal data estimate` reads
-    Raises InputError with file, line, value and remedy.
-    """
-    one("estimate", "campaign", campaign, (Case, str, Path), 'a case, or "campaign.toml"')
-    one("estimate", "readings", readings, (Iterable, str, Path), 'a list of Reading, or "readings.csv"')
-    description = (
-        campaign.description if isinstance(campaign, Case) else campaign_with_sisters(campaign, target_needed=False)
-    )
-    if not isinstance(readings, str | Path):
-        taken = tuple(readings)
-        _refuse_foreign(taken, description)
-        return Estimated(description, taken)
-    raw = read_any(Path(readings), description.machine.axes, description.setups)
-    description, found = file_readings(raw, description, readings)
-    refuse_implausible(found, description, readings)
-    return Estimated(description, tuple(found))
-
-
-def _refuse_foreign(readings: Sequence[Reading], description: CampaignDescription) -> None:
-    """Raise ReadingError, with its number from 1, for a reading that no set-up of the campaign can have taken."""
-    names = [axis.name for axis in description.machine.axes]
-    for number, reading in enumerate(readings, start=1):
-        try:
-            setup = description.setup(one("estimate", "readings", reading, Reading, "a list of Reading").setup)
-            refuse_other_values(setup, len(reading.values))
-            sides, numbers = reading.approach, (*reading.values, 1.0 if reading.std is None else reading.std)
-            if len(reading.pose) != len(names) or len(sides) != len(names) or {*sides} - {-1, 0, 1}:
-                remedy = "Give each of {axes} a coordinate and a side"
-                raise ReadingError("pose and approach do not have one number an axis", remedy, axes=joined(names))
-            if not all(isinstance(each, Real) and np.isfinite(each) for each in numbers) or numbers[-1] <= 0:
-                raise ReadingError("its values or its std are no numbers", "Give finite ones, and a std above zero")
-            placed_pose(setup, description.machine, dict(zip(names, reading.pose, strict=True)))
-        except InputError as failure:
-            raise ReadingError(failure.what, failure.remedy, "readings", number) from None
+    def __iter__(self) -> Iterator[Array]:
+        return iter((self.mean, self.std))
 
 
 class Estimated(Mapping[str, Curve]):
-    """The errors of a machine by name, as curves; all of them together give its deviation anywhere."""
+    """What is known of a machine: its errors by name, as curves; all together give its deviation anywhere."""
 
-    def __init__(self, campaign: CampaignDescription, readings: tuple[Reading, ...]) -> None:
-        self._given = campaign, readings
-        self.estimation: Estimation = in_detail(case_of(campaign), readings)
+    def __init__(self, case: Case, readings: tuple[Reading, ...]) -> None:
+        self._given = case.description, readings
+        self.estimation: Estimation = in_detail(case, readings)
 
     @property
     def machine(self) -> Machine:
@@ -182,9 +143,47 @@ class Estimated(Mapping[str, Curve]):
         return self.estimation.case.description.machine
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """The name of every unknown: "EXX[3]", "laser.zero"."""
+        errors, setups = self.estimation.case.errors, self.estimation.case.description.setups
+        counted = ((term.name, range(term.columns.stop - term.columns.start)) for term in errors.terms)
+        own = [f"{setup.name}.{unknown.name}" for setup in setups for unknown in setup.unknowns]
+        return (*(f"{name}[{i}]" for name, each in counted for i in each), *own)
+
+    @property
+    def mean(self) -> Array:
+        """The mean of the unknowns, (n,) m and rad."""
+        return self._belief.mean
+
+    @property
+    def covariance(self) -> Array:
+        """Their covariance, (n, n), causes of type B among it."""
+        return self._belief.covariance
+
+    @property
+    def _belief(self) -> Belief:
+        return self.estimation.printed.belief
+
+    def sample(self, count: int, seed: int = 0) -> Array:
+        """Return machines that fit the readings, (count, n)."""
+        where = "Estimated.sample"
+        known = Normal(self.mean, self.covariance)
+        return known.sample(whole(where, "count", count, 1), whole(where, "seed", seed, 0))
+
+    def table(self) -> dict[str, list[object]]:
+        """Return the unknowns as columns: `pandas.DataFrame(known.table())`."""
+        std = np.sqrt(np.diagonal(self.covariance))
+        return {"name": [*self.names], "mean": self.mean.tolist(), "std": std.tolist()}
+
+    @property
     def rms(self) -> float:
         """The RMS standard deviation of the tool point over the volume, m."""
         return self.estimation.accuracy.rms
+
+    @property
+    def U(self) -> float:  # noqa: N802 (the field's letter)
+        """Expanded uncertainty over the volume, m: the RMS deviation after correction exceeds it in 5 % of machines."""
+        return expanded_uncertainty(self.estimation).space
 
     @property
     def agreement(self) -> Agreement:
@@ -205,10 +204,14 @@ class Estimated(Mapping[str, Curve]):
     def __len__(self) -> int:
         return len(self.estimation.case.errors.functions)
 
-    def deviation(self, *poses: Mapping[str, Quantity], approach: Mapping[str, int] | None = None) -> Band:
-        """Return the deviation of the tool point in the workpiece frame, mean and standard deviation, (m, 3), m.
+    def deviation(
+        self, *poses: Mapping[str, Quantity] | Sequence[Sequence[Quantity]] | Array,
+        approach: Mapping[str, int] | None = None,
+    ) -> AtPoses:  # fmt: skip
+        """Return the deviation of the tool point in the workpiece frame.
 
-        poses : coordinates by axis, m or rad or text; one that is left out stands in the middle of its travel
+        poses : coordinates by axis, m or rad or text, where one that is left out stands in the middle of its travel; or
+            an array (m, q) in the order of the axes
         approach : +1 or −1 by axis, from which side it comes; raises ReadingError outside the travel
         """
         where, axes = (
@@ -217,12 +220,15 @@ class Estimated(Mapping[str, Curve]):
         )
         finite(where, "approach", [*(approach or {}).values()], (None,))
         found = []
-        for pose in poses:
-            given = one(where, "poses", pose, Mapping, '{"X": "300 mm"}').items()
-            position = {name: si(at, where, name, axes.get(name, EITHER)) for name, at in given}
-            found.append(pose_and_sides(self.machine, position, approach or {}))
+        for given in poses:
+            one(where, "poses", given, (Mapping, Sequence, np.ndarray), '{"X": "300 mm"}, or an array (m, q)')
+            rows = [given] if isinstance(given, Mapping) else quantities(given, where, "poses", (None, len(axes)))
+            for row in rows:
+                pose = row if isinstance(row, Mapping) else dict(zip(axes, row.tolist(), strict=True))
+                position = {name: si(at, where, name, axes.get(name, EITHER)) for name, at in pose.items()}
+                found.append(pose_and_sides(self.machine, position, approach or {}))
         at, sides = np.array(found).reshape(-1, 2, len(axes)).transpose(1, 0, 2)
-        return Band(*tcp_prediction(self.estimation, at, sided(where, sides, sides.shape)))
+        return AtPoses(**vars(tcp_normal(self.estimation, at, sided(where, sides, sides.shape))))
 
     def export(self, controller: str, folder: str | Path) -> list[Path]:
         """Write the files of a controller with their README.txt and return them; raises InputError, OSError."""
@@ -234,8 +240,10 @@ class Estimated(Mapping[str, Curve]):
     def report(self, folder: str | Path) -> Path:
         """Write report.pdf with result.json, tables and the record into a folder; return the report.
 
-        Raises InputError, OSError.
+        Raises InputError, OSError; axiscal_core.InputError where nothing was read.
         """
+        if not self._given[1]:
+            raise InputError("Estimated.report", "readings", "are none", "Estimate a machine from readings")
         with evaluated(*self._given) as campaign:
             deliver(campaign, campaign.estimate(ended=True), Path(folder), Extras())
         return Path(folder) / "report.pdf"

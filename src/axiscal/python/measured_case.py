@@ -1,65 +1,61 @@
 """A machine and the set-ups to measure on it, in Python, without a file on disk.
 
-Set-ups have the keys of campaign.toml, whose quantities are texts with their units.
+Set-ups have the keys of campaign.toml, whose quantities are texts with their units. Places and readings are those of
+the core, in arrays; a table of readings has the columns of a file of readings.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from html import escape
-from typing import Any
+import csv
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from numbers import Real
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Literal, TypeAlias
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from axiscal.campaign.beginning import campaign_with_sisters
+from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.placed_readings import file_readings, placed_pose
 from axiscal.document.quoting import toml_value
+from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case as Mathematics
+from axiscal.estimation.case import timed
+from axiscal.estimation.estimate import estimated
 from axiscal.estimation.inheritance import case_of
-from axiscal.exceptions import DescriptionError
+from axiscal.estimation.located import absorbed
+from axiscal.estimation.promise.problem import Inherited
+from axiscal.exceptions import DescriptionError, InputError, ReadingError
+from axiscal.language.spoken import joined
 from axiscal.machine.description import Machine
+from axiscal.measurement.instrument import scales_of, values_of
 from axiscal.measurement.instruments.written import name_of
-from axiscal.measurement.reading import Place, approach_text, place_text
-from axiscal.planning.next_readings import CANDIDATES, placed
+from axiscal.measurement.readers.files import read_any
+from axiscal.measurement.reading import Place, Reading, approach_text, place_text, refuse_other_values
+from axiscal.measurement.reading_rows import blank_readings, rows_at, shown_by_each, visited
+from axiscal.planning.next_readings import CANDIDATES, placed, posed
+from axiscal.planning.other_readings import columns_of
+from axiscal.planning.plan.plan import judged
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Proposal, proposed
-from axiscal.present.drawing.svg_picture import Figure, alone, axis_style, layout, line_trace, picture
+from axiscal.planning.promise import foreseen
+from axiscal.planning.proposal import Proposal, SoFar, proposed
+from axiscal.present.drawing.svg_picture import axis_style, layout, line_trace
 from axiscal.present.plan_answer import PlanAnswer, plan_answer
 from axiscal.present.plan_words import bound_sentence
+from axiscal.python.estimated import Estimated
+from axiscal.python.notebook import HEIGHT, LINE, NotebookPicture, html_table
 from axiscal.units import format_quantity, from_unit, to_unit
 from axiscal_core.instrument import Instrument
-from axiscal_core.refusals import listed, one, whole, within
+from axiscal_core.normal import Normal
+from axiscal_core.places import Places, Readings
+from axiscal_core.plan import Evaluation
+from axiscal_core.refusals import Array, finite, listed, one, spread, whole, within
+from axiscal_core.threads import one_thread
 from axiscal_core.units import METRES, Quantity, in_minutes, si
-
-
-def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str) -> str:
-    """Return a table with a caption."""
-    head = "".join(f"<th>{escape(text)}</th>" for text in heads)
-    body = "".join("<tr>" + "".join(f"<td>{escape(text)}</td>" for text in row) + "</tr>" for row in rows)
-    return f"<table><caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-
-
-LINE, FILL = "#1f5fa8", "rgba(31, 95, 168, 0.18)"
-_WIDE, _NARROW, HEIGHT = 640, 360, 260
-"""Pixels; a matter of taste."""
-
-
-@dataclass(frozen=True, slots=True)
-class NotebookPicture:
-    """A picture that a notebook shows.
-
-    figures : side by side, each a dict of `data` and `layout` as plotly's schema names them
-    """
-
-    figures: tuple[Figure, ...]
-
-    @property
-    def svg(self) -> tuple[str, ...]:
-        """Each figure as the text of an SVG file."""
-        width = _WIDE if len(self.figures) == 1 else _NARROW
-        return tuple(alone(picture(figure, width, figure["name"])) for figure in self.figures)
-
-    def _repr_html_(self) -> str:
-        return "".join(self.svg)
-
 
 SetupKeys = Mapping[str, Any]
 """A set-up before it stands on a machine: the keys of a [[setups]] table of campaign.toml."""
@@ -157,11 +153,17 @@ class PlanResult:
         return html_table(heads, rows, bound_sentence(self.answer))
 
 
+GivenPlaces: TypeAlias = Places | Sequence[Place]
+GivenReadings: TypeAlias = Readings | Iterable[Reading] | Mapping[str, Sequence[object]] | str | Path
+"""Arrays, a list, a table such as a DataFrame, or a file that `axiscal data estimate` reads."""
+
+
 class Case:
     """A machine and set-ups on it.
 
     machine : of `load_machine`; setups : of `setup`; target : keys of [target] in campaign.toml, such as
-        {"rms": "2 um"}; learn : sizes, smoothness and noise are learnt from the readings
+        {"rms": "2 um", "criterion": "joint"}; learn : sizes, smoothness and noise are learnt from the readings
+    usual : "on" adds what usually goes wrong and nobody stated; sure : how well stated sizes are known
     raises DescriptionError, UnitError or axiscal_core.InputError for what makes no sense on this machine
     """
 
@@ -171,10 +173,14 @@ class Case:
         setups: Sequence[SetupKeys],
         target: Mapping[str, Any] | None = None,
         learn: bool = False,
+        *,
+        usual: Literal["on", "off"] = "on",
+        sure: Literal["exactly", "well", "roughly"] | None = None,
     ) -> None:
         one("Case", "machine", machine, Machine, 'load_machine("dmu60")')
         scales, every = "estimate" if learn else "stated", listed("Case", "setups", setups)
-        keys = {"machine": machine.name, "scales": scales, "target": {} if target is None else target, "setups": every}
+        how = {"machine": machine.name, "scales": scales, "usual": usual, **({} if sure is None else {"sure": sure})}
+        keys = {**how, "target": {} if target is None else target, "setups": every}
         try:
             text = "".join(f"{key} = {toml_value(value)}\n" for key, value in keys.items())
         except TypeError as fault:
@@ -197,11 +203,14 @@ class Case:
         *,
         rms: Quantity | None = None,
         minutes: Quantity | None = None,
-        candidates: int = CANDIDATES,
+        candidates: GivenPlaces | int = CANDIDATES,
+        after: GivenReadings | Places | Estimated | None = None,
     ) -> PlanResult:
         """Return the readings that serve best together, with what no plan can beat.
 
         At least one of them ends it: so many readings, an RMS over the volume reached, so many minutes.
+        candidates : how many even places are tried, or the places where readings may be taken
+        after : readings that are there already, or places of such
         raises PlanError, axiscal_core.InputError
         """
         where = "Case.plan"
@@ -209,9 +218,174 @@ class Case:
         wanted = None if rms is None else within(where, "rms", si(rms, where, "rms", METRES), 0.0, open_end=True)
         seconds = None if minutes is None else 60.0 * in_minutes(minutes, where, "minutes")
         limits = Limits(count, wanted, None, seconds)
-        proposal = proposed(self.inner, limits, whole(where, "candidates", candidates, 1), bounded=True)
-        return PlanResult(self.inner, proposal, plan_answer(self.inner, proposal, limits))
+        case, so_far = self._after(after, where)
+        if isinstance(candidates, int | float):
+            lattice: Any = whole(where, "candidates", candidates, 1)
+        else:
+            lattice = columns_of(case, self._placed(candidates, where, "candidates"))
+        proposal = proposed(case, limits, lattice, bounded=True, so_far=so_far)
+        return PlanResult(case, proposal, plan_answer(case, proposal, limits, before=so_far.readings))
+
+    def next(self, after: GivenReadings | Places | Estimated | None = None) -> Places:
+        """Return the one reading that serves most."""
+        case, so_far = self._after(after, "Case.next")
+        (place,) = placed(case, proposed(case, Limits(1), so_far=so_far).plan)
+        return Places(place.setup, [place.pose], [place.approach])
+
+    @one_thread()
+    def evaluate(
+        self, places: GivenPlaces, after: GivenReadings | Places | Estimated | None = None
+    ) -> Evaluation:  # fmt: skip
+        """Return what readings at places, in this order, would make known, and the J that no others can beat."""
+        where = "Case.evaluate"
+        case, so_far = self._after(after, where)
+        coming = self._placed(places, where, "places")
+        task = posed(case, so_far.knowledge, readings=so_far.readings)
+        plan = judged(task, Limits(len(coming)), columns_of(case, coming))
+        known = expanded(case.yardstick, foreseen(case, so_far.readings, coming).belief)
+        bound = None if plan.bound is None else float(plan.bound.value)
+        return Evaluation(plan.value, plan.accuracy.rms, known.space, to_unit(plan.seconds, "min"), bound)
+
+    def estimate(self, readings: GivenReadings) -> Estimated:
+        """Return what readings make known; raises InputError with file, line, value and remedy."""
+        return Estimated(*self._taken(readings, "Case.estimate"))
+
+    def known(self, mean: ArrayLike, covariance: ArrayLike) -> Estimated:
+        """Return what is known already of the machine's errors: m and rad.  mean : (n,); covariance : (n, n)"""
+        where, size = "Case.known", self.inner.errors.size
+        belief = Inherited(finite(where, "mean", mean, (size,)), spread(where, "covariance", covariance, size))
+        return Estimated(replace(self.inner, inherited=belief), ())
+
+    @property
+    def prior(self) -> Normal:
+        """What is known of the unknowns before any reading: errors, then the set-ups' own."""
+        return Normal(self.inner.prior.mean, self.inner.prior.covariance)
+
+    def shows(self, places: GivenPlaces, x: Array) -> Normal:
+        """Return what readings show of unknowns x, with noise and rests; nothing passes meanwhile.
+
+        The mean is by the exact chain.  x : (n,)
+        """
+        where = "Case.shows"
+        coming, size = self._placed(places, where, "places"), self.inner.observation.size
+        columns = columns_of(self.inner, coming)
+        observation = visited(self.inner.observation, columns)
+        rows, variances, _ = rows_at(observation, columns)
+        blank = blank_readings(self.description.setups, coming)
+        exact = shown_by_each(observation, blank, finite(where, "x", x, (size,))[None])[0]
+        root = rows[:, size:] * np.sqrt(np.diagonal(observation.prior_covariance())[size:])
+        scales = np.concatenate([scales_of(self.description.setup(place.setup)) for place in coming])
+        return Normal(exact / scales, (root @ root.T + np.diag(variances)) / np.outer(scales, scales))
+
+    def _after(self, after: GivenReadings | Places | Estimated | None, where: str) -> tuple[Mathematics, SoFar]:
+        """Return the case as readings leave it, and what they make known; places are read at sizes as stated."""
+        if after is None:
+            return self.inner, SoFar(self.inner.knowledge)
+        if isinstance(after, Places):
+            blank = blank_readings(self.description.setups, self._placed(after, where, "after"))
+            taken = timed(self.inner, blank).readings
+            return self.inner, SoFar(absorbed(self.inner, taken).knowledge, taken)
+        known = after.estimation if isinstance(after, Estimated) else estimated(*self._taken(after, where, "after"))
+        believed = [reading for index, reading in enumerate(known.readings) if index not in known.left_out]
+        return known.case, SoFar(known.to_plan_by, believed)
+
+    def _taken(
+        self, readings: GivenReadings, where: str, argument: str = "readings"
+    ) -> tuple[Mathematics, tuple[Reading, ...]]:
+        """Return readings one by one, and the case with what a file of them says."""
+        description, found = _taken(self.description, readings, where, argument)
+        return self.inner if description is self.description else case_of(description), found
+
+    def _placed(self, places: GivenPlaces, where: str, argument: str) -> list[Place]:
+        """Return places, one by one; raises ReadingError for one that no set-up can be read at."""
+        if not isinstance(places, Places):
+            found = [
+                one(where, argument, each, Place, "Places(setup, poses)") for each in listed(where, argument, places)
+            ]
+        else:
+            rows = zip(places.instruments, places.poses.tolist(), places.sides.astype(int).tolist(), strict=True)
+            found = [Place(name, tuple(pose), tuple(sides)) for name, pose, sides in rows]
+        for number, place in enumerate(found, start=1):
+            _refuse_foreign(place, self.description, f"{where}: {argument}", number)
+        return found
 
     def __repr__(self) -> str:
         names = ", ".join(setup.name for setup in self.description.setups)
         return f"<Case {self.description.machine.name}: {names}>"
+
+
+def estimate(campaign: Case | str | Path, readings: GivenReadings) -> Estimated:
+    """Return what readings make known of a machine.
+
+    campaign : a case, or the file campaign.toml; readings : of `Reading`, or a file that `axiscal data estimate` reads
+    Raises InputError with file, line, value and remedy.
+    """
+    one("estimate", "campaign", campaign, (Case, str, Path), 'a case, or "campaign.toml"')
+    if not isinstance(campaign, Case):
+        campaign = Case.of(campaign_with_sisters(campaign, target_needed=False))
+    return Estimated(*campaign._taken(readings, "estimate"))
+
+
+def _taken(
+    description: CampaignDescription, readings: GivenReadings, where: str, argument: str = "readings"
+) -> tuple[CampaignDescription, tuple[Reading, ...]]:
+    """Return readings one by one, and the description with what a file of them says."""
+    one(where, argument, readings, (Readings, Iterable, str, Path), 'a list of Reading, or "readings.csv"')
+    if isinstance(readings, str | Path):
+        found = file_readings(
+            read_any(Path(readings), description.machine.axes, description.setups), description, readings
+        )
+        refuse_implausible(found[1], description, readings)
+        return found[0], tuple(found[1])
+    if isinstance(readings, Mapping) or hasattr(readings, "to_csv"):
+        with TemporaryDirectory(prefix="axiscal-") as folder:
+            try:
+                return _taken(description, _written(readings, Path(folder) / "table.csv"), where, argument)
+            except InputError as failure:
+                raise failure.placed(argument, failure.line) from None
+    taken = _of_arrays(readings, description) if isinstance(readings, Readings) else tuple(readings)
+    for number, reading in enumerate(taken, start=1):
+        _refuse_foreign(one(where, argument, reading, Reading, "a list of Reading"), description, argument, number)
+    return description, taken
+
+
+def _written(table: Any, file: Path) -> Path:
+    """Write a table to a file of readings, and return it.  table : columns by name"""
+    if len({len(table[name]) for name in table}) != 1:
+        raise ReadingError("the table has columns of other lengths", "Give one value a reading in each")
+    with file.open("w", encoding="utf-8", newline="") as out:
+        csv.writer(out).writerows([[*table], *zip(*(table[name] for name in table), strict=True)])
+    return file
+
+
+def _of_arrays(readings: Readings, description: CampaignDescription) -> tuple[Reading, ...]:
+    """Return readings one by one; raises axiscal_core.InputError where numbers are too few or too many."""
+    places = readings.places
+    counts = [values_of(description.setup(name)) for name in places.instruments]
+    values = iter(finite("Readings", "values", readings.values, (sum(counts),)).tolist())
+    found = []
+    for i, (name, count) in enumerate(zip(places.instruments, counts, strict=True)):
+        pose, sides = tuple(places.poses[i].tolist()), tuple(places.sides[i].astype(int).tolist())
+        first, *others = (next(values) for _ in range(count))
+        std, time = (None if each is None else float(each[i]) for each in (readings.std, readings.time))
+        found.append(Reading(name, pose, sides, first, std, others=tuple(others), time=time))
+    return tuple(found)
+
+
+def _refuse_foreign(taken: Reading | Place, description: CampaignDescription, source: str, number: int) -> None:
+    """Raise ReadingError, with its number from 1, for a place or a reading that no set-up of the campaign can have."""
+    names = [axis.name for axis in description.machine.axes]
+    try:
+        setup = description.setup(taken.setup)
+        if isinstance(taken, Reading):
+            refuse_other_values(setup, len(taken.values))
+        sides = taken.approach
+        if len(taken.pose) != len(names) or len(sides) != len(names) or {*sides} - {-1, 0, 1}:
+            remedy = "Give each of {axes} a coordinate and a side"
+            raise ReadingError("pose and approach do not have one number an axis", remedy, axes=joined(names))
+        numbers = (*taken.values, 1.0 if taken.std is None else taken.std) if isinstance(taken, Reading) else (1.0,)
+        if not all(isinstance(each, Real) and np.isfinite(each) for each in numbers) or numbers[-1] <= 0:
+            raise ReadingError("its values or its std are no numbers", "Give finite ones, and a std above zero")
+        placed_pose(setup, description.machine, dict(zip(names, taken.pose, strict=True)))
+    except InputError as failure:
+        raise ReadingError(failure.what, failure.remedy, source, number) from None

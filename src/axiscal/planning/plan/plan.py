@@ -289,13 +289,14 @@ def refuse_unplannable(task: Task, limits: Limits) -> None:
 def _together(task: Task, readings: int, setups: Setups, work: float) -> Scores:
     """Return the best of what exchange makes of several beginnings with the same number of readings per set-up.
 
-    work : operations that random starts may take
+    work : operations that random starts may take; without any all places are those of the lattice
     """
     base, times = scores_among(task, setups), clock(task)
     tried = [filled(base.fork(), readings, setups)]
     counts = [(s, int(np.sum(tried[0].places.setups == s))) for s in setups]
     random = best_of_random(task, counts, work)
-    for begun in [*plain_designs(task, counts), *([] if random is None else [random])]:
+    plain = plain_designs(task, counts) if work else []  # their places are off the lattice
+    for begun in [*plain, *([] if random is None else [random])]:
         scores = base.fork()
         scores.enter_all(begun)
         tried.append(scores)
