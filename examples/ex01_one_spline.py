@@ -1,7 +1,7 @@
 """One spline.
 
-The straightness error of a slide: seven control points, and a natural cubic spline through them. Everything about it is
-linear in the control values, so value, slope and integral are products of matrices with them.
+The straightness error of a slide: seven control points, and a natural cubic spline through them. All of it is
+linear in the control values.
 """
 
 import numpy as np

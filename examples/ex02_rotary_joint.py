@@ -1,8 +1,7 @@
 """A cyclic spline with tilt and precession.
 
-A table turns while a dial reads its face at some radius. A tilt of the face shows once a turn, a precession twice. Half
-of the readings make the estimate, the others say whether it is right. With a file of your own (columns: angle in
-degrees, reading in um): `python examples/ex02_rotary_joint.py readings.csv`.
+A table turns while a dial reads its face at some radius. A tilt of the face shows once a turn, a precession twice.
+With a file of your own (columns: angle in degrees, reading in um): `python examples/ex02_rotary_joint.py readings.csv`.
 """
 
 import sys

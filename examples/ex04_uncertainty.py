@@ -1,7 +1,7 @@
 """Uncertainty, before and after.
 
 What is believed of the control values is a normal distribution, which says by how much each reading surprises, and
-which it sharpens. The last reading here is 20 um off: the belief is not asked to swallow it before it has been seen.
+which it sharpens. The last reading here is 20 um off.
 """
 
 import numpy as np

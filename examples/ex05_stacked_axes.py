@@ -1,8 +1,7 @@
 """Stacked axes.
 
 The paper's sample machine: three axes on top of each other, one dial that reads the sum of their height errors. Only
-the sum of the three constants can ever be seen. The paper's measure J counts the other two combinations for ever; the
-height itself is known well.
+the sum of the three constants can ever be seen; J counts the other two combinations for ever.
 """
 
 import numpy as np

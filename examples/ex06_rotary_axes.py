@@ -1,8 +1,8 @@
 """A machine with rotary axes.
 
 On a five-axis machine an error acts through a lever that turns with the axes: H(t) maps every control value of every
-error to the deviation of the tool centre point. Here the table C turns once while the other axes stand still; the
-bands are what the description of the machine leaves open before anything is measured.
+error to the deviation of the tool centre point. Here the table C turns once while the other axes stand still, and
+nothing is measured yet.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """A campaign.
 
-The whole loop on one axis: ask, read, estimate, until the target is reached. Every reading is on the disk before the
-next question. The source is a virtual machine drawn from the prior. `axiscal step run` does the same from a shell.
+The whole loop on one axis: ask, read, estimate, until the target is reached. `axiscal step run` does the same
+from a shell.
 """
 
 from pathlib import Path

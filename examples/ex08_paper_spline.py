@@ -1,8 +1,7 @@
 """The paper's single spline.
 
 Seven control points on 0 to 10, readings of variance 0.01, each taken where J, the variance along the whole spline,
-falls most (B&H eq. 26, 27). Drawn is a spline after seven readings: the estimate with its band of one standard
-deviation. Over many splines the squared error is what J says, though no value was known when places were chosen.
+falls most (B&H eq. 26, 27). Drawn is a spline after seven.
 """
 
 import numpy as np

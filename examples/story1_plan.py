@@ -1,7 +1,6 @@
 """A five-axis plan from two set-ups made in Python.
 
-The set-ups take noise, unknowns and times that are usual for their instruments. The plan says how good the machine is
-known after it, how long it takes, and what no other plan of as many readings could beat.
+The set-ups take noise, unknowns and times that are usual for their instruments.
 """
 
 import axiscal as ac

@@ -1,7 +1,7 @@
 """A file of readings to curves with bands.
 
-The readings were taken already; nothing is planned. Every error of the machine becomes a curve with its band. The
-deviation of the tool point follows from all of them, and so do the tables of the control.
+Every error of the machine becomes a curve with its band; the deviation of the tool point and the tables follow.
+`known.report(folder)` writes report.pdf.
 """
 
 import tempfile

@@ -12,11 +12,14 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "api.md"
 _HEAD = """\
 # Public names
 
-`make docs` makes this page from the first sentences of the docstrings. `import axiscal as ac`, then `help(ac.Curve)`
-says shapes, units and failures. Everything else may move between versions.
+`import axiscal as ac`, then `help(ac.Curve)` says shapes, units and failures. Everything else may move between
+versions.
 """
 _WHOLE = ("python", "campaign")
 """Rooms whose classes are told member by member; of the others, the mathematics, members are named."""
+
+_MANY = 12
+"""Arguments from which on the first ones are enough: `help` says the others."""
 
 
 def page() -> str:
@@ -39,7 +42,7 @@ def _members(found: type) -> list[str]:
     told = [(each, member) for each, member in own if _told(member)]
     if found.__module__.split(".")[1] in _WHOLE:
         return [*(f"- {_said(each, member)}" for each, member in told), ""]
-    return [", ".join(f"`{each}{_arguments(_inner(member))}`" for each, member in told) + "\n"] if told else []
+    return [", ".join(f"`{each}{'()' * callable(_inner(member))}`" for each, member in told) + "\n"] if told else []
 
 
 def _told(member: object) -> bool:
@@ -68,7 +71,7 @@ def _arguments(member: object) -> str:
         for parameter in inspect.signature(member).parameters.values()
         if parameter.name not in ("self", "cls")
     ]
-    return f"({', '.join(names)})"
+    return f"({', '.join(names if len(names) < _MANY else [*names[:3], '…'])})"
 
 
 if __name__ == "__main__":

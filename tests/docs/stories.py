@@ -19,8 +19,8 @@ PAGE, NOTEBOOK = ROOT / "docs" / "python.md", ROOT / "docs" / "python.ipynb"
 _HEAD = """\
 # axiscal from Python
 
-Two stories with public names only. Each is a file in [examples/](../examples) that runs by itself, and a cell of
-[python.ipynb](python.ipynb), both tested. Numbers are metres, radians and seconds; set-ups take text with units.
+Three stories with public names only. They are files in [examples/](../examples), and cells of
+[python.ipynb](python.ipynb). Numbers are metres, radians and seconds; set-ups take text with units.
 Every public name is on [api.md](api.md); the fields of `result.json` on [result.md](result.md). Instruments, errors and
 machines of your own are on [core.md](core.md).
 """

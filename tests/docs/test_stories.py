@@ -12,8 +12,8 @@ from tests.docs.stories import NOTEBOOK, PAGE, ROOT, STORIES, notebook, told
 CELLS = json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]
 
 
-def test_there_are_two_stories_of_at_most_fifteen_lines() -> None:
-    assert len(STORIES) == 2
+def test_there_are_three_stories_of_at_most_fifteen_lines() -> None:
+    assert len(STORIES) == 3
     for path in STORIES:
         lines = [line for line in told(path)[2].splitlines() if line and not line.startswith(("import", "print"))]
         assert len(lines) <= 15

@@ -1,0 +1,20 @@
+"""Places and readings of your own.
+
+A case judges places that you name, and goes on after readings that are there; `plan(candidates=…)` takes your places
+alone. Readings are arrays, a table such as a DataFrame, or a file. `case.known(mean, covariance)` makes curves and
+tables of a belief of your own.
+"""
+
+import numpy as np
+
+import axiscal as ac
+
+case = ac.Case(ac.load_machine("three-axis-mill"), [ac.setup("interferometer", "x", moves=["X"], name="laser")])
+line = ac.Places("laser", [[x, 0.2, 0.2] for x in np.linspace(0.05, 0.55, 6)])
+print(f"six even places would leave {1e6 * case.evaluate(line).rms:.3g} um")
+known = case.estimate(ac.Readings.simulated(case, line, seed=1))
+more = case.plan(readings=4, after=known)
+print(f"four more leave {1e6 * more.rms:.3g} um after {more.minutes:.1f} minutes")
+print(f"the first stands at X = {1e3 * case.next(after=known).poses[0, 0]:.0f} mm")
+covariance = known.deviation(line.poses).covariance
+picture = known.plot()
