@@ -13,29 +13,50 @@ from axiscal.python.estimated import Curve as Curve
 from axiscal.python.measured_case import Case as Case
 from axiscal.python.measured_case import estimate as estimate
 from axiscal.python.measured_case import setup as setup
-from axiscal_core.instrument import Instrument as Instrument
-from axiscal_core.places import Places as Places
-from axiscal_core.places import Readings as Readings
+from axiscal_core import At as At
+from axiscal_core import Axis as Axis
+from axiscal_core import BallBar as BallBar
+from axiscal_core import Basis as Basis
+from axiscal_core import Error as Error
+from axiscal_core import Evaluation as Evaluation
+from axiscal_core import InputError as InputError
+from axiscal_core import Instrument as Instrument
+from axiscal_core import Known as Known
+from axiscal_core import Laser as Laser
+from axiscal_core import Level as Level
+from axiscal_core import Machine as Machine
+from axiscal_core import Normal as Normal
+from axiscal_core import Offset as Offset
+from axiscal_core import Places as Places
+from axiscal_core import Plan as Plan
+from axiscal_core import Plane as Plane
+from axiscal_core import Readings as Readings
+from axiscal_core import RTest as RTest
+from axiscal_core import Tracker as Tracker
+from axiscal_core import Unknowns as Unknowns
+from axiscal_core import angle as angle
+from axiscal_core import cross as cross
+from axiscal_core import length as length
 from axiscal_core.splines import Constant as Constant
 from axiscal_core.splines import CyclicSpline as CyclicSpline
 from axiscal_core.splines import NaturalSpline as NaturalSpline
 
 __version__: str
 __all__ = [
+    "Axis",
     "Belief",
     "Campaign",
     "Case",
     "Constant",
     "Curve",
     "CyclicSpline",
+    "Error",
     "ErrorModel",
     "Instrument",
-    "Knowledge",
+    "Machine",
     "NaturalSpline",
-    "Observation",
     "Places",
     "Readings",
-    "Setup",
     "Simulator",
     "estimate",
     "load_machine",

@@ -6,23 +6,26 @@ import numpy as np
 import pytest
 
 import axiscal as ac
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
 
 NOISE, REST = 0.3e-6, 0.3e-6
 """Of one reading, and of EXX of the built-in machine of one axis: what no spline follows."""
 
 
-def laser() -> ac.Observation:
+def laser() -> Observation:
     """Return a laser on one axis that is always come to from below."""
-    setup = ac.Setup("laser", "interferometer", (1.0, 0.0, 0.0), (0,), (0.5,), NOISE, (), 600.0, 1.0, 3.0, (0.0,), "+")
-    return ac.Observation(ac.ErrorModel(ac.load_machine("one-axis")), (setup,))
+    setup = Setup("laser", "interferometer", (1.0, 0.0, 0.0), (0,), (0.5,), NOISE, (), 600.0, 1.0, 3.0, (0.0,), "+")
+    return Observation(ac.ErrorModel(ac.load_machine("one-axis")), (setup,))
 
 
 @pytest.mark.parametrize("one_by_one", [True, False])
 def test_reading_one_place_400_times_leaves_the_rest(one_by_one: bool) -> None:
     """The spline there is known as by one reading whose noise is the rest, and a twentieth of the instrument's."""
     observation = laser()
-    knowledge, errors = ac.Knowledge.before(observation), observation.errors
+    knowledge, errors = Knowledge.before(observation), observation.errors
     row = errors.rows(np.array([[0.37]]), np.ones((1, 1)))[0, 0]
     prior = float(row @ errors.prior_covariance() @ row)
     if one_by_one:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 from xml.etree import ElementTree
 
@@ -11,6 +13,7 @@ import numpy as np
 import pytest
 
 import axiscal as ac
+import axiscal_core
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Simulator
@@ -158,6 +161,37 @@ def test_arrays_a_table_and_a_list_are_the_same_readings(tmp_path: Path) -> None
     assert np.cov(expected.sample(4000, seed=1).T)[0, 0] == pytest.approx(expected.covariance[0, 0], rel=0.1)
     found = expected.deviation([["100 mm", "100 mm", "200 mm"], [0.3, 0.1, 0.2]])
     assert (found.mean.shape, found.covariance.shape) == ((2, 3), (2, 3, 3))
+
+
+def test_curves_are_a_dataset(monkeypatch: pytest.MonkeyPatch) -> None:
+    known = case().estimate(ac.Readings.simulated(case(), LINE, seed=2))
+    with pytest.raises(InputError, match="pip install xarray"):
+        known.to_xarray()
+    monkeypatch.setitem(sys.modules, "xarray", ModuleType("xarray"))
+    monkeypatch.setattr(sys.modules["xarray"], "Dataset", dict, raising=False)
+    data = known.to_xarray()
+    along, mean = data["EXX_mean"]
+    assert np.array_equal(mean, known["EXX"](data[along][1]).mean)
+
+
+def test_instruments_of_the_core_read_a_machine_that_is_built_in() -> None:
+    machine = ac.load_machine("three-axis-mill")
+    laser = ac.Laser("laser", "X", along="x", noise="0.5 um", unknowns={"zero": "2 mm"}, park={"Y": "100 mm"})
+    mine = ac.Case(machine, [laser, Grid("grid", "XY")])
+    first, second = mine.description.setups
+    assert (first.name, first.noise, first.park[1], first.unknowns[0].std) == ("laser", 0.5e-6, 0.1, 2e-3)
+    assert {place.setup for place in mine.plan(readings=8, candidates=60).places} <= {first.name, second.name}
+    ours = ac.setup("interferometer", "x", moves=["X"], approach="both", noise="0.5 um", unknowns={"zero": "2 mm"})
+    there = [ac.Places(name, LINE.poses, LINE.sides) for name in ("laser", "interferometer x X")]
+    theirs = ac.Case(machine, [{**ours, "park": {"Y": "100 mm"}}])
+    assert pytest.approx(theirs.evaluate(there[1]).J, rel=1e-12) == ac.Case(machine, [laser]).evaluate(there[0]).J
+
+
+def test_a_machine_made_in_python_has_the_case_of_the_core() -> None:
+    machine = ac.Machine([ac.Axis.linear("X", "x", (0, "600 mm"))], [ac.Error("EXX", "10 um", length="200 mm")])
+    made = ac.Case(machine, [ac.Laser("laser", "X")], usual="off")
+    assert isinstance(made, axiscal_core.Case)
+    assert len(made.plan(readings=3)) == 3
 
 
 def test_what_is_known_already_makes_curves_and_tables(tmp_path: Path) -> None:

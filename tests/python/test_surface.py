@@ -45,11 +45,18 @@ def test_nothing_is_loaded_before_it_is_used() -> None:
     assert loaded.strip() == "[]"
 
 
-def test_the_exact_step_is_that_of_the_core() -> None:
-    with pytest.warns(DeprecationWarning, match=r"axiscal_core\.Case\.next"):
-        step = ac.best_step  # type: ignore[attr-defined]
-    assert step is axiscal_core.Case.next
-    assert "best_step" not in ac.__all__
+@pytest.mark.parametrize("name", ["Knowledge", "Observation", "Setup", "best_step"])
+def test_a_name_that_leaves_says_what_to_use_instead(name: str) -> None:
+    with pytest.warns(DeprecationWarning, match=rf"axiscal\.{name} leaves: use "):
+        assert getattr(ac, name).__name__ == name
+    assert name not in ac.__all__
+
+
+def test_names_of_the_core_are_here_too() -> None:
+    own = {"Case", "Curve"}
+    assert [
+        name for name in axiscal_core.__all__ if (getattr(ac, name) is getattr(axiscal_core, name)) == (name in own)
+    ] == []
 
 
 def test_a_name_that_is_not_there() -> None:

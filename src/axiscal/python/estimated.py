@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
+from importlib import import_module
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -107,9 +108,14 @@ class Curve:
         """Return a picture: mean, and the band that holds it with 95 %."""
         return NotebookPicture((self.line(),))
 
+    @property
+    def drawn_at(self) -> Array:
+        """Positions over the travel, close enough to draw it, m or rad."""
+        return np.linspace(self.spline.knots[0], self.spline.knots[-1], _SHOWN)
+
     def line(self) -> Figure:
         """Return the curve as it is drawn."""
-        at = np.linspace(self.spline.knots[0], self.spline.knots[-1], _SHOWN)
+        at = self.drawn_at
         mean, std = self(at)
         x, middle = to_unit(at, self.position_unit).tolist(), to_unit(mean, self.unit).tolist()
         half = (BAND * to_unit(std, self.unit)).tolist()
@@ -174,6 +180,18 @@ class Estimated(Mapping[str, Curve]):
         """Return the unknowns as columns: `pandas.DataFrame(known.table())`."""
         std = np.sqrt(np.diagonal(self.covariance))
         return {"name": [*self.names], "mean": self.mean.tolist(), "std": std.tolist()}
+
+    def to_xarray(self) -> Any:
+        """Return an `xarray.Dataset`: mean and std of each error over its axis, m and rad."""
+        data = dict[str, tuple[str, Array]]()
+        for name, curve in self.items():
+            at, along = curve.drawn_at, f"{name}_at"
+            mean, std = curve(at)
+            data |= {along: (along, at), f"{name}_mean": (along, mean), f"{name}_std": (along, std)}
+        try:
+            return import_module("xarray").Dataset(data)
+        except ModuleNotFoundError as missing:
+            raise InputError("Estimated.to_xarray", "xarray", "is not installed", "pip install xarray") from missing
 
     @property
     def rms(self) -> float:

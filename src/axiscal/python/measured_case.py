@@ -49,7 +49,9 @@ from axiscal.present.plan_words import bound_sentence
 from axiscal.python.estimated import Estimated
 from axiscal.python.notebook import HEIGHT, LINE, NotebookPicture, html_table
 from axiscal.units import format_quantity, from_unit, to_unit
+from axiscal_core.case import Case as OwnCase
 from axiscal_core.instrument import Instrument
+from axiscal_core.machine import Machine as OwnMachine
 from axiscal_core.normal import Normal
 from axiscal_core.places import Places, Readings
 from axiscal_core.plan import Evaluation
@@ -81,6 +83,19 @@ def setup(
     usual = " ".join([instrument, *([direction] if isinstance(direction, str) else []), *(moves or ())])
     stated = {"name": name or usual, "instrument": instrument, "direction": direction, "moves": moves, **keys}
     return {key: value for key, value in stated.items() if value is not None}
+
+
+def _mounted(instrument: Instrument) -> SetupKeys:
+    """Return the set-up of an instrument that is mounted already, with its noise, unknowns and times."""
+    made = type(instrument)
+
+    def as_mounted(own: Instrument, *_: object) -> None:
+        own.__dict__.update(instrument.__dict__)
+
+    title = f"{made.__qualname__} {instrument.name}"
+    own = {"__init__": as_mounted, "__qualname__": title, "__module__": made.__module__}
+    name = name_of(type(made.__name__, (made,), own))
+    return {"name": instrument.name, "instrument": name, "moves": [*instrument.moves]}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -161,16 +176,22 @@ GivenReadings: TypeAlias = Readings | Iterable[Reading] | Mapping[str, Sequence[
 class Case:
     """A machine and set-ups on it.
 
-    machine : of `load_machine`; setups : of `setup`; target : keys of [target] in campaign.toml, such as
-        {"rms": "2 um", "criterion": "joint"}; learn : sizes, smoothness and noise are learnt from the readings
+    machine : of `load_machine`; setups : of `setup`, or instruments
+    target : keys of [target] in campaign.toml, such as {"rms": "2 um", "criterion": "joint"}
+    learn : sizes, smoothness and noise are learnt from the readings
     usual : "on" adds what usually goes wrong and nobody stated; sure : how well stated sizes are known
     raises DescriptionError, UnitError or axiscal_core.InputError for what makes no sense on this machine
+    Of a machine that is made in Python it is the case of the core, which takes the same instruments.
     """
+
+    def __new__(cls, machine: Machine | OwnMachine, *given: Any, **named: Any) -> Any:
+        """Return the case."""
+        return OwnCase(machine, *given, **named) if isinstance(machine, OwnMachine) else super().__new__(cls)
 
     def __init__(
         self,
-        machine: Machine,
-        setups: Sequence[SetupKeys],
+        machine: Machine | OwnMachine,
+        setups: Sequence[SetupKeys | Instrument],
         target: Mapping[str, Any] | None = None,
         learn: bool = False,
         *,
@@ -178,7 +199,9 @@ class Case:
         sure: Literal["exactly", "well", "roughly"] | None = None,
     ) -> None:
         one("Case", "machine", machine, Machine, 'load_machine("dmu60")')
-        scales, every = "estimate" if learn else "stated", listed("Case", "setups", setups)
+        assert isinstance(machine, Machine), "the case of any other is the core's"
+        scales = "estimate" if learn else "stated"
+        every = [_mounted(each) if isinstance(each, Instrument) else each for each in listed("Case", "setups", setups)]
         how = {"machine": machine.name, "scales": scales, "usual": usual, **({} if sure is None else {"sure": sure})}
         keys = {**how, "target": {} if target is None else target, "setups": every}
         try:
@@ -193,7 +216,7 @@ class Case:
     def of(cls, description: CampaignDescription) -> Case:
         """Return the case of a campaign that was described in a file."""
         one("Case.of", "description", description, CampaignDescription, 'read_campaign("campaign.toml")')
-        case = cls.__new__(cls)
+        case: Case = object.__new__(cls)
         case.description, case.inner = description, case_of(description)
         return case
 
