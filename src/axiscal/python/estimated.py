@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
+from dataclasses import dataclass
+from html import escape
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Self
@@ -23,18 +25,49 @@ from axiscal.exceptions import ShapeError
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import deliver, evaluated, write_files
-from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, line_trace
+from axiscal.present.drawing.svg_picture import Figure, alone, axis_style, band, layout, line_trace, picture
 from axiscal.present.summarising import Extras
-from axiscal.python.notebook import FILL, HEIGHT, LINE, NotebookPicture, html_table
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.units import format_quantity, to_unit
-from axiscal_core import curve as alone
+from axiscal_core import curve as own
 from axiscal_core.normal import Normal
 from axiscal_core.places import sided
 from axiscal_core.refusals import Array, InputError, finite, one, whole
 from axiscal_core.splines import Spline
 from axiscal_core.units import EITHER, METRES, RADIANS, Quantity, quantities, si
+
+
+def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str) -> str:
+    """Return a table with a caption."""
+    head = "".join(f"<th>{escape(text)}</th>" for text in heads)
+    body = "".join("<tr>" + "".join(f"<td>{escape(text)}</td>" for text in row) + "</tr>" for row in rows)
+    return f"<table><caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+LINE, FILL = "#1f5fa8", "rgba(31, 95, 168, 0.18)"
+_WIDE, _NARROW, HEIGHT = 640, 360, 260
+"""Pixels; a matter of taste."""
+
+
+@dataclass(frozen=True, slots=True)
+class NotebookPicture:
+    """A picture that a notebook shows.
+
+    figures : side by side, each a dict of `data` and `layout` as plotly's schema names them
+    """
+
+    figures: tuple[Figure, ...]
+
+    @property
+    def svg(self) -> tuple[str, ...]:
+        """Each figure as the text of an SVG file."""
+        width = _WIDE if len(self.figures) == 1 else _NARROW
+        return tuple(alone(picture(figure, width, figure["name"])) for figure in self.figures)
+
+    def _repr_html_(self) -> str:
+        return "".join(self.svg)
+
 
 _SHOWN = 201
 """Points of a drawn line: more than a page has pixels for its bends."""
@@ -52,7 +85,7 @@ class Curve:
         self, travel: Sequence[Quantity], std: Quantity, length: Quantity | None = None, knots: int = 7
     ) -> None:
         ends = quantities(travel, "Curve", "travel", (2,), [METRES])
-        self._known = alone.Curve(ends, si(std, "Curve", "std", METRES), knots, length)
+        self._known = own.Curve(ends, si(std, "Curve", "std", METRES), knots, length)
         self.name, self.rest, self.unit, self.position_unit = "curve", 0.0, "um", "mm"
 
     @classmethod
@@ -65,7 +98,7 @@ class Curve:
         unit, position_unit : in which it is shown
         """
         curve = cls.__new__(cls)
-        known = alone.Curve.of(spline, Normal(belief.mean, belief.covariance))
+        known = own.Curve.of(spline, Normal(belief.mean, belief.covariance))
         curve._known, curve.name, curve.rest, curve.unit, curve.position_unit = known, name, rest, unit, position_unit
         return curve
 

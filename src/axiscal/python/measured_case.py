@@ -6,21 +6,16 @@ the core, in arrays; a table of readings has the columns of a file of readings.
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from numbers import Real
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from axiscal.campaign.beginning import campaign_with_sisters
-from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.placed_readings import file_readings, placed_pose
 from axiscal.document.quoting import toml_value
 from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case as Mathematics
@@ -29,13 +24,11 @@ from axiscal.estimation.estimate import estimated
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.located import absorbed
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.exceptions import DescriptionError, InputError, ReadingError
-from axiscal.language.spoken import joined
+from axiscal.exceptions import DescriptionError
 from axiscal.machine.description import Machine
-from axiscal.measurement.instrument import scales_of, values_of
+from axiscal.measurement.instrument import scales_of
 from axiscal.measurement.instruments.written import name_of
-from axiscal.measurement.readers.files import read_any
-from axiscal.measurement.reading import Place, Reading, approach_text, place_text, refuse_other_values
+from axiscal.measurement.reading import Place, Reading, approach_text, place_text
 from axiscal.measurement.reading_rows import blank_readings, rows_at, shown_by_each, visited
 from axiscal.planning.next_readings import CANDIDATES, placed, posed
 from axiscal.planning.other_readings import columns_of
@@ -46,14 +39,14 @@ from axiscal.planning.proposal import Proposal, SoFar, proposed
 from axiscal.present.drawing.svg_picture import axis_style, layout, line_trace
 from axiscal.present.plan_answer import PlanAnswer, plan_answer
 from axiscal.present.plan_words import bound_sentence
-from axiscal.python.estimated import Estimated
-from axiscal.python.notebook import HEIGHT, LINE, NotebookPicture, html_table
+from axiscal.python.estimated import HEIGHT, LINE, Estimated, NotebookPicture, html_table
+from axiscal.python.given import GivenPlaces, GivenReadings, places_of, readings_of
 from axiscal.units import format_quantity, from_unit, to_unit
 from axiscal_core.case import Case as OwnCase
 from axiscal_core.instrument import Instrument
 from axiscal_core.machine import Machine as OwnMachine
 from axiscal_core.normal import Normal
-from axiscal_core.places import Places, Readings
+from axiscal_core.places import Places
 from axiscal_core.plan import Evaluation
 from axiscal_core.refusals import Array, finite, listed, one, spread, whole, within
 from axiscal_core.threads import one_thread
@@ -168,11 +161,6 @@ class PlanResult:
         return html_table(heads, rows, bound_sentence(self.answer))
 
 
-GivenPlaces: TypeAlias = Places | Sequence[Place]
-GivenReadings: TypeAlias = Readings | Iterable[Reading] | Mapping[str, Sequence[object]] | str | Path
-"""Arrays, a list, a table such as a DataFrame, or a file that `axiscal data estimate` reads."""
-
-
 class Case:
     """A machine and set-ups on it.
 
@@ -245,7 +233,7 @@ class Case:
         if isinstance(candidates, int | float):
             lattice: Any = whole(where, "candidates", candidates, 1)
         else:
-            lattice = columns_of(case, self._placed(candidates, where, "candidates"))
+            lattice = columns_of(case, places_of(candidates, self.description, where, "candidates"))
         proposal = proposed(case, limits, lattice, bounded=True, so_far=so_far)
         return PlanResult(case, proposal, plan_answer(case, proposal, limits, before=so_far.readings))
 
@@ -262,7 +250,7 @@ class Case:
         """Return what readings at places, in this order, would make known, and the J that no others can beat."""
         where = "Case.evaluate"
         case, so_far = self._after(after, where)
-        coming = self._placed(places, where, "places")
+        coming = places_of(places, self.description, where, "places")
         task = posed(case, so_far.knowledge, readings=so_far.readings)
         plan = judged(task, Limits(len(coming)), columns_of(case, coming))
         known = expanded(case.yardstick, foreseen(case, so_far.readings, coming).belief)
@@ -290,7 +278,7 @@ class Case:
         The mean is by the exact chain.  x : (n,)
         """
         where = "Case.shows"
-        coming, size = self._placed(places, where, "places"), self.inner.observation.size
+        coming, size = places_of(places, self.description, where, "places"), self.inner.observation.size
         columns = columns_of(self.inner, coming)
         observation = visited(self.inner.observation, columns)
         rows, variances, _ = rows_at(observation, columns)
@@ -305,7 +293,7 @@ class Case:
         if after is None:
             return self.inner, SoFar(self.inner.knowledge)
         if isinstance(after, Places):
-            blank = blank_readings(self.description.setups, self._placed(after, where, "after"))
+            blank = blank_readings(self.description.setups, places_of(after, self.description, where, "after"))
             taken = timed(self.inner, blank).readings
             return self.inner, SoFar(absorbed(self.inner, taken).knowledge, taken)
         known = after.estimation if isinstance(after, Estimated) else estimated(*self._taken(after, where, "after"))
@@ -316,21 +304,8 @@ class Case:
         self, readings: GivenReadings, where: str, argument: str = "readings"
     ) -> tuple[Mathematics, tuple[Reading, ...]]:
         """Return readings one by one, and the case with what a file of them says."""
-        description, found = _taken(self.description, readings, where, argument)
+        description, found = readings_of(readings, self.description, where, argument)
         return self.inner if description is self.description else case_of(description), found
-
-    def _placed(self, places: GivenPlaces, where: str, argument: str) -> list[Place]:
-        """Return places, one by one; raises ReadingError for one that no set-up can be read at."""
-        if not isinstance(places, Places):
-            found = [
-                one(where, argument, each, Place, "Places(setup, poses)") for each in listed(where, argument, places)
-            ]
-        else:
-            rows = zip(places.instruments, places.poses.tolist(), places.sides.astype(int).tolist(), strict=True)
-            found = [Place(name, tuple(pose), tuple(sides)) for name, pose, sides in rows]
-        for number, place in enumerate(found, start=1):
-            _refuse_foreign(place, self.description, f"{where}: {argument}", number)
-        return found
 
     def __repr__(self) -> str:
         names = ", ".join(setup.name for setup in self.description.setups)
@@ -347,68 +322,3 @@ def estimate(campaign: Case | str | Path, readings: GivenReadings) -> Estimated:
     if not isinstance(campaign, Case):
         campaign = Case.of(campaign_with_sisters(campaign, target_needed=False))
     return Estimated(*campaign._taken(readings, "estimate"))
-
-
-def _taken(
-    description: CampaignDescription, readings: GivenReadings, where: str, argument: str = "readings"
-) -> tuple[CampaignDescription, tuple[Reading, ...]]:
-    """Return readings one by one, and the description with what a file of them says."""
-    one(where, argument, readings, (Readings, Iterable, str, Path), 'a list of Reading, or "readings.csv"')
-    if isinstance(readings, str | Path):
-        found = file_readings(
-            read_any(Path(readings), description.machine.axes, description.setups), description, readings
-        )
-        refuse_implausible(found[1], description, readings)
-        return found[0], tuple(found[1])
-    if isinstance(readings, Mapping) or hasattr(readings, "to_csv"):
-        with TemporaryDirectory(prefix="axiscal-") as folder:
-            try:
-                return _taken(description, _written(readings, Path(folder) / "table.csv"), where, argument)
-            except InputError as failure:
-                raise failure.placed(argument, failure.line) from None
-    taken = _of_arrays(readings, description) if isinstance(readings, Readings) else tuple(readings)
-    for number, reading in enumerate(taken, start=1):
-        _refuse_foreign(one(where, argument, reading, Reading, "a list of Reading"), description, argument, number)
-    return description, taken
-
-
-def _written(table: Any, file: Path) -> Path:
-    """Write a table to a file of readings, and return it.  table : columns by name"""
-    if len({len(table[name]) for name in table}) != 1:
-        raise ReadingError("the table has columns of other lengths", "Give one value a reading in each")
-    with file.open("w", encoding="utf-8", newline="") as out:
-        csv.writer(out).writerows([[*table], *zip(*(table[name] for name in table), strict=True)])
-    return file
-
-
-def _of_arrays(readings: Readings, description: CampaignDescription) -> tuple[Reading, ...]:
-    """Return readings one by one; raises axiscal_core.InputError where numbers are too few or too many."""
-    places = readings.places
-    counts = [values_of(description.setup(name)) for name in places.instruments]
-    values = iter(finite("Readings", "values", readings.values, (sum(counts),)).tolist())
-    found = []
-    for i, (name, count) in enumerate(zip(places.instruments, counts, strict=True)):
-        pose, sides = tuple(places.poses[i].tolist()), tuple(places.sides[i].astype(int).tolist())
-        first, *others = (next(values) for _ in range(count))
-        std, time = (None if each is None else float(each[i]) for each in (readings.std, readings.time))
-        found.append(Reading(name, pose, sides, first, std, others=tuple(others), time=time))
-    return tuple(found)
-
-
-def _refuse_foreign(taken: Reading | Place, description: CampaignDescription, source: str, number: int) -> None:
-    """Raise ReadingError, with its number from 1, for a place or a reading that no set-up of the campaign can have."""
-    names = [axis.name for axis in description.machine.axes]
-    try:
-        setup = description.setup(taken.setup)
-        if isinstance(taken, Reading):
-            refuse_other_values(setup, len(taken.values))
-        sides = taken.approach
-        if len(taken.pose) != len(names) or len(sides) != len(names) or {*sides} - {-1, 0, 1}:
-            remedy = "Give each of {axes} a coordinate and a side"
-            raise ReadingError("pose and approach do not have one number an axis", remedy, axes=joined(names))
-        numbers = (*taken.values, 1.0 if taken.std is None else taken.std) if isinstance(taken, Reading) else (1.0,)
-        if not all(isinstance(each, Real) and np.isfinite(each) for each in numbers) or numbers[-1] <= 0:
-            raise ReadingError("its values or its std are no numbers", "Give finite ones, and a std above zero")
-        placed_pose(setup, description.machine, dict(zip(names, taken.pose, strict=True)))
-    except InputError as failure:
-        raise ReadingError(failure.what, failure.remedy, source, number) from None
