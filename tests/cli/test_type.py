@@ -44,12 +44,3 @@ def test_two_priors_and_a_damaged_type_are_sentences(folder: Path, command: Comm
     (folder / "bad.type.json").write_text('{\n "schema": "axiscal-type/1", "machine": "')
     (folder / "campaign.toml").write_text(CAMPAIGN.format(first='prior = "bad.type.json"\n'))
     assert "axiscal shop type learn" in command("plan", folder / "campaign.toml").refusal
-
-
-def test_virtual_sisters_are_written_over_nothing(folder: Path, command: Command) -> None:
-    (folder / "campaign.toml").write_text(CAMPAIGN.format(first=""))
-    (folder / "virtual").mkdir()
-    (folder / "virtual" / "sister-01.axiscal").write_text("mine")
-    words = ["type", "rehearse", folder / "campaign.toml", "--machines", "2", "--out", folder / "virtual"]
-    assert "exists already" in command(*words).refusal
-    assert [file.read_text() for file in (folder / "virtual").iterdir()] == ["mine"]

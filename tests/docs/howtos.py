@@ -8,6 +8,8 @@ from __future__ import annotations
 import json
 import re
 import shlex
+import subprocess
+import sys
 from contextlib import chdir
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -51,7 +53,14 @@ def follow(page: Path, folder: Path) -> list[tuple[list[str], int]]:
     for name, text in files(page).items():
         (folder / name).write_text(text, encoding="utf-8")
     with chdir(folder):
-        return [(words, run(words[1:])) for words in commands(page)]
+        return [(words, _given(words)) for words in commands(page)]
+
+
+def _given(words: list[str]) -> int:
+    """Give a command of axiscal, or run an example, and return its exit status."""
+    if words[0] != "python":
+        return run(words[1:])
+    return subprocess.run([sys.executable, DOCS.parent / words[1], *words[2:]], check=False).returncode
 
 
 def written(page: Path, folder: Path) -> Path:

@@ -13,7 +13,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.estimation.case import Case, ends_along
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import VirtualMachine
-from axiscal.ports.fleet.rehearsal import Imagined, VirtualType
+from examples.virtual_sisters import Imagined, VirtualType
 
 MACHINE = """name = "Slide"
 chain = "w-b-X-t"

@@ -11,7 +11,7 @@ from tests.generators.kernels import kernels, under
 _DRAWS = """
 import numpy as np
 from axiscal.errors.model import ErrorModel
-from axiscal.ports.fleet.rehearsal import Imagined, VirtualType
+from examples.virtual_sisters import Imagined, VirtualType
 from axiscal.ports.fleet.hierarchy import prior_units
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator

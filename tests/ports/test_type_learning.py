@@ -17,8 +17,9 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.type_prior import over
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.machine import machine_from_text
-from axiscal.ports.fleet.rehearsal import Imagined, summary_sentences
 from axiscal.ports.fleet.type_learning import learnt_type
+from axiscal.ports.fleet.type_words import summary_sentences
+from examples.virtual_sisters import Imagined
 from tests.generators.sisters import read_on, shop, slide, write_record
 
 

@@ -1,4 +1,4 @@
-"""`axiscal shop type learn / explain / rehearse`."""
+"""`axiscal shop type learn / explain`."""
 
 from __future__ import annotations
 
@@ -9,23 +9,21 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from axiscal.cli.arguments import CampaignFile, Json
+from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say_either
 from axiscal.description.campaign import read_campaign
 from axiscal.description.type_text import TypePrior, type_prior
 from axiscal.document.durable import write_whole
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import counted, decimals, later, listed, said
+from axiscal.language.spoken import decimals, later, listed, said
 from axiscal.machine import load_machine
 from axiscal.planning.plan.plan import Plan
-from axiscal.ports.fleet.rehearsal import Imagined, rehearsed, summary_sentences
 from axiscal.ports.fleet.type_learning import DIRECTIONS, DOUBT, learnt_type, saving
+from axiscal.ports.fleet.type_words import summary_sentences
 from axiscal.record.copies import carried_text, gathered
 from axiscal.units import format_quantity, to_unit
 
-_LARGEST = 100.0
-"""Nobody's tolerances are wrong by more."""
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, add_completion=False)
 
 
@@ -156,38 +154,3 @@ def _show(prior: TypePrior, saved: Sequence[str], written: Path | None, as_json:
     document = {"records": records, "errors": errors, "said": spoken, "written": files}
     lines = (*spoken, heads, *rows, *(said("Written: {file}", file=file) for file in files))
     say_either(as_json, "axiscal-type-learnt/1", document, lines)
-
-
-@app.command("rehearse")
-def rehearse(
-    campaign: CampaignFile,
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the records.")],
-    machines: Annotated[int, typer.Option(metavar="N", help="So many virtual sisters.", min=1, max=200)] = 12,
-    size: Annotated[float, typer.Option(metavar="F", help="How large they are, times the stated std.")] = 1.0,
-    common: Annotated[
-        float, typer.Option(metavar="P", help="Share of the variance that all have in common.", min=0.0, max=0.99)
-    ] = 0.67,
-    seed: Annotated[int, typer.Option(metavar="N", help="Another type for another seed.", min=0)] = 1,
-    json: Json = False,
-) -> None:
-    """Make records of virtual machines of one type.
-
-    They show beforehand what a type could teach. Each is measured as CAMPAIGN plans.
-
-    \b
-    Example: machines half as large as stated
-      axiscal shop type rehearse campaign.toml --machines 12 --size 0.5 --out records
-      axiscal shop type learn records --out virtual.type.json
-    """
-    if not 0 < size <= _LARGEST:
-        raise typer.BadParameter(
-            said("a size lies above 0 and is at most {most:g}", most=_LARGEST), param_hint="--size"
-        )
-    described = read_campaign(campaign)
-    files = rehearsed(described, Imagined(size, common), machines, out, seed)
-    words = said(
-        "{records} in {folder}. Learn from them: axiscal shop type learn {folder}",
-        records=counted("{count} record", "{count} records", len(files)),
-        folder=out,
-    )
-    say_either(json, "axiscal-type-rehearsed/1", {"records": [str(file) for file in files]}, [words])
