@@ -141,3 +141,13 @@ def test_a_type_is_read_at_the_knots_of_todays_description(taught: str) -> None:
 def test_sisters_that_nobody_has_learnt_from_are_no_silent_stated_prior() -> None:
     with pytest.raises(DescriptionError, match=r"\[sisters\]"):
         case_of(slide(first='sisters = { records = "*.axiscal" }\n'))
+
+
+def test_a_record_that_is_called_as_all_are_is_named_with_its_folder(records: list[Path], tmp_path: Path) -> None:
+    for folder in ("first", "copy"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "campaign.axiscal").write_bytes(records[0].read_bytes())
+    prior = learnt_type([*records[1:], *tmp_path.glob("*/campaign.axiscal")])
+    assert [(each.file, each.left_out) for each in prior.records if each.left_out] == [
+        ("first/campaign.axiscal", "it is the same as copy/campaign.axiscal")
+    ]

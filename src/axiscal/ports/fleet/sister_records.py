@@ -27,6 +27,7 @@ from axiscal.language.stages import staged
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.present.result_set import RECORD
 from axiscal.record.copies import opened_log
 from axiscal.record.events import Recorded
 from axiscal.record.log import ChainedText, campaign_of, shared_events
@@ -67,10 +68,20 @@ class Copy(NamedTuple):
         """Return whether it has all events of a log.  other : the hash behind each of these"""
         return shared_events(self.chains, other) == len(other)
 
+    @property
+    def name(self) -> str:
+        """Its file; with its folder where it is called as every command calls one."""
+        return file_name(self.file)
+
     def parted(self, other: Copy) -> str:
         """Return from where on it and another one of its campaign hold different events."""
         event = shared_events(self.chains, other.chains) + 1
-        return f"it and {other.file.name} went on differently from event {event}"
+        return f"it and {other.name} went on differently from event {event}"
+
+
+def file_name(file: Path) -> str:
+    """Return what a record is called, where the folder alone tells some apart."""
+    return f"{file.parent.name}/{file.name}" if file.name == RECORD else file.name
 
 
 def beside_others(record: Copy, records: Iterable[Copy]) -> tuple[str, str]:
@@ -80,10 +91,10 @@ def beside_others(record: Copy, records: Iterable[Copy]) -> tuple[str, str]:
         if other.campaign != record.campaign or other.file == record.file:
             continue
         if other.chain == record.chain:
-            if other.file.name < record.file.name:
-                return f"it is the same as {other.file.name}", ""
+            if other.file < record.file:
+                return f"it is the same as {other.name}", ""
         elif other.holds(record.chains):
-            return f"it is an earlier copy of {other.file.name}", ""
+            return f"it is an earlier copy of {other.name}", ""
         elif not record.holds(other.chains):
             remark = record.parted(other)
     return "", remark
@@ -115,7 +126,7 @@ class MachineRecord:
 
     def as_sister(self, left_out: str) -> SisterRecord:
         """Return what became of it.  left_out : why it does not count, "" where it does"""
-        return SisterRecord(self.file.name, self.digest, len(self.readings), left_out)
+        return SisterRecord(self.copy.name, self.digest, len(self.readings), left_out)
 
 
 def read_records(files: Iterable[Path]) -> tuple[list[MachineRecord], list[SisterRecord]]:
@@ -132,7 +143,7 @@ def read_records(files: Iterable[Path]) -> tuple[list[MachineRecord], list[Siste
         except UnreachableError:
             raise
         except (InputError, OSError) as fault:
-            left.append(SisterRecord(file.name, "", 0, why_not(fault)))
+            left.append(SisterRecord(file_name(file), "", 0, why_not(fault)))
     whys = _beside_each_other(read)
     left += [record.as_sister(whys[record.file]) for record in read if record.file in whys]
     counted = (record for record in read if record.file not in whys)
@@ -145,7 +156,7 @@ def _beside_each_other(records: Sequence[MachineRecord]) -> dict[Path, str]:
     for record in records:
         why, _ = beside_others(record.copy, [each.copy for each in records])
         if not why and seen.setdefault(record.digest, record) is not record:
-            why = said("it is the same as {other}", other=seen[record.digest].file.name)
+            why = said("it is the same as {other}", other=seen[record.digest].copy.name)
         if why:
             whys[record.file] = why
     for record in sorted(seen.values(), key=lambda record: (-len(record.readings), record.digest)):
@@ -217,7 +228,7 @@ def repeated(records: Sequence[MachineRecord]) -> dict[str, str]:
         if record.serial:
             last[record.serial] = record
     return {
-        record.digest: f"machine {record.serial} was measured again: {last[record.serial].file.name}"
+        record.digest: f"machine {record.serial} was measured again: {last[record.serial].copy.name}"
         for record in records
         if record.serial and last[record.serial] is not record
     }
