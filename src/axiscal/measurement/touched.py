@@ -117,11 +117,12 @@ def touches(machine: Machine, pose: Array, cycle: Cycle) -> tuple[SideTouch, ...
 
 
 def gone_to(machine: Machine, cycle: Cycle, poses: Array) -> Array:
-    """Return where the axes go as they touch spheres, (stops, m, q); NaN where the linear axes do not reach.
+    """Return where the axes go as they touch spheres, (stops, m, q), each once; NaN where they do not reach.
 
     poses : (m, q) with the tip at the centres.  The axes follow the tip evenly: p + e leads to t + J⁻¹ e.
     """
-    at, stops = frames(machine, poses).tcp, np.concatenate([_stops(cycle, side) for side in ALL_ROUND])
+    stops = np.unique(np.concatenate([_stops(cycle, side) for side in ALL_ROUND]), axis=0)
+    at = frames(machine, poses).tcp
     ways = [tip_at(machine, poses, at + way) - poses for way in np.swapaxes(touch_frames(machine, poses), 0, 1)]
     return poses + np.tensordot(stops, np.array(ways), axes=1)
 

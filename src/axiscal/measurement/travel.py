@@ -166,23 +166,25 @@ def off_seconds(machine: Machine, setup: Setup) -> float:
 def _in_touch(
     machine: Machine, setup: Setup, chart: Chart, start: Array, stop: Array, approach: Array, straight: bool
 ) -> Array:
-    """Return the time of ways with the tool point held, over the places from where the sides are come from."""
+    """Return the time of ways with the tool point held, over the places from where the sides are come from.
+
+    Each goes over its legs in touch, or off and back where there are none.
+    """
     here, there = chart.places(start), chart.places(stop)
     past = there - sides_of(chart, there, approach) * np.array([end.overrun for end in chart.coordinates])
     if straight:
         return held_seconds(machine, chart, here, past) + held_seconds(machine, chart, past, there)
-    return np.array([_held_or_off(machine, setup, chart, *way) for way in zip(here, past, there, strict=True)])
-
-
-def _held_or_off(machine: Machine, setup: Setup, chart: Chart, here: Array, past: Array, there: Array) -> float:
-    """Return the time of one way over the legs that it goes in touch; off and back where there are none."""
-    total = float(held_seconds(machine, chart, past[None], there[None])[0])
-    legs = _legs(chart, tuple(here.tolist()), tuple(past.tolist()))
-    if legs is not None:
-        return total + float(held_seconds(machine, chart, legs[:-1], legs[1:]).sum())
-    poses = chart.poses(np.stack([here, past]))
-    away = float(travel_seconds(machine, poses[0], poses[1]))
-    return total + away + 2 * off_seconds(machine, setup)
+    ways = zip(map(tuple, here.tolist()), map(tuple, past.tolist()), strict=True)
+    legs = {way: found for way, each in enumerate(ways) if (found := _legs(chart, *each)) is not None}
+    off = np.array([way not in legs for way in range(len(here))], dtype=bool)
+    away = travel_seconds(machine, chart.poses(here[off]), chart.poses(past[off]))
+    total = held_seconds(machine, chart, past, there)
+    total[off] += away + 2 * off_seconds(machine, setup)
+    if legs:
+        begin, end = (np.concatenate([each[part] for each in legs.values()]) for part in (slice(-1), slice(1, None)))
+        of = np.repeat(list(legs), [len(each) - 1 for each in legs.values()])
+        total += np.bincount(of, held_seconds(machine, chart, begin, end), len(total))
+    return total
 
 
 @remembered

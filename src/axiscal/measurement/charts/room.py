@@ -84,7 +84,8 @@ def starts_of_ways(chart: Chart, places: Array, sides: Array) -> Array:
 def has_room(chart: Chart, places: Array, sides: Array) -> NDArray[np.bool_]:
     """Return which places can be come to from their sides, over the whole overrun and within the chart, (m,)."""
     begin = starts_of_ways(chart, places, sides)
-    found = chart.feasible(chart.poses(begin)) & chart.feasible(chart.poses(places))
+    at, which = np.unique(places, axis=0, return_inverse=True)  # each from several sides
+    found = chart.feasible(chart.poses(begin)) & chart.feasible(chart.poses(at))[which.reshape(-1)]
     for end, at in zip(chart.coordinates, begin.T, strict=True):
         slack = _OUTSIDE * (end.high - end.low)
         found &= end.endless | ((at >= end.low - slack) & (at <= end.high + slack))
