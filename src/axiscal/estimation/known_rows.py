@@ -101,12 +101,12 @@ def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool, prior: Be
 
     read : whether any reading was taken; prior : what is known without, None for that at the sizes of the case
     """
-    before, own, target = without_readings(asked, case, prior), asked.own, case.description.target
+    before, own, target = u_of_row(asked, case, prior), asked.own, case.description.target
+    u = before if belief is (case.prior if prior is None else prior) else u_of_row(asked, case, belief)
     limit = target.expanded if asked.map is None else asked.want.limit
     if own is None:
-        u, floor = expanded(case.yardstick, belief).space, expanded_floor(case.yardstick_as_sized).space
+        floor = expanded_floor(case.yardstick_as_sized).space
     else:
-        u = reach(own.spectra(case.errors, belief.factor), belief.degrees)
         floor = reach(own.spectra(case.errors, case.yardstick_as_sized.left))
     angular = dimension(asked.want.row, case.description.machine) == "angle"
     measured = read if asked.map is None else before > NOUGHT and u <= _MEASURED * before
@@ -118,7 +118,7 @@ def refuse_unmade(case: Case) -> None:
     described, target = case.description, case.description.target
     for asked in asked_rows(described, ()):
         wanted = target.wants or (asked.map is None and target.accurate)
-        if wanted and (_off_at_corners(case) if asked.own is None else without_readings(asked, case)) <= NOUGHT:
+        if wanted and (_off_at_corners(case) if asked.own is None else u_of_row(asked, case)) <= NOUGHT:
             what = "{row} is wanted, and no error of {machine} makes it"
             remedy, machine = "Describe that error there, or ask for something else", described.machine_source
             raise DescriptionError(what, remedy, described.source, row=asked.want.row.name, machine=machine)
@@ -132,9 +132,9 @@ def _off_at_corners(case: Case) -> float:
     return float(np.abs(rows @ factor).max())
 
 
-def without_readings(asked: AskedRow, case: Case, prior: Belief | None = None) -> float:
-    """Return U of a row without readings, m or rad.  prior : None for that at the sizes of the case"""
-    belief = case.prior if prior is None else prior
+def u_of_row(asked: AskedRow, case: Case, belief: Belief | None = None) -> float:
+    """Return U of a row, m or rad.  belief : None for that without readings, at the sizes of the case"""
+    belief = case.prior if belief is None else belief
     if asked.own is None:
         return expanded(case.yardstick, belief).space
     return reach(asked.own.spectra(case.errors, belief.factor), belief.degrees)

@@ -170,10 +170,13 @@ class Scores:
         more, size = len(self.places) - len(self.noise), self.state.observation.size
         if more:
             self._columns = None
-            self.above, self.below = (np.pad(each, ((0, 0), (0, 0), (0, more))) for each in (self.above, self.below))
-            self.noise = np.pad(self.noise, (0, more))
+            room = np.zeros((self.pool.width, self.pool.width, more))
+            self.above, self.below = (np.concatenate([each, room], axis=2) for each in (self.above, self.below))
+            self.noise = np.append(self.noise, np.zeros(more))
         if more or size > self.rows.shape[2]:
-            self.rows = np.pad(self.rows, ((0, more), (0, 0), (0, size - self.rows.shape[2])))
+            rows, (count, width, known) = self.rows, self.rows.shape
+            self.rows = np.zeros((count + more, width, size))
+            self.rows[:count, :, :known] = rows
 
     def leave(self, slot: int) -> float:
         """Take a reading out of the plan, and return by how much J rises."""
