@@ -13,9 +13,10 @@ from pathlib import Path
 import pytest
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.description import first_files
 from axiscal.planning.next_readings import next_places
 from axiscal.present.plan_answer import coming_answer
-from axiscal.web import shapes
+from axiscal.web import draft, shapes
 from tests.commands import Command
 from tests.measurement.test_instrument_files import RTL
 from tests.measurement.test_written_instruments import GRID
@@ -430,6 +431,20 @@ def test_the_page_plans_roughly_what_is_measured(start: Served) -> None:
     pairs = zip([row["known_to"] for row in rough["rows"]], [row.known_to for row in exact.rows], strict=True)
     assert all(0.8 < one / other < 1.25 for one, other in pairs)
     assert rough["minutes"] == pytest.approx(exact.minutes, rel=0.02)
+
+
+def test_a_plan_reads_its_description_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rows and picture of an instrument have read its own before."""
+    read, described = list[str](), first_files.campaign_from_texts
+    monkeypatch.setattr(
+        first_files, "campaign_from_texts", lambda *texts: (read.append(texts[0]), described(*texts))[1]
+    )
+    draft.keep(tmp_path, shapes.DraftShape(machine="one-axis", instruments=["interferometer"], budget="60 min"))
+    assert draft.shown_rows(tmp_path, "interferometer").rows
+    draft.picture(tmp_path, shapes.MachineQuery(width=200, instrument="interferometer"))
+    assert draft.plan(tmp_path).answer.rows
+    assert len(read) == 2
+    assert (tmp_path / "axiscal-draft" / "campaign.toml").read_text() == read[-1]
 
 
 def test_an_instrument_of_a_package_or_of_the_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -115,7 +115,7 @@ def init(
         say(said("Look at, in {file}: {places}.", file=written, places="; ".join(begun.look)))
     one = "{file}: {count} set-up offered"
     many = "{file}: {count} set-ups offered; a plan takes what is worth mounting"
-    say(counted(one, many, files.setups, file=campaign))
+    say(counted(one, many, len(files.described.setups), file=campaign))
     say("\n".join(ending({said("Next"): [f"axiscal plan {shlex.quote(str(campaign))}"]})))
 
 

@@ -57,10 +57,10 @@ class Beginning:
 
 
 class FirstFiles(NamedTuple):
-    """texts : by the name of their file; setups : how many are offered"""
+    """texts : by the name of their file; described : the campaign that they say"""
 
     texts: dict[str, str]
-    setups: int
+    described: CampaignDescription
 
 
 def offered_names(folder: Path | None = None) -> dict[str, str]:
@@ -303,7 +303,7 @@ def first_described(begun: Beginning, instruments: Sequence[str], purpose: Purpo
         )
     if purpose.target:
         parse_quantity(purpose.target, "length")
-    machine = _with_sizes(begun.text, instruments)
+    machine = f"#:schema ./machine.schema.json\n{_with_sizes(begun.text, instruments).rstrip()}\n"
     text = first_campaign(machine_from_text(machine), instruments, purpose, begun.active)
     if begun.beside is not None:
         x, y = (format_quantity(each, "mm", 6) for each in begun.beside)
@@ -327,11 +327,11 @@ def first_files(begun: Beginning, instruments: Sequence[str], purpose: Purpose) 
     """Return the files of a new calibration; arguments as of `first_described`."""
     described = first_described(begun, instruments, purpose)
     texts = {
-        "machine.toml": f"#:schema ./machine.schema.json\n{described.machine.text.rstrip()}\n",
+        "machine.toml": described.machine.text,
         "campaign.toml": described.text,
         **{f"{name}.schema.json": json.dumps(schema(), indent=1) + "\n" for name, schema in SCHEMAS.items()},
     }
-    return FirstFiles(texts, len(described.setups))
+    return FirstFiles(texts, described)
 
 
 _HEAD = 'head = ["130 mm", "130 mm"]    # CHECK: diameter and height of the spindle nose with what carries it'

@@ -43,6 +43,8 @@ from axiscal_core.threads import one_thread
 
 CANDIDATES = 2000
 """Places that a plan chooses from; beyond, readings are brought to the best places between them anyway."""
+FEW_CANDIDATES = 500
+"""The same, where figures alone are wanted."""
 _SMALL = 120
 """Unknowns up to which what replaces a plan is climbed off the lattice: beyond, a person at the machine would wait too
 long."""
@@ -221,7 +223,7 @@ def next_places(
     """
     closed = *gaps, *twice_rejected(case, readings, outliers)
     begin = tuple(place for place in without_markers(case, readings, left) if not in_gap(case, place, closed))
-    task = posed(case, knowledge, closed, readings)
+    task = posed(case, knowledge, closed, readings, FEW_CANDIDATES if rough else CANDIDATES)
     task = replace(task, patience=0.0) if rough else task
     if not len(task.lattice):
         return ()

@@ -35,7 +35,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Place, Reading, shown_approach, shown_pose
 from axiscal.measurement.reading_rows import blank_readings, places_of
 from axiscal.planning.helping import helping_setups
-from axiscal.planning.next_readings import placed
+from axiscal.planning.next_readings import FEW_CANDIDATES, placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import Blank, alike, blank_problem, unseen_parts
@@ -173,7 +173,7 @@ def minutes_curve(campaign: Campaign) -> list[BoughtAccuracy]:
     """Return what other minutes than those of the readings to come buy; nothing where none come."""
     coming, setups = campaign.state.coming, campaign.description.setups
     places = places_of(setups, blank_readings(setups, coming))
-    return _bought(bought(campaign.estimate().case, places, campaign.seconds(coming)))
+    return _bought(bought(campaign.estimate().case, places, campaign.seconds(coming), FEW_CANDIDATES))
 
 
 def _bought(buys: Sequence[Bought]) -> list[BoughtAccuracy]:

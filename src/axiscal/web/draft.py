@@ -20,7 +20,7 @@ from axiscal.campaign.beginning import begun_campaign
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import virtual_note
 from axiscal.description import first_files
-from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.first_campaign import OFFERED, UNSAID, Purpose
 from axiscal.description.target import rows_of
 from axiscal.document.durable import write_whole
@@ -43,6 +43,8 @@ FOLDER, _CHOSEN = "axiscal-draft", "draft.json"
 """Of a draft, and of its choices."""
 _ROUGH = Memo(1)
 """The campaign of the last choices with a rough plan: what minutes buy is asked of it after the plan."""
+_ALONE = Memo(16)
+"""Campaigns with one instrument, by the machine: its picture, its rows and the plan are of the same."""
 MACHINES = {
     "router": later("router"),
     "three-axis-mill": later("mill"),
@@ -180,7 +182,7 @@ def curve(here: Path) -> shapes.CurveShape:
 def _with(begun: first_files.Beginning, instrument: str) -> CampaignDescription:
     if instrument not in (known := first_files.offered_names(begun.folder)):
         raise DescriptionError("There is no such instrument", "Known are {known}", known=", ".join(known))
-    return first_files.first_described(begun, [instrument], Purpose())
+    return _ALONE.answer((repr(begun), instrument), lambda: first_files.first_described(begun, [instrument], Purpose()))
 
 
 def _planned(here: Path) -> Campaign:
@@ -213,8 +215,7 @@ def _written(here: Path) -> tuple[Path, CampaignDescription]:
     for own in {name.partition(":")[0] for name in draft.instruments if ".py:" in name}:
         write_whole(folder / own, (here / own).read_bytes())
     first_files.write_files(folder, files.texts)
-    described = read_campaign(folder / "campaign.toml")
-    described = replace(described, source="campaign.toml", machine_source="machine.toml")  # as they will stand
+    described = replace(files.described, source="campaign.toml")  # as it will stand
     called = f"{'virtual ' * draft.virtual}{described.machine.name}"
     name = re.sub("[^a-z0-9]+", "-", called.casefold()).strip("-") or "machine"
     return folder / f"{name}.axiscal", described

@@ -58,7 +58,7 @@ def toured(task: Task, limits: Limits, sets: Iterable[Setups], patience: float) 
 
     sets : of set-ups, of which each can be mounted within the budget; patience : operations that climbs may take
     """
-    begun, first = partial(_begun, limits, *_base(task.coarse)), dict[Setups, Tour]()
+    begun, first = partial(_filled if task.rough else _begun, limits, *_base(task.coarse)), dict[Setups, Tour]()
 
     def left(setups: Setups) -> float:
         first[setups] = first.get(setups) or begun(setups, 0)
@@ -66,6 +66,8 @@ def toured(task: Task, limits: Limits, sets: Iterable[Setups], patience: float) 
 
     setups = of_best_size(sets, left)
     left(setups)
+    if task.rough:
+        return set_ups_in_order(task, first[setups].places)
     return _climbed(task, limits, _all_begun([first[setups]], partial(begun, setups), _WORK), patience)
 
 
@@ -101,6 +103,8 @@ def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, pat
             best, longest = found, found.seconds
     if best is None:
         return None
+    if task.rough:
+        return set_ups_in_order(task, best.places)
     begun = partial(_begun, replace(limits, budget=longest), ways, scores, tuple(best.runs))
     tour, *_ = _all_begun([best], begun, _BESIDE)
     tour = _shortest(tour, ordered, partial(_settled, better=_WORTH)) if ordered.reached(tour.places) else best
@@ -167,12 +171,12 @@ def stretched(task: Task, setups: Setups, left: Places, most: int, budgets: Sequ
 
     left : in their order; most : readings; budgets : rising
     """
-    tour = Tour.through(*_base(task), setups, Limits(most), left)
-    for budget in budgets:
-        other = tour.within(budget)
-        whole = len(other.scores.places) == len(tour.scores.places)
+    whole = tour = Tour.through(*_base(task), setups, Limits(most), left)
+    cut = {budget: (tour := tour.within(budget)) for budget in reversed(budgets)}  # each from the longer one
+    for budget, shorter in reversed(cut.items()):
+        other = whole.within(budget) if len(shorter.scores.places) == len(left) else shorter
         other.fill(np.random.default_rng(_SEED), _POWER, 0.0)
-        tour = other if whole else tour
+        whole = other if other is not shorter else whole
         yield other.places
 
 
@@ -214,6 +218,14 @@ def _begun(limits: Limits, ways: Ways, scores: Scores, setups: Setups, number: i
     power, tour = float(rng.uniform(*_POWERS)), _opened(limits, ways, scores, setups, rng)
     tour.fill(rng, power, _SHAKEN)
     _settle(tour, rng, power, _SHAKEN, _BETTER)
+    return tour
+
+
+def _filled(limits: Limits, ways: Ways, scores: Scores, setups: Setups, number: int) -> Tour:
+    """Return the same without swaps: what enters gains most per second."""
+    rng = np.random.default_rng([_SEED, number])
+    tour = _opened(limits, ways, scores, setups, rng)
+    tour.fill(rng, _POWER, 0.0)
     return tour
 
 

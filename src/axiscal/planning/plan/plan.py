@@ -233,7 +233,7 @@ def make_plan(
     order = None if goal is None else _in_minutes(task, limits, patience, usual, goal)
     if order is None and limits.readings is limits.budget is None:
         limits = replace(limits, readings=MANY)
-    if order is None and not _hurried(task, limits):
+    if order is None and not _hurried(task, limits) and not (task.rough and limits.timed):
         order = _any_time(task, limits, patience, usual)
     if order is None or _too_long(task, limits, order):
         order = _in_minutes(task, limits, patience, usual)
@@ -292,7 +292,10 @@ def _together(task: Task, readings: int, setups: Setups, work: float) -> Scores:
     work : operations that random starts may take; without any all places are those of the lattice
     """
     base, times = scores_among(task, setups), clock(task)
-    tried = [filled(base.fork(), readings, setups)]
+    tried, allowed = [filled(base.fork(), readings, setups)], affordable(times, setups, np.inf)
+    if task.rough:
+        exchange(tried[0], allowed, 1)
+        return tried[0]
     counts = [(s, int(np.sum(tried[0].places.setups == s))) for s in setups]
     random = best_of_random(task, counts, work)
     plain = plain_designs(task, counts) if work else []  # their places are off the lattice
@@ -300,7 +303,7 @@ def _together(task: Task, readings: int, setups: Setups, work: float) -> Scores:
         scores = base.fork()
         scores.enter_all(begun)
         tried.append(scores)
-    allowed, done = affordable(times, setups, np.inf), 0.0
+    done = 0.0
     for sweeps in (1, SWEEPS):
         for place, scores in enumerate(_best_first(tried)):
             if place == 0 or done < _MUCH:

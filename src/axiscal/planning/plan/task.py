@@ -55,6 +55,11 @@ class Task:
         return Places.none(len(self.observation.machine.axes)) if self.read is None else self.read
 
     @property
+    def rough(self) -> bool:
+        """Whether figures of a plan are wanted alone, within a second."""
+        return self.patience <= 0
+
+    @property
     def coarse(self) -> Task:
         """The task with some hundred candidates."""
         most = max(_COARSE, _EACH * len(np.unique(self.lattice.setups)))
