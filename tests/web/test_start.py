@@ -14,6 +14,7 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description import first_files
+from axiscal.language.spoken import speaking
 from axiscal.planning.next_readings import next_places
 from axiscal.present.plan_answer import coming_answer
 from axiscal.web import draft, shapes
@@ -388,6 +389,13 @@ def test_a_dropped_file_says_what_it_is(start: Served) -> None:
     made = {text: start.call("draft", file="dropped.txt", text=text).document for text in DROPPED}
     said = {text: each["faults"].get("file", f"dropped.txt: {each['readings']}") for text, each in made.items()}
     assert [each for text, each in said.items() if not each.startswith(f"dropped.txt: {DROPPED[text]}")] == []
+
+
+def test_a_dropped_file_of_a_control_is_one_in_german_too(tmp_path: Path) -> None:
+    """It was taken for readings, called by the head of the catalogue."""
+    with speaking("de"):
+        made = draft.keep(tmp_path, shapes.DraftShape(file="printer.cfg", text=PRINTER, instruments=["probe"]))
+    assert (made.title, made.readings, made.faults) == ("3D printer (corexy)", "", {})
 
 
 def opened(start: Served) -> Answer:

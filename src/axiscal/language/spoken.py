@@ -178,7 +178,7 @@ def _made(forms: tuple[str, ...], form: str, values: Mapping[str, object]) -> Sa
     if len(forms) == 2:
         words = catalogue.ngettext(*forms, cast("int", values["count"]))
     else:
-        words = catalogue.gettext(forms[0]) if forms else form
+        words = catalogue.gettext(forms[0]) if any(forms) else form  # of "" the catalogue has its own head
     shown = {name: again(value) if isinstance(value, Said) else value for name, value in values.items()}
     text = Said(_FILLING.vformat(words, (), shown) if shown else words)
     text.forms, text.form, text.values = forms, form, values

@@ -47,7 +47,7 @@ def tip_at(machine: Machine, poses: Array, points: Array) -> Array:
     alike = len(result) > 0 and bool(np.all(result == result[0]))
     at = frames(machine, result[:1] if alike else result)
     ways = np.stack([at.rotations[k] @ np.array(machine.axes[k].direction) for k in axes], axis=2)
-    away = points - at.tcp
+    ways, away = np.broadcast_to(ways, (len(poses), *ways.shape[1:])), points - at.tcp
     result[:, axes] = solved(ways, away)
     off = np.linalg.norm(np.einsum("mij,mj->mi", ways, result[:, axes]) - away, axis=1)
     result[off > _REACHED] = np.nan

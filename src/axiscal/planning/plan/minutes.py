@@ -58,7 +58,7 @@ def toured(task: Task, limits: Limits, sets: Iterable[Setups], patience: float) 
 
     sets : of set-ups, of which each can be mounted within the budget; patience : operations that climbs may take
     """
-    begun, first = partial(_filled if task.rough else _begun, limits, *_base(task.coarse)), dict[Setups, Tour]()
+    begun, first = partial(_begun, task.patience > 0, limits, *_base(task.coarse)), dict[Setups, Tour]()
 
     def left(setups: Setups) -> float:
         first[setups] = first.get(setups) or begun(setups, 0)
@@ -66,7 +66,7 @@ def toured(task: Task, limits: Limits, sets: Iterable[Setups], patience: float) 
 
     setups = of_best_size(sets, left)
     left(setups)
-    if task.rough:
+    if not task.patience:
         return set_ups_in_order(task, first[setups].places)
     return _climbed(task, limits, _all_begun([first[setups]], partial(begun, setups), _WORK), patience)
 
@@ -103,9 +103,9 @@ def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, pat
             best, longest = found, found.seconds
     if best is None:
         return None
-    if task.rough:
+    if not task.patience:
         return set_ups_in_order(task, best.places)
-    begun = partial(_begun, replace(limits, budget=longest), ways, scores, tuple(best.runs))
+    begun = partial(_begun, True, replace(limits, budget=longest), ways, scores, tuple(best.runs))
     tour, *_ = _all_begun([best], begun, _BESIDE)
     tour = _shortest(tour, ordered, partial(_settled, better=_WORTH)) if ordered.reached(tour.places) else best
     return retoured(task, limits, tuple(tour.runs), tour.places, patience, goal=goal)
@@ -185,7 +185,7 @@ def from_elsewhere(task: Task, limits: Limits, setups: Setups, number: int, pati
 
     number : of the start; patience : operations that climbs may take
     """
-    tour = _begun(limits, *_base(task.coarse), setups, _STARTS + number)
+    tour = _begun(True, limits, *_base(task.coarse), setups, _STARTS + number)
     places = retoured(task, limits, setups, tour.places, patience)
     size = task.observation.size
     return places, tour.work + _ROUNDS * work_of_climb(size, size) * len(places)
@@ -212,20 +212,18 @@ def _all_begun(tried: list[Tour], begun: Callable[[int], Tour], work: float) -> 
     return [tried[k] for k in ranked(-np.array([tour.scores.state.value for tour in tried]), ALIKE)]
 
 
-def _begun(limits: Limits, ways: Ways, scores: Scores, setups: Setups, number: int) -> Tour:
-    """Return a tour that began at random candidates.  scores : before the first; number : of the start"""
-    rng = np.random.default_rng([_SEED, number])
-    power, tour = float(rng.uniform(*_POWERS)), _opened(limits, ways, scores, setups, rng)
-    tour.fill(rng, power, _SHAKEN)
-    _settle(tour, rng, power, _SHAKEN, _BETTER)
-    return tour
+def _begun(settled: bool, limits: Limits, ways: Ways, scores: Scores, setups: Setups, number: int) -> Tour:
+    """Return a tour that began at random candidates.
 
-
-def _filled(limits: Limits, ways: Ways, scores: Scores, setups: Setups, number: int) -> Tour:
-    """Return the same without swaps: what enters gains most per second."""
+    settled : with swaps, from drawn gains; else what enters gains most per second
+    scores : before the first; number : of the start
+    """
     rng = np.random.default_rng([_SEED, number])
+    power, shaken = (float(rng.uniform(*_POWERS)), _SHAKEN) if settled else (_POWER, 0.0)
     tour = _opened(limits, ways, scores, setups, rng)
-    tour.fill(rng, _POWER, 0.0)
+    tour.fill(rng, power, shaken)
+    if settled:
+        _settle(tour, rng, power, shaken, _BETTER)
     return tour
 
 

@@ -233,7 +233,7 @@ def make_plan(
     order = None if goal is None else _in_minutes(task, limits, patience, usual, goal)
     if order is None and limits.readings is limits.budget is None:
         limits = replace(limits, readings=MANY)
-    if order is None and not _hurried(task, limits) and not (task.rough and limits.timed):
+    if order is None and not _hurried(task, limits) and (task.patience or not limits.timed):
         order = _any_time(task, limits, patience, usual)
     if order is None or _too_long(task, limits, order):
         order = _in_minutes(task, limits, patience, usual)
@@ -293,7 +293,7 @@ def _together(task: Task, readings: int, setups: Setups, work: float) -> Scores:
     """
     base, times = scores_among(task, setups), clock(task)
     tried, allowed = [filled(base.fork(), readings, setups)], affordable(times, setups, np.inf)
-    if task.rough:
+    if not task.patience:
         exchange(tried[0], allowed, 1)
         return tried[0]
     counts = [(s, int(np.sum(tried[0].places.setups == s))) for s in setups]

@@ -36,7 +36,7 @@ class Task:
     belief : over the unknowns of the observation; root : V (w, n) of the criterion; lattice : the candidates
     here : one place, of the set-up that is mounted and where the machine stands; None before the first
     read : places of readings that are taken already; beside : of those that will be, whatever is planned
-    patience : operations that climbing off the lattice may take; 0 for figures of a plan alone
+    patience : operations that climbing off the lattice may take; 0 for figures alone, within a second
     """
 
     observation: Observation
@@ -53,11 +53,6 @@ class Task:
     def taken(self) -> Places:
         """Where readings were taken already."""
         return Places.none(len(self.observation.machine.axes)) if self.read is None else self.read
-
-    @property
-    def rough(self) -> bool:
-        """Whether figures of a plan are wanted alone, within a second."""
-        return self.patience <= 0
 
     @property
     def coarse(self) -> Task:

@@ -1,5 +1,5 @@
 // After the end: the tables for a control, how they come into it, and whether they work.
-import { call, element, find, on, once, show, text, waiting } from "/elements.js";
+import { button, call, element, find, on, once, show, text, waiting } from "/elements.js";
 import { unitText } from "/pictures.js";
 import { said } from "/words.js";
 
@@ -59,10 +59,8 @@ async function copy() {
   const texts = await asked(`/texts?${new URLSearchParams({ control: control() })}`);
   if (texts === null) return;
   find("texts").replaceChildren(...Object.entries(texts.files).flatMap(([name, content]) => {
-    const copied = Object.assign(element("button", said("Copy {file}", { file: name })), { type: "button" });
-    copied.addEventListener("click", () => navigator.clipboard.writeText(content));
-    const box = Object.assign(element("pre", content), { tabIndex: 0 });
-    return [copied, box];
+    const copied = button(said("Copy {file}", { file: name }), () => navigator.clipboard.writeText(content));
+    return [copied, Object.assign(element("pre", content), { tabIndex: 0 })];
   }));
 }
 

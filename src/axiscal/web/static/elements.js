@@ -10,6 +10,12 @@ export function element(name, words, kind) {
   return made;
 }
 
+export function button(words, act) {
+  const made = Object.assign(element("button", words), { type: "button" });
+  made.addEventListener("click", act);
+  return made;
+}
+
 export function hear(words, alarm = false) {
   find("heard").textContent = words;
   find("heard").className = alarm ? "alarm" : "";

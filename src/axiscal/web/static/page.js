@@ -1,5 +1,5 @@
 // The dialogue: shows the newest state, sends what is typed, and says which state that answers.
-import { call, draw, element, find, hear, on, renderWords, show, text, waiting } from "/elements.js";
+import { button, call, draw, element, find, hear, on, renderWords, show, text, waiting } from "/elements.js";
 import { renderControls } from "/after.js";
 import { deliver, enter, unanswered } from "/outbox.js";
 import "/shop.js";
@@ -164,7 +164,7 @@ function renderAsking() {
   show("asking", state.asks !== "" && state.asks !== denied);
   text("asks", state.asks);
   const choices = Object.entries(state.choices);
-  find("choices").replaceChildren(...choices.map(([answer, words]) => choice(words, () => plain("/zeros", { answer }))));
+  find("choices").replaceChildren(...choices.map(([answer, words]) => button(words, () => plain("/zeros", { answer }))));
   text("was-not", choices.length > 1 ? said("I do not know") : said("No"));
 }
 
@@ -278,14 +278,7 @@ async function recorded({ last, typed }, how) {
 }
 
 function causeButton(cause, words) {
-  return choice(words, async () => { await record({ cause }); home(); });
-}
-
-function choice(words, done) {
-  const button = element("button", words);
-  button.type = "button";
-  button.addEventListener("click", done);
-  return button;
+  return button(words, async () => { await record({ cause }); home(); });
 }
 
 let refused = null; // the text that was refused: a look at it that comes later says nothing more

@@ -1,5 +1,5 @@
 // From nothing to the first reading: one question a screen; every touch is kept on the disk.
-import { call, draw, element, find, on, renderWords, show, text, waiting } from "/elements.js";
+import { button, call, draw, element, find, on, renderWords, show, text, waiting } from "/elements.js";
 import { language, said, translate } from "/words.js";
 
 const SCREENS = ["start", "machine", "with", "plan"];
@@ -89,11 +89,9 @@ function render() {
 }
 
 function choice(words, chosen, act) {
-  const button = element("button", words);
-  button.type = "button";
-  button.setAttribute("aria-pressed", chosen);
-  button.addEventListener("click", act);
-  return button;
+  const made = button(words, act);
+  made.setAttribute("aria-pressed", chosen);
+  return made;
 }
 
 // The day of an event as people say it: "yesterday".
@@ -107,11 +105,10 @@ function renderStart() {
   find("begun").replaceChildren(...[...going, ...over].map((each, n) => {
     const values = { machine: each.machine, taken: each.taken, last: each.taken + each.coming, day: day(each.at), record: each.record };
     const words = each.finished ? said("Look at: {machine}, {taken} readings, {day}", values) : said("Go on: {machine}, {taken} of {last} readings, {day}", values);
-    const button = choice(words, false, () => openRecord(each.record));
-    button.removeAttribute("aria-pressed");
-    button.append(element("small", each.record));
-    if (n === 0) button.className = "chief";
-    return button;
+    const made = button(words, () => openRecord(each.record));
+    made.append(element("small", each.record));
+    if (n === 0) made.className = "chief";
+    return made;
   }));
   find("new").className = start.begun.length ? "" : "chief";
   find("left-out").replaceChildren(...start.left_out.map((words) => element("li", words)));
@@ -141,14 +138,13 @@ function renderMachine() {
 }
 
 function travel(axis) {
-  const line = element("p", ""), field = document.createElement("input"), carries = element("button", "");
+  const line = element("p", ""), field = document.createElement("input");
+  const carries = button("", () => choose({ switched: toggled(draft.switched, axis) }));
   const label = element("label", machine.radii.includes(axis) ? said("travel of {axis}: the radius, its display shows diameters", { axis }) : said("travel of {axis}", { axis }));
   Object.assign(field, { id: `travel-${axis}`, type: "text", maxLength: 40, spellcheck: false });
   field.dataset.axis = axis;
   label.htmlFor = field.id;
   field.addEventListener("input", () => choose({ travels: { ...draft.travels, [axis]: field.value } }));
-  carries.type = "button";
-  carries.addEventListener("click", () => choose({ switched: toggled(draft.switched, axis) }));
   line.append(label, field, carries, element("span", "", "fault"));
   return line;
 }
@@ -206,7 +202,7 @@ function renderShown() {
     if (!more.length || !draft.instruments.length) continue;
     for (const [row] of more) seen.add(row);
     const line = element("li", ""), grouped = Map.groupBy(more.map(([, words]) => words.split(" ")), ([kind]) => kind);
-    line.append(choice(`+ ${start.instruments[name]}`, false, () => touch(name)), element("span", [...grouped].map(([kind, each]) => `${kind} ${each.map((parts) => parts.slice(1).join(" ")).join(", ")}`).join(" · ")));
+    line.append(button(`+ ${start.instruments[name]}`, () => touch(name)), element("span", [...grouped].map(([kind, each]) => `${kind} ${each.map((parts) => parts.slice(1).join(" ")).join(", ")}`).join(" · ")));
     helps.push(line);
   }
   find("helps").replaceChildren(...helps);
@@ -390,16 +386,16 @@ if (start !== null) {
     for (const next of SCREENS.slice(1, SCREENS.indexOf(draft.screen) + 1)) history.pushState({ screen: next }, "", "/");
   }
   find("kinds").replaceChildren(...Object.entries(start.machines).map(([name, words]) => {
-    const button = choice("", false, () => chooseMachine(name)), picture = Object.assign(document.createElement("img"), { width: 220, height: 209 });
-    button.dataset.machine = name;
-    button.append(picture, element("span", words));
-    draw(button, `/machine.svg?${new URLSearchParams({ width: 220, machine: name, small: true })}`, "");
-    return button;
+    const made = choice("", false, () => chooseMachine(name)), picture = Object.assign(document.createElement("img"), { width: 220, height: 209 });
+    made.dataset.machine = name;
+    made.append(picture, element("span", words));
+    draw(made, `/machine.svg?${new URLSearchParams({ width: 220, machine: name, small: true })}`, "");
+    return made;
   }));
   find("instruments").replaceChildren(...Object.entries(start.instruments).map(([name, words]) => {
-    const button = choice(words, false, () => touch(name));
-    button.dataset.instrument = name;
-    return button;
+    const made = choice(words, false, () => touch(name));
+    made.dataset.instrument = name;
+    return made;
   }));
   renderStart();
   render();
