@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.description import first_files
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.language.spoken import speaking
 from axiscal.planning.next_readings import next_places
 from axiscal.present.plan_answer import coming_answer
@@ -443,10 +443,13 @@ def test_the_page_plans_roughly_what_is_measured(start: Served) -> None:
 
 def test_a_plan_reads_its_description_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Rows and picture of an instrument have read its own before."""
-    read, described = list[str](), first_files.campaign_from_texts
-    monkeypatch.setattr(
-        first_files, "campaign_from_texts", lambda *texts: (read.append(texts[0]), described(*texts))[1]
-    )
+    read = list[str]()
+
+    def described(text: str, *others: str) -> CampaignDescription:
+        read.append(text)
+        return campaign_from_texts(text, *others)
+
+    monkeypatch.setattr("axiscal.description.first_files.campaign_from_texts", described)
     draft.keep(tmp_path, shapes.DraftShape(machine="one-axis", instruments=["interferometer"], budget="60 min"))
     assert draft.shown_rows(tmp_path, "interferometer").rows
     draft.picture(tmp_path, shapes.MachineQuery(width=200, instrument="interferometer"))
