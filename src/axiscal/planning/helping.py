@@ -18,7 +18,6 @@ from axiscal.exceptions import InputError, PlanError
 from axiscal.language.spoken import joined, put, quoted, said
 from axiscal.machine import Machine
 from axiscal.measurement.setup import Setup
-from axiscal.numerics.remembered import Memo
 from axiscal.planning.enough import enough, goal_of, reached_by
 from axiscal.planning.next_readings import posed
 from axiscal.planning.other_readings import with_rooms
@@ -36,8 +35,6 @@ _NEARER = 0.9
 """Share of what was missed: set-ups that leave more of it are not worth a word."""
 _OF_TOOL = 5e-6
 """m: a presetter, or the master ball of the instrument, shows as much of the place of what is in the spindle."""
-_SHOWN = Memo(32)
-"""Rows that set-ups can show, by the texts of campaign and machine: a page asks for those of each instrument again."""
 _CANDIDATES = 400
 """Enough for the readings and minutes of a plan that is only told."""
 
@@ -60,13 +57,9 @@ class Helping:
 
 def rows_shown(description: CampaignDescription) -> tuple[RowName, ...]:
     """Return the rows that endless readings of a campaign's set-ups would measure."""
-
-    def shown() -> tuple[RowName, ...]:
-        target = replace(description.target, wants=tuple(Want(row) for row in rows_of(description.machine)))
-        case = case_of(replace(description, target=target))
-        return tuple(row.row for row in known_rows(case, case.knowledge, ()) if row.reachable)
-
-    return _SHOWN.answer((description.text, description.machine.text), shown)
+    target = replace(description.target, wants=tuple(Want(row) for row in rows_of(description.machine)))
+    case = case_of(replace(description, target=target))
+    return tuple(row.row for row in known_rows(case, case.knowledge, ()) if row.reachable)
 
 
 def helping_setups(case: Case, target: Target) -> Helping | None:

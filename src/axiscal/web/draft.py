@@ -22,7 +22,7 @@ from axiscal.campaign.sources import virtual_note
 from axiscal.description import first_files
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.first_campaign import OFFERED, UNSAID, Purpose
-from axiscal.description.target import rows_of
+from axiscal.description.target import RowName, rows_of
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import AxiscalError, DescriptionError, InputError, PlanError, RecordError
 from axiscal.language.spoken import later, said, spoken_now
@@ -43,8 +43,8 @@ FOLDER, _CHOSEN = "axiscal-draft", "draft.json"
 """Of a draft, and of its choices."""
 _ROUGH = Memo(1)
 """The campaign of the last choices with a rough plan: what minutes buy is asked of it after the plan."""
-_ALONE = Memo(16)
-"""Campaigns with one instrument, by the machine: its picture, its rows and the plan are of the same."""
+_ALONE, _SHOWN = Memo(16), Memo(32)
+"""Campaigns with one instrument, and the rows that it shows, by the machine: picture, choice and plan ask for them."""
 MACHINES = {
     "router": later("router"),
     "three-axis-mill": later("mill"),
@@ -168,7 +168,7 @@ def picture(here: Path, query: shapes.MachineQuery) -> str:
 def shown_rows(here: Path, instrument: str) -> shapes.RowsShape:
     """Return the rows that an instrument can show on the machine of the draft, or why it cannot be set up there."""
     try:
-        shown = rows_shown(_with(_beginning(here, kept(here), {}), instrument))
+        shown = _shown_by(_beginning(here, kept(here), {}), instrument)
     except InputError as failure:
         return shapes.RowsShape(fault=str(failure))
     return shapes.RowsShape(rows={row.name: said_row(row.name) for row in shown})
@@ -183,6 +183,10 @@ def _with(begun: first_files.Beginning, instrument: str) -> CampaignDescription:
     if instrument not in (known := first_files.offered_names(begun.folder)):
         raise DescriptionError("There is no such instrument", "Known are {known}", known=", ".join(known))
     return _ALONE.answer((repr(begun), instrument), lambda: first_files.first_described(begun, [instrument], Purpose()))
+
+
+def _shown_by(begun: first_files.Beginning, instrument: str) -> tuple[RowName, ...]:
+    return _SHOWN.answer((repr(begun), instrument), lambda: rows_shown(_with(begun, instrument)))
 
 
 def _planned(here: Path) -> Campaign:
@@ -202,7 +206,7 @@ def _written(here: Path) -> tuple[Path, CampaignDescription]:
     begun, target = _beginning(here, draft, faults), _length(draft.target, "um", _FINEST, faults, "target")
     for fault in faults.values():
         raise fault
-    shown = {row for instrument in draft.instruments for row in rows_shown(_with(begun, instrument))}
+    shown = {row for instrument in draft.instruments for row in _shown_by(begun, instrument)}
     wants = [row.name for row in rows_of(machine_from_text(begun.text)) if row in shown]
     wants = [name for name in wants if name not in draft.without]
     if shown and not wants:
