@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.exceptions import InputError
+from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.configuring import configured, export_into
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
@@ -69,18 +70,23 @@ _INCLUDE = re.compile(r"^#INCLUDE (\S+)$", re.MULTILINE)
 _SCREEN = re.compile(r"^DISPLAY = .*$", re.MULTILINE)
 
 
-def run_as_foretold(ini: Path, made: Export) -> None:
-    """Start the patched files without motors, and hold that they correct every joint as the export says."""
+def run_as_foretold(ini: Path, made: Export, axes: Array = np.eye(3)) -> None:  # noqa: B008
+    """Start the patched files without motors, and hold that they correct every joint as the export says.
+
+    axes : X, Y, Z of what joints 0, 1, 2 say, (3, 3)
+    """
     text = _INCLUDE.sub(lambda found: (ini.parent / found[1]).read_text(), made.files["mill.ini"])
     beside = {name: each for name, each in made.files.items() if name.endswith((".hal", ".vcomp"))}
     beside["machine.ini"] = _SCREEN.sub("DISPLAY = ./driver.py", text)
     sources = {name: each for name, each in made.files.items() if name.startswith("axiscal_vcomp")}
     machine = known("three-axis")[0].machine
     with Session([Joint(axis) for axis in "XYZ"], Settings(beside=beside, sources=sources)) as session:
-        session.move(["setp axiscal-vcomp.enable 1", "G4 P1.2"])
+        session.move(["setp axiscal-vcomp.enable 1", "G53 G0 X90 Y-60 Z40", "G4 P1.2"])
         assert session.read(["axiscal-vcomp.gain", "axiscal-vcomp.fault-code"]) == (1, 0)
         assert session.errors == ()
-        shown, added = (session.read([f"axiscal-vcomp.{pin}-{n}" for n in range(3)]) for pin in ("pos", "correction"))
+        pins = [[f"axiscal-vcomp.{pin}-{n}" for n in range(3)] for pin in ("pos", "correction")]
+        shown, added = (axes @ session.read(each) for each in pins)
+    np.testing.assert_allclose(shown, [90, -60, 40], atol=1e-9)
     order = ["XYZ".index(axis.name) for axis in machine.axes]
     pose = np.array([[float(from_unit(shown[joint], "mm")) for joint in order]])
     either = np.sort([made.control(pose, np.full_like(pose, side))[0] for side in (1.0, -1.0)], axis=0)
@@ -116,6 +122,12 @@ class TestStarted:
     def test_belts_that_hal_moves_behind_the_joints_are_corrected(self, tmp_path: Path) -> None:
         ini = owned(tmp_path, HAL + BELTS)
         run_as_foretold(ini, export_into(ini, known("three-axis")[0], ExportOptions(active=False)))
+
+    def test_belts_that_the_kinematics_move_are_corrected_as_the_axes_they_are(self, tmp_path: Path) -> None:
+        ini = owned(tmp_path)
+        ini.write_text(ini.read_text().replace("KINEMATICS = trivkins coordinates=XYZ", "KINEMATICS = corexykins"))
+        made = export_into(ini, known("three-axis")[0], ExportOptions(active=False))
+        run_as_foretold(ini, made, np.array([[0.5, 0.5, 0], [0.5, -0.5, 0], [0, 0, 1]]))
 
     def test_what_it_includes_is_started_with_it(self, tmp_path: Path) -> None:
         ini = owned(tmp_path)

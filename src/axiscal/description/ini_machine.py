@@ -16,6 +16,8 @@ from axiscal.language.spoken import put
 from axiscal.measurement.readers.text_file import read_text
 
 Point = tuple[float, float, float]
+BELTS = "corexykins"
+"""The module whose joints 0 and 1 are X + Y and X - Y."""
 _TRT = re.compile(r"xyz([ab])c-trt-kins")
 _SETP = re.compile(r"(?:setp\s+)?([\w.:-]+?)\.([\w-]+)\s+=?\s*(\S+)")
 _NET = re.compile(r"(?:net|newsig|linksp)\s+(\S+)\s+(.*)")
@@ -163,7 +165,7 @@ def unit_in(ini: IniFile, key: str) -> str:
 def _axis(
     ini: IniFile, letter: str, joints: tuple[int, ...], unit: str, given: Mapping[str, tuple[float, float]]
 ) -> IniAxis:
-    places = axis_sections(letter, joints[0])
+    places = axis_sections(ini, letter, joints[0])
     least, most = given[letter] if letter in given else limits(ini, letter, joints[0], unit)
     kind = "ANGULAR" if letter in "ABC" else "LINEAR"
     fallback = {key: ini.get("TRAJ", f"MAX_{kind}_{key}") for key in ("VELOCITY", "ACCELERATION")}
@@ -204,8 +206,11 @@ _ENDLESS = 1e9
 """LinuxCNC's limits where nobody set any are larger; no machine's are."""
 
 
-def axis_sections(letter: str, joint: int) -> tuple[str, str, str]:
-    """Return the sections of an axis: its own, its first joint's, and that of LinuxCNC 2.7 and before."""
+def axis_sections(ini: IniFile, letter: str, joint: int) -> tuple[str, ...]:
+    """Return the sections of an axis: its own, and its first joint's, unless that is a belt; the last is LinuxCNC 2.7's."""
+    stated = ini.get("KINS", "KINEMATICS")
+    if stated is not None and stated.text.startswith(BELTS) and letter in "XY":
+        return (f"AXIS_{letter}",)
     return f"AXIS_{letter}", f"JOINT_{joint}", f"AXIS_{joint}"
 
 
@@ -219,7 +224,7 @@ def limits(ini: IniFile, letter: str, joint: int, unit: str) -> tuple[float, flo
         if letter not in "ABC" and _left_open(found, key):
             what = "The INI file says no {key} of {letter}"
             remedy = 'Write it under [AXIS_{letter}], as in {key} = {example}, or add --limits "{letter} 0 500"'
-            place = ini.place(*axis_sections(letter, joint)) if found is None else (found.file, found.line)
+            place = ini.place(*axis_sections(ini, letter, joint)) if found is None else (found.file, found.line)
             example = "0" if key == "MIN_LIMIT" else "500"
             raise DescriptionError(what, remedy, *place, key=key, letter=letter, example=example)
     low, high = (
@@ -234,7 +239,7 @@ def limits(ini: IniFile, letter: str, joint: int, unit: str) -> tuple[float, flo
 
 
 def _stated(ini: IniFile, letter: str, joint: int) -> dict[str, IniValue | None]:
-    return {key: ini.first(axis_sections(letter, joint), key) for key in ("MIN_LIMIT", "MAX_LIMIT")}
+    return {key: ini.first(axis_sections(ini, letter, joint), key) for key in ("MIN_LIMIT", "MAX_LIMIT")}
 
 
 def _left_open(found: IniValue | None, key: str) -> bool:
@@ -274,6 +279,8 @@ def build_of(ini: IniFile, letters: Sequence[str], doubled: Sequence[str], unit:
     if name in ("trivkins", "gantrykins"):
         chain = _plain(linear, rotary, doubled)
         return IniBuild(chain, False, name, unit, origins=dict.fromkeys(rotary, (0.0, 0.0, 0.0)))
+    if name == BELTS:
+        return IniBuild("w-Z'-b-Y-X-t" if "Z" in letters else "w-b-Y-X-t", False, name, unit)
     if found := _TRT.fullmatch(name):
         return _swivelling(ini, name, found[1].upper(), letters, unit)
     if name in ("maxkins", "5axiskins") and set("BC") <= set(letters):
@@ -284,13 +291,11 @@ def build_of(ini: IniFile, letters: Sequence[str], doubled: Sequence[str], unit:
         chain = "w-C'-X'-Y'-b-Z-B-t" if table else "w-b-X-Y-Z-C-B-t"
         return IniBuild(chain, known and pins.clear, name, unit, against, places)
     what = "{name} is no chain of axes that can be read here"
-    remedy = "Write machine.toml by hand; trivkins, xyzac-trt-kins, xyzbc-trt-kins, maxkins and 5axiskins are read"
+    remedy = "Write machine.toml by hand; trivkins, corexykins, xyzac-trt-kins, xyzbc-trt-kins, maxkins and 5axiskins are read"
     if name in _PARALLEL:
         remedy = "docs/scope.md says what to use instead"
     elif name in _ROBOTS:
         remedy = "docs/robots.md says how a robot is described"
-    elif name == "corexykins":
-        remedy = "Take trivkins with the belts in HAL, as LinuxCNC's sample corexy_by_hal: joints are X and Y then"
     raise DescriptionError(what, remedy, *place, name=name)
 
 

@@ -2,8 +2,8 @@ component axiscal_vcomp "Every error of a machine taken away between motion and 
 description """Made by axiscal, the same for every machine; a campaign brings a text file, read when this is loaded.
 It moves the drives behind LinuxCNC's back by what the file says, and takes the same off their feedback.
 IT HAS NEVER BEEN RUN ON REAL DRIVES OR ON A REALTIME KERNEL, AND IT IS NO SAFETY FUNCTION.
-Loaded with file=NAME units=[TRAJ]LINEAR_UNITS coordinates=[TRAJ]COORDINATES joints=[KINS]JOINTS; what does not fit
-together is refused, and LinuxCNC does not start.  uspace only.""";
+Loaded with file=NAME units=[TRAJ]LINEAR_UNITS coordinates=[TRAJ]COORDINATES joints=[KINS]JOINTS, belts=1 beside
+corexykins; what does not fit together is refused, and LinuxCNC does not start.  uspace only.""";
 pin in float pos-#[9] "joint.N.pos-cmd";
 pin in float motor-#[9] "joint.N.motor-pos-cmd";
 pin out float drive-#[9] "to the drive";
@@ -47,11 +47,12 @@ author "the axiscal authors";
 #define TOOL_SPEED 100.0 /* mm/s at which the tool vector follows a new length */
 
 static char *file = 0, *units = 0, *coordinates = 0;
-static int joints = 0;
+static int joints = 0, belts = 0;
 RTAPI_MP_STRING(file, "the file of the campaign");
 RTAPI_MP_STRING(units, "[TRAJ]LINEAR_UNITS");
 RTAPI_MP_STRING(coordinates, "the axis of each joint, as [TRAJ]COORDINATES has them; _ for one of no axis");
 RTAPI_MP_INT(joints, "[KINS]JOINTS");
+RTAPI_MP_INT(belts, "1: joints 0 and 1 are X + Y and X - Y, as corexykins has them");
 
 static vc_machine machine;
 static vc_side side[VC_AXES];
@@ -173,7 +174,7 @@ FUNCTION(cmd) {
     if (!lost) { /* a coordinate that jumps while its joint is homed is not looked at: what is applied only fades */
         for (k = 0; k < machine.axes; k++) {
             vc_axis *a = &machine.axis[k];
-            pose[k] = pos(a->joint[0]);
+            pose[k] = belts && a->joint[0] < 2 ? (pos(0) + (a->joint[0] ? -pos(1) : pos(1))) / 2 : pos(a->joint[0]);
             way[k] = powered ? vc_side_of(&side[k], pose[k], a->rotary ? band : band * length_unit(), a->seconds, dt)
                              : vc_side_kept(&side[k], pose[k], dt);
         }
@@ -210,6 +211,7 @@ FUNCTION(cmd) {
     for (k = 0; k < machine.axes; k++)
         for (j = 0; j < 2; j++)
             if (machine.axis[k].joint[j] >= 0) applied[machine.axis[k].joint[j]] = now * wanted[k];
+    if (belts) { to = applied[0]; applied[0] = to + applied[1]; applied[1] = to - applied[1]; }
     for (j = 0; j < VC_JOINTS; j++) {
         correction(j) = applied[j];
         drive(j) = motor(j) + applied[j];

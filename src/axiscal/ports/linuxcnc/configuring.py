@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from axiscal.description.ini_file import IniFile, read_ini
-from axiscal.description.ini_machine import IniAxis, IniMachine, machine_of
+from axiscal.description.ini_machine import BELTS, IniAxis, IniMachine, machine_of
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
@@ -78,7 +78,7 @@ class Configured:
     def patched(self) -> patching.Configuration:
         """Return the files with the component in them; raises TableError for what has to be done by hand."""
         joints = {number: axis.letter for axis in self.machine.axes for number in axis.joints}
-        return patching.patched(self.ini, self.files, joints)
+        return patching.patched(self.ini, self.files, joints, self.machine.build.kinematics == BELTS)
 
 
 def configured(path: Path) -> Configured:

@@ -27,7 +27,7 @@ _HEAD = f"""\
 # feedback to vc-enc-N instead of joint.N.motor-pos-fb, and take your own net lines of these two pins out.
 # axiscal-vcomp.fb has to run before motion-command-handler, axiscal-vcomp.cmd after motion-controller: put your own
 # addf lines that read the hardware before, those that write it behind. With another order the following error grows by
-# the way of one period.
+# the way of one period. Where KINEMATICS is corexykins, belts=1 goes behind joints=[KINS]JOINTS.
 """
 SWITCHES = """\
 # Off at start. Switch it on with the spindle stopped and the tool clear: halcmd setp axiscal-vcomp.enable 1
@@ -69,10 +69,11 @@ class Configuration:
         return [name for name in self.files if name != self.ini]
 
 
-def patched(ini: IniFile, files: Mapping[str, str], joints: Mapping[int, str]) -> Configuration:
+def patched(ini: IniFile, files: Mapping[str, str], joints: Mapping[int, str], belts: bool) -> Configuration:
     """Return the configuration with the component in it.
 
     files : the INI file and its HAL files in the order in which they run; joints : their numbers with their axes
+    belts : whether joints 0 and 1 are X + Y and X - Y
     Raises TableError with file and line for what has to be done by hand.
     """
     for name in files:
@@ -89,6 +90,7 @@ def patched(ini: IniFile, files: Mapping[str, str], joints: Mapping[int, str]) -
     _ini(found, ini, {name for name in found.texts() if found.files[name] != files[name]})
     letters = "".join(joints.get(number, "_") for number in range(max(joints) + 1))
     load = _LOADRT.replace('"coordinates=[TRAJ]COORDINATES"', f"coordinates={letters}")  # the kinematics' own order
+    load += " belts=1" if belts else ""
     found.files[LOAD_FILE] = f"# Made by axiscal: the component, before anything is joined to it.\n{load}\n"
     head = f"# Made by axiscal: what the component reads beside. Its functions stand in {thread}."
     found.files[JOIN_FILE] = "\n".join([head, *_nets(found.nets, sorted(joints))]) + "\n" + SWITCHES

@@ -205,10 +205,10 @@ class Agent:
 
     def _apart(self) -> str:
         """Return which joint does not stand where its axis does, or nothing; joints come a few cycles later."""
-        end, named = time.monotonic() + 0.2, list(enumerate(self.seen.joints()[: self.stat.joints]))
+        end = time.monotonic() + 0.2
         while True:
-            far = {j: float(self.stat.joint_position[j]) / self.seen.unit(a) - self.seen.here(a) for j, a in named}
-            joint = next((j for j, way in far.items() if abs(way) > _WITHIN), None)
+            far = [at / self.seen.unit(axis) - self.seen.here(axis) for axis, at in self.seen.joint_places()]
+            joint = next((j for j, way in enumerate(far) if abs(way) > _WITHIN), None)
             if joint is None:
                 return ""
             if time.monotonic() > end:

@@ -30,7 +30,6 @@ class Stance:
         """Return how the machine stands, in its own units."""
         stat, letters, joints = self._stat, self.letters(), range(self._stat.joints)
         spindles = getattr(stat, "spindle", ())
-        named = zip(joints, self.joints(), strict=False)
         return {
             "homed": all(stat.homed[joint] for joint in joints),
             "estop": bool(stat.estop),
@@ -47,7 +46,7 @@ class Stance:
                 a: [stat.axis[LETTERS.index(a)][f"{end}_position_limit"] for end in ("min", "max")] for a in letters
             },
             "position": {a: float(stat.position[LETTERS.index(a)]) for a in letters},
-            "joints": [[a, float(stat.joint_position[joint])] for joint, a in named],
+            "joints": self.joint_places(),
             "compensated": [n for n in joints if self._named(n) or self._stat.joint[n]["backlash"] != 0.0],
             "tables": [self._table(joint) for joint in joints],
             "whole": _bit(f"{_WHOLE}.active"),
@@ -93,13 +92,19 @@ class Stance:
 
     def joints(self) -> str:
         """Return the axis of each joint."""
-        kinematics = self._ini().find("KINS", "KINEMATICS") or ""
-        found = re.search(r"coordinates=(\w+)", kinematics)
+        found = re.search(r"coordinates=(\w+)", self._kinematics())
         return str(found[1] if found else self._ini().find("TRAJ", "COORDINATES") or "XYZ").replace(" ", "").upper()
+
+    def joint_places(self) -> list[tuple[str, float]]:
+        """Return the axis of each joint and where the joint stands, in the machine's units: two belts as X and Y."""
+        at = [float(each) for each in self._stat.joint_position[: self._stat.joints]]
+        if self._kinematics().startswith("corexykins"):
+            at[:2] = (at[0] + at[1]) / 2, (at[0] - at[1]) / 2
+        return list(zip(self.joints(), at, strict=False))
 
     def _tip(self) -> bool | None:
         """Whether switchable kinematics hold the tool point; None if LinuxCNC does not show it."""
-        words = (self._ini().find("KINS", "KINEMATICS") or "").split()
+        words = self._kinematics().split()
         if not words or words[0] not in _SWITCHED:
             return None
         return _bit(f"kinstype.is-{1 if 'sparm=identityfirst' in words else 0}")
@@ -115,6 +120,9 @@ class Stance:
 
     def _named(self, joint: int) -> str:
         return str(self._ini().find(f"JOINT_{joint}", "COMP_FILE") or "")
+
+    def _kinematics(self) -> str:
+        return self._ini().find("KINS", "KINEMATICS") or ""
 
     def _ini(self) -> Any:
         return self._opened(self._stat.ini_filename)
