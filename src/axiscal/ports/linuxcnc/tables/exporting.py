@@ -219,9 +219,10 @@ def _table(
     kept = _parsed(file, _type(file))
     if not len(kept.nominal):
         raise TableError("LinuxCNC reads no row of this file", "name a COMP_FILE", file.name)
-    what, lines = "LinuxCNC skips this row: {text!r}", file.text.split("\n")
-    remedy = said("take it out, or mend it: rows increase, 256 of them at most")
-    untaken += [TableError(what, remedy, file.name, n, text=lines[n - 1].strip()[:40]) for n in kept.skipped]
+    lines, remedy = file.text.split("\n"), said("take it out, or mend it: rows increase, 256 of them at most")
+    skipped = {number: lines[number - 1].strip()[:40] for number in kept.skipped}
+    whats = {text: said("LinuxCNC skips this row: {text!r}", text=text) for text in set(skipped.values())}
+    untaken += [TableError(whats[text], remedy, file.name, number) for number, text in skipped.items()]
     unit = "deg" if machine.axis(axis).rotary else machine_unit
     at, forward, reverse = (from_unit(values, unit) for values in (kept.nominal, kept.forward, kept.reverse))
     return [CompensationTable(axis, at, -forward, -reverse)]
