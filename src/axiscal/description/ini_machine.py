@@ -207,7 +207,7 @@ _ENDLESS = 1e9
 
 
 def axis_sections(ini: IniFile, letter: str, joint: int) -> tuple[str, ...]:
-    """Return the sections of an axis: its own, and its first joint's, unless that is a belt; the last is LinuxCNC 2.7's."""
+    """Return the sections of an axis: its own, and its first joint's, as now and in LinuxCNC 2.7; none of a belt."""
     stated = ini.get("KINS", "KINEMATICS")
     if stated is not None and stated.text.startswith(BELTS) and letter in "XY":
         return (f"AXIS_{letter}",)
@@ -291,7 +291,7 @@ def build_of(ini: IniFile, letters: Sequence[str], doubled: Sequence[str], unit:
         chain = "w-C'-X'-Y'-b-Z-B-t" if table else "w-b-X-Y-Z-C-B-t"
         return IniBuild(chain, known and pins.clear, name, unit, against, places)
     what = "{name} is no chain of axes that can be read here"
-    remedy = "Write machine.toml by hand; trivkins, corexykins, xyzac-trt-kins, xyzbc-trt-kins, maxkins and 5axiskins are read"
+    remedy = "Write machine.toml by hand; trivkins, xyzac-trt-kins, xyzbc-trt-kins, maxkins and 5axiskins are read"
     if name in _PARALLEL:
         remedy = "docs/scope.md says what to use instead"
     elif name in _ROBOTS:
