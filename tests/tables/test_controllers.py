@@ -10,8 +10,6 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from axiscal.description.campaign_schema import ControlName
 from axiscal.errors.model import ErrorModel
@@ -24,14 +22,12 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import exporting, pivots, writer
-from axiscal.tables.controllers.fanuc import PitchParameters, increments
 from axiscal.tables.exporter import Draft, ExportOptions, MapFormat
 from axiscal.tables.offer import Export, tried_out
 from axiscal.tables.registry import controllers, export, exporter
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.sampling import axis_tables
 from axiscal.tables.surface import Effect, effect_of_control, rms, tour
-from axiscal.tables.table import CompensationTable
 from tests.generators.known import known_to_be, truth_of
 from tests.generators.texts import machine_text
 
@@ -223,20 +219,6 @@ def test_a_control_that_takes_the_other_sign_gets_it(controller: str) -> None:
     up = np.ones_like(poses)
     assert other.control(poses, up) == pytest.approx(plain.control(poses, up), abs=2e-6)
     tried_out(controller, estimate, other)
-
-
-@given(st.integers(0, 10**6), st.integers(1, 4))
-def test_fanuc_sums_are_within_half_an_entry(seed: int, magnification: int) -> None:
-    rng = np.random.default_rng(seed)
-    plan = PitchParameters(5, 0, 30, magnification, 0.01)
-    curve = np.cumsum(rng.uniform(-2e-6, 2e-6, 32))
-    table = CompensationTable("X", plan.positions, curve, curve, np.zeros(32))
-    sums = np.cumsum(np.r_[0, increments(table, plan)]) * plan.step
-    wanted = np.interp(0.0, plan.positions, curve) - curve
-    assert np.max(np.abs((sums - sums[6]) - (wanted - wanted[6]))) <= 1.0 * plan.step + 1e-15
-    rounded = np.round(wanted / plan.step) * plan.step
-    assert sums + rounded[0] == pytest.approx(rounded, abs=1e-12)
-    assert np.max(np.abs(rounded - wanted)) <= 0.5 * plan.step + 1e-15
 
 
 def test_heidenhain_has_the_decimals_of_its_template_from_three_on() -> None:

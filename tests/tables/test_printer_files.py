@@ -14,7 +14,6 @@ from axiscal.tables.exporter import Exporter, ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.sampling import axis_tables, backlash
 from axiscal.tables.surface import Mesh, Skew, skew_control, skew_of
-from axiscal.tables.table import CompensationTable
 from tests.tables.test_controllers import known
 from tests.tables.test_sampling import known as drawn_machine
 from tests.tables.test_sampling import machine as linear_machine
@@ -45,13 +44,6 @@ def test_a_mesh_and_a_skew_in_two_files_both_count_in_either_order() -> None:
         assert loaded(klipper.Klipper(), files).skew == {"XY": 0.003, "XZ": 0.0, "YZ": -0.001}
 
 
-def lost(play: dict[str, float]) -> tuple[CompensationTable, ...]:
-    """Return the tables that make up for lost motion, half to each side."""
-    ends = np.array([0.0, 0.1])
-    halves = ((axis, np.full(2, value / 2)) for axis, value in play.items())
-    return tuple(CompensationTable(axis, ends, -half, half) for axis, half in halves)
-
-
 @pytest.mark.parametrize(
     ("skew", "play", "needs", "off"),
     [
@@ -66,23 +58,6 @@ def test_marlin_is_told_what_it_was_built_with_and_how_to_switch_it_off(
     notes = " ".join(marlin._notes(None, skew, play))
     assert set(re.findall(r"[A-Z_]{10,}", notes)) == set(needs.split(", "))
     assert f"Before measuring again take it off: {off}." in notes
-
-
-def test_commands_of_marlin_are_millimetres_with_columns_along_x() -> None:
-    text = marlin.text_of(Loaded(lost({"X": 12.3e-6, "Z": 4e-6}), (MESH,), {"XY": 0.012, "YZ": -0.03}))
-    assert "M852 I0.0120000 K-0.0300000\n" in text
-    assert "M425 X0.0123 Z0.0040 F1 S0\n" in text
-    nodes = {(int(i), int(j)): float(z) for i, j, z in re.findall(r"M421 I(\d+) J(\d+) Z(\S+)", text)}
-    assert len(nodes) == 12
-    assert all(1e-3 * nodes[i, j] == pytest.approx(MESH.added[j, i], abs=5e-8) for i, j in nodes)
-    found = marlin.read(text, MACHINE)
-    (mesh,) = found.meshes
-    assert mesh.added == pytest.approx(MESH.added, abs=5e-8)
-    assert found.skew == {"XY": 0.012, "YZ": -0.03}
-    assert contents.play_of(found) == pytest.approx({"X": 12.3e-6, "Z": 4e-6})
-    half = marlin.read("M425 X0.02 F0.5 S3", MACHINE)
-    assert contents.play_of(half) == pytest.approx({"X": 1e-5})
-    assert text.endswith("M500\n")
 
 
 def test_one_backlash_is_the_mean_of_what_coming_from_above_is_more_than_from_below() -> None:
