@@ -32,19 +32,6 @@ def spent(asked: Task, dual: Dual, readings: int) -> float:
     return readings * float((pool.squares(dual.state.observation, dual.reach) / pool.noise).max())
 
 
-@given(st.integers(0, 2**32 - 1), st.integers(1, 6), st.floats(0.0, 2.0))
-def test_any_matrix_bounds_every_plan(seed: int, readings: int, size: float) -> None:
-    generator = np.random.default_rng(seed)
-    asked = splines(2, 4, 0.3, 25)
-    state, pool = asked.state, Pool(asked.observation, asked.lattice)
-    target = state.weighted
-    dual = Dual(state, size * (target + 0.5 * generator.normal(size=target.shape) * np.abs(target).mean()))
-    floor = dual.floor(spent(asked, dual, readings), readings)
-    for _ in range(10):
-        places = pool.lattice.within(generator.integers(len(pool), size=readings))
-        assert floor <= state.after_readings(places).value * (1 + 1e-9)
-
-
 def test_nothing_is_weyl_and_everything_is_the_equivalence_theorem() -> None:
     asked = splines(1, 7, 0.1, 1000)
     state = asked.state
