@@ -223,7 +223,7 @@ def test_a_side_alone_is_that_of_the_only_axis_that_moves(tmp_path: Path) -> Non
 
 
 HEADERS = [
-    ("target_mm,direction,run,deviation_um", ",", "+-"),
+    ("target_mm,direction,run,deviation_um", ",", "FR"),
     ("Position [mm];Richtung;Lauf;Abweichung [µm]", ";", ("vor", "zurück")),
     ("Sollposition_mm\tRichtung\tMesslauf\tAbweichung_um", "\t", ("vorwärts", "rückwärts")),
     ("cible (mm);sens;passage;écart (µm)", ";", ("aller", "retour")),

@@ -34,9 +34,9 @@ STEMS = {word: stem for stem, words in _CALLED.items() for word in words.split()
 """Of tests, by the words of their headers."""
 OF_READINGS = {word: word for word in ("setup", "approach", "reading", "check", "time", "value")}
 _WAYS = {
-    +1: "+ 1 +1 \N{UPWARDS ARROW} \N{RIGHTWARDS ARROW} forward forwards fwd positive pos up ccw "
+    +1: "+ 1 +1 \N{UPWARDS ARROW} \N{RIGHTWARDS ARROW} f forward forwards fwd positive pos up ccw "
     "vor vorwärts vorwaerts hin aller avant adelante avanti",
-    -1: "- -1 \N{DOWNWARDS ARROW} \N{LEFTWARDS ARROW} reverse rev backward backwards back bwd negative neg down cw "
+    -1: "- -1 \N{DOWNWARDS ARROW} \N{LEFTWARDS ARROW} r b reverse rev backward backwards back bwd negative neg down cw "
     "rück zurück rückwärts rueckwaerts her retour arrière atrás atras indietro",
 }
 """Words of directions by their sign."""
