@@ -154,6 +154,7 @@ def posed(
         lattice.within(keep),
         here,
         read=columns_of(case, [reading.place for reading in readings]),
+        named=isinstance(candidates, Places),
     )
 
 

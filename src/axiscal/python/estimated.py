@@ -31,9 +31,10 @@ from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.units import format_quantity, to_unit
 from axiscal_core import curve as own
+from axiscal_core import refusals
 from axiscal_core.normal import Normal
 from axiscal_core.places import sided
-from axiscal_core.refusals import Array, InputError, finite, one, whole
+from axiscal_core.refusals import Array, finite, one, whole
 from axiscal_core.splines import Spline
 from axiscal_core.units import EITHER, METRES, RADIANS, Quantity, quantities, si
 
@@ -224,7 +225,8 @@ class Estimated(Mapping[str, Curve]):
         try:
             return import_module("xarray").Dataset(data)
         except ModuleNotFoundError as missing:
-            raise InputError("Estimated.to_xarray", "xarray", "is not installed", "pip install xarray") from missing
+            what, remedy = "is not installed", "pip install xarray"
+            raise refusals.InputError("Estimated.to_xarray", "xarray", what, remedy) from missing
 
     @property
     def rms(self) -> float:
@@ -294,7 +296,7 @@ class Estimated(Mapping[str, Curve]):
         Raises InputError, OSError; axiscal_core.InputError where nothing was read.
         """
         if not self._given[1]:
-            raise InputError("Estimated.report", "readings", "are none", "Estimate a machine from readings")
+            raise refusals.InputError("Estimated.report", "readings", "are none", "Estimate a machine from readings")
         with evaluated(*self._given) as campaign:
             deliver(campaign, campaign.estimate(ended=True), Path(folder), Extras())
         return Path(folder) / "report.pdf"

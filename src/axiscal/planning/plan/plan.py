@@ -289,7 +289,7 @@ def refuse_unplannable(task: Task, limits: Limits) -> None:
 def _together(task: Task, readings: int, setups: Setups, work: float) -> Scores:
     """Return the best of what exchange makes of several beginnings with the same number of readings per set-up.
 
-    work : operations that random starts may take; without any all places are those of the lattice
+    work : operations that random starts may take
     """
     base, times = scores_among(task, setups), clock(task)
     tried, allowed = [filled(base.fork(), readings, setups)], affordable(times, setups, np.inf)
@@ -298,7 +298,7 @@ def _together(task: Task, readings: int, setups: Setups, work: float) -> Scores:
         return tried[0]
     counts = [(s, int(np.sum(tried[0].places.setups == s))) for s in setups]
     random = best_of_random(task, counts, work)
-    plain = plain_designs(task, counts) if work else []  # their places are off the lattice
+    plain = [] if task.named else plain_designs(task, counts)  # their places are off the lattice
     for begun in [*plain, *([] if random is None else [random])]:
         scores = base.fork()
         scores.enter_all(begun)

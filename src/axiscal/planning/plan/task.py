@@ -37,6 +37,7 @@ class Task:
     here : one place, of the set-up that is mounted and where the machine stands; None before the first
     read : places of readings that are taken already; beside : of those that will be, whatever is planned
     patience : operations that climbing off the lattice may take; 0 for figures alone, within a second
+    named : whether readings stand at candidates alone, which somebody named
     """
 
     observation: Observation
@@ -48,6 +49,7 @@ class Task:
     read: Places | None = None
     beside: Places | None = None
     patience: float = PATIENCE
+    named: bool = False
 
     @property
     def taken(self) -> Places:
