@@ -1,7 +1,7 @@
 """What usually goes wrong, the sizes that readings may teach, and a machine with its sizes as learnt.
 
-One table has a row for each cause. A new one takes a row and a kind here, its columns in `estimation/promise/passing`,
-which `planning/plan/order` turns against each other, and its words in `present/findings`.
+One table, `causes.toml`, has a row for each cause. A new one takes a row there, a kind here, its columns in
+`estimation/promise/passing`, which `planning/plan/order` turns against each other, and its words in `present/findings`.
 
 Given the logarithms θ of the sizes all causes are Gaussian, y ~ N(0, K(θ)) with K(θ) = Σ_c s_c(θ)² B_c. A size is the
 default, or what somebody stated, times exp(θ). It is log-normal, with all its moments:
@@ -15,8 +15,10 @@ E exp 2θ = exp(2 f² − 2 f x₀) = 1. So a size that no reading teaches adds 
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from importlib import resources
 from itertools import combinations
 
 import numpy as np
@@ -55,68 +57,14 @@ class Cause:
         return math.log(self.factor)
 
 
-SMOOTH = Cause(
-    "error, smooth", "Matérn-5/2 by a spline on knots", 1.0, "std as stated", SURE["roughly"],
-    "learnt over stated std: 1.05, 1.35, 1.61 at 16, 50, 84 % of 38 measured curves",
-)  # fmt: skip
-LENGTH = Cause(
-    "length of an error", "-", 1.0, "length as stated", 2.5,
-    "0.09, 0.25, 0.76 of the travel at 16, 50, 84 % of the same curves",
-)  # fmt: skip
-SCALE = Cause(
-    "scale of a linear axis", "coordinate", 30e-6, "um/m", 3.0,
-    "a ground screw of class C5 has 23 um in 300 mm, two kelvins are 23 um/m",
-)  # fmt: skip
-ROUGH = Cause(
-    "error, rough", "cells of 2 % of the travel, half of the variance in cells of 6 %", 0.045,
-    "std of the error", 5.0, "0.048, 0.085, 0.20 of the same curves; maps 0.066, 0.096, 0.13; screws of controls 0.005",
-)  # fmt: skip
-"""Ground guides and screws have a tenth of what cast beds and mirrors have: hence the factor."""
-REST = Cause(
-    "rest", "white", 0.03, "std of the error", 4.0, "0.018, 0.030, 0.067 of the same curves",
-)  # fmt: skip
-REVERSAL = Cause("reversal", "constant", 1.0, "std as stated", 3.0, "as the errors' own factor")
-"""The factor is that of errors; nobody has measured another."""
-WAY = Cause(
-    "reversal that needs a way", "side times exp(-d/l), d the way since the axis turned, l of 30, 100 and 350 mm", 0.06,
-    "std of the reversal", 6.0, "assumption",
-)  # fmt: skip
-"""Assumption: a slide winds up like a spring over a hand's breadth: little of most backlashes, and most of some."""
-PITCH = Cause("pitch", "one sine for each stated period", 0.02, "std of the error", 4.0, "assumption")
-"""Assumption: a fiftieth of the error."""
-TOGETHER = Cause(
-    "two linear axes together", "product of Matérn-5/2, 0.3 of each travel", 0.15,
-    "larger std of both axes' errors", 6.0, "14 beds and plates: a fifth less is missed than with 3.0 and half",
-)  # fmt: skip
-DRIFT = Cause(
-    "drift of a zero", "linear and Brownian in time", 2.0, "noise, each over the set-up's time", 4.0,
-    "nine ISO 230-2 tests: spread of run means over noise 0.9 to 12, median 2",
-)  # fmt: skip
-CYCLE = Cause("cycle of a zero", "Matérn-1/2 in time, 6 min", 0.5, "noise", 4.0, "assumption")
-"""Assumption: an air conditioning that switches every six minutes moves a zero by half the noise."""
-GROWTH = Cause(
-    "growth of an axis meanwhile", "coordinate times Matérn-3/2 in time, 0.4 of the set-up's time", 2.0,
-    "noise per travel", 4.0, "slopes of ISO 230-2 runs 0.4 to 1.9 noise",
-)  # fmt: skip
-OFFSET = Cause(
-    "offset from the line that was read", "distance times pitch and yaw that are not described", 20e-6, "rad", 1.0,
-    "a third of the 60 urad that ISO 10791-2 allows (remembered, not from its text)",
-)  # fmt: skip
-ANGLE = Cause(
-    "angle beside the tool point", "as an error, where none is described", OFFSET.size, "rad", SURE["roughly"],
-    "as for the offset from the line",
-)  # fmt: skip
-ANGLE_OF_PRINTER = Cause(
-    "angle of a printer beside the nozzle", "as an error, where none is described", 1.5e-3, "rad", SURE["roughly"],
-    "six published twists of X: 0.03 to 0.34 mm at some 35 mm, so 1 to 10 mrad from end to end",
-)  # fmt: skip
-NOISE = Cause("noise", "white", 1.0, "noise as stated", 2.0, "seating again scatters 3 to 7 still noises")
-"""Factor: a stated noise is rarely off by more, and repeats tell it."""
-BAD = Cause(
-    "bad reading", "one reading", OFF, "noise", 1.0, "assumption: 1 of 100 readings",
-)  # fmt: skip
-
-
+_ROWS = tomllib.loads(resources.files(__package__).joinpath("causes.toml").read_text(encoding="utf-8"))
+_CAUSES = {name: Cause(**row) for name, row in _ROWS.items()}
+LENGTH, SCALE, ROUGH, REST = map(_CAUSES.__getitem__, ("length", "scale", "rough", "rest"))
+REVERSAL, WAY, PITCH, TOGETHER = map(_CAUSES.__getitem__, ("reversal", "way", "pitch", "together"))
+DRIFT, CYCLE, GROWTH, NOISE = map(_CAUSES.__getitem__, ("drift", "cycle", "growth", "noise"))
+OFFSET, ANGLE, ANGLE_OF_PRINTER = map(_CAUSES.__getitem__, ("offset", "angle", "angle_of_printer"))
+BAD = Cause("bad reading", "one reading", OFF, "noise", 1.0, "assumption: 1 of 100 readings")
+"""Its size is that of the core."""
 NONE_VARY = Sizes(())
 """All sizes are as stated."""
 
