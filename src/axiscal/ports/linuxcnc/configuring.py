@@ -41,7 +41,7 @@ def export_into(ini: Path, estimate: Estimate, options: ExportOptions) -> Export
     taken = f" {changed.tables} {lines} of COMP_FILE and BACKLASH taken out." if changed.tables else ""
     copied = "".join(f" {name} is a copy out of LinuxCNC's library." for name in placed if name in found.library)
     notes = (
-        f"INTO YOUR CONFIGURATION: stop LinuxCNC, then sh {patching.APPLY} FOLDER (of {found.name}); back again: "
+        f"INTO YOUR CONFIGURATION: stop LinuxCNC, then sh {patching.APPLY} FOLDER (of {ini.name}); back again: "
         f"sh {patching.UNDO} FOLDER. Both refuse where a file is not the one that was read. The files as they were are "
         f"kept in its folder before-axiscal.{taken}{copied}",
         *minded,
@@ -69,11 +69,6 @@ class Configured:
     machine: IniMachine
     files: Mapping[str, str]
     library: frozenset[str]
-
-    @property
-    def name(self) -> str:
-        """Name of the INI file."""
-        return self.ini.path.name
 
     def patched(self) -> patching.Configuration:
         """Return the files with the component in them; raises TableError for what has to be done by hand."""
