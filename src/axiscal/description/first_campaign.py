@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from axiscal.document.ports import templates
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import later
 from axiscal.machine import Axis, Machine
@@ -108,24 +109,11 @@ def _place(point: Array) -> str:
     return ", ".join(f'"{round(1e3 * float(each)) + 0:d} mm"' for each in point)
 
 
-def templates(**filters: Callable[..., object]) -> Environment:
-    """Return what renders the first files.  filters : what their templates call"""
-    from jinja2 import Environment, PackageLoader, StrictUndefined  # which no campaign needs
-
-    made = Environment(
-        loader=PackageLoader("axiscal.description"),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    made.filters |= filters
-    return made
-
-
 @cache
 def _campaign_templates() -> Environment:
-    return templates(way=_way, part=_within, step=_step, place=_place, mm=partial(format_quantity, unit="mm"))
+    return templates(
+        "axiscal.description", way=_way, part=_within, step=_step, place=_place, mm=partial(format_quantity, unit="mm")
+    )
 
 
 def _step(axis: Axis) -> str:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.campaign_schema import SCHEMAS
-from axiscal.description.first_campaign import OFFERED, UNSAID, UNSAID_OFFSET, Purpose, first_campaign, templates
+from axiscal.description.first_campaign import OFFERED, UNSAID, UNSAID_OFFSET, Purpose, first_campaign
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import IniMachine, machine_of
 from axiscal.description.printer_file import is_printer_file, read_printer
@@ -364,7 +364,9 @@ def write_files(folder: Path, texts: Mapping[str, str]) -> None:
 def machine_text(machine: IniMachine, source: str) -> str:
     """Return the text of machine.toml.  source : the INI file, as it is named"""
     units = {"from_unit": from_unit, "to_unit": to_unit}
-    rendering = templates(plain=_plain, toml=toml_value, number=_number, direction=letter_direction, **units)
+    rendering = ports.templates(
+        "axiscal.description", plain=_plain, toml=toml_value, number=_number, direction=letter_direction, **units
+    )
     values = {each.name: getattr(machine, each.name) for each in fields(machine)}
     return rendering.get_template("machine.jinja").render(values, source=source)
 

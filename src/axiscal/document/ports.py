@@ -1,14 +1,18 @@
-"""What packages bring, ours and others, found by their entry points and loaded at its first use."""
+"""What packages bring, ours and others: parts by their entry points, loaded at their first use, and templates."""
 
 from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from axiscal.exceptions import PortError
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 
 def part(name: str) -> Any:
@@ -55,3 +59,26 @@ def _loaded(point: EntryPoint) -> Any:
         raise PortError(
             what, remedy, name=point.name, value=point.value, group=point.group, kind=type(fault).__name__, fault=fault
         ) from fault
+
+
+def templates(package: str, **filters: Callable[..., object]) -> Environment:
+    """Return what renders the templates of a package; a name that has no value is a fault.
+
+    filters : what they call
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined  # which no campaign needs
+
+    made = Environment(
+        loader=PackageLoader(package),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    made.filters |= filters
+    return made
+
+
+def rendered(package: str, template: str, **values: object) -> str:
+    """Return the text that a template of a package makes of values."""
+    return templates(package).get_template(template).render(values)

@@ -14,37 +14,17 @@ from dataclasses import dataclass, field
 from hashlib import sha256
 
 from axiscal.description.ini_file import IniFile
+from axiscal.document.ports import rendered
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import said
 
 FILE, HAL_FILE = "axiscal.vcomp", "axiscal-volumetric.hal"
 STATEMENT = "Never run on real drives or on a realtime kernel. It is no safety function."
-_HEAD = f"""\
-# Made by axiscal: every error of the machine taken away between motion and drives.
-# {STATEMENT}
-# To be run after motion and your drives are loaded (HALFILE, the last one). Then, for each joint N: net to your drive
-# the signal vc-drv-N instead of joint.N.motor-pos-cmd (pid.N.command, stepgen's position-cmd), net its position
-# feedback to vc-enc-N instead of joint.N.motor-pos-fb, and take your own net lines of these two pins out.
-# axiscal-vcomp.fb has to run before motion-command-handler, axiscal-vcomp.cmd after motion-controller: put your own
-# addf lines that read the hardware before, those that write it behind. With another order the following error grows by
-# the way of one period. Where KINEMATICS is corexykins, belts=1 goes behind joints=[KINS]JOINTS.
-"""
-SWITCHES = """\
-# Off at start. Switch it on with the spindle stopped and the tool clear: halcmd setp axiscal-vcomp.enable 1
-setp axiscal-vcomp.enable 0
-# A fault lets a part go on wrong by the whole error; to stop the feed then:
-# net vc-fault axiscal-vcomp.fault => motion.feed-inhibit
-# Tool lengths: without these lines the length of the campaign is taken for every tool. With them tool lengths have to
-# count from the spindle nose; where they count from elsewhere, setp axiscal-vcomp.tool-gauge to the distance.
-# net vc-tool-x motion.tooloffset.x => axiscal-vcomp.tool-x
-# net vc-tool-y motion.tooloffset.y => axiscal-vcomp.tool-y
-# net vc-tool-z motion.tooloffset.z => axiscal-vcomp.tool-z
-"""
+_TEMPLATES = "axiscal.ports.linuxcnc"
 
 LIB = "LIB:"
 """Before a HAL file that LinuxCNC looks for in its library alone."""
 LOAD_FILE, JOIN_FILE, APPLY, UNDO = "axiscal-load.hal", "axiscal-join.hal", "apply.sh", "undo.sh"
-_BACKUP = "before-axiscal"
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,120}")
 _TABLE_KEYS = ("COMP_FILE", "COMP_FILE_TYPE", "BACKLASH")
 _FUNCTION = re.compile(r"\s*addf\s+(motion-command-handler|motion-controller)\s+(\S+)(?:\s+-?\d+)?\s*(#.*)?")
@@ -92,8 +72,7 @@ def patched(ini: IniFile, files: Mapping[str, str], joints: Mapping[int, str], b
     load = _LOADRT.replace('"coordinates=[TRAJ]COORDINATES"', f"coordinates={letters}")  # the kinematics' own order
     load += " belts=1" if belts else ""
     found.files[LOAD_FILE] = f"# Made by axiscal: the component, before anything is joined to it.\n{load}\n"
-    head = f"# Made by axiscal: what the component reads beside. Its functions stand in {thread}."
-    found.files[JOIN_FILE] = "\n".join([head, *_nets(found.nets, sorted(joints))]) + "\n" + SWITCHES
+    found.files[JOIN_FILE] = _hal([*joints], found.nets, thread=thread)
     return found
 
 
@@ -172,24 +151,6 @@ def _ini(found: Configuration, ini: IniFile, changed: Collection[str]) -> None:
     found.files[found.ini] = "\n".join(lines)
 
 
-def _nets(nets: Mapping[str, str], joints: Sequence[int]) -> list[str]:
-    """Return the net lines of what is read and passed on.  nets : the signal of each pin that is on one already"""
-    lines = list[str]()
-
-    def read(signal: str, pin: str, own: str) -> None:
-        known = nets.get(pin)
-        lines.append(f"net {known} => {own}" if known else f"net {signal} {pin} => {own}")
-
-    read("vc-home", "motion.is-all-homed", "axiscal-vcomp.homed")
-    read("vc-on", "motion.motion-enabled", "axiscal-vcomp.powered")
-    for n in joints:
-        read(f"vc-pos-{n}", f"joint.{n}.pos-cmd", f"axiscal-vcomp.pos-{n}")
-        read(f"vc-bl-{n}", f"joint.{n}.backlash-corr", f"axiscal-vcomp.backlash-{n}")
-        lines.append(f"net vc-mot-{n} joint.{n}.motor-pos-cmd => axiscal-vcomp.motor-{n}")
-        lines.append(f"net vc-fb-{n} axiscal-vcomp.feedback-{n} => joint.{n}.motor-pos-fb")
-    return lines
-
-
 def scripts(before: Mapping[str, str], after: Mapping[str, str], beside: Sequence[str]) -> dict[str, str]:
     """Return what puts the files into a configuration's folder and what takes them out again.
 
@@ -198,67 +159,27 @@ def scripts(before: Mapping[str, str], after: Mapping[str, str], beside: Sequenc
     """
     changed = [name for name in before if before[name] != after[name]]
     added = [name for name in [*after, *beside] if name not in before]
-    kept = [(name, (before[name],)) for name in changed]
-    either = [(name, (before[name], after[name])) for name in changed]
-    part, gone = f'"$to/{_BACKUP}.part"', f'"$to/{_BACKUP}.gone"'
-    free = [f'[ ! -e "$to"/{q} ] || {_TAKEN}' for q in _quoted(added)]
-    copies = [f"rm -rf {part} {gone}", f"mkdir {part}", *(f'cp -p "$to"/{q} {part}/{q}' for q in _quoted(changed))]
-    copies += ["sync", f'mv {part} "$to/{_BACKUP}"']
-    news = [line for q in _quoted([*changed, *added]) for line in _put(f'"$from"/{q}', q)]
-    backs = [line for q in _quoted(changed) for line in _put(f'"$to/{_BACKUP}"/{q}', q)]
-    taken = [f'rm -f "$to"/{q} "$to"/{q}.part' for q in _quoted(added)]
-    there, lacking = f'[ ! -e "$to/{_BACKUP}" ] || {_THERE}', f'[ -d "$to/{_BACKUP}" ] || {_NONE}'
-    ends = ["sync", f'mv "$to/{_BACKUP}" {gone}', f"rm -rf {gone}"]
-    return {
-        APPLY: _script("puts the component into", [there], kept, [*free, *copies, *news, "sync"]),
-        UNDO: _script("takes the component out of", [lacking], either, [*backs, *taken, *ends]),
+    texts = {
+        APPLY: {name: [before[name]] for name in changed},
+        UNDO: {name: [before[name], after[name]] for name in changed},
     }
-
-
-def _put(file: str, name: str) -> list[str]:
-    """Return what puts a file in the place of another, whole at any time.  file, name : quoted"""
-    return [f'cp -p {file} "$to"/{name}.part', "sync", f'mv "$to"/{name}.part "$to"/{name}']
-
-
-_THERE = '{ echo "There is a backup already: run undo.sh first." >&2; exit 1; }'
-_NONE = '{ echo "There is no backup: nothing was put in, or it is taken out already." >&2; exit 1; }'
-_TAKEN = (
-    '{ echo "A file of axiscal is there already, which another configuration may need: move it first." >&2; exit 1; }'
-)
-_OTHER = '{ echo "A file is not the one that was read." >&2; exit 1; }'
-
-
-def _quoted(names: Sequence[str]) -> list[str]:
-    return [shlex.quote(name) for name in names]
-
-
-def _script(what: str, first: Sequence[str], files: Sequence[tuple[str, Sequence[str]]], lines: Sequence[str]) -> str:
-    """Return a script.  first : checks; files : by name, with the texts of which each must have one"""
-    return "\n".join(
-        [
-            "#!/bin/sh",
-            f"# Made by axiscal: {what} a LinuxCNC configuration. Stop LinuxCNC first.",
-            "# Whatever ends it half-way: undo.sh puts back what was there.",
-            "set -eu",
-            '[ $# = 1 ] || { echo "Usage: sh $0 FOLDER-OF-THE-INI-FILE" >&2; exit 2; }',
-            'from=$(cd "$(dirname "$0")" && pwd)',
-            'to=$(cd "$1" && pwd)',
-            *first,
-            *(
-                f'case "$(sha256sum < "$to"/{shlex.quote(name)})" in '
-                f"{'|'.join(sha256(text.encode()).hexdigest() + '*' for text in texts)}) ;; *) {_OTHER} ;; esac"
-                for name, texts in files
-            ),
-            *lines,
-            "",
-        ]
-    )
+    named = {"changed": [*map(shlex.quote, changed)], "added": [*map(shlex.quote, added)]}
+    found = dict[str, str]()
+    for script, expected in texts.items():
+        each = ((shlex.quote(n), [sha256(text.encode()).hexdigest() for text in own]) for n, own in expected.items())
+        found[script] = rendered(_TEMPLATES, "script.sh.jinja", undo=script == UNDO, read=[*each], **named)
+    return found
 
 
 def hal_text(joints: Sequence[int]) -> str:
     """Return the HAL text for joints by their numbers."""
-    lines = [_HEAD + _LOADRT, "addf axiscal-vcomp.fb servo-thread 1", "addf axiscal-vcomp.cmd servo-thread"]
-    lines += _nets({}, sorted(joints))
-    for n in sorted(joints):
-        lines += [f"net vc-drv-{n} axiscal-vcomp.drive-{n}", f"net vc-enc-{n} axiscal-vcomp.encoder-{n}"]
-    return "\n".join(lines) + "\n" + SWITCHES
+    return _hal(joints, {}, statement=STATEMENT, load=_LOADRT)
+
+
+def _hal(joints: Sequence[int], nets: Mapping[str, str], thread: str = "", **values: str) -> str:
+    """Return what the component reads and passes on, and its switches.
+
+    nets : the signal of each pin that is on one already; thread : where its functions stand already
+    """
+    every = sorted(joints)
+    return rendered(_TEMPLATES, "volumetric.hal.jinja", joints=every, nets=nets, thread=thread, **values)

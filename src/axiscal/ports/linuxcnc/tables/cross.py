@@ -8,11 +8,13 @@ to the command of every joint of the axis and takes it off its feedback, so Linu
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from axiscal.document.ports import rendered
 from axiscal.exceptions import TableError
 from axiscal.tables.table import CompensationTable
 from axiscal.units import to_unit
@@ -25,16 +27,6 @@ LEAST_SPEED = 2e-4
 """m/s; the correction of an axis may always move as fast."""
 HEADROOM = 4.0
 """The correction may move as many times faster than the axes that are looked up ask for at their stated speed."""
-_HEAD = """# Made by axiscal: moves {moved} by the positions of other axes (straightness, sag, squareness).
-# Source this file after motion has been loaded and its functions added. Then send the drive of each joint here what
-# axiscal-<axis>-motor holds instead of its motor-pos-cmd, and net its position feedback to axiscal-<axis>-encoder
-# instead of joint.N.motor-pos-fb; an axis of several joints has axiscal-<axis>-joint-<N>-motor and -encoder.
-# If your files load one of these components already, join the names into one loadrt.
-# Best among your addf lines: fb-... after the hardware is read and before motion-command-handler, everything else after
-# motion-controller and before the hardware is written; elsewhere the following error grows by the way of one period.
-# The correction comes within {ramp:g} s after all joints are homed and goes when one is not; slew-<axis>.maxv is the
-# fastest it may move: raise it if your axes are faster than {head:g} times their speed in machine.toml.
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,20 +50,27 @@ def write(tables: Sequence[CompensationTable], wiring: Wiring) -> str:
     """Return the HAL text; tables : over other axes, 16 points at most.  Raises TableError."""
     for table in tables:
         _refuse_what_it_cannot_hold(table, wiring)
-    moved = {axis: [t for t in tables if t.axis == axis] for axis in dict.fromkeys(t.axis for t in tables)}
-    head = _HEAD.format(moved=", ".join(moved), ramp=RAMP, head=HEADROOM).rstrip()
-    lines = [head, *_loading(tables, moved, wiring)]
-    for table in tables:
-        lines += _curve(table, wiring.unit)
-    for over in dict.fromkeys(table.over for table in tables):
-        curves = " ".join(f"cross-{_name(t)}.in" for t in tables if t.over == over)
-        lines.append(f"net axiscal-{over.lower()}-position joint.{wiring.joints[over][0]}.pos-cmd => {curves}")
-    lines += _ramp(moved)
-    for axis, own in moved.items():
-        lines += _correction(axis, own, wiring)
-        for joint, label in wiring.labels(axis).items():
-            lines += _joint(joint, label, f"axiscal-{axis.lower()}-correction")
-    return "\n".join(lines) + "\n"
+    axes, overs = (dict.fromkeys(getattr(table, key) for table in tables) for key in ("axis", "over"))
+    moved = [_moved(axis, [table for table in tables if table.axis == axis], wiring) for axis in axes]
+    joints = {over: [_name(table) for table in tables if table.over == over] for over in overs}
+    return rendered(
+        "axiscal.ports.linuxcnc",
+        "cross.hal.jinja",
+        curves=[{"name": _name(table), "points": _points(table, wiring.unit)} for table in tables],
+        positions=[(over.lower(), wiring.joints[over][0], names) for over, names in joints.items()],
+        moved=moved,
+        labels=[label for axis in moved for _, label in axis["joints"]],
+        ramp=f"{RAMP:g}",
+        slope=f"{1 / RAMP:g}",
+        headroom=f"{HEADROOM:g}",
+    )
+
+
+def _moved(axis: str, own: Sequence[CompensationTable], wiring: Wiring) -> dict[str, Any]:
+    """Return an axis that is moved: its first curve, those that are added to it, its joints."""
+    first, *parts = map(_name, own)
+    speed, joints = f"{to_unit(fastest(own, wiring.speeds), wiring.unit):.6g}", [*wiring.labels(axis).items()]
+    return {"axis": axis, "low": axis.lower(), "first": first, "parts": parts, "fastest": speed, "joints": joints}
 
 
 def _refuse_what_it_cannot_hold(table: CompensationTable, wiring: Wiring) -> None:
@@ -88,91 +87,16 @@ _FITS = "{most} points fit: set them further apart"
 
 
 def _name(table: CompensationTable) -> str:
-    return f"{table.axis.lower()}-{table.over.lower()}"
+    return f"cross-{table.axis.lower()}-{table.over.lower()}"
 
 
-def _loading(
-    tables: Sequence[CompensationTable], moved: Mapping[str, Sequence[CompensationTable]], wiring: Wiring
-) -> list[str]:
-    """Return the lines that load the components, one for each kind: a module can be loaded once only."""
-    low = [axis.lower() for axis in moved]
-    ends = [f"{end}-{label}" for axis in moved for label in wiring.labels(axis).values() for end in ("cmd", "fb")]
-    sums = [f"sum-{axis.lower()}-{i}" for axis, own in moved.items() for i in range(1, len(own))]
-    sizes = ",".join(str(len(table.positions)) for table in tables)
-    names = {
-        "lincurve": [f"cross-{_name(t)}" for t in tables],
-        "sum2": [*sums, *ends],
-        "mux2": ["axiscal-homed"],
-        "limit2": ["axiscal-ramp", *(f"slew-{axis}" for axis in low)],
-        "mult2": [f"scaled-{axis}" for axis in low],
-    }
-    lincurve, *others = (f"loadrt {kind} names={','.join(own)}" for kind, own in names.items())
-    return [f"{lincurve} personality={sizes}", *others]
-
-
-def _curve(table: CompensationTable, unit: str) -> list[str]:
-    """Return the lines that fill a lincurve: minus the deviation, both directions alike."""
-    name = f"cross-{_name(table)}"
+def _points(table: CompensationTable, unit: str) -> list[tuple[float, float]]:
+    """Return the points of a lincurve: minus the deviation, both directions alike."""
     added = -np.asarray(to_unit((table.forward + table.reverse) / 2, "deg" if table.rotary else unit))
-    rows = enumerate(zip(to_unit(table.positions, unit), np.round(added, 7) + 0.0, strict=True))
-    lines = [f"addf {name} servo-thread"]
-    for i, (x, y) in rows:
-        lines += [f"setp {name}.x-val-{i:02d} {x:.6f}", f"setp {name}.y-val-{i:02d} {y:.7f}"]
-    return lines
-
-
-def _ramp(moved: Iterable[str]) -> list[str]:
-    """Return the lines of the gain: 1 when all joints are homed, else 0, and on its way between for a while."""
-    return [
-        "addf axiscal-homed servo-thread",
-        "addf axiscal-ramp servo-thread",
-        "setp axiscal-homed.in1 1",
-        f"setp axiscal-ramp.maxv {1 / RAMP:g}",
-        "net axiscal-all-homed motion.is-all-homed => axiscal-homed.sel",
-        "net axiscal-wanted axiscal-homed.out => axiscal-ramp.in",
-        f"net axiscal-gain axiscal-ramp.out => {' '.join(f'scaled-{axis.lower()}.in1' for axis in moved)}",
-    ]
-
-
-def _correction(axis: str, own: Sequence[CompensationTable], wiring: Wiring) -> list[str]:
-    """Return the lines that sum the curves of an axis, scale the sum and limit its speed."""
-    low = axis.lower()
-    last, lines = f"cross-{_name(own[0])}.out", list[str]()
-    for i, table in enumerate(own[1:], 1):
-        stage = f"sum-{low}-{i}"
-        lines += [
-            f"addf {stage} servo-thread",
-            f"net axiscal-{low}-part-{i} {last} => {stage}.in0",
-            f"net axiscal-{_name(table)} cross-{_name(table)}.out => {stage}.in1",
-        ]
-        last = f"{stage}.out"
-    return [
-        *lines,
-        f"addf scaled-{low} servo-thread",
-        f"addf slew-{low} servo-thread",
-        f"setp slew-{low}.maxv {to_unit(fastest(own, wiring.speeds), wiring.unit):.6g}",
-        f"net axiscal-{low}-all {last} => scaled-{low}.in0",
-        f"net axiscal-{low}-scaled scaled-{low}.out => slew-{low}.in",
-    ]
+    return list(zip(to_unit(table.positions, unit), np.round(added, 7) + 0.0, strict=True))
 
 
 def fastest(own: Sequence[CompensationTable], speeds: Mapping[str, float]) -> float:
     """Return how fast the correction of an axis may move, m/s."""
     asked = (float(np.max(np.abs(np.diff(t.forward) / np.diff(t.positions)))) * speeds[t.over] for t in own)
     return max(LEAST_SPEED, HEADROOM * sum(asked))
-
-
-def _joint(joint: int, label: str, correction: str) -> list[str]:
-    """Return the lines that add the correction to the command of a joint, and take it off its feedback."""
-    axis = correction.split("-")[1]
-    return [
-        f"addf cmd-{label} servo-thread",
-        f"addf fb-{label} servo-thread",
-        f"setp fb-{label}.gain1 -1",
-        f"net {correction} slew-{axis}.out => cmd-{label}.in1 fb-{label}.in1",
-        f"net axiscal-{label}-start joint.{joint}.motor-pos-cmd => cmd-{label}.in0",
-        f"net axiscal-{label}-motor cmd-{label}.out",
-        f"net axiscal-{label}-encoder fb-{label}.in0",
-        f"net axiscal-{label}-seen fb-{label}.out",
-        f"net axiscal-{label}-seen => joint.{joint}.motor-pos-fb",
-    ]
