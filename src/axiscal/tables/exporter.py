@@ -19,6 +19,7 @@ from typing import ClassVar
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.document import shown
+from axiscal.document.ports import rendered
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
@@ -81,6 +82,12 @@ def sign_said(options: ExportOptions, text: str) -> tuple[str]:
         "these files load those of axiscal export --probe-sign, take their two readings, and give them to axiscal "
         "verify --bump. Then export again: the files follow the sign that you have measured.",
     )
+
+
+def paragraphs(package: str, template: str, **values: object) -> tuple[str, ...]:
+    """Return what README.txt is to say, by a template of a package: its paragraphs, each a line."""
+    text = rendered(package, template, **values)
+    return tuple(" ".join(each.split()) for each in text.split("\n\n") if each.strip())
 
 
 def unasked(description: CampaignDescription) -> str:

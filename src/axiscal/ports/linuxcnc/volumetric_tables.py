@@ -18,7 +18,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import later
 from axiscal.ports.linuxcnc.patching import FILE, HAL_FILE, STATEMENT, hal_text
 from axiscal.tables import vcomp_file
-from axiscal.tables.exporter import Draft, ExportOptions, Written
+from axiscal.tables.exporter import Draft, ExportOptions, Written, paragraphs
 from axiscal.tables.offer import spread_poses
 from axiscal.tables.vcomp_applying import CORE, VcompFile, whole_control
 from axiscal.units import format_quantity
@@ -69,8 +69,9 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
         sources = {_COMPONENT: resources.files(__package__), CORE: resources.files(tables)}
         files = {FILE: vcomp_file.text_of(file, STATEMENT), HAL_FILE: hal_text(joints)}
         files |= {name: place.joinpath(name).read_text(encoding="ascii") for name, place in sources.items()}
-        notes, steps = _notes(estimate, file), {axis.name: _AWAY for axis in machine.axes}
-        return self.draft(Written(files, steps, notes, first=_first(file)), wanted, machine, options)
+        notes, first = (_said(file, f"volumetric_{part}.jinja") for part in ("notes", "first"))
+        steps = {axis.name: _AWAY for axis in machine.axes}
+        return self.draft(Written(files, steps, notes, first=first), wanted, machine, options)
 
 
 def reversal_times(estimate: Estimate) -> list[float]:
@@ -91,53 +92,17 @@ def reversal_times(estimate: Estimate) -> list[float]:
     return times
 
 
-def _first(file: VcompFile) -> tuple[str, ...]:
-    unit = file.unit
-    turned = f" and {file.limit_deg:.4g} deg" if any(axis.rotary for axis in file.axes) else ""
-    limit = f"{file.limit:.4g} {unit}{turned}"
-    return (
-        f"THIS MOVES YOUR DRIVES BEHIND LINUXCNC'S BACK by up to {limit}. {STATEMENT}",
-        "First run: spindle stopped, tool clear, axiscal-vcomp.enable off. Compare the pin axiscal-vcomp.largest with "
-        f"{file.limit:.4g} {unit}. Switch on: the machine moves by that much within a second. At three places check "
-        "with a dial gauge that the deviation of the report became smaller; if it doubled, switch off: a sign or a "
-        "joint is wrong. COMP_FILE and BACKLASH must be out of the INI.",
+def _said(file: VcompFile, template: str) -> tuple[str, ...]:
+    """Return paragraphs of README.txt by a template."""
+    seconds = [(axis.name, format_quantity(axis.seconds, "s", 3)) for axis in file.axes if axis.reversals.shape[1]]
+    return paragraphs(
+        "axiscal.ports.linuxcnc",
+        template,
+        file=file,
+        limit=f"{file.limit:.4g}",
+        rotary=[axis for axis in file.axes if axis.rotary],
+        reversing=", ".join(map(" ".join, seconds)),
+        statement=STATEMENT,
+        vcomp=FILE,
+        hal=HAL_FILE,
     )
-
-
-def _notes(estimate: Estimate, file: VcompFile) -> tuple[str, ...]:
-    lies = "; ".join(
-        f"{axis.name} at x {axis.origin[0]:.6g}, y {axis.origin[1]:.6g}, z {axis.origin[2]:.6g} {file.unit}"
-        for axis in file.axes
-        if axis.rotary
-    )
-    notes = [
-        "Once on every machine (Debian: linuxcnc-uspace-dev and gcc): sudo halcompile --install axiscal_vcomp.comp, in "
-        "the folder of these files. A campaign brings a new axiscal.vcomp only. uspace only.",
-        f"Put {FILE} and {HAL_FILE} beside the INI file; the first lines of {HAL_FILE} say how to "
-        "wire it. LinuxCNC does not start, and one sentence says why, where unit, joints or axes differ from the INI "
-        "file, or a character of the file was changed.",
-        "Soft limits, positions shown and the following error are those without the correction: keep "
-        f"{file.limit:.4g} {file.unit} to the switches. Give the drives 1.2 times MAX_ACCELERATION.",
-        "A campaign is measured with axiscal-vcomp.active false, its verification with active true.",
-        "Faults: 1 over the limit, 2 not finite, 3 COMP_FILE or BACKLASH works as well, 4 the linear axes do not span "
-        "space. The correction then goes within ramp-time; enable off, reset, and find out why.",
-        *_reversals(file),
-    ]
-    if lies:
-        notes.insert(
-            3,
-            f"The location errors of rotary axes stand in the file: the kinematics keep the origins of machine.toml, "
-            f"{lies} (machine zero, spindle nose). Compare them with your pivot pins, and load no axiscal-pivots.hal.",
-        )
-    return tuple(notes)
-
-
-def _reversals(file: VcompFile) -> list[str]:
-    several = [axis for axis in file.axes if axis.reversals.shape[1]]
-    if not several:
-        return []
-    said = ", ".join(f"{axis.name} {format_quantity(axis.seconds, 's', 3)}" for axis in several)
-    return [
-        f"A reversal is carried out after 0.5 um or 0.0005 deg the other way, within {said} (from the accelerations "
-        "in machine.toml); after homing, before an axis has moved, the mean of both sides is applied."
-    ]
