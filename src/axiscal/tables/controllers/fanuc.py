@@ -16,7 +16,7 @@ from axiscal.language.spoken import later, said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.tables.exporter import Draft, ExportOptions, TableFormat, Written, sign_said
+from axiscal.tables.exporter import Draft, ExportOptions, TableFormat, Written, paragraphs, sign_said
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.sampling import backlash, own_table
 from axiscal.tables.table import CompensationTable
@@ -342,26 +342,13 @@ def _backlash_notes(estimate: Estimate) -> tuple[str, ...]:
 
 
 def _notes(plans: Mapping[str, PitchParameters]) -> tuple[str, ...]:
-    parts = [f"{axis} from N{FIRST_DATA + plan.first} to N{FIRST_DATA + plan.last}" for axis, plan in plans.items()]
-    return (
-        f"Replaced in your file: {', '.join(parts)}. Everything else is as it was.",
-        "Supposed: increment system IS-B (detection unit 0.001 mm, 0.001 deg), the reference point at machine zero.",
-        "The entry of a point is added over the section that ends at it, so the first one begins an interval below "
-        "3621: FANUC's formula, 3621 = 3620 - stroke / interval + 1.",
-        *_turn_notes(plans),
-        "Power off and on, then return to the reference point.",
-        "The control adds a step at each point where this program supposes a line between: up to half an entry more.",
+    return paragraphs(
+        "axiscal.tables",
+        "fanuc.jinja",
+        points=[(axis, FIRST_DATA + plan.first, FIRST_DATA + plan.last) for axis, plan in plans.items()],
+        turns=[axis for axis, plan in plans.items() if plan.rotary and plan.turn],
+        parts=[axis for axis, plan in plans.items() if plan.rotary and not plan.turn],
     )
-
-
-def _turn_notes(plans: Mapping[str, PitchParameters]) -> tuple[str, ...]:
-    turns, parts = (
-        ", ".join(axis for axis, plan in plans.items() if plan.rotary and plan.turn is whole) for whole in (True, False)
-    )
-    whole = f"{turns}: a rotary axis of type A (1006#0 = 1, #1 = 0) and 3625 = 360.0; the entries of a turn sum to 0, "
-    whole += "and its first point has the entry of its last."
-    part = f"{parts}: supposed of type B (1006#0 = #1 = 1), whose points lie as those of a linear axis, in deg."
-    return (*((whole,) if turns else ()), *((part,) if parts else ()))
 
 
 def increments(table: CompensationTable, plan: PitchParameters, sign: int = 1) -> Array:

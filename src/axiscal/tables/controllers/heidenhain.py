@@ -16,7 +16,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.tables.exporter import ExportOptions, TableFormat, Written, sign_said
+from axiscal.tables.exporter import ExportOptions, TableFormat, Written, paragraphs, sign_said
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
@@ -168,11 +168,4 @@ def _file(layout: Layout, axis: str, tables: Sequence[CompensationTable], sign: 
 def _notes(layout: Layout, machine: Machine) -> tuple[str, ...]:
     missing = [axis.name for axis in machine.axes if axis.name not in layout.heads]
     turning = [axis.name for axis in machine.axes if axis.cyclic and axis.name in layout.heads]
-    modulo = (f"{', '.join(turning)}: the table holds one turn; the axis must be a modulo axis, or stay within it.",)
-    absent = (f"Your template has no column for {', '.join(missing)}: left out.",) if missing else ()
-    return (
-        *absent,
-        *(modulo if turning else ()),
-        "Assign the files to their axes in the active line of the .CMA table; positions count from the machine datum.",
-        "Values are deviations, actual minus nominal, and BACKLASH is what comes on top when moving downwards.",
-    )
+    return paragraphs("axiscal.tables", "heidenhain.jinja", missing=missing, turning=turning)

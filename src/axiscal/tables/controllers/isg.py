@@ -27,7 +27,7 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import parse_error_name
 from axiscal.numerics import Array
-from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written, sign_said, summed
+from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written, paragraphs, sign_said, summed
 from axiscal.tables.loaded import Loaded, OldFile, table_control
 from axiscal.tables.sampling import axis_tables, points
 from axiscal.tables.surface import sum_of
@@ -207,7 +207,16 @@ class Isg(Exporter):
         files = {_FILE: write_csv(found, machine), "volcomp.lis": listed, **lists}
         apart_by = [(t.axis, 0.5 * list_unit(machine.axis(t.axis).unit) + 1e-12) for t in halves]
         steps = summed([*((axis.name, 1e-8) for axis in machine.axes if not axis.rotary), *apart_by])
-        notes = _notes(machine, found, options.flip) + _leadscrew_notes(lists)
+        notes = paragraphs(
+            "axiscal.tables",
+            "isg.jinja",
+            file=_FILE,
+            records=sum(curve.values.size for curve in found.values()),
+            flip=options.flip,
+            against=[axis.name for axis in machine.axes if axis.reversed],
+            chain=machine.chain,
+            lists=lists,
+        )
         holds = _HOLDS.format(_BOTH * any(curve.over for curve in found.values()) + (_APART if lists else ""))
         wanted = sum_of(tip_control(estimate.as_described, found), table_control(machine, halves))
         written = Written(files, steps, notes, holds, first=sign_said(options, _SIGN))
@@ -264,42 +273,3 @@ def nominal(machine: Machine) -> dict[str, SampledError]:
         for name, place in places.items()
         for direction, value in zip("XYZ", place, strict=True)
     }
-
-
-def _notes(machine: Machine, found: Mapping[str, SampledError], flip: bool) -> tuple[str, ...]:
-    records = sum(curve.values.size for curve in found.values())
-    negated = " The list file negates them." if flip else ""
-    return (
-        f"Put volcomp.lis and {_FILE} where the start-up list names them: vol_comp[0].file_name volcomp.lis and "
-        f"vol_comp[0].max_records {records} or more.",
-        "In the NC program: #VOLCOMP OFF [ID0], #VOLCOMP [ID0 UPDATE], #VOLCOMP ON [ID0].",
-        "Errors say what the moving component does in machine directions, also where it carries the workpiece; "
-        "rotations turn about the axis frames of axiscal's conventions: that of a linear axis is at the origin of the "
-        f"machine when all axes are at zero.{negated}",
-        *_against(machine),
-        f"The chain {machine.chain} has to be the control's own. P0X to P0Z give the tool at zero, PXA and so on where "
-        "rotary axes lie, both from the machine's origin.",
-        "The kernel corrects the position of the tool, not its orientation.",
-    )
-
-
-def _against(machine: Machine) -> tuple[str, ...]:
-    against = ", ".join(axis.name for axis in machine.axes if axis.reversed)
-    if not against:
-        return ()
-    return (
-        f"{against}: direction is reversed in machine.toml. The list file has no word for that, and the kernel "
-        "supposes ISO 841: let its axis count that way, or check one point of each direction before you use it.",
-    )
-
-
-def _leadscrew_notes(lists: Mapping[str, str]) -> tuple[str, ...]:
-    if not lists:
-        return ()
-    return (
-        f"{', '.join(lists)}: bilateral leadscrew tables (kw.ssfk) that hold what the directions are apart, half to "
-        "each side, beside the volumetric compensation, which has no direction. Give each as the compensation value "
-        "list of its axis, set lr_param.ssfk 1, and leave no backlash compensation active on these axes.",
-        "Their values are actual position less setpoint, 0.1 um and 1e-4 deg (TF5200); the kernel takes them away, and "
-        "--flip leaves them as they are.",
-    )

@@ -19,7 +19,7 @@ from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import later
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.tables.exporter import ExportOptions, TableFormat, Written, sign_said
+from axiscal.tables.exporter import ExportOptions, TableFormat, Written, paragraphs, sign_said
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
@@ -269,33 +269,19 @@ def notes(
     own: Sequence[CompensationTable], blocks: Sequence[TableBlock], names: Mapping[str, str], encoder: int
 ) -> tuple[str, ...]:
     """Return the sentences; arguments as for `write`."""
-    sizes = ", ".join(f"[{encoder},{names[table.axis]}] {len(table.positions)}" for table in own)
-    memory = (
-        f"Before loading: MD38000 MM_ENC_COMP_MAX_POINTS must be at least {sizes}; setting it clears the memory: save "
-        "it first.",
-        f"ENC_COMP is for measuring system {encoder + 1} of each axis (index {encoder}), the one that was active while "
-        "measuring; --measuring-system chooses the other.",
-        "To load ENC_COMP: MD32700 ENC_COMP_ENABLE = 0, load, set it to 1, NCK reset, and reference the axis.",
-        "ENC_COMP: a positive value moves the axis in its negative direction (Siemens). Where the error of an axis has "
-        "doubled after loading, it counts against machine.toml: write direction in its table, and evaluate again.",
-    )
-    return (memory if own else ()) + (_cec(blocks, names) if blocks else ()) + _modulo(own, names)
-
-
-def _cec(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> tuple[str, ...]:
-    counts = [len(block.table.positions) for block in blocks]
-    points = ", ".join(f"[{number}] {count}" for number, count in enumerate(counts))
-    over = len(blocks) > _SMALL[0] or max(counts) > _SMALL[1]
-    small = (f"An 828D has {_SMALL[0]} tables of {_SMALL[1]} points: {CEC} does not fit there.",) if over else ()
-    return (
-        f"Before loading {CEC}: MD18342 MM_CEC_MAX_POINTS must be at least {points}; setting it clears the memory.",
-        *small,
-        "To load CEC: MD32710 CEC_ENABLE = 0, load, set it to 1 and SD41300 CEC_TABLE_ENABLE = 1 for each table. CEC "
-        "is a licensed option.",
-        f"MD32720 CEC_MAX_SUM limits what all CEC tables of an axis add: it must be above {_sums(blocks, names)}.",
-        "MD32730 CEC_MAX_VELO limits how fast that changes, in per cent of MD32000 of the axis: it must be above "
-        f"{_slopes(blocks, names)}. A reversal is spread over the time that this allows.",
-        "CEC is taken to have the sign of ENC_COMP; --flip turns CEC alone.",
+    turning = [names[t.axis] for t in own if t.rotary and abs(np.ptp(t.positions) - 2 * np.pi) < 1e-9]
+    return paragraphs(
+        "axiscal.tables",
+        "sinumerik.jinja",
+        own=own,
+        names=names,
+        encoder=encoder,
+        cec=CEC,
+        points=[len(block.table.positions) for block in blocks],
+        small=_SMALL,
+        sums=_sums(blocks, names),
+        slopes=_slopes(blocks, names),
+        turning=turning,
     )
 
 
@@ -330,13 +316,3 @@ def _above(value: float, decimals: int) -> str:
     """Return the least positive number of `decimals` decimals that is not below a value: a limit to set."""
     last = 10**decimals
     return f"{max(1, math.ceil(value * last - _ROUNDING)) / last:.{decimals}f}"
-
-
-def _modulo(own: Sequence[CompensationTable], names: Mapping[str, str]) -> tuple[str, ...]:
-    turning = [names[t.axis] for t in own if t.rotary and abs(np.ptp(t.positions) - 2 * np.pi) < 1e-9]
-    if not turning:
-        return ()
-    return (
-        f"The tables of {', '.join(turning)} have IS_MODULO = 1: they repeat after each turn, whether MD30310 "
-        "ROT_IS_MODULO lets the axis count on or not.",
-    )
