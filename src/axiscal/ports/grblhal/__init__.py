@@ -11,7 +11,7 @@ from axiscal import tables
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import later
 from axiscal.tables import vcomp_file
-from axiscal.tables.exporter import Draft, ExportOptions, Written
+from axiscal.tables.exporter import Draft, ExportOptions, Written, paragraphs
 from axiscal.tables.offer import spread_poses
 from axiscal.tables.vcomp_applying import CORE, VcompFile, whole_control
 
@@ -55,7 +55,8 @@ class GrblHal(vcomp_file.VolumetricFormat):
             CORE: resources.files(tables).joinpath(CORE).read_text(encoding="ascii"),
         }
         steps = {axis.name: _STEP for axis in machine.axes}
-        return self.draft(Written(files, steps, _notes(file)), wanted, machine, options)
+        notes = paragraphs(__package__, "notes.jinja", campaign=file.campaign, limit=file.limit, tried=TRIED)
+        return self.draft(Written(files, steps, notes), wanted, machine, options)
 
 
 def _as_header(file: VcompFile, text: str) -> str:
@@ -64,18 +65,4 @@ def _as_header(file: VcompFile, text: str) -> str:
     lines = "\n".join(f'    "{line}\\n"' for line in text.splitlines())
     return (
         f"#define VC_AXES {len(file.axes)}\n#define VC_KNOTS {knots}\nstatic const char AXISCAL_TABLE[] =\n{lines};\n"
-    )
-
-
-def _notes(file: VcompFile) -> tuple[str, ...]:
-    return (
-        "Copy the three files .c and .h beside my_plugin.c of your driver, and put -D KINEMATICS_API among its build "
-        "flags (or take away the remark before it in grbl/config.h). Build and flash. $I then says "
-        f"[KINEMATICS:axiscal {file.campaign}], or OFF and why.",
-        "A later campaign brings a new axiscal_table.h only.",
-        f"It moves the drives by up to {file.limit:.3g} mm: keep so far from the ends of the travels ($130 and on). "
-        "The firmware's backlash ($160 and on) has to be 0: the table holds it. Positions are those of the machine.",
-        "First run: spindle stopped, tool clear. Home, look whether the position shown is as before, and check at "
-        "three places with a dial gauge that the deviation of the report became smaller.",
-        TRIED,
     )

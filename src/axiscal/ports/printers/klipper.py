@@ -23,7 +23,7 @@ from axiscal.measurement.readers.text_file import TextFile
 from axiscal.numerics import Array
 from axiscal.ports.printers.contents import TRIED, content_of, in_words, zero_note
 from axiscal.tables import vcomp_file
-from axiscal.tables.exporter import Draft, ExportOptions, MapFormat, Written
+from axiscal.tables.exporter import Draft, ExportOptions, MapFormat, Written, paragraphs
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.offer import spread_poses
 from axiscal.tables.surface import Mesh, Skew, mesh_control, mesh_of, mesh_of_nodes, plane_axes, sum_of
@@ -31,10 +31,6 @@ from axiscal.tables.vcomp_applying import whole_control
 from axiscal.units import from_unit, to_unit
 
 _FILE, _EXTRA, _SOURCE = "axiscal.vcomp", "axiscal.py", "klipper_extra.py"
-_INSTALL = (
-    f"cp {_EXTRA} ~/klipper/klippy/extras/ && cp {_FILE} ~/printer_data/config/ && cd ~/printer_data/config && "
-    r"{ grep -qx '\[axiscal\]' printer.cfg || sed -i '1i [axiscal]' printer.cfg; } && sudo systemctl restart klipper"
-)
 _STEP = 1e-8
 """m: what two rounds and twelve digits may leave."""
 _NOTHING = 1e-12
@@ -76,7 +72,9 @@ class KlipperVolumetric(vcomp_file.VolumetricFormat):
         text = vcomp_file.text_of(replace(file, axes=axes, bed=bed), TRIED)
         files = {_FILE: text, _EXTRA: resources.files(__package__).joinpath(_SOURCE).read_text(encoding="utf-8")}
         steps = {axis.name: _STEP for axis in machine.axes}
-        return self.draft(Written(files, steps, _notes(file.limit)), wanted, machine, options)
+        values = {"file": _FILE, "extra": _EXTRA, "limit": file.limit, "tried": TRIED}
+        notes = paragraphs(__package__, "klipper_volumetric.jinja", **values)
+        return self.draft(Written(files, steps, notes), wanted, machine, options)
 
 
 def _bed(estimate: Estimate, count: int) -> Mesh:
@@ -88,19 +86,6 @@ def _bed(estimate: Estimate, count: int) -> Mesh:
     alone = Belief(mean, np.zeros((len(mean), len(mean))))
     return mesh_of(Estimate(estimate.model, alone, estimate.box), count if estimate.model.planes else 2).zeroed(
         0.0, 0.0
-    )
-
-
-def _notes(limit: float) -> tuple[str, ...]:
-    return (
-        f"Install it with one line, in a folder of the printer that holds these files: {_INSTALL}",
-        f"A later campaign brings a new {_FILE} only: copy it beside printer.cfg, then FIRMWARE_RESTART.",
-        "It takes the place of bed_mesh and skew_correction: a move beside an active mesh or skew is refused. Take "
-        "BED_MESH_PROFILE LOAD and SKEW_PROFILE LOAD out of the start of prints.",
-        "AXISCAL ENABLE=0 switches it off, for measuring; AXISCAL ENABLE=1 on. After each start it is on. Homing and "
-        "probing go without it: set z_offset anew with it on.",
-        f"It moves the motors by up to {limit:.3g} mm: keep so far from position_min and position_max.",
-        TRIED,
     )
 
 
@@ -135,13 +120,24 @@ class Klipper(MapFormat):
     def write(self, content: Loaded, machine: Machine, options: ExportOptions) -> Written:
         """Return a file for each of them."""
         name, skew = options.name, content.skew
-        files, notes = dict[str, str](), tuple[str, ...]()
+        files = dict[str, str]()
         for mesh in content.meshes:
-            files[_MESH], notes = write_mesh(mesh, name), (*_mesh_notes(mesh, name), zero_note(mesh, options))
-        if skew:
-            files[_SKEW], notes = write_skew(skew, name), notes + _skew_notes(skew, name)
+            files[_MESH] = write_mesh(mesh, name)
+        files |= {_SKEW: write_skew(skew, name)} if skew else {}
+        notes = paragraphs(
+            __package__,
+            "klipper.jinja",
+            meshes=content.meshes,
+            skew=skew,
+            name=name,
+            mesh_file=_MESH,
+            skew_file=_SKEW,
+            mm=lambda end: f"{to_unit(float(end), 'mm'):g}",
+            zero=lambda mesh: zero_note(mesh, options),
+            tried=TRIED,
+        )
         steps = {"X": 1e-8, "Y": 1e-8, "Z": float(from_unit(2e-6, "mm"))}
-        return Written(files, steps, (*notes, TRIED), in_words(content))
+        return Written(files, steps, notes, in_words(content))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what a printer.cfg has saved, or G-code sets; raises ReadingError, TableError."""
@@ -160,30 +156,6 @@ class Klipper(MapFormat):
                 remedy = "give the printer.cfg with its saved block"
                 raise TableError("no mesh and no skew is saved here", remedy, file.name)
         return Loaded(meshes=tuple(meshes), skew=skew, untaken=tuple(untaken))
-
-
-def _mesh_notes(mesh: Mesh, name: str) -> tuple[str, ...]:
-    low_x, high_x, low_y, high_y = (
-        f"{to_unit(float(end), 'mm'):g}" for end in (mesh.x[0], mesh.x[-1], mesh.y[0], mesh.y[-1])
-    )
-    return (
-        f"Paste {_MESH} at the end of a printer.cfg that has no SAVE_CONFIG block yet; where there is one, paste the "
-        f"lines from [bed_mesh {name}] on at its end. Restart, then BED_MESH_PROFILE LOAD={name}.",
-        "Above the block printer.cfg needs a section [bed_mesh]; in a fresh one write [bed_mesh], mesh_min: "
-        f"{low_x}, {low_y} and mesh_max: {high_x}, {high_y}, each on a line of its own.",
-        f"The mesh has {len(mesh.x)} x {len(mesh.y)} points; export with --mesh for another number a side. Its values "
-        "are added to Z: positive where the bed is high.",
-        "No fade: the mesh acts at all heights, as long as fade_start and fade_end are not set in [bed_mesh].",
-        "Clear the mesh before measuring again: BED_MESH_CLEAR.",
-    )
-
-
-def _skew_notes(skew: Skew, name: str) -> tuple[str, ...]:
-    return (
-        f"[skew_correction] must be in printer.cfg; send {_SKEW} once, then SAVE_CONFIG; load it by SKEW_PROFILE "
-        f"LOAD={name}. It sets {', '.join(skew)}: no reading has seen another plane.",
-        "Clear the skew before measuring again: SET_SKEW CLEAR=1.",
-    )
 
 
 def write_mesh(mesh: Mesh, name: str) -> str:

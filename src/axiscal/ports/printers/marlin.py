@@ -15,7 +15,7 @@ from axiscal.measurement.readers.marlin_map import is_nodes, nodes
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.numerics import Array
 from axiscal.ports.printers.contents import LEFT_OUT, STEP, content_of, in_words, other_words, play_of, zero_note
-from axiscal.tables.exporter import ExportOptions, MapFormat, Written
+from axiscal.tables.exporter import ExportOptions, MapFormat, Written, paragraphs
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
 from axiscal.units import from_unit, to_unit
@@ -70,20 +70,8 @@ def _notes(mesh: Mesh | None, skew: Skew, play: Mapping[str, float]) -> tuple[st
     needs = [name for name, used in (("SKEW_CORRECTION", skew), ("BACKLASH_COMPENSATION", play)) if used]
     needs += ["SKEW_CORRECTION_FOR_Z"] if {"XZ", "YZ"} & skew.keys() else []
     back = [code for code, used in (("M425 F0", play), ("M852 I0 J0 K0", skew), ("M420 S0", mesh)) if used]
-    notes = [f"The firmware needs {', '.join(needs)}."] if needs else []
-    if mesh is not None:
-        notes.append(
-            f"The firmware needs a mesh of {len(mesh.x)} x {len(mesh.y)} points (GRID_MAX_POINTS_X, _Y) from "
-            f"X{_mm(mesh.x)} and Y{_mm(mesh.y)}; export with --mesh for another size. M420 S1 Z0 switches it on, "
-            "without fading. Its values are added to Z: positive where the bed is high."
-        )
-    if skew:
-        notes.append(f"M852 sets {', '.join(skew)}: no reading has seen another plane.")
-    return (
-        *notes,
-        f"Send {_FILE} once; it ends with M500.",
-        f"Before measuring again take it off: {', '.join(back)}.",
-    )
+    values = {"mesh": mesh, "skew": skew, "needs": needs, "back": back, "mm": _mm, "file": _FILE}
+    return paragraphs(__package__, "marlin.jinja", **values)
 
 
 def text_of(content: Loaded) -> str:
@@ -125,4 +113,4 @@ def _mesh(file: TextFile, machine: Machine) -> Mesh:
 
 def _mm(places: Array) -> str:
     low, high = (to_unit(float(places[end]), "mm") for end in (0, -1))
-    return f" {low:g} to {high:g}"
+    return f"{low:g} to {high:g}"

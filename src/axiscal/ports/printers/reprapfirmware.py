@@ -14,7 +14,7 @@ from axiscal.measurement.readers.bed_map import height_map, is_height_map
 from axiscal.measurement.readers.csv_readings import ALONE
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.ports.printers.contents import LEFT_OUT, STEP, content_of, in_words, other_words, play_of, zero_note
-from axiscal.tables.exporter import ExportOptions, MapFormat, Written
+from axiscal.tables.exporter import ExportOptions, MapFormat, Written, paragraphs
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import PLANES, Mesh, Skew, mesh_of_nodes
 from axiscal.units import from_unit, to_unit
@@ -76,25 +76,9 @@ class RepRapFirmware(MapFormat):
 
 
 def _notes(content: Loaded, play: Mapping[str, float]) -> tuple[str, ...]:
-    notes = list[str]()
-    for mesh in content.meshes:
-        notes += [
-            f"Put {_MAP} into 0:/sys and load it after homing with G29 S1.",
-            "Its values are added to Z: positive where the bed is high.",
-            "M376 H0 keeps the correction at all heights; G29 S2 takes it off before measuring again.",
-            f"The map has {len(mesh.x)} x {len(mesh.y)} points; export with --mesh for another number a side.",
-        ]
-        if mesh.added.size > _USUAL:
-            notes.append(f"Only a Duet 3 with a main board of SAME70 takes more than {_USUAL} points.")
     back = [code for code, used in (("M425 X0 Y0 Z0", play), ("M556 S100 X0 Y0 Z0", content.skew)) if used]
-    if back:
-        notes.append(
-            f'Put {_CODE} into 0:/sys and the line M98 P"{_CODE}" at the end of config.g, in place of every M556 and '
-            f"M425 there. Before measuring again take it off: {', '.join(back)}."
-        )
-    if content.skew:
-        notes.append(f"M556 sets {', '.join(content.skew)}: no reading has seen another plane.")
-    return (*notes, "M425 needs RepRapFirmware 3.5 or later.") if play else tuple(notes)
+    values = {"meshes": content.meshes, "skew": content.skew, "play": play, "back": back, "usual": _USUAL}
+    return paragraphs(__package__, "reprapfirmware.jinja", map=_MAP, code=_CODE, **values)
 
 
 def code_of(skew: Skew, play: Mapping[str, float]) -> str:
