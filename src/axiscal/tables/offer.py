@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from axiscal.document.ports import rendered
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, put, said
@@ -15,7 +16,7 @@ from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import uncounted
 from axiscal.numerics import Array, even_subset
-from axiscal.tables.exporter import Draft
+from axiscal.tables.exporter import Draft, paragraphs
 from axiscal.tables.sampling import untold
 from axiscal.tables.surface import Control, Effect, effect_of_control, left_by, planes_left, rms, tour
 from axiscal.tables.table import CompensationTable
@@ -99,7 +100,9 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     parts = [part.removesuffix(".") for part in (draft.left_out, together, silent) if part]
     told = replace(draft, left_out="; ".join(parts))
     left = effect_sentence("They", effect, estimate.unknown)
-    readme = _readme(controller, told, left, (*draft.first, *foreword(estimate, draft.control)))
+    first = (*draft.first, *foreword(estimate, draft.control))
+    known = {"controller": controller, "draft": told, "left": left, "first": first}
+    readme = rendered("axiscal.tables", "readme.jinja", title=title, quantity=format_quantity, **known)
     moved = np.any(draft.control(poses, approaches), axis=0)
     idle = tuple(axis.name for axis, moves in zip(estimate.machine.axes, moved, strict=True) if not moves)
     by_row = any((table.axis, table.over) in estimate.told for table in draft.tables)
@@ -173,39 +176,6 @@ def spread_poses(estimate: Estimate, count: int = POSES) -> tuple[Array, Array]:
     return tour(spread, estimate.box)
 
 
-def _readme(controller: str, draft: Draft, left: str, first: Sequence[str]) -> str:
-    lines = [
-        f"Compensation for {controller}, made by axiscal.",
-        *first,
-        "" if draft.tried else "NOT VERIFIED ON A CONTROL: the files were read back and tried in simulation only.",
-        f"These files hold {draft.holds}",
-        left,
-        f"Left out: {draft.left_out}." if draft.left_out else "",
-        "",
-        *(f"- {note}" for note in draft.notes),
-        *(f"- {note}" for table in draft.tables for note in _table_notes(table)),
-        "",
-        *(_said(table) for table in draft.tables),
-    ]
-    return "\n".join(line for i, line in enumerate(lines) if line or i > 4 + len(first)) + "\n"
-
-
-def _table_notes(table: CompensationTable) -> list[str]:
-    silent = table.positions[table.prior_only]
-    if not silent.size:
-        return []
-    first, last = (format_quantity(float(p), table.unit, 4) for p in silent[[0, -1]])
-    return [f"{title(table)}: no reading says anything at {silent.size} points from {first} to {last}."]
-
-
-def _said(table: CompensationTable) -> str:
-    return (
-        f"{title(table)}: {len(table.positions)} points, the line within {table.shown(table.departure)} of the curve, "
-        f"whose shape, its mean over the table taken off, is known to {table.shown(table.shape_std)} "
-        "(standard deviation)."
-    )
-
-
 def title(table: CompensationTable) -> str:
     """Return the name of a table: its axis, or what it moves over another axis."""
     if table.over == table.axis:
@@ -221,14 +191,10 @@ def foreword(estimate: Estimate, control: Control) -> tuple[str, ...]:
     """
     machine = estimate.machine
     places = np.stack([np.array(machine.zero), np.mean(np.array(estimate.box), axis=1)])
-    moved, shown = to_unit(shifts(machine, control, places), "um"), [a.name for a in machine.axes if a.diameters]
+    moved = to_unit(shifts(machine, control, places), "um")
     at_zero, in_the_middle = (f"{_place(machine, p)} by {_shown(m)}" for p, m in zip(places, moved, strict=True))
-    return (
-        "ZERO WORK OFFSETS, TOOL SETTER AND PROBE ANEW after loading. The files move the tool relative to the "
-        f"workpiece: at machine zero, {at_zero}; in the middle of the volume, {in_the_middle} (both directions' mean).",
-        *(f"Coordinates and corrections of {name} are radii; its display may show diameters." for name in shown),
-        *_unsaid(machine),
-    )
+    values = {"machine": machine, "unsaid": joined(uncounted(machine))}
+    return paragraphs("axiscal.tables", "foreword.jinja", at_zero=at_zero, in_the_middle=in_the_middle, **values)
 
 
 def shifts(machine: Machine, control: Control, poses: Array) -> Array:
@@ -246,15 +212,3 @@ def _place(machine: Machine, pose: Array) -> str:
 def _shown(moved: Array) -> str:
     parts = (f"{name} {round(float(value), 1) + 0.0:+.1f}" for name, value in zip("xyz", moved, strict=True))
     return f"{', '.join(parts)} um"
-
-
-def _unsaid(machine: Machine) -> tuple[str, ...]:
-    them = joined(uncounted(machine))
-    if not them:
-        return ()
-    return (
-        f"WHICH WAY DO {them} COUNT? machine.toml does not say, and ISO 841 was supposed: counting up, the tool turns "
-        "by the right hand about it relative to the workpiece, a table the other way. Turn them by hand and look: "
-        "where it is against that (as LinuxCNC's xyzac- and xyzbc-trt-kins are), write in its table direction = "
-        '"reversed", else "iso", and evaluate the readings again: with the wrong direction these files make it worse.',
-    )
