@@ -15,7 +15,7 @@ import pytest
 import axiscal as ac
 import axiscal_core
 from axiscal.exceptions import DescriptionError, ReadingError
-from axiscal.measurement.reading import Place, Reading
+from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.python.measured_case import Case
@@ -74,6 +74,11 @@ def test_a_class_of_ones_own_is_an_instrument(tmp_path: Path) -> None:
         (Reading("laser", (0.1, 0.1, 0.2), (3, 0, 0), 1e-6), "line 2: pose and approach"),
         (Reading("laser", (0.1, 0.1, 0.2), (1, 0, 0), np.nan), "line 2: its values or its std are no numbers"),
         (Reading("laser", (0.1, 0.1, 0.2), (1, 0, 0), 1e-6, std=-1e-6), "line 2: its values or its std"),
+        (Reading("laser", (0.1, 0.1, 0.2), (1, 0, 0), 1e-6, std=0.0), "line 2: its values or its std"),
+        (Reading("laser", ("0.1", 0.1, 0.2), (1, 0, 0), 1e-6), "line 2: pose and approach"),  # type: ignore[arg-type]
+        (Reading("laser", (0.1, 0.1, 0.2), None, 1e-6), "line 2: pose and approach"),  # type: ignore[arg-type]
+        (Reading("laser", (0.1, 0.1, 0.2), (1, 0, 0), 1e-6, time=np.nan), "line 2: its values or its std"),
+        (Reading("laser", (0.1, 0.1, 0.2), (1, 0, 0), 1e-6, others=None), "line 2: its values"),  # type: ignore[arg-type]
     ],
 )
 def test_a_reading_that_no_setup_takes_is_refused_by_its_number(wrong: Reading, says: str) -> None:
@@ -104,6 +109,7 @@ def test_an_end_that_makes_no_sense_is_refused(end: dict[str, Any]) -> None:
         case().plan(**end)
 
 
+LASER = ac.setup("interferometer", "x")
 LINE = ac.Places("laser", [[x, 0.1, 0.2] for x in np.linspace(0.02, 0.58, 8).round(3)], [[1.0, 0.0, 0.0]] * 8)
 
 
@@ -118,17 +124,14 @@ def test_places_of_ones_own_are_judged_as_a_plan_is() -> None:
 def test_a_plan_goes_on_after_places_or_readings() -> None:
     mine = case()
     later = mine.plan(readings=3, after=LINE)
-    both = [*(ac.Places.at(LINE, [i]) for i in range(len(LINE))), *map(_alone, later.places)]
-    whole = mine.evaluate(sum(both[1:], both[0]))
+    whole = mine.evaluate(LINE + later.places)
     assert pytest.approx(whole.J, rel=1e-9) == mine.evaluate(later.places, after=LINE).J
+    assert mine.next(after=later.places).poses.shape == (1, 3)
+    assert len(ac.Readings.simulated(mine, later.places, seed=1)) == len(later.places) == 3
     assert later.minutes < 5, "the laser is mounted already"
     read = ac.Readings.simulated(mine, LINE, seed=1)
     assert mine.plan(readings=3, after=read).rms < mine.estimate(read).rms
     assert np.array_equal(mine.next(after=mine.estimate(read)).poses, mine.next(after=read).poses)
-
-
-def _alone(place: Place) -> ac.Places:
-    return ac.Places(place.setup, [place.pose], [place.approach])
 
 
 @pytest.mark.parametrize("end", [{"readings": 4}, {"minutes": 32}, {"rms": "14 um"}])
@@ -192,6 +195,7 @@ def test_a_machine_made_in_python_has_the_case_of_the_core() -> None:
     made = ac.Case(machine, [ac.Laser("laser", "X")], usual="off")
     assert isinstance(made, axiscal_core.Case)
     assert len(made.plan(readings=3)) == 3
+    assert isinstance(ac.estimate(made, ac.Readings(ac.Places("laser", [[0.1]]), [0.0])), axiscal_core.Known)
 
 
 def test_what_is_known_already_makes_curves_and_tables(tmp_path: Path) -> None:
@@ -216,6 +220,15 @@ def test_what_is_known_already_makes_curves_and_tables(tmp_path: Path) -> None:
         (lambda one: one.estimate({"setup": ["laser"], "X_mm": [9e3], "value_um": [1]}), "readings, line 2: X = 9000"),
         (lambda one: one.estimate({"setup": ["laser"], "X_mm": [], "value_um": [1]}), "columns of other lengths"),
         (lambda one: one.known([0.0], [[1.0]]), r"Case\.known: mean has the shape \(1,\)"),
+        (lambda one: one.estimate({"setup": "l", "X_mm": [1], "value_um": [1]}), "columns of other lengths"),
+        (lambda one: one.estimate(ac.Readings(LINE, [9.0] * len(LINE))), "8 of 8 readings are some"),
+        (lambda one: one.estimate([])["EXQ"], "name = 'EXQ' is no error. Errors are EXX, "),
+        (lambda one: one.estimate([]).deviation(LINE.poses, approach="both"), r"approach = 'both' is none"),
+        (lambda one: one.estimate([]).export("linuxcnc", None), r"Estimated\.export: folder = None is none"),
+        (lambda one: one.next(after=ac.Case(ac.load_machine("one-axis"), [LASER]).estimate([])), "of another machine"),
+        (lambda _: ac.Case(ac.load_machine("one-axis"), [LASER], learn="yes"), "learn = 'yes'"),  # type: ignore[arg-type]
+        (lambda _: ac.Case(ac.load_machine("one-axis"), ["laser"]), "setups = 'laser' is none"),  # type: ignore[list-item]
+        (lambda _: ac.setup("interferometer", "x", moves=3), "moves = 3 is none"),  # type: ignore[arg-type]
     ],
 )
 def test_a_misuse_is_refused_with_its_place(misuse: Callable[[Case], object], says: str) -> None:

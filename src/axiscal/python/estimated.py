@@ -21,7 +21,6 @@ from axiscal.estimation.estimate import in_detail
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.machine_estimate import Band
 from axiscal.estimation.promise.agreement import Agreement
-from axiscal.exceptions import ShapeError
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import deliver, evaluated, write_files
@@ -128,12 +127,12 @@ class Curve:
         return self._known.next(noise)
 
     def read(self, t: Quantity, value: Quantity, noise: Quantity) -> Self:
-        """Return the curve after a reading at t; raises ShapeError for one of an estimate, which has its readings.
+        """Return the curve after a reading at t; raises InputError for one of an estimate, which has its readings.
 
         The part that no spline can follow repeats at each place: only a whole estimate keeps it apart.
         """
         if self.rest > 0:
-            raise ShapeError(f"{self.name} has a rest that readings share; give its readings to `ac.estimate`")
+            raise InputError("Curve.read", self.name, "has a rest that readings share", "Give them to `ac.estimate`")
         after = copy(self)
         after._known = self._known.read(t, value, noise)
         return after
@@ -168,6 +167,12 @@ class AtPoses(Normal):
 
     def __iter__(self) -> Iterator[Array]:
         return iter((self.mean, self.std))
+
+
+class UnknownError(InputError, KeyError):
+    """An error that a machine has not: a mapping has no such key."""
+
+    __str__ = BaseException.__str__
 
 
 class Estimated(Mapping[str, Curve]):
@@ -244,8 +249,10 @@ class Estimated(Mapping[str, Curve]):
         return self.estimation.agreement
 
     def __getitem__(self, name: str) -> Curve:
-        """Return one error; raises KeyError for a name that the machine has not."""
-        function, known = self.estimation.case.errors.names[name], self.estimation.printed.belief
+        """Return one error; raises InputError, which is a KeyError, for a name that the machine has not."""
+        if name not in self.estimation.case.errors.names:
+            raise UnknownError("Estimated", "name", f"= {name!r} is no error", f"Errors are {', '.join(self)}")
+        function, known = self._function(name), self.estimation.printed.belief
         mean, factor = known.mean[function.columns], known.factor[function.columns]
         unit = "urad" if function.angular else "um"
         at = self.machine.axes[function.axis].unit
@@ -267,11 +274,10 @@ class Estimated(Mapping[str, Curve]):
             an array (m, q) in the order of the axes
         approach : +1 or −1 by axis, from which side it comes; raises ReadingError outside the travel
         """
-        where, axes = (
-            "Estimated.deviation",
-            {axis.name: RADIANS if axis.rotary else METRES for axis in self.machine.axes},
-        )
-        finite(where, "approach", [*(approach or {}).values()], (None,))
+        where = "Estimated.deviation"
+        axes = {axis.name: RADIANS if axis.rotary else METRES for axis in self.machine.axes}
+        sided_by = one(where, "approach", {} if approach is None else approach, Mapping, '{"X": 1}')
+        finite(where, "approach", [*sided_by.values()], (None,))
         found = []
         for given in poses:
             one(where, "poses", given, (Mapping, Sequence, np.ndarray), '{"X": "300 mm"}, or an array (m, q)')
@@ -279,13 +285,14 @@ class Estimated(Mapping[str, Curve]):
             for row in rows:
                 pose = row if isinstance(row, Mapping) else dict(zip(axes, row.tolist(), strict=True))
                 position = {name: si(at, where, name, axes.get(name, EITHER)) for name, at in pose.items()}
-                found.append(pose_and_sides(self.machine, position, approach or {}))
+                found.append(pose_and_sides(self.machine, position, sided_by))
         at, sides = np.array(found).reshape(-1, 2, len(axes)).transpose(1, 0, 2)
         return AtPoses(**vars(tcp_normal(self.estimation, at, sided(where, sides, sides.shape))))
 
     def export(self, controller: str, folder: str | Path) -> list[Path]:
         """Write the files of a controller with their README.txt and return them; raises InputError, OSError."""
         one("Estimated.export", "controller", controller, str, 'such as "linuxcnc"')
+        one("Estimated.export", "folder", folder, (str, Path), 'such as "tables"')
         offered = registry.export(self.estimation.estimate(), controller, ExportOptions())
         write_files(offered, Path(folder))
         return [Path(folder) / name for name in (*offered.files, "README.txt")]
@@ -295,6 +302,7 @@ class Estimated(Mapping[str, Curve]):
 
         Raises InputError, OSError; axiscal_core.InputError where nothing was read.
         """
+        one("Estimated.report", "folder", folder, (str, Path), 'such as "report"')
         if not self._given[1]:
             raise refusals.InputError("Estimated.report", "readings", "are none", "Estimate a machine from readings")
         with evaluated(*self._given) as campaign:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Mapping, Sequence
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
 from numbers import Real
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -27,6 +28,22 @@ GivenReadings: TypeAlias = Readings | Iterable[Reading] | Mapping[str, Sequence[
 """Arrays, a list, a table such as a DataFrame, or a file that `axiscal data estimate` reads."""
 
 
+class PlannedPlaces(Places):
+    """Places of the core that are `Place`, one by one.  axes : how many a machine has"""
+
+    def __init__(self, places: Sequence[Place], axes: int) -> None:
+        shape = len(places), axes
+        poses, sides = (np.reshape([getattr(each, of) for each in places], shape) for of in ("pose", "approach"))
+        super().__init__([place.setup for place in places], poses, sides)
+        self._each = tuple(places)
+
+    def __getitem__(self, index: int) -> Place:
+        return self._each[index]
+
+    def __iter__(self) -> Iterator[Place]:
+        return iter(self._each)
+
+
 def places_of(places: GivenPlaces, described: CampaignDescription, where: str, argument: str) -> list[Place]:
     """Return places, one by one; raises ReadingError for one that no set-up can be read at."""
     if isinstance(places, Places):
@@ -36,7 +53,7 @@ def places_of(places: GivenPlaces, described: CampaignDescription, where: str, a
         listed(where, argument, places)
         found = [one(where, argument, each, Place, "Places(setup, poses)") for each in places]
     for number, place in enumerate(found, start=1):
-        _refuse_foreign(place, (), described, f"{where}: {argument}", number)
+        _refuse_foreign(place, described, f"{where}: {argument}", number)
     return found
 
 
@@ -46,12 +63,11 @@ def readings_of(
     """Return readings one by one, and the description with what a file of them says."""
     one(where, argument, readings, (Readings, Iterable, str, Path), 'a list of Reading, or "readings.csv"')
     if isinstance(readings, str | Path):
-        found = file_readings(
-            read_any(Path(readings), description.machine.axes, description.setups), description, readings
-        )
-        refuse_implausible(found[1], description, readings)
-        return found[0], tuple(found[1])
-    if isinstance(readings, Mapping) or hasattr(readings, "to_csv"):
+        raw = read_any(Path(readings), description.machine.axes, description.setups)
+        described, placed = file_readings(raw, description, readings)
+        refuse_implausible(placed, description, readings)
+        return described, tuple(placed)
+    if isinstance(readings, Mapping) or hasattr(readings, "columns"):
         with TemporaryDirectory(prefix="axiscal-") as folder:
             try:
                 return readings_of(_written(readings, Path(folder) / "table.csv"), description, where, argument)
@@ -59,18 +75,19 @@ def readings_of(
                 raise failure.placed(argument, failure.line) from None
     taken = _of_arrays(readings, description) if isinstance(readings, Readings) else tuple(readings)
     for number, reading in enumerate(taken, start=1):
-        own = one(where, argument, reading, Reading, "a list of Reading")
-        numbers = (*own.values, 1.0 if own.std is None else own.std)
-        _refuse_foreign(own, numbers, description, argument, number)
+        _refuse_foreign(one(where, argument, reading, Reading, "a list of Reading"), description, argument, number)
+    refuse_implausible(taken, description, argument)
     return description, taken
 
 
 def _written(table: Any, file: Path) -> Path:
     """Write a table to a file of readings, and return it.  table : columns by name"""
-    if len({len(table[name]) for name in table}) != 1:
+    columns = {name: table[name] for name in getattr(table, "columns", table)}
+    listed = [isinstance(each, Sized) and not isinstance(each, str) for each in columns.values()]
+    if not all(listed) or len({*map(len, columns.values())}) != 1:
         raise ReadingError("the table has columns of other lengths", "Give one value a reading in each")
     with file.open("w", encoding="utf-8", newline="") as out:
-        csv.writer(out).writerows([[*table], *zip(*(table[name] for name in table), strict=True)])
+        csv.writer(out).writerows([[*columns], *zip(*columns.values(), strict=True)])
     return file
 
 
@@ -88,26 +105,26 @@ def _of_arrays(readings: Readings, description: CampaignDescription) -> tuple[Re
     return tuple(found)
 
 
-def _refuse_foreign(
-    taken: Reading | Place, numbers: Sequence[float], description: CampaignDescription, source: str, number: int
-) -> None:
-    """Raise ReadingError, with its number from 1, for a place or a reading that no set-up of the campaign can have.
+def _numbers(given: Any) -> bool:
+    """Return whether these are finite numbers, one after another."""
+    return isinstance(given, Sequence | np.ndarray) and all(
+        isinstance(each, Real) and math.isfinite(each) for each in given
+    )
 
-    numbers : values of a reading, and its std; none of a place
-    """
-    names, sides = [axis.name for axis in description.machine.axes], taken.approach
+
+def _refuse_foreign(taken: Reading | Place, description: CampaignDescription, source: str, number: int) -> None:
+    """Raise ReadingError, with its number from 1, for a place or a reading that no set-up of the campaign can have."""
+    names, placing = [axis.name for axis in description.machine.axes], (taken.pose, taken.approach)
     try:
         setup = description.setup(taken.setup)
-        if numbers:
-            refuse_other_values(setup, len(numbers) - 1)
-        if len(taken.pose) != len(names) or len(sides) != len(names) or {*sides} - {-1, 0, 1}:
+        if not all(_numbers(each) and len(each) == len(names) for each in placing) or {*taken.approach} - {-1, 0, 1}:
             remedy = "Give each of {axes} a coordinate and a side"
             raise ReadingError("pose and approach do not have one number an axis", remedy, axes=joined(names))
-        if (
-            not all(isinstance(each, Real) and np.isfinite(each) for each in numbers)
-            or min(numbers[-1:], default=1) <= 0
-        ):
-            raise ReadingError("its values or its std are no numbers", "Give finite ones, and a std above zero")
+        if isinstance(taken, Reading):
+            std, time = (1.0 if each is None else each for each in (taken.std, taken.time))
+            if not (_numbers(taken.others) and _numbers([taken.value, std, time])) or std <= 0:
+                raise ReadingError("its values or its std are no numbers", "Give finite ones, and a std above zero")
+            refuse_other_values(setup, 1 + len(taken.others))
         placed_pose(setup, description.machine, dict(zip(names, taken.pose, strict=True)))
     except InputError as failure:
         raise ReadingError(failure.what, failure.remedy, source, number) from None

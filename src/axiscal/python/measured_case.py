@@ -28,7 +28,7 @@ from axiscal.exceptions import DescriptionError
 from axiscal.machine.description import Machine
 from axiscal.measurement.instrument import scales_of
 from axiscal.measurement.instruments.written import name_of
-from axiscal.measurement.reading import Place, Reading, approach_text, place_text
+from axiscal.measurement.reading import Reading, approach_text, place_text
 from axiscal.measurement.reading_rows import blank_readings, rows_at, shown_by_each, visited
 from axiscal.planning.next_readings import CANDIDATES, placed, posed
 from axiscal.planning.other_readings import columns_of
@@ -40,7 +40,7 @@ from axiscal.present.drawing.svg_picture import axis_style, layout, line_trace
 from axiscal.present.plan_answer import PlanAnswer, plan_answer
 from axiscal.present.plan_words import bound_sentence
 from axiscal.python.estimated import HEIGHT, LINE, Estimated, NotebookPicture, html_table
-from axiscal.python.given import GivenPlaces, GivenReadings, places_of, readings_of
+from axiscal.python.given import GivenPlaces, GivenReadings, PlannedPlaces, places_of, readings_of
 from axiscal.units import format_quantity, from_unit, to_unit
 from axiscal_core.case import Case as OwnCase
 from axiscal_core.instrument import Instrument
@@ -48,7 +48,7 @@ from axiscal_core.machine import Machine as OwnMachine
 from axiscal_core.normal import Normal
 from axiscal_core.places import Places
 from axiscal_core.plan import Evaluation
-from axiscal_core.refusals import Array, finite, listed, one, spread, whole, within
+from axiscal_core.refusals import Array, InputError, finite, listed, one, spread, whole, within
 from axiscal_core.threads import one_thread
 from axiscal_core.units import METRES, Quantity, in_minutes, si
 
@@ -71,6 +71,7 @@ def setup(
     keys : of campaign.toml, quantities as text: noise="0.3 um", approach="both", park={"Y": "250 mm"}
     """
     one("setup", "instrument", instrument, (str, type), '"interferometer", or a class of your own')
+    one("setup", "moves", moves or (), Sequence, 'such as ["X", "Y"]')
     if isinstance(instrument, type):
         name, instrument = name or instrument.__name__.lower(), name_of(instrument)
     usual = " ".join([instrument, *([direction] if isinstance(direction, str) else []), *(moves or ())])
@@ -116,9 +117,9 @@ class PlanResult:
         return None if found is None else from_unit(found, "um")
 
     @property
-    def places(self) -> tuple[Place, ...]:
+    def places(self) -> PlannedPlaces:
         """Where to read, in order."""
-        return placed(self.case, self.proposal.plan)
+        return PlannedPlaces(placed(self.case, self.proposal.plan), len(self.case.description.machine.axes))
 
     @property
     def document(self) -> dict[str, Any]:
@@ -188,8 +189,10 @@ class Case:
     ) -> None:
         one("Case", "machine", machine, Machine, 'load_machine("dmu60")')
         assert isinstance(machine, Machine), "the case of any other is the core's"
-        scales = "estimate" if learn else "stated"
+        scales = "estimate" if one("Case", "learn", learn, bool, "True or False") else "stated"
         every = [_mounted(each) if isinstance(each, Instrument) else each for each in listed("Case", "setups", setups)]
+        for each in every:
+            one("Case", "setups", each, Mapping, 'setup("interferometer", "x"), or an instrument')
         how = {"machine": machine.name, "scales": scales, "usual": usual, **({} if sure is None else {"sure": sure})}
         keys = {**how, "target": {} if target is None else target, "setups": every}
         try:
@@ -244,9 +247,7 @@ class Case:
         return Places(place.setup, [place.pose], [place.approach])
 
     @one_thread()
-    def evaluate(
-        self, places: GivenPlaces, after: GivenReadings | Places | Estimated | None = None
-    ) -> Evaluation:  # fmt: skip
+    def evaluate(self, places: GivenPlaces, after: GivenReadings | Places | Estimated | None = None) -> Evaluation:
         """Return what readings at places, in this order, would make known, and the J that no others can beat."""
         where = "Case.evaluate"
         case, so_far = self._after(after, where)
@@ -297,6 +298,8 @@ class Case:
             taken = timed(self.inner, blank).readings
             return self.inner, SoFar(absorbed(self.inner, taken).knowledge, taken)
         known = after.estimation if isinstance(after, Estimated) else estimated(*self._taken(after, where, "after"))
+        if known.case.description.machine.axes != self.description.machine.axes:
+            raise InputError(where, "after", "is an estimate of another machine", "Estimate readings of this one")
         believed = [reading for index, reading in enumerate(known.readings) if index not in known.left_out]
         return known.case, SoFar(known.to_plan_by, believed)
 
@@ -318,7 +321,7 @@ def estimate(campaign: Case | str | Path, readings: GivenReadings) -> Estimated:
     campaign : a case, or the file campaign.toml; readings : of `Reading`, or a file that `axiscal data estimate` reads
     Raises InputError with file, line, value and remedy.
     """
-    one("estimate", "campaign", campaign, (Case, str, Path), 'a case, or "campaign.toml"')
-    if not isinstance(campaign, Case):
+    one("estimate", "campaign", campaign, (Case, OwnCase, str, Path), 'a case, or "campaign.toml"')
+    if isinstance(campaign, str | Path):
         campaign = Case.of(campaign_with_sisters(campaign, target_needed=False))
-    return Estimated(*campaign._taken(readings, "estimate"))
+    return campaign.estimate(readings)
