@@ -132,7 +132,9 @@ class Curve:
         The part that no spline can follow repeats at each place: only a whole estimate keeps it apart.
         """
         if self.rest > 0:
-            raise InputError("Curve.read", self.name, "has a rest that readings share", "Give them to `ac.estimate`")
+            raise refusals.InputError(
+                "Curve.read", self.name, "has a rest that readings share", "Give them to `ac.estimate`"
+            )
         after = copy(self)
         after._known = self._known.read(t, value, noise)
         return after
@@ -169,7 +171,7 @@ class AtPoses(Normal):
         return iter((self.mean, self.std))
 
 
-class UnknownError(InputError, KeyError):
+class UnknownError(refusals.InputError, KeyError):
     """An error that a machine has not: a mapping has no such key."""
 
     __str__ = BaseException.__str__

@@ -42,13 +42,14 @@ from axiscal.present.plan_words import bound_sentence
 from axiscal.python.estimated import HEIGHT, LINE, Estimated, NotebookPicture, html_table
 from axiscal.python.given import GivenPlaces, GivenReadings, PlannedPlaces, places_of, readings_of
 from axiscal.units import format_quantity, from_unit, to_unit
+from axiscal_core import refusals
 from axiscal_core.case import Case as OwnCase
 from axiscal_core.instrument import Instrument
 from axiscal_core.machine import Machine as OwnMachine
 from axiscal_core.normal import Normal
 from axiscal_core.places import Places
 from axiscal_core.plan import Evaluation
-from axiscal_core.refusals import Array, InputError, finite, listed, one, spread, whole, within
+from axiscal_core.refusals import Array, finite, listed, one, spread, whole, within
 from axiscal_core.threads import one_thread
 from axiscal_core.units import METRES, Quantity, in_minutes, si
 
@@ -299,7 +300,8 @@ class Case:
             return self.inner, SoFar(absorbed(self.inner, taken).knowledge, taken)
         known = after.estimation if isinstance(after, Estimated) else estimated(*self._taken(after, where, "after"))
         if known.case.description.machine.axes != self.description.machine.axes:
-            raise InputError(where, "after", "is an estimate of another machine", "Estimate readings of this one")
+            what, remedy = "is an estimate of another machine", "Estimate readings of this one"
+            raise refusals.InputError(where, "after", what, remedy)
         believed = [reading for index, reading in enumerate(known.readings) if index not in known.left_out]
         return known.case, SoFar(known.to_plan_by, believed)
 

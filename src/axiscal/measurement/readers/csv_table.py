@@ -2,7 +2,7 @@
 
 One header line, `#` before a comment line.  A column is `stem` (text), or `stem_unit` or `stem [unit]` (a number);
 units may stand in a line of their own below.  Lines above are titles, where two names of columns tell the header.
-The header says what separates the cells: commas, semicolons or tabs.  Numbers are as `decimal_marks` has them.
+The header says what separates the cells: commas, semicolons or tabs.  Numbers are as `table_cells` has them.
 Nothing is guessed: every fault is a `ReadingError` with file, line, value and remedy.
 
 Text that would be a formula in a spreadsheet is shielded, and read back. A text whose first character, quotes left
@@ -40,8 +40,7 @@ from axiscal.measurement.readers.columns import (
     sign_of,
     unit_of,
 )
-from axiscal.measurement.readers.decimal_marks import NUMBER, marks_of
-from axiscal.measurement.readers.table_cells import LONGEST, Row, TableLine, quoted
+from axiscal.measurement.readers.table_cells import LONGEST, NUMBER, Row, TableLine, marks_of, quoted
 from axiscal.measurement.readers.text_file import TextFile, read_text
 
 EXAMPLE = "setup,X_mm,approach,value_um"

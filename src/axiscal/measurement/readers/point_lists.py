@@ -18,7 +18,7 @@ from axiscal.measurement.readers.bed_map import Rows, grid, height, keyed, point
 from axiscal.measurement.readers.columns import column_of
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
 from axiscal.measurement.readers.csv_table import table_of
-from axiscal.measurement.readers.decimal_marks import plain
+from axiscal.measurement.readers.table_cells import plain
 from axiscal.measurement.readers.text_file import TextFile, begins, telling
 
 _SLACK = 1e-6
