@@ -124,7 +124,11 @@ def test_all_numbers_of_a_reading_are_in_its_row() -> None:
     assert [(row["value_y_um"], row["value_z_um"]) for row in rows] == [("", ""), ("", ""), ("0.25", "-3.5")]
     assert b"value_y_um" not in readings_csv(summary)
     assert result_json(shown)["history"][-1]["others"] == [0.25, -3.5]
-    assert values_text(last.values, "um").endswith(" / 0.25 / \N{MINUS SIGN}3.50\N{NO-BREAK SPACE}µm")
+    assert values_text(last.values, *last.units).endswith(" / 0.25 / \N{MINUS SIGN}3.50\N{NO-BREAK SPACE}µm")
+    turned = replace(last, columns=["value_x_um", "value_y_um", "value_a_urad"])
+    assert values_text(turned.values, *turned.units).endswith(
+        "µm / 0.25\N{NO-BREAK SPACE}µm / \N{MINUS SIGN}3.50\N{NO-BREAK SPACE}µrad"
+    )
 
 
 def test_a_name_that_a_spreadsheet_would_compute_is_shielded() -> None:

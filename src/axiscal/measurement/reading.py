@@ -323,6 +323,11 @@ def reading_unit(setup: Setup) -> str:
     return units_of(setup)[0]
 
 
+def reading_units(setup: Setup) -> str:
+    """Return the units of all numbers of its readings, each once: "um", or "um, urad"."""
+    return listed(", ", [*dict.fromkeys(units_of(setup))])
+
+
 def asked_values(setup: Setup) -> str:
     """Return what is asked for at a reading: "um", or of several numbers "dx um, dy um"."""
     pairs = zip(model_of(setup).names_of(setup), units_of(setup), strict=True)

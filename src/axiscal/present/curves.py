@@ -13,7 +13,7 @@ from axiscal.errors.model import ErrorFunction
 from axiscal.estimation.estimation import Estimation, paths
 from axiscal.language.spoken import later, said
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.reading import Reading, reading_unit
+from axiscal.measurement.reading import Reading, units_of
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
@@ -102,8 +102,8 @@ def constants(estimation: Estimation) -> list[ConstantSummary]:
             name, unit = f"{setup.name}: {unknown.name}", case.unit_of(setup, unknown)
             own.append(_found(estimation, name, _unknown_words(unknown.name), column, unit))
     for setup in case.description.setups:  # how far zeros that may wander came from the first reading to the last
-        unit, ways = reading_unit(setup), model_of(setup).names_of(setup)
-        for way, path in zip(ways, paths(estimation, setup), strict=False):
+        ways = zip(model_of(setup).names_of(setup), units_of(setup), strict=True)
+        for (way, unit), path in zip(ways, paths(estimation, setup), strict=False):
             spoken = said("how far its zero came in {time}", time=said_quantity(path.times[-1] - path.times[0], "min"))
             mean, std, before = (to_unit(float(each[-1]), unit) for each in (path.mean, path.std, path.prior))
             name = f"{setup.name}: drift" + (f"_{way}" if way else "")

@@ -27,7 +27,7 @@ from axiscal.estimation.promise.agreement import AGREES
 from axiscal.language.spoken import capital, later, listed, put, said
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import model_of, values_of
-from axiscal.measurement.reading import Reading, place_text, reading_unit
+from axiscal.measurement.reading import Reading, place_text, reading_unit, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.displays import last_decimal
@@ -290,8 +290,9 @@ def _outliers(estimation: Estimation, ended: bool) -> Iterator[Finding]:
 
 def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
     """Yield by how much a zero has drifted that may, and whether that is more than stated; nothing if it hardly has."""
-    unit = reading_unit(setup)
+    apart = values_of(setup) > 1 and not setup.stations
     for number, path in enumerate(paths(estimation, setup)):
+        unit = units_of(setup)[number if apart else 0]
         worst = int(np.argmax(np.abs(path.mean)))
         far, std = float(path.mean[worst]), float(path.std[worst])
         if abs(far) > _SHOWS * std:
@@ -300,7 +301,7 @@ def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
             moved, spread = float(to_unit(far, unit)), float(to_unit(std, unit))
             seconds = float(path.times[worst] - path.times[0])
             yield said(
-                many if values_of(setup) > 1 and not setup.stations else one,
+                many if apart else one,
                 way=model_of(setup).names_of(setup)[number],
                 setup=f"{setup.name} {number + 1}" if setup.stations else setup.name,
                 size=put("{moved:.2g} ± {spread:.2g} {unit}", moved=moved, spread=spread, unit=unit),

@@ -77,9 +77,14 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
     return f"{figure(value, digits)}{sign if sign in '°″' else _NO_BREAK + sign}"
 
 
-def values_text(values: Sequence[float], unit: str) -> str:
-    """Return the numbers of one reading as "1.20 / 0.30 / -0.40 um", its unit once; "" where there is none."""
-    return "" if not values else f"{' / '.join(map(as_read, values))}{_NO_BREAK}{unit_text(unit)}"
+def values_text(values: Sequence[float], *units: str) -> str:
+    """Return the numbers of one reading as "1.20 / 0.30 um", or "1.20 um / 3.00 urad"; "" where there is none.
+
+    units : of each number, or the one that all have
+    """
+    if not values or len(set(units)) == 1:
+        return "" if not values else f"{' / '.join(map(as_read, values))}{_NO_BREAK}{unit_text(units[0])}"
+    return " / ".join(values_text([value], unit) for value, unit in zip(values, units, strict=True))
 
 
 def as_read(value: float) -> str:

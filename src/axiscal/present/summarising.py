@@ -40,7 +40,6 @@ from axiscal.measurement.reading import (
     approach_text,
     by_text,
     direction_text,
-    reading_unit,
     shown_pose,
     units_of,
     value_columns,
@@ -302,7 +301,8 @@ def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> Hi
     if reading is None or last is None:
         return HistoryRow(number, None, None, None, None, None, rms, worst, minutes)
     description = case.description
-    unit, axes = reading_unit(description.setup(reading.setup)), description.machine.axes
+    setup, axes = description.setup(reading.setup), description.machine.axes
+    unit, *others = units_of(setup)
     return HistoryRow(
         reading=number,
         setup=reading.setup,
@@ -315,8 +315,8 @@ def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> Hi
         minutes=minutes,
         unit=unit,
         approach=approach_text(axes, reading.approach),
-        others=tuple(to_unit(each, unit) for each in reading.others),
-        columns=value_columns(description.setup(reading.setup)),
+        others=tuple(to_unit(each, own) for each, own in zip(reading.others, others, strict=True)),
+        columns=value_columns(setup),
         std=None if reading.std is None else to_unit(reading.std, unit),
         time=reading.time,
         check=reading.check,

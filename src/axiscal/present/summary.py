@@ -40,7 +40,7 @@ class SetupUse:
 class HistoryRow:
     """One reading and the accuracy after it; reading 0 is the prior and has no position, value or innovation.
 
-    unit : of `value_um`, `others`, `innovation`: "um" except for angle readings
+    unit : of `value_um` and `innovation`: "um" except for angle readings
     surprise : innovation in standard deviations; of one that was not believed, by what all others say
     others : the further numbers of a reading that has several, such as a sphere's along y and z
     reason : why it was not believed, "" where it was
@@ -74,8 +74,13 @@ class HistoryRow:
 
     @property
     def values(self) -> tuple[float, ...]:
-        """All numbers of the reading, in its unit; none of the prior."""
+        """All numbers of the reading, each in its unit of `units`; none of the prior."""
         return () if self.value_um is None else (self.value_um, *self.others)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """The unit of each number, which its column ends with."""
+        return tuple(column.rpartition("_")[2] for column in self.columns)
 
 
 @dataclass(frozen=True, slots=True)

@@ -100,7 +100,7 @@ def due_dates(files: Iterable[Path], today: date, target: float | None = None, t
     """
     found, left = read_records(files)
     records = [record for record in found if not record.description.compensation_active]
-    left += [record.as_sister(ACTIVE) for record in found if record.description.compensation_active]
+    left += [record.as_sister(said(ACTIVE)) for record in found if record.description.compensation_active]
     known = dict[str, Estimation]()
     for record in staged("records", records, len(records)):
         try:

@@ -76,7 +76,7 @@ class Copy(NamedTuple):
     def parted(self, other: Copy) -> str:
         """Return from where on it and another one of its campaign hold different events."""
         event = shared_events(self.chains, other.chains) + 1
-        return f"it and {other.name} went on differently from event {event}"
+        return said("it and {other} went on differently from event {event}", other=other.name, event=event)
 
 
 def file_name(file: Path) -> str:
@@ -92,9 +92,9 @@ def beside_others(record: Copy, records: Iterable[Copy]) -> tuple[str, str]:
             continue
         if other.chain == record.chain:
             if other.file < record.file:
-                return f"it is the same as {other.name}", ""
+                return said("it is the same as {other}", other=other.name), ""
         elif other.holds(record.chains):
-            return f"it is an earlier copy of {other.name}", ""
+            return said("it is an earlier copy of {other}", other=other.name), ""
         elif not record.holds(other.chains):
             remark = record.parted(other)
     return "", remark
@@ -162,7 +162,7 @@ def _beside_each_other(records: Sequence[MachineRecord]) -> dict[Path, str]:
     for record in sorted(seen.values(), key=lambda record: (-len(record.readings), record.digest)):
         if (other := most.setdefault(record.copy.campaign, record)) is not record:
             parted = record.copy.parted(other.copy)
-            whys[record.file] = f"{parted}, and that one has as many readings or more"
+            whys[record.file] = said("{parted}, and that one has as many readings or more", parted=parted)
     return whys
 
 
@@ -205,16 +205,18 @@ def _form(machine: Machine) -> str:
 def other_machine(machine: Machine, reference: Machine) -> str:
     """Return why a machine is not of the type of another one, "" where it may be."""
     if machine.chain != reference.chain:
-        return f"another machine: its chain is {machine.chain}, not {reference.chain}"
+        return said("another machine: its chain is {own}, not {chain}", own=machine.chain, chain=reference.chain)
     for axis, other in zip(machine.axes, reference.axes, strict=True):
         pairs = zip(axis.travel, other.travel, strict=True)
         if axis.name != other.name or axis.rotary != other.rotary:
-            return f"another machine: it has an axis {axis.name} in the place of {other.name}"
+            what = "another machine: it has an axis {axis} in the place of {other}"
+            return said(what, axis=axis.name, other=other.name)
         if any(abs(one - two) > _TRAVEL * other.length for one, two in pairs):
             long, usual = (format_quantity(each.length, each.unit, 6) for each in (axis, other))
-            return f"another size: {axis.name} travels {long}, not {usual}, or from elsewhere"
+            what = "another size: {axis} travels {long}, not {usual}, or from elsewhere"
+            return said(what, axis=axis.name, long=long, usual=usual)
     if not set(machine.error_names) & set(reference.error_names):
-        return "it describes none of the errors of the type"
+        return said("it describes none of the errors of the type")
     return ""
 
 
@@ -228,7 +230,9 @@ def repeated(records: Sequence[MachineRecord]) -> dict[str, str]:
         if record.serial:
             last[record.serial] = record
     return {
-        record.digest: f"machine {record.serial} was measured again: {last[record.serial].copy.name}"
+        record.digest: said(
+            "machine {serial} was measured again: {file}", serial=record.serial, file=last[record.serial].copy.name
+        )
         for record in records
         if record.serial and last[record.serial] is not record
     }
@@ -263,7 +267,9 @@ def why_not(fault: AxiscalError | OSError) -> str:
 
 
 def _unlike(record: MachineRecord, reference: Machine) -> str:
-    return ACTIVE if record.description.compensation_active else other_machine(record.description.machine, reference)
+    if record.description.compensation_active:
+        return said(ACTIVE)
+    return other_machine(record.description.machine, reference)
 
 
 def equation_of(record: MachineRecord, errors: ErrorModel) -> DataEquation:

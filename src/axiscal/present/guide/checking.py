@@ -13,7 +13,7 @@ from axiscal.evaluation.check import Check, FoundAndLeft, Taken
 from axiscal.exceptions import InputError
 from axiscal.language.spoken import listed, said
 from axiscal.measurement.readers.csv_readings import filled_sheet
-from axiscal.measurement.reading import Places, Reading, place_text, reading_unit
+from axiscal.measurement.reading import Places, Reading, place_text, reading_units
 from axiscal.present.check_answer import check_answer, check_plan, check_sentences
 from axiscal.present.guide.question import measured
 from axiscal.present.guide.slips import display_text
@@ -49,7 +49,7 @@ class CheckToTake(AnswerDocument):
             came = [f"{axes[k].name} {sides_of[place.approach[k]]}" for k in setup.moves if place.approach[k]]
             where = listed(", ", [place_text(axes, place.pose, setup.moves), *came])
             shows = [display_text(readings[n].values, setup) for readings in sides]
-            found.append(CheckPlace(setup=place.setup, place=where, unit=reading_unit(setup), shows=shows))
+            found.append(CheckPlace(setup=place.setup, place=where, unit=reading_units(setup), shows=shows))
         return cls(
             sentences=[spelt(line) for line in check_plan(check, places)[1]],
             tolerance=f"{digits(to_unit(check.allowed(None) or check.tables.certain, 'um'))} um",

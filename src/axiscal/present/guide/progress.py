@@ -11,8 +11,6 @@ from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from typing import Literal, NamedTuple
 
-import numpy as np
-
 from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.agreement_words import acceptance, agreement_words, change_words, question
 from axiscal.campaign.campaign import Campaign
@@ -22,7 +20,7 @@ from axiscal.estimation.accuracy.expanded import floor_of, known_to
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.promise.agreement import Mistake
 from axiscal.language.spoken import counted, decimals, listed, said
-from axiscal.measurement.reading import by_text, reading_text, reading_unit, shown_coordinate, units_of
+from axiscal.measurement.reading import by_text, reading_text, reading_unit, reading_units, shown_coordinate, units_of
 from axiscal.planning.promise import foreseen, rejected
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted
@@ -334,15 +332,15 @@ def latest(campaign: Campaign) -> Iterator[KeptReading]:
     begun, axes = datetime.fromisoformat(campaign.begun), campaign.description.machine.axes
     for index, reading in list(enumerate(campaign.state.readings))[: -_LATEST - 1 : -1]:
         setup, seconds = campaign.description.setup(reading.setup), reading.time
-        unit, moved = reading_unit(setup), [(axes[k], reading.pose[k]) for k in setup.moves]
+        units, moved = units_of(setup), [(axes[k], reading.pose[k]) for k in setup.moves]
         moved.sort(key=lambda each: (each[0].rotary, each[0].name))
         stood = (f"{axis.name} {round(shown_coordinate(at, axis), 3) + 0.0:.9g}" for axis, at in moved)
         yield KeptReading(
             number=reading.numbered(index),
             setup=reading.setup,
             place=", ".join(stood),
-            values=to_unit(np.array(reading.values), unit).tolist(),
-            unit=listed(", ", [*dict.fromkeys(units_of(setup))]),
+            values=[to_unit(value, unit) for value, unit in zip(reading.values, units, strict=True)],
+            unit=reading_units(setup),
             at="" if seconds is None else (begun + timedelta(seconds=seconds)).isoformat(timespec="milliseconds"),
             doubted=index in doubted,
             by=by_text(reading),

@@ -18,7 +18,7 @@ from axiscal.exceptions import AxiscalError, ReadingError
 from axiscal.language.spoken import decimals, later, put, said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import instrument_of
-from axiscal.measurement.reading import Reading, reading_unit
+from axiscal.measurement.reading import Reading, reading_unit, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
@@ -67,8 +67,9 @@ class Jog(AnswerDocument):
 
 
 def display_text(values: Sequence[float], setup: Setup) -> str:
-    """Return what a display shows of a reading.  values : m or rad"""
-    return " ".join(decimals(f"{each:.2f}") for each in to_unit(np.array(values), reading_unit(setup)))
+    """Return what a display shows of a reading, each number in its unit.  values : m or rad"""
+    shown = (to_unit(each, unit) for each, unit in zip(values, units_of(setup), strict=True))
+    return " ".join(decimals(f"{each:.2f}") for each in shown)
 
 
 class SurprisingError(ReadingError):
