@@ -186,9 +186,10 @@ function renderAnswer() {
   if (state.answer === null) return;
   const { first, rows, sentences, document: found } = state.answer;
   find("first").className = `box ${found.verdict}`;
-  find("answer").className = found.verdict === "unreachable" && state.progress.taken === 0 ? "ahead" : "";
-  renderWords(first, rows);
-  find("known").replaceChildren(...sentences.map((words) => element("p", words)));
+  const unread = state.progress.taken === 0, ahead = unread && found.verdict === "unreachable";
+  find("answer").className = ahead ? "ahead" : "";
+  renderWords(first, rows);  // sentences of a plan stood beside the button that began it
+  find("known").replaceChildren(...(unread && !ahead ? [] : sentences).map((words) => element("p", words)));
 }
 
 function renderEnd() {
