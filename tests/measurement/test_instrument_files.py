@@ -11,6 +11,7 @@ from axiscal.description.placed_readings import placed_readings
 from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.files import read_any, recognised
+from tests.commands import Command
 from tests.generators.texts import machine_text
 
 RTL = """HEADER::
@@ -107,6 +108,23 @@ def test_files_of_the_same_form_are_other_tests(tmp_path: Path, kind: str, test:
     assert read.found.readings[4].value == pytest.approx(value)
     found = evaluate(positioning_test(read))
     assert (found.unit, found.target_unit) == (unit, "mm")
+
+
+TWO_LASERS = "".join(
+    f'[[setups]]\nname = "{axis}"\ninstrument = "interferometer"\nmoves = ["{axis}"]\ndirection = "{axis.lower()}"\n'
+    for axis in "XY"
+)
+
+
+def test_a_person_says_along_which_axis_a_test_was_read(tmp_path: Path, command: Command) -> None:
+    file = _file(tmp_path, RTL, name="laser.rtl")
+    (tmp_path / "campaign.toml").write_text(f'machine = "three-axis-mill"\n{TWO_LASERS}')
+    given = ("data", "estimate", tmp_path / "campaign.toml", file, "--out", tmp_path / "out")
+    command(*given).refused("such as --axis X")
+    command(*given, "--axis", "Q").refused('"Q"')
+    assert {row["setup"] for row in command(*given, "--axis", "Y", "--json").document["history"][1:]} == {"Y"}
+    named = _file(tmp_path, "setup,X_mm,approach,value_um\nX,100,+,1.5\n", name="named.csv")
+    command(*given[:3], named, "--out", tmp_path / "other", "--axis", "Y").refused("so Y is not to be named")
 
 
 def test_a_height_map_of_version_one_has_one_spacing(tmp_path: Path) -> None:

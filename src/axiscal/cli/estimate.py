@@ -63,6 +63,9 @@ def estimate(
         Path | None, typer.Argument(metavar="READINGS", help="Readings that exist, in any format that is known.")
     ] = None,
     unit: Unit = None,
+    axis: Annotated[
+        str, typer.Option(metavar="NAME", help="Along which a test was read whose file does not say it.")
+    ] = "",
     log: Log = None,
     programs: Programs = Path("programs"),
     details: Details = False,
@@ -87,6 +90,7 @@ def estimate(
     Examples:
       axiscal data estimate campaign.toml readings.csv --out results
       axiscal data estimate campaign.toml printer.cfg#hot --out results
+      axiscal data estimate campaign.toml laser.rtl --axis Y --out results
       axiscal data estimate campaign.toml --log axiscal_3F2A9C01.txt --programs programs --out results
     """
 
@@ -95,7 +99,7 @@ def estimate(
         raise typer.BadParameter(said("give READINGS.csv or --log FILE"))
     placed, extras, told = tuple[Reading, ...](), Extras(), ""
     if readings is not None:
-        description, placed, extras, told = read_in(description, readings, length_unit(unit))
+        description, placed, extras, told = read_in(description, readings, length_unit(unit), axis)
     if log is not None:
         placed = (*placed, *placed_log(log, programs, description))
     mend(out)

@@ -100,6 +100,8 @@ def _tested(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]
     what, names = _ASKS[row.test or "circle"], joined([each.name for each in fitting])
     what = "several set-ups read what this test reads: {names}" if fitting else what
     remedy = "Give the columns setup and X_mm, or a campaign of the one set-up that was tested"
+    if len({setup.moves for setup in fitting}) > 1:
+        remedy = "Say which axis was read, such as --axis X, or give the columns setup and X_mm"
     if row.test == "circle":
         remedy = "Give a column setup, or a campaign of the one set-up that was tested"
     raise ReadingError(what, remedy, names=names)

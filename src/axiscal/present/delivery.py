@@ -51,10 +51,17 @@ class ReadIn(NamedTuple):
 def read_in(described: CampaignDescription, file: Path, unit: str = "", along: str = "") -> ReadIn:
     """Return the readings of a file of any kind; raises ReadingError.
 
-    unit : of lengths, where it names none; along : name of the axis of a test, the same
+    unit : of lengths, where it names none; along : name of the axis of a test that names none, "" where nobody said
+    Raises DescriptionError for an axis that the machine does not have.
     """
     read, extras = recognised(file, Around(described.machine.axes, described.setups), unit), Extras()
-    rows = tuple(replace(row, axis=row.axis or along) if row.test else row for row in read.found.readings)
+    rows = read.found.readings
+    if along:
+        described.machine.axis(along)
+        if other := next((row for row in rows if not row.test or row.axis not in ("", along)), None):
+            what = "the file says itself where it was read, so {axis} is not to be named"
+            raise ReadingError(what, "Leave the axis out", file, other.line, axis=along)
+        rows = tuple(replace(row, axis=along) for row in rows)
     described, placed = file_readings(rows, described, file)
     refuse_implausible(placed, described, file)
     if rows[0].test == "positioning" and len({each.setup for each in placed}) == 1:
