@@ -83,9 +83,10 @@ def test_a_budget_is_planned_again_from_the_first_plan_with_room_for_its_checks(
     task, full = posed(case, case.knowledge), plan_of("readings = 20\nchecks = 0")
     room = seconds_along(task, columns_of(case, full)) + 1.0
 
-    def plan(limits: Limits, left: Sequence[Place], beside: Sequence[Place]) -> tuple[Place, ...]:
+    def plan(limits: Limits, left: Sequence[Place], beside: Sequence[Place], rough: bool) -> tuple[Place, ...]:
         asked.append((limits.budget or 0.0, len(left)))
         assert bool(beside) == bool(left)
+        assert not rough
         return full[: 16 if left else 20]
 
     found = with_checks(case, task, Limits(budget=room), (), (), plan)
@@ -94,6 +95,19 @@ def test_a_budget_is_planned_again_from_the_first_plan_with_room_for_its_checks(
     assert second < room
     assert seconds_along(task, columns_of(case, found)) <= room
     assert len(checks(found)) >= 3
+
+
+def test_which_set_ups_checks_are_in_is_known_from_a_rough_plan() -> None:
+    case, asked = case_of("readings = 20"), list[tuple[int | None, int, bool]]()
+    full = plan_of("readings = 20\nchecks = 0")
+
+    def plan(limits: Limits, _: Sequence[Place], beside: Sequence[Place], rough: bool) -> tuple[Place, ...]:
+        asked.append((limits.readings, len(beside), rough))
+        return full[: limits.readings]
+
+    found = with_checks(case, posed(case, case.knowledge), Limits(readings=20), (), (), plan)
+    assert asked == [(16, 0, True), (16, 4, False)]
+    assert (len(found), len(checks(found))) == (20, 4)
 
 
 @pytest.mark.parametrize("slack", [30.0, 45.0, 60.0])

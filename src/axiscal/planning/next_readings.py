@@ -95,10 +95,11 @@ def reaching(
     heeded : limits that a search heeds for them
     """
 
-    def beside(within: Limits, left: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:
+    def beside(within: Limits, left: Sequence[Place], checks: Sequence[Place], rough: bool) -> tuple[Place, ...]:
+        among = replace(task.coarse, patience=0.0) if rough else task
         most = [each for each in (heeded.readings, within.readings) if each is not None]
         search = replace(heeded, readings=min(most, default=None), budget=within.budget)
-        return planned_places(case, task, search, readings, gaps, left, believed, checks)
+        return planned_places(case, among, search, readings, gaps, left, believed, checks)
 
     return with_checks(case, task, limits, readings, left, beside)
 

@@ -252,8 +252,8 @@ def _there(case: Case, setup: Setup, axis: int, like: Place, at: float, side: in
 _SHARE, _FEWEST, _MOST, _LEAST = 5, 3, 12, 12
 """One of so many readings is a check, from few that tell s to many; below so many readings all are planned ones."""
 
-Within = Callable[[Limits, Sequence[Place], Sequence[Place]], tuple[Place, ...]]
-"""The readings to come within limits, from those that are left of a plan, beside checks."""
+Within = Callable[[Limits, Sequence[Place], Sequence[Place], bool], tuple[Place, ...]]
+"""The readings to come within limits, from those that are left of a plan, beside checks; or roughly which they are."""
 
 
 def checks_among(described: CampaignDescription, readings: int) -> int:
@@ -283,15 +283,16 @@ def with_checks(
     checks, budget = _Checks(case, task, readings, known, distinct(task.lattice), count, limits.readings), limits.budget
     if limits.readings == 0:
         return checks.put_among((), checks.picked((), count))
-    begun = own or plan(limits, (), ())  # says how many checks belong to it, and in which set-ups
+    rough = count > 0 and task.patience > 0 and not limits.timed  # another plan follows, beside as many checks
+    begun = own or plan(limits, (), (), rough)  # says how many checks belong to it, and in which set-ups
     beside = checks.picked(begun, checks.count(begun)) if budget is None else checks.for_a_fifth(begun)
-    if not own and not beside:
+    if not own and not beside and not rough:
         return begun
     if budget is not None:
         more = checks.seconds(checks.put_among(begun, beside)) - checks.seconds(begun)
         limits = replace(limits, budget=budget - more)
     if task.patience > 0 or own:  # else for figures only, which checks change little
-        begun = plan(limits, without_markers(case, readings, begun if limits.timed else own), beside)
+        begun = plan(limits, without_markers(case, readings, begun if limits.timed else own), beside, False)
     return checks.fitting(begun, beside, budget)
 
 
