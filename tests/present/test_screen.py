@@ -141,6 +141,10 @@ def test_what_is_not_measured_is_named_with_its_reason() -> None:
     far = rows[0].model_copy(update={"one_more": None, "kind": "yaw", "unit": "urad"})
     assert "yaw X (4 places read tell too little: ± 130 urad)" in _screen(answer(rows=[far]))
     assert "Not measured: backlash X (one side read; " in " ".join(_screen(answer(rows=[far, rows[0]])).split())
+    held = far.model_copy(update={"floor": 125.0})
+    assert "yaw X (more readings would leave as much: ± 130 urad)" in " ".join(_screen(answer(rows=[held])).split())
+    scale = held.model_copy(update={"row": "scale X", "kind": "scale", "unit": "um/m", "kelvin": 0.7})
+    assert "yaw X (temperature not stated: ± 130 urad)" in " ".join(_screen(answer(rows=[held, scale])).split())
     none = far.model_copy(update={"row": "yaw Y", "axes": ("Y",), "lines": [], "known_to": 290.0})
     apart = "yaw X (4 places read tell too little: ± 130 urad), yaw Y (not read)."
     assert apart in " ".join(_screen(answer(rows=[none, far])).split())

@@ -350,7 +350,7 @@ def _shown(row: KnownRow, size: float) -> float:
 
 
 def _row(row: AnsweredRow, known: Estimation) -> AnswerRow:
-    scale = row.row.kind == "scale" and row.measured
+    scale = row.row.kind == "scale" and (row.measured or row.settled)
     warm = warmth(known, row.row.axes[0], row.signed[0].value) if scale and row.signed else None
     return AnswerRow(
         **known_figures(row, known.stated.description.machine.axes),

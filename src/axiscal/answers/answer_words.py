@@ -40,7 +40,7 @@ LINES, WIDTH, _CUT = 14, 80, " …"
 _LEFT = 2
 """Controls whose tables are shown beside each other."""
 _TOLD = 0.9
-"""Of the U before the first reading: what is known no better was not read."""
+"""Of the U before the first reading: what is known no better was not read. Of U: what endless readings leave too."""
 ROOM = 12
 """Rows beside each other; where there are more, those of one kind stand together."""
 _ENDS: dict[Verdict, str] = {
@@ -236,7 +236,8 @@ def _unmeasured(answer: ResultAnswer, cut: bool) -> str:
         return ""
     alike = groupby(sorted(rows, key=_lacking), _lacking)
     groups = [group for _, mine in alike for group in by_kind([*mine])]
-    parts = [put("{names} ({why})", names=row_names(group), why=_why(group)) for group in groups]
+    warm = [row.axes for row in answer.rows if row.kelvin is not None]
+    parts = [put("{names} ({why})", names=row_names(group), why=_why(group, warm)) for group in groups]
     text = said("Not measured: {rows}.", rows=listed(", ", parts))
     for told in range(len(parts) - 1, 0, -1):
         if cut and wrapped(text)[-1].endswith(_CUT):
@@ -245,16 +246,21 @@ def _unmeasured(answer: ResultAnswer, cut: bool) -> str:
     return text
 
 
-def _lacking(row: AnswerRow) -> tuple[bool, bool]:
-    """Return what a row has not: one side, which U counts as stated, and any place of its own."""
-    return row.one_more is None, not _places(row)
+def _lacking(row: AnswerRow) -> tuple[bool, bool, bool]:
+    """Return what a row has not: one side, which U counts as stated, any place of its own, what readings could tell."""
+    return row.one_more is None, not _places(row), _exhausted(row)
+
+
+def _exhausted(row: AnswerRow) -> bool:
+    return row.floor >= _TOLD * row.known_to
 
 
 def _places(row: AnswerRow) -> int:
     return min((line.read for line in row.lines), default=0)
 
 
-def _why(rows: Sequence[AnswerRow]) -> str:
+def _why(rows: Sequence[AnswerRow], warm: Sequence[Sequence[str]]) -> str:
+    """Return why rows of one kind are not measured.  warm : axes of which a temperature could be their scale"""
     then = [row.one_more for row in rows if row.one_more is not None]
     if then:
         return said("one side read; one reading more: {size}", size=_within(max(then), rows[0].unit))
@@ -266,6 +272,9 @@ def _why(rows: Sequence[AnswerRow]) -> str:
     size = _within(worst.known_to, worst.unit)
     if not places:
         return said("not read; the other readings leave {size}", size=size)
+    if _exhausted(worst):
+        unsaid = "temperature not stated: {size}"
+        return said(unsaid if worst.axes in warm else "more readings would leave as much: {size}", size=size)
     one, many = "{count} place read tells too little: {size}", "{count} places read tell too little: {size}"
     return counted(one, many, places, size=size)
 
