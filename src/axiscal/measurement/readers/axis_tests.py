@@ -2,7 +2,8 @@
 
 Deviations in arcsec over targets in mm are an angular test. `actual_mm` is where the axis stood, in place of the
 deviation; `axis` names the axis of each line. A table with a column a run has headers such as `Pos;1+;1-;2+;2-`; it is
-in mm and um where it names no unit. A direction is + or -, forward or reverse, CCW (+) or CW.
+in mm and um where it names no unit. A direction is + or -, forward or reverse, CCW (+) or CW. Where no column says it,
+targets are come to in the order of their lines.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Literal
 
 from axiscal.language.spoken import later, said
@@ -38,6 +40,7 @@ _OF_TEST = {"target": _BOTH, "angle": ANGLES, "direction": TEXT, "run": TEXT, "d
 _BESIDE = {"setup": TEXT, "axis": TEXT, "time": TEXT}
 _RADII = later("these are radii, and no deviations"), later("take the radius off them")
 _NUMBERED = later("number the runs 1, 2, 3, ...")
+_UNKNOWN = later("direction {text!r} is not known")
 _TOWARDS = later("write + for the approach in the positive direction, - for the negative one")
 _STROKE = 5e-3
 """m, further than any ball bar reads."""
@@ -70,22 +73,44 @@ def axis_test(file: TextFile, around: Around) -> Found:
         return _in_columns(file, table)
     place = "angle" if table.all_of("angle") else "target"
     layout = {place: _OF_TEST[place], "direction": TEXT, "run": TEXT, "deviation": _BOTH} | _BESIDE
-    at, _, read = table.needed(layout, "angle_deg" if place == "angle" else "target_mm", "direction", "deviation_um")
-    found = distinct(file, _lines(table, place, _kind(table, at, read)))
+    at, read = table.needed(layout, "angle_deg" if place == "angle" else "target_mm", "deviation_um")
+    ordered = _by_order([row.of(place).quantity() for row in table.rows]) if place == "target" else []
+    told = not ordered or bool(table.all_of("direction"))
+    if told:
+        table.needed(layout, "direction")
+    ways = [row.of("direction").meant(sign_of, _UNKNOWN, _TOWARDS) for row in table.rows] if told else ordered
+    found = distinct(file, _lines(table, place, ways, _kind(table, at, read)))
     if column_of(read.name).stem.lower() in ACTUAL:
         if place == "angle":
             raise table.fail(*_RADII)
         found = tuple(replace(each, value=each.value - each.position[""]) for each in found)
     _refuse_positions(table, found)
+    if not told:
+        return Found(found, note=said("sides by the order of its targets (it names no direction)"))
     return Found(found, note=said("angles in deg (it names no unit)") if silent else "")
 
 
-def _lines(table: CsvTable, place: str, kind: Test) -> Iterator[RawReading]:
-    """Yield the reading of each line, with what stands beside it; raises ReadingError."""
+def _by_order(targets: Sequence[float]) -> list[int]:
+    """Return from which side each target is come to, by the target before it; the first by the one after it.
+
+    A target that stands twice has another side the second time, where the axis turns; none are returned where it does
+    not turn there, or never moves.
+    """
+    steps = [(after > before) - (after < before) for before, after in pairwise(targets)]
+    ways = list[int]()
+    for number, step in enumerate(steps):
+        before, after = ways[-1:] or [0], next((each for each in steps[number:] if each), 0)
+        if not step and before[0] * after != -1:
+            return []
+        ways.append(step or after)
+    return [*ways[:1], *ways]
+
+
+def _lines(table: CsvTable, place: str, ways: Sequence[int], kind: Test) -> Iterator[RawReading]:
+    """Yield the reading of each line, with what stands beside it; raises ReadingError.  ways : of each, +1 or −1"""
     times = Counter[tuple[str, float, int]]()
-    for row, seconds in zip(table.rows, read_times(table), strict=True):
+    for row, seconds, way in zip(table.rows, read_times(table), ways, strict=True):
         moved, target = row.of("axis").text, row.of(place)
-        way = row.of("direction").meant(sign_of, later("direction {text!r} is not known"), _TOWARDS)
         times[at := (moved, target.quantity(), way)] += 1
         run = times[at]
         if table.all_of("run"):
