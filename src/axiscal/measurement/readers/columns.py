@@ -22,7 +22,8 @@ _CALLED = {
     "posicion posizione",
     "direction": "direction dir richtung sens dirección direccion direzione verso",
     "run": "run cycle pass lauf messlauf messung durchgang zyklus passage pasada ciclo passata",
-    "deviation": "deviation dev error abweichung fehler écart ecart erreur desviación desviacion scostamento errore",
+    "deviation": "deviation dev error abweichung fehler écart ecart erreur desviación desviacion scostamento errore "
+    "tilt neigung",
     "angle": "angle winkel ángulo angulo angolo",
     "axis": "axis achse axe eje asse",
     "time": "time timestamp zeit uhrzeit zeitpunkt heure hora ora",
