@@ -15,10 +15,10 @@ from axiscal.numerics import Array
 from tests.generators.machines import random_poses
 
 
-def tool_rows(model: ErrorModel, count: int = 800, directions: tuple[int, ...] = (0, 1, 2)) -> Array:
+def tool_rows(model: ErrorModel, directions: tuple[int, ...] = (0, 1, 2)) -> Array:
     """Return readings at the tool point anywhere, from both sides, to 1 µm."""
     rng = np.random.default_rng(1)
-    poses, _ = random_poses(model.machine, count, rng)
+    poses, _ = random_poses(model.machine, 800, rng)
     rows = model.rows(poses, rng.choice([-1.0, 1.0], poses.shape))[:, directions]
     return rows.reshape(-1, model.size) / 1e-6
 
@@ -48,13 +48,10 @@ def test_a_machine_without_errors_hides_nothing() -> None:
     assert machine_check(replace(load_machine("one-axis"), errors=())) == ()
 
 
-def with_errors(*entries: ErrorEntry) -> ErrorModel:
-    return ErrorModel(replace(load_machine("three-axis-mill"), errors=entries))
-
-
 def test_what_moves_the_tool_point_unseen_is_named_with_its_size_and_its_reading() -> None:
     """The table's straightness in z is 5 µm all along, nobody reads z."""
-    model = with_errors(ErrorEntry("EXX", 1e-5, knots=7), ErrorEntry("EZX", 5e-6, knots=7))
+    errors = ErrorEntry("EXX", 1e-5, knots=7), ErrorEntry("EZX", 5e-6, knots=7)
+    model = ErrorModel(replace(load_machine("three-axis-mill"), errors=errors))
     (first, *_) = said(model, tool_rows(model, directions=(0, 1)))
     assert first.names == ("EZX",)
     assert first.effect == pytest.approx(_curve_rms(model), rel=1e-4)

@@ -15,17 +15,12 @@ from tests.generators.texts import campaign_text, machine_text, setup_text
 
 _MACHINE = machine_text("w-b-X-t", {"X": (0, 600)}, {"EXX": 'std = "8 um", length = "200 mm"'})
 _PITCH = 'EXX_pitch = { std = "5 um", period = "50 mm", harmonics = 2 }\n'
-_STEP = 'EXX_step = { std = "6 um", at = ["200 mm", "400 mm"] }\n'
 _CAMPAIGN = campaign_text(
     "m",
     setup_text("laser", "interferometer", direction="x", noise="0.5 um", unknowns={}),
     target={"readings": 14},
     usual="off",
 )
-
-
-def _case(errors: str, machine: str = _MACHINE) -> Case:
-    return Case(campaign_from_texts(_CAMPAIGN, "c.toml", machine + errors, "m.toml"))
 
 
 def test_a_pitch_is_a_sum_of_waves_of_falling_size() -> None:
@@ -39,14 +34,15 @@ def test_a_pitch_is_a_sum_of_waves_of_falling_size() -> None:
 
 
 def test_steps_are_independent_of_each_other() -> None:
-    function = ErrorModel(machine_from_text(_MACHINE + _STEP, "m")).names["EXX_step"]
+    step = 'EXX_step = { std = "6 um", at = ["200 mm", "400 mm"] }\n'
+    function = ErrorModel(machine_from_text(_MACHINE + step, "m")).names["EXX_step"]
     levels = function.rows(np.array([0.1, 0.3, 0.5]))
     steps = np.diff(levels, axis=0)
     assert steps @ function.covariance @ steps.T == pytest.approx(36e-12 * np.eye(2), abs=1e-24)
 
 
 def test_readings_find_a_pitch_between_what_a_curve_can_follow() -> None:
-    case = _case(_PITCH)
+    case = Case(campaign_from_texts(_CAMPAIGN, "c.toml", _MACHINE + _PITCH, "m.toml"))
     places = np.linspace(0.004, 0.596, 23)
     truth = 5e-6 * np.sin(2 * np.pi * places / 0.05 + 0.4) + 3e-6 * (places / 0.3 - 1)
     readings = [Reading("laser", (float(x),), (1,), float(v)) for x, v in zip(places, truth, strict=True)]

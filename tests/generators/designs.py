@@ -28,24 +28,23 @@ def splines(axes: int, knots: int, noise: float, candidates: int = 2000) -> Task
     return problem(machine, (setup,), candidates, joint=True)
 
 
-def levered(candidates: int = 300, reversal: bool = True) -> Task:
+def levered(candidates: int = 300) -> Task:
     """Return a table that turns under two slides: levers, reversal, rests, and two set-ups with a zero each."""
     axes = (
         Axis.named("C", True, (-1.0, 2.0), origin=(0.1, 0.2, 0.0)),
         Axis.named("X", False, (0.0, 0.6)),
         Axis.named("Z", False, (0.0, 0.4)),
     )
-    errors = [
+    errors = (
         ErrorEntry("EXX", 1e-5, knots=5, rest=1e-6),
         ErrorEntry("EZX", 1e-5, knots=4),
         ErrorEntry("EBX", 2e-5, knots=4),
         ErrorEntry("EXZ", 1e-5, knots=4, rest=5e-7),
         ErrorEntry("ECC", 3e-5, knots=5, rest=1e-6),
         ErrorEntry("B0Z", 2e-5),
-    ]
-    if reversal:
-        errors.append(ErrorEntry("EXX_reversal", 3e-6))
-    machine = Machine("m", axes, 0.15, tuple(errors), "", "")
+        ErrorEntry("EXX_reversal", 3e-6),
+    )
+    machine = Machine("m", axes, 0.15, errors, "", "")
     zero = (Unknown("zero", 1e-4),)
     setups = (
         _setup("x", machine, 1e-6, zero, "both", (1.0, 0.0, 0.0)),

@@ -8,6 +8,7 @@ import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -55,3 +56,8 @@ def foreign_readings(setup: str, count: int, seed: int, size: float = 10e-6) -> 
         Reading(case.description.setups[0].name, (float(at), *park[1:]), (int(way), 0), float(value), number=i + 1)
         for i, (at, way, value) in enumerate(zip(x, side, values - values[0], strict=True))
     ]
+
+
+def named(known: Estimation) -> list[tuple[str, int]]:
+    """Return the mistakes that readings name, each with the index of its first reading."""
+    return [(each.mistake, each.reading) for each in known.agreement.explained]

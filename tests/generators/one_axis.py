@@ -13,12 +13,12 @@ from tests.generators.texts import machine_text
 MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": 'std = "10 um", length = "200 mm"'})
 
 
-def observed(setup: str, machine: str = MACHINE) -> Observation:
+def observed(setup: str) -> Observation:
     """Return what an indicator along X with these further keys sees."""
     start = (
         'machine = "m"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\ninstrument = "indicator"\ndirection = "x"\n'
     )
-    described = campaign_from_texts(f"{start}{setup}\n", "campaign.toml", machine, "m")
+    described = campaign_from_texts(f"{start}{setup}\n", "campaign.toml", MACHINE, "m")
     return Observation(ErrorModel(described.machine), described.setups)
 
 

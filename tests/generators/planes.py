@@ -58,20 +58,19 @@ def table() -> Machine:
     return machine_from_text(TABLE)
 
 
-def probe(
-    machine: Machine, direction: tuple[float, float, float] = (0.0, 0.0, 1.0), noise: float = 1e-6, zero: float = 1e-3
-) -> Setup:
-    """Return a set-up in which every axis moves."""
+def probe(machine: Machine) -> Setup:
+    """Return a set-up along z in which every axis moves."""
     park = tuple(sum(axis.travel) / 2 for axis in machine.axes)
     moves = tuple(range(len(machine.axes)))
     raster = (0.0,) * len(moves)
-    return Setup("probe", "probe", direction, moves, park, noise, (Unknown("zero", zero),), 60, 1, 1, raster, "both")
+    zero, up = (Unknown("zero", 1e-3),), (0.0, 0.0, 1.0)
+    return Setup("probe", "probe", up, moves, park, 1e-6, zero, 60, 1, 1, raster, "both")
 
 
-def poses_of(machine: Machine, count: int, seed: int = 0) -> Array:
+def poses_of(machine: Machine, count: int) -> Array:
     """Return poses drawn anywhere in the travels, (count, axes)."""
     low, high = np.array([axis.travel for axis in machine.axes]).T
-    return np.random.default_rng(seed).uniform(low, high, (count, len(low)))
+    return np.random.default_rng(0).uniform(low, high, (count, len(low)))
 
 
 def matern(knots: Array, length: float) -> Array:

@@ -13,7 +13,6 @@ from axiscal.description.usual import sizes_of, usual_machine
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.problem import Inherited, problem
 from axiscal.machine import load_machine
-from axiscal.machine.entry import Sure
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal_core.problem import Problem
@@ -78,12 +77,6 @@ def readings_of(case: Case, count: int, seed: int, stds: bool = False) -> list[R
     return [taken(i) for i in range(count)]
 
 
-def sizes_for(case: Case, sure: Sure = "roughly", usual: bool = True, inherited: bool = False) -> Sizes:
-    """Return the sizes that vary in a case."""
-    described = case.description
-    return sizes_of(described.machine, described.setups, sure, usual=usual, inherited=inherited)
-
-
 def asked(kind: str, count: int, seed: int = 0, stds: bool = False, inherits: bool = False) -> Problem:
     """Return a problem.  inherits : whether an earlier campaign left a prior"""
     case = case_of(kind)
@@ -92,7 +85,9 @@ def asked(kind: str, count: int, seed: int = 0, stds: bool = False, inherits: bo
 
 def stated(case: Case, readings: Sequence[Reading], left: Inherited | None = None) -> Problem:
     """Return the problem of readings with what usually goes wrong."""
-    return problem(case.observation, readings, sizes_for(case, inherited=left is not None), left)
+    described = case.description
+    sizes = sizes_of(described.machine, described.setups, "roughly", usual=True, inherited=left is not None)
+    return problem(case.observation, readings, sizes, left)
 
 
 def inherited(case: Case, seed: int) -> Inherited:

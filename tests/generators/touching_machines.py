@@ -6,7 +6,6 @@ The control goes by matrices of the tests' own. It refuses every move that leave
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -70,12 +69,12 @@ def described(seed: int) -> CampaignDescription:
 class Control:
     """A LinuxCNC at the other end of the line, and balls on its table.
 
-    balls : (n, 3) m, where they are; radius : m, of ball and stylus; unit : machine's units of a mm
+    balls : (n, 3) m, where they are; radius : m, of ball and stylus
     probe : "sound", "deaf" or "stuck"
     """
 
-    def __init__(self, machine: Machine, balls: Sequence[Array], radius: float, unit: float = 1.0) -> None:
-        self._machine, self.balls, self._radius, self.unit = machine, np.array(balls), radius, unit
+    def __init__(self, machine: Machine, balls: Array, radius: float) -> None:
+        self._machine, self.balls, self._radius = machine, balls, radius
         self.probe, self.stopped, self.lines = "sound", False, list[str]()
         self._at = np.array([sum(axis.travel) / 2 for axis in machine.axes])
         self._at[[axis.name == "Z" for axis in machine.axes]] = machine.axis("Z").travel[1]
@@ -87,11 +86,11 @@ class Control:
         ready = dict.fromkeys(("enabled", "homed", "idle", "feed_heeded"), True)
         none = dict.fromkeys(("estop", "spindle", "tip"), False) | {"whole": None, "checksum": None}
         plain = {"feed": 1.0, "offsets": [0.0], "rotation": 0.0, "compensated": [], "tables": []}
-        seen = {"probe": self.probe == "stuck", "scale": self.unit, "angular": 1.0, "axes": axes}
+        seen = {"probe": self.probe == "stuck", "scale": 1.0, "angular": 1.0, "axes": axes}
         return ready | none | plain | seen | {"position": position, "joints": list(position.items())}
 
     def _scaled(self, rotary: bool, value: float) -> float:
-        return float(np.degrees(value) if rotary else 1e3 * value * self.unit)
+        return float(np.degrees(value) if rotary else 1e3 * value)
 
     def _shown(self, pose: Array) -> dict[str, float]:
         return {a.name: self._scaled(a.rotary, at) for a, at in zip(self._machine.axes, pose, strict=True)}

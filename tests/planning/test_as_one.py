@@ -8,7 +8,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
 from axiscal.machine.kinematics import frames
 from axiscal.planning.unseen import hidden_of, uniform_parts
@@ -17,17 +16,12 @@ from axiscal.present.demo import description
 SCALE = "cannot see the common scale of X, Y and Z: a bar of known length"
 
 
-def with_setups(*numbers: int, aligned: bool = True) -> CampaignDescription:
-    """Return the demo's campaign with some of spheres, bar and laser."""
-    campaign = description()
-    target = replace(campaign.target, aligned=aligned)
-    return replace(campaign, setups=tuple(campaign.setups[n] for n in numbers), target=target)
-
-
 @cache
 def case_of(*numbers: int, aligned: bool = True) -> Case:
-    """Return the case of that campaign, which takes a second."""
-    return Case(with_setups(*numbers, aligned=aligned))
+    """Return the case, which takes a second, of the demo's campaign with some of spheres, bar and laser."""
+    campaign = description()
+    target, setups = replace(campaign.target, aligned=aligned), tuple(campaign.setups[n] for n in numbers)
+    return Case(replace(campaign, setups=setups, target=target))
 
 
 def test_a_laser_shows_it_and_a_bar_whose_length_nobody_knows_does_not() -> None:

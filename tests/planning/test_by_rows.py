@@ -10,8 +10,7 @@ import pytest
 
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
-from axiscal.estimation.known_rows import KnownRow, known_rows
-from axiscal.measurement.reading import Place
+from axiscal.estimation.known_rows import known_rows
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
@@ -39,22 +38,8 @@ LASERS = "".join(
 )
 
 
-def case(text: str) -> Case:
-    return Case(built_in(text))
-
-
 def dial(target: str) -> Case:
-    return case(DIAL.replace("readings = 12", target))
-
-
-def planned(of: Case) -> tuple[Place, ...]:
-    return placed(of, proposed(of, Limits.of(of.description.target), 200).plan)
-
-
-def rows(of: Case, places: tuple[Place, ...]) -> dict[str, KnownRow]:
-    """Return how well the rows of a campaign are known after readings at places."""
-    taken = blank_readings(of.description.setups, places)
-    return {row.row.name: row for row in known_rows(of, of.knowledge.read(taken), taken)}
+    return Case(built_in(DIAL.replace("readings = 12", target)))
 
 
 def test_j_is_the_variance_over_the_squared_limit() -> None:
@@ -94,11 +79,11 @@ def test_three_readings_open_a_square() -> None:
 
 def test_two_places_at_least_are_read_from_both_sides_where_backlash_is_wanted() -> None:
     target: dict[str, Said] = {"readings": 12, "wants": ["positioning X", "backlash X", "backlash Y"]}
-    of = case(campaign_text("three-axis-mill", LASERS, target=target))
-    places = planned(of)
+    of = Case(built_in(campaign_text("three-axis-mill", LASERS, target=target)))
+    places = placed(of, proposed(of, Limits.of(of.description.target), 200).plan)
     assert len(places) == 12
-    found = rows(of, places)
-    for name, row in found.items():
-        if name.startswith("backlash"):
+    taken = blank_readings(of.description.setups, places)
+    for row in known_rows(of, of.knowledge.read(taken), taken):
+        if row.row.kind == "backlash":
             assert len(row.lines[0].both) >= 2
             assert row.measured

@@ -26,12 +26,6 @@ from tests.generators.designs import levered, problem, splines
 from tests.generators.texts import campaign_text, setup_text
 
 
-def spent(asked: Task, dual: Dual, readings: int) -> float:
-    """Return what Σ |Z b|² of a plan from the lattice comes to at most."""
-    pool = Pool(asked.observation, asked.lattice)
-    return readings * float((pool.squares(dual.state.observation, dual.reach) / pool.noise).max())
-
-
 def test_nothing_is_weyl_and_everything_is_the_equivalence_theorem() -> None:
     asked = splines(1, 7, 0.1, 1000)
     state = asked.state
@@ -82,14 +76,11 @@ def test_bounds_from_weights_of_all_hold_and_are_hardly_looser(given: bool, monk
     assert closely - found < 0.15 * (plan.value - closely)
 
 
-def with_zeros(std: float, candidates: int, instrument: str = "indicator") -> Task:
+def with_zeros(std: float, candidates: int) -> Task:
     """Return the table under two slides with zeros of a standard deviation."""
-    asked = levered(candidates)
-    names = ("zero_x", "zero_y", "zero_z") if instrument == "rtest" else ("zero",)
-    first, second = asked.observation.setups
-    first = replace(first, instrument=instrument, unknowns=tuple(Unknown(name, std) for name in names))
-    second = replace(second, unknowns=(Unknown("zero", 2 * std),))
-    return problem(asked.observation.machine, (first, second), candidates)
+    found = levered(candidates).observation
+    setups = tuple(replace(each, unknowns=(Unknown("zero", n * std),)) for n, each in enumerate(found.setups, 1))
+    return problem(found.machine, setups, candidates)
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(-6.0, -3.0), st.integers(2, 6))

@@ -41,8 +41,8 @@ def case_of(target: str, above: str = "") -> Case:
 
 
 @cache
-def plan_of(target: str, above: str = "") -> tuple[Place, ...]:
-    case = case_of(target, above)
+def plan_of(target: str) -> tuple[Place, ...]:
+    case = case_of(target)
     return placed(case, proposed(case, Limits.of(case.description.target), 200).plan)
 
 
@@ -143,7 +143,7 @@ def test_a_check_is_put_where_it_costs_least() -> None:
     """Every other turn in the same set-up takes as long or longer."""
     case = case_of("readings = 13\nchecks = 1")
     task, limits = posed(case, case.knowledge), Limits(13)
-    own = tuple(place for place in plan_of("readings = 12\nchecks = 0"))
+    own = plan_of("readings = 12\nchecks = 0")
     found = with_checks(case, task, limits, (), (), lambda *_: own)
     (at,) = [index for index, place in enumerate(found) if place.check]
     without = [*found[:at], *found[at + 1 :]]

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
-from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
@@ -17,20 +13,12 @@ from axiscal.planning.plan.task import Task
 from tests.generators import dense_gains as dense
 from tests.generators.designs import levered, read
 from tests.generators.forms import gains_of
-
-ZEROS = tuple(Unknown(f"zero_{axis}", 1e-4) for axis in "xyz")
+from tests.planning.test_three_values import mixed
 
 
 def _asked(seed: int, nest: bool) -> Task:
     """A machine after a few readings in random places; with an R-test, which reads three numbers, or without."""
-    asked = levered(60)
-    if nest:
-        first, second = asked.observation.setups
-        setups = (replace(first, instrument="rtest", unknowns=ZEROS), second)
-        observation = Observation(asked.observation.errors, setups)
-        belief = type(asked.belief)(np.zeros(observation.size), observation.prior_covariance())
-        asked = replace(asked, observation=observation, belief=belief)
-    return read(asked, np.random.default_rng(seed), seed)
+    return read(mixed(60, (0,) if nest else ()), np.random.default_rng(seed), seed)
 
 
 def _known(asked: Task) -> dense.DenseState:

@@ -22,12 +22,11 @@ from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import alike, blank_problem, foreseen
 from axiscal.planning.proposal import proposed
-from axiscal.present.plan_answer import PlanAnswer, plan_answer
+from axiscal.present.plan_answer import plan_answer
 from tests.generators.campaigns import built_in
 from tests.generators.sisters import measured
 from tests.generators.texts import artefact_text, campaign_text, machine_text, setup_text
 
-WARM = 'temperature = "21 degC"\n'
 FEW = 200
 
 
@@ -42,12 +41,7 @@ def described(target: str, axes: str = "X", more: str = "") -> CampaignDescripti
     return built_in(f"[target]\n{target}\n{''.join(setups)}")
 
 
-def planned(of: CampaignDescription) -> PlanAnswer:
-    limits = Limits.of(of.target)
-    return plan_answer(case_of(of), proposed(case_of(of), limits, FEW), limits)
-
-
-@pytest.mark.parametrize("more", ["", WARM])
+@pytest.mark.parametrize("more", ["", 'temperature = "21 degC"\n'])
 def test_the_u_that_is_foreseen_is_that_of_the_result(more: str) -> None:
     """A laser out and back: most of U is what no reading shows, and less of it where somebody has measured."""
     of = described('wants = ["positioning X"]', more=more)
@@ -107,7 +101,8 @@ def test_a_plan_says_that_a_tool_of_known_length_would_reach_its_target() -> Non
 def test_a_campaign_takes_the_readings_and_minutes_that_its_plan_says(tmp_path: Path) -> None:
     """No set-up is mounted again. Sizes that readings show smaller than usual may save a few of them."""
     of = described('wants = ["backlash X 1 um"]')
-    plan, machine = planned(of), Simulator(of.machine, of.setups).drawn(1)
+    limits, machine = Limits.of(of.target), Simulator(of.machine, of.setups).drawn(1)
+    plan = plan_answer(case_of(of), proposed(case_of(of), limits, FEW), limits)
     with Campaign.create(tmp_path / "campaign.axiscal", of) as campaign:
         campaign.run(SimulatedSource(machine, 1), lambda milestone: None)
         assert campaign.seconds() / 60 == pytest.approx(plan.minutes, rel=0.25)

@@ -67,14 +67,8 @@ def test_no_search_beats_a_proof_with_several_set_ups_sides_and_a_raster() -> No
         poses, approaches = random_poses(asked, generator, 9)
         places = Places(np.array([generator.integers(2) for _ in poses]), poses, approaches)
         assert bound <= asked.state.after_readings(places).value
-    lattice = prove_on_the_lattice(asked, plan.places)
-    assert 0.9 * lattice < bound
-
-
-def prove_on_the_lattice(asked: Task, places: Places) -> float:
-    """Return the bound for the candidates of the lattice only."""
     pool = Pool(asked.observation, asked.lattice)
-    return lower_bound(pool, asked.state, places, np.ones(len(pool) + len(places)), float(len(places))).value
+    assert 0.9 * lower_bound(pool, asked.state, plan.places, np.ones(len(pool) + 9), 9.0).value < bound
 
 
 def test_a_plan_without_readings_leaves_what_there_was() -> None:

@@ -11,7 +11,7 @@ from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.reading import Places
 from axiscal.planning.bound.lower_bound import largest_seen, prove
 from axiscal.planning.plan.plan import make_plan
-from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.step.ground import regions
 from tests.generators.designs import problem, random_poses
 from tests.generators.planes import bed, probe, table, warped
@@ -20,14 +20,10 @@ WARPED = warped((5, 4))
 LEVERED = WARPED.replace("EZXY", "EAX = { std = '200 urad', knots = 4, length = '110 mm' }\nEZXY")
 
 
-def _asked(text: str) -> Task:
-    machine = machine_from_text(text)
-    return problem(machine, (probe(machine),), 300)
-
-
 @pytest.mark.long
 def test_the_bound_lies_below_every_plan_and_is_closed() -> None:
-    asked = _asked(LEVERED)
+    machine = machine_from_text(LEVERED)
+    asked = problem(machine, (probe(machine),), 300)
     plan = make_plan(asked, Limits(readings=30), bounded=False)
     proof = prove(asked.state, asked.lattice, plan.places)
     assert proof.bound.everywhere
