@@ -29,21 +29,15 @@ def _with(values: dict[int, Reading]) -> list[Reading]:
     ]
 
 
-def _times(factor: float, numbers: set[int]) -> list[Reading]:
-    return [
-        replace(
-            each,
-            value=factor * each.value,
-            others=tuple(factor * other for other in each.others),
-            std=each.std and abs(factor) * each.std,
-        )
-        if each.number in numbers
-        else each
-        for each in RIGHT
-    ]
-
-
 BY_NUMBER = {each.number: each for each in RIGHT}
+
+
+def _times(factor: float, numbers: set[int]) -> list[Reading]:
+    def scaled(one: Reading) -> Reading:
+        value, *others = (factor * each for each in one.values)
+        return replace(one, value=value, others=tuple(others), std=one.std and abs(factor) * one.std)
+
+    return _with({number: scaled(BY_NUMBER[number]) for number in numbers})
 
 
 def test_values_of_another_sign_or_unit_are_multiplied_back() -> None:

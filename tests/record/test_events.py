@@ -105,7 +105,7 @@ of_few = st.builds(
 
 
 @given(st.lists(of_few | asked | wrongs | st.just(Undone(0)) | st.builds(Finished, st.text()), max_size=30))
-def test_what_was_accepted_leaves_what_was_written_and_comes_off_again(drawn: list[Event]) -> None:
+def test_what_was_accepted_leaves_what_was_written(drawn: list[Event]) -> None:
     events = possible(drawn)
     state = fold(stored(events))
     if isinstance(events[-1], Accepted):
@@ -115,32 +115,20 @@ def test_what_was_accepted_leaves_what_was_written_and_comes_off_again(drawn: li
         assert state.written == without.readings
         assert state.free == without.free
         assert state.pending == without.pending
-    back = list(events)
-    while fold(stored(back)).undo:
-        number = fold(stored(back)).undo[-1].number
-        back.append(Undone(number))
-        before, now = fold(stored(events[: number - 1])), fold(stored(back))
-        assert (now.readings, now.written, now.mounted) == (before.readings, before.written, before.mounted)
+
+
+RESTORED = {"readings", "written", "mounted", "skipped", "pending", "finished", "undo"}
+
+
+@given(st.lists(event | of_few | wrongs, max_size=25))
+def test_taking_back_one_after_the_other_restores_what_was_before_each(drawn: list[Event]) -> None:
+    events = back = possible(drawn)
+    names = RESTORED - {"mounted" for each in events if isinstance(each, Mounted)}  # a mounting is not taken back
+    while undo := fold(stored(back)).undo:
+        back = [*back, Undone(undo[-1].number)]
+        before, now = fold(stored(events[: undo[-1].number - 1])), fold(stored(back))
+        assert {name for name in names if getattr(now, name) != getattr(before, name)} == set()
     assert fold(stored(back)).readings == ()
-
-
-@given(st.lists(event, max_size=25))
-def test_taking_back_restores_what_was_before(drawn: list[Event]) -> None:
-    events = possible(drawn)
-    state = fold(stored(events))
-    if not state.undo:
-        return
-    number = state.undo[-1].number
-    back = fold(stored([*events, Undone(number)]))
-    before = fold(stored(events[: number - 1]))
-    assert (back.readings, back.written, back.skipped, back.pending, back.finished, back.undo) == (
-        before.readings,
-        before.written,
-        before.skipped,
-        before.pending,
-        before.finished,
-        before.undo,
-    )
 
 
 @given(st.lists(event, max_size=25))

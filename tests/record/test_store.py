@@ -18,15 +18,10 @@ from axiscal.exceptions import RecordError
 from axiscal.record import store
 from axiscal.record.copies import write_copy
 from axiscal.record.events import Created
-from axiscal.record.line_form import FORM, MARKS, EventText, Mark, mark_bytes, read_mark
+from axiscal.record.line_form import FORM, MARKS, Mark, mark_bytes, read_mark
 from axiscal.record.log import rows_of
 from axiscal.record.store import Record, content_of
 from tests.reliability.record_faults import CREATED, recorded
-
-
-def newest(content: bytes) -> Mark:
-    """Return the mark that holds in the file of a record."""
-    return max((mark for at in MARKS if isinstance(mark := read_mark(content[at:]), Mark)), key=lambda mark: mark.turn)
 
 
 @pytest.fixture
@@ -77,12 +72,10 @@ def test_a_newer_record_is_refused(record: Record) -> None:
         Record.open(record.path)
 
 
-CREATED_AS = '{"machine_text":"","campaign_text":"","machine_source":"","campaign_source":"","versions":%s}'
-
-
 @pytest.mark.parametrize("at", ["x", "2026-13-01T00:00:00+00:00", "2026-01-01T00:00:00"])
 def test_an_entry_without_its_time_is_damage(path: Path, at: str) -> None:
-    path.write_bytes(content_of([EventText(at, "created", CREATED_AS % "{}")])[0])
+    (created,) = rows_of([CREATED])
+    path.write_bytes(content_of([created._replace(at=at)])[0])
     with pytest.raises(RecordError, match=f"damaged: event 1: '{re.escape(at)}' is no time"):
         Record.open(path)
 
@@ -90,7 +83,8 @@ def test_an_entry_without_its_time_is_damage(path: Path, at: str) -> None:
 def test_a_mark_of_another_record_is_damage(record: Record) -> None:
     record.append(recorded(1e-6))
     content = record.path.read_bytes()
-    other = mark_bytes(newest(content)._replace(chain=64 * "a"))
+    marks = (mark for at in MARKS if isinstance(mark := read_mark(content[at:]), Mark))
+    other = mark_bytes(max(marks, key=lambda mark: mark.turn)._replace(chain=64 * "a"))
     for at in MARKS:
         content = content[:at] + other + content[at + len(other) :]
     record.path.write_bytes(content)
