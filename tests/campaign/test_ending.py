@@ -83,12 +83,6 @@ def test_it_is_not_reached_by_readings_that_contradict_each_other(gapped: Estima
         assert standing(asked(0.99 * gapped.accuracy.rms), known) is None
 
 
-def test_of_two_accuracies_the_one_that_is_reached_is_said(gapped: Estimation) -> None:
-    known = gapped.accuracy
-    both = replace(asked(0.5 * known.rms), worst=1.01 * known.worst)
-    assert standing(both, gapped) == "worst target reached"
-
-
 def test_no_reading_can_is_said_only_below_the_floor(gapped: Estimation) -> None:
     """A floor that is above the target ends the campaign where readings have taken away as much as was asked for."""
     known, floor = gapped.accuracy.rms, 0.95 * gapped.accuracy.rms

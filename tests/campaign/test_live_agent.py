@@ -126,11 +126,6 @@ class Command:
         return DONE
 
 
-class Ini:
-    def find(self, *_: str) -> str:
-        return "X Y Z A C"
-
-
 @pytest.fixture
 def control() -> Control:
     return Control()
@@ -143,7 +138,7 @@ def module(control: Control, monkeypatch: pytest.MonkeyPatch) -> types.ModuleTyp
         "command": lambda: Command(control),
         "stat": lambda: Stat(control),
         "error_channel": lambda: types.SimpleNamespace(poll=lambda: None),
-        "ini": lambda _: Ini(),
+        "ini": lambda _: types.SimpleNamespace(find=lambda *_: "X Y Z A C"),
         "MODE_MDI": MODE_MDI,
         "RCS_DONE": DONE,
         "RCS_EXEC": EXEC,
@@ -208,20 +203,15 @@ def test_a_touch_goes_to_places_of_the_machine_with_inches_and_shifts_in_force(a
     assert any(code.startswith("G21 G90 G94 G53 G1") and "X5.000000" in code for code in control.given)
 
 
+@pytest.mark.parametrize("changes", [{}, {"feed": 0.5}], ids=["plainly", "as if by an override"])
 @pytest.mark.parametrize("code", ["G53 G1 X5 F600", "G38.3 X5 F600"])
-def test_a_stop_at_the_machine_is_no_move_that_is_done(agent: Any, control: Control, code: str) -> None:
-    control.during = lambda: stopped(control)
-    assert "somebody stopped it" in agent.line(code)["failure"]
-    assert control.at["X"] < 5
-
-
-@pytest.mark.parametrize("code", ["G53 G1 X5 F600", "G38.3 X5 F600"])
-def test_a_stop_that_looks_like_an_override_is_seen_by_where_the_axes_stand(
-    agent: Any, control: Control, code: str
+def test_a_stop_at_the_machine_is_no_move_that_is_done(
+    agent: Any, control: Control, code: str, changes: dict[str, Any]
 ) -> None:
     agent.line("G53 G1 X1 F600")
-    control.during = lambda: stopped(control, feed=0.5)
+    control.during = lambda: stopped(control, **changes)
     assert "somebody stopped it" in agent.line(code)["failure"]
+    assert control.at["X"] < 5
 
 
 def test_overrides_are_anybodys_and_the_move_goes_on(agent: Any, control: Control) -> None:

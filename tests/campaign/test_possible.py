@@ -26,15 +26,11 @@ def begun(path: Path) -> Campaign:
     return Campaign.create(path, description)
 
 
-def reading(setup: str = "along x", pose: tuple[float, ...] = (0.1, 0.1), value: float = 1e-6) -> Reading:
-    return Reading(setup, pose, (0,) * len(pose), value)
-
-
 def test_the_ends_of_the_travel_are_possible(tmp_path: Path) -> None:
     path = tmp_path / "r.axiscal"
     begun(path).close()
     with Record.open(path) as record:
-        record.append(Recorded(reading(pose=(0.3, 0.0))), Recorded(reading(pose=(0.0, 0.2))))
+        record.append(*(Recorded(Reading("along x", pose, (0, 0), 1e-6)) for pose in ((0.3, 0.0), (0.0, 0.2))))
     with Campaign.open(path) as campaign:
         assert len(campaign.state.readings) == 2
 

@@ -28,10 +28,6 @@ def recorded(value: float) -> Recorded:
     return Recorded(Reading("along x", (0.1,), (1,), value))
 
 
-def asked(number: int) -> Asked:
-    return Asked(number, recorded(0).reading.place)
-
-
 def made(path: Path, *events: Event) -> Path:
     with Record.create(path, beginning_of(DESCRIPTION)) as record:
         for event in events:
@@ -99,7 +95,7 @@ def test_what_must_have_been_taken_back_does_not_stand(path: Path, new: Path) ->
 
 
 def test_a_skip_without_its_question_is_left_out(path: Path, new: Path) -> None:
-    made(path, recorded(1e-6), asked(2), Skipped("blocked"), recorded(2e-6))
+    made(path, recorded(1e-6), Asked(2, recorded(0).reading.place), Skipped("blocked"), recorded(2e-6))
     without(path, 3)
     found = salvaged(path, new)
     assert values(found) == [1e-6, 2e-6]

@@ -88,11 +88,15 @@ def test_undo_takes_it_back_and_the_record_opens_with_it(warm: Campaign) -> None
         assert again.prepared() == plan
 
 
-def test_a_temperature_that_no_scale_has_is_refused(warm: Campaign) -> None:
+def test_a_temperature_that_no_scale_has_or_that_comes_after_the_end_is_refused(warm: Campaign) -> None:
     last = warm.state.last
     with pytest.raises(DescriptionError, match='"70 degC" is too large'):
         warm.note("70 degC")
     assert warm.state.last == last
+    warm.finish()
+    warm.note("the machine was cold")
+    with pytest.raises(RecordError, match="Take the end back"):
+        warm.note("21.4 °C")
 
 
 @pytest.mark.parametrize(
@@ -109,13 +113,6 @@ def test_it_is_refused_where_it_changes_nothing(text: str, tmp_path: Path) -> No
         assert not open_temperature(campaign)
         with pytest.raises(ReadingError, match=r'"laser" compares no length .*Write a sentence: note the workshop'):
             campaign.note("21.4 °C")
-
-
-def test_after_the_end_it_is_refused(warm: Campaign) -> None:
-    warm.finish()
-    warm.note("the machine was cold")
-    with pytest.raises(RecordError, match="Take the end back"):
-        warm.note("21.4 °C")
 
 
 def test_it_is_asked_for_once_and_again_after_half_an_hour(tmp_path: Path) -> None:

@@ -18,7 +18,6 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import DescriptionError, ProgramError, SourceError
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.reading import Place
-from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import cycle_of, met_from
 from axiscal.ports.linuxcnc.live import InForce, LiveSource
 from axiscal.ports.linuxcnc.live.attached import _WayToBall
@@ -39,11 +38,6 @@ def known(seed: int) -> CampaignDescription | None:
         return None
 
 
-def balls(setup: Setup, moved: np.ndarray[Any, Any] = MOVED) -> list[np.ndarray[Any, Any]]:
-    assert setup.artefact is not None
-    return [np.array(ball.place) + moved for ball in setup.artefact.balls]
-
-
 def attached(campaign: CampaignDescription, control: Control, tried: bool = True) -> LiveSource:
     line: Any = control
     source = LiveSource(line, campaign.machine, InForce(), asked=lambda _: "go")
@@ -52,10 +46,10 @@ def attached(campaign: CampaignDescription, control: Control, tried: bool = True
     return source
 
 
-def made(campaign: CampaignDescription, **changes: Any) -> Control:
+def made(campaign: CampaignDescription) -> Control:
     (setup,) = campaign.setups
-    radius = cycle_of(campaign.machine, setup).radius
-    return Control(campaign.machine, balls(setup), radius, **changes)
+    assert setup.artefact is not None
+    return Control(campaign.machine, setup.artefact.points + MOVED, cycle_of(campaign.machine, setup).radius)
 
 
 def wanted(campaign: CampaignDescription, count: int) -> list[Request]:

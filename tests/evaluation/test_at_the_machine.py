@@ -188,12 +188,6 @@ def test_balls_that_are_placed_by_hand_are_judged_against_themselves(check: Chec
     assert check.judged((found, found), "20 um").verdict == "fail"
 
 
-def exported(folder: Path) -> Path:
-    folder.mkdir()
-    (folder / "X.comp").write_text("0 0 0\n1 0.1 0.1\n")
-    return folder
-
-
 def test_what_is_to_be_in_force_is_what_was_exported(check: Check, tmp_path: Path) -> None:
     for name, text in check.tables.files.items():
         (tmp_path / name).write_text(text)
@@ -214,7 +208,9 @@ def test_what_is_to_be_in_force_is_what_was_exported(check: Check, tmp_path: Pat
 
 
 def test_tables_are_known_by_what_is_in_them(tmp_path: Path) -> None:
-    wanted = InForce.from_folder(exported(tmp_path / "tables"))
+    (tmp_path / "tables").mkdir()
+    (tmp_path / "tables" / "X.comp").write_text("0 0 0\n1 0.1 0.1\n")
+    wanted = InForce.from_folder(tmp_path / "tables")
     digest = hashlib.sha256(b"0 0 0\n1 0.1 0.1\n").hexdigest()
     there = READY | {"compensated": [0], "tables": [digest, None]}
     wanted.refuse(there)

@@ -52,13 +52,8 @@ def description() -> CampaignDescription:
     return campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m.toml")
 
 
-@cache
-def problem() -> Case:
-    return Case(description())
-
-
-def simulator() -> Simulator:
-    return Simulator(description().machine, description().setups)
+def true() -> VirtualMachine:
+    return Simulator(description().machine, description().setups).drawn(SEED)
 
 
 @pytest.fixture(scope="module")
@@ -73,8 +68,9 @@ def state(record: Path) -> tuple[Estimate, tuple[Reading, ...], Control]:
         return estimate, tuple(campaign.state.readings), export(estimate, "csv", ExportOptions()).control
 
 
+@cache
 def candidates() -> Places:
-    lattice = problem().lattice
+    lattice = Case(description()).lattice
     return with_displacements(description().setups, Places(lattice.setups, lattice.poses, lattice.approaches))
 
 
@@ -133,7 +129,7 @@ def test_the_right_tables_pass_and_the_wrong_ones_fail(
     state: tuple[Estimate, tuple[Reading, ...], Control],
 ) -> None:
     estimate, used, control = state
-    truth, setups = simulator().drawn(SEED), description().setups
+    truth, setups = true(), description().setups
     places = plan_check(estimate, setups, candidates(), used, control, 12)
     found = readings(truth, places, idle, 1)
     good = judge(estimate, setups, found, readings(truth, places, control, 2), control, 6e-6)
@@ -154,7 +150,7 @@ def test_an_instrument_that_does_not_move_decides_nothing(
 ) -> None:
     estimate, used, control = state
     places = plan_check(estimate, description().setups, candidates(), used, control, 8)
-    found = readings(simulator().drawn(SEED), places, idle, 1)
+    found = readings(true(), places, idle, 1)
     stuck = tuple(replace(reading, value=0.0) for reading in found)
     judged = judge(estimate, description().setups, found, stuck, control, 30e-6)
     assert judged.verdict == "undecided"
@@ -166,7 +162,7 @@ def test_growth_that_is_known_is_not_taken_for_a_deviation(
     state: tuple[Estimate, tuple[Reading, ...], Control],
 ) -> None:
     estimate, used, control = state
-    truth, setups = simulator().drawn(SEED), description().setups
+    truth, setups = true(), description().setups
     places = plan_check(estimate, setups, candidates(), used, control, 8)
     left = readings(truth, places, control, 2)
     warm = (replace(setups[0], warmer=10.0, expansion=1e-5), *setups[1:])
@@ -211,7 +207,7 @@ def test_a_verdict_is_decided_by_the_guard_band(values: list[float], std: float,
 
 def test_readings_of_other_places_are_refused(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:
     estimate, used, control = state
-    truth, setups = simulator().drawn(SEED), description().setups
+    truth, setups = true(), description().setups
     places = plan_check(estimate, setups, candidates(), used, control, 8)
     found = readings(truth, places, idle, 1)
     with pytest.raises(ReadingError, match="8 as-found and 7 as-left"):
