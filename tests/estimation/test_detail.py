@@ -20,13 +20,12 @@ from tests.generators.texts import campaign_text, machine_text, setup_text
 
 Curve = Callable[[Array], Array]
 
-SETUP = setup_text("laser", "interferometer", direction="x", noise="0.3 um", approach="both")
-LASER = campaign_text("m", SETUP, compensation_active=False)
-
 
 def case(errors: dict[str, str], *, fine_knots: bool = True) -> Case:
-    text = machine_text("w-b-X-t", {"X": (0, 1000)}, errors)
-    return Case(campaign_from_texts(LASER, "c.toml", text, "m", fine_knots=fine_knots))
+    laser = setup_text("laser", "interferometer", direction="x", noise="0.3 um", approach="both")
+    text = campaign_text("m", laser, compensation_active=False)
+    machine = machine_text("w-b-X-t", {"X": (0, 1000)}, errors)
+    return Case(campaign_from_texts(text, "c.toml", machine, "m", fine_knots=fine_knots))
 
 
 FREE = case({"EXX": 'std = "10 um", length = "400 mm"'})
@@ -50,8 +49,8 @@ def read(curve: Curve, count: int, seed: int = 1) -> list[Reading]:
     return [Reading("laser", (x,), (1,), v, time=30.0 * i) for i, (x, v) in enumerate(zip(at, shown, strict=True))]
 
 
-def knots(known: Estimation, name: str = "EXX") -> int:
-    return len(known.case.errors.names[name].basis.knots)
+def knots(known: Estimation) -> int:
+    return len(known.case.errors.names["EXX"].basis.knots)
 
 
 def left(known: Estimation, curve: Curve) -> float:

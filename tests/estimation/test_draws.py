@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 
 import numpy as np
@@ -10,13 +9,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal_core.draws import draws, mode, weighed
 from axiscal_core.problem import Problem
-from axiscal_core.theta import Kind
 from axiscal_core.unknowns import Space, space_of
-from tests.generators.problems import asked, case_of, readings_of, sized, stated
+from tests.generators.problems import asked, sized
 
 
 def _density(space: Space, x: Array) -> float:
@@ -82,27 +79,3 @@ def test_weighed_draws_have_the_moments_of_a_grid(kinds: tuple[str, ...], count:
         wide.append(float(np.max(np.abs(np.sqrt(np.diagonal(spread)[taught]) / stds - 1), initial=0.0)))
     assert np.mean(apart) < 0.2
     assert np.mean(wide) < 0.3
-
-
-@pytest.mark.parametrize(
-    ("kind", "chosen", "silent"),
-    [
-        ("axis", lambda reading: reading.approach == (1,), [("reversal", "EXX_reversal")]),
-        ("two set-ups", lambda reading: reading.setup == "probe", [("noise", "nest")]),
-    ],
-    ids=["read from one side", "a set-up that is never read"],
-)
-def test_one_size_without_information_stays_as_stated_and_others_are_learnt(
-    kind: str, chosen: Callable[[Reading], bool], silent: list[tuple[Kind, str]]
-) -> None:
-    case = case_of(kind)
-    readings = [each for each in readings_of(case, 40, 3) if chosen(each)]
-    assert len(readings) >= 10
-    space = space_of(stated(case, readings))
-    best = mode(space)
-    found, sizes = weighed(space, draws(space, best)), space.problem.sizes
-    for column in (sizes.index(*each) for each in silent):
-        assert column >= 0
-        assert np.all(found.thetas[:, column] == 0)
-    assert len(best.taught) > 0
-    assert np.all(found.thetas[:, best.taught].std(axis=0) > 0)

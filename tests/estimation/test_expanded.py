@@ -6,27 +6,20 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import chdtr, chdtri
 
 from axiscal.estimation.accuracy.expanded import LEVEL, expanded_of, reach
 
 DRAWS = 1_000_000
-SPECTRA = [(1.0, 1.0, 1.0), (1.0, 0.0, 0.0), (4.0, 1.0, 0.1), (1.0, 0.9, 0.01), (9.0, 4.0, 4.0)]
-
-
-def _turned(spectrum: tuple[float, ...], rng: np.random.Generator) -> NDArray[np.float64]:
-    turn = np.linalg.qr(rng.standard_normal((3, 3)))[0]
-    whole: NDArray[np.float64] = turn @ np.diag(spectrum) @ turn.T
-    return whole
 
 
 @pytest.mark.parametrize("degrees", [np.inf, 20.0, 6.0])
 def test_over_many_places_u_is_that_of_draws_at_places_drawn_evenly(degrees: float) -> None:
     """Of a normal, and of a multivariate t of the same covariances."""
     rng = np.random.default_rng(2)
-    covariances = np.array([scale * _turned(SPECTRA[2], rng) for scale in rng.uniform(0.1, 3.0, 200)])
+    scales, turns = rng.uniform(0.1, 3.0, (200, 1, 1)), np.linalg.qr(rng.standard_normal((200, 3, 3)))[0]
+    covariances = scales * (turns @ np.diag([4.0, 1.0, 0.1]) @ turns.transpose(0, 2, 1))
     found = expanded_of(covariances, np.ones(200, dtype=bool), degrees=degrees)
     roots = np.linalg.cholesky(covariances)[rng.integers(0, 200, DRAWS)]
     draws = np.einsum("nij,nj->ni", roots, rng.standard_normal((DRAWS, 3)))

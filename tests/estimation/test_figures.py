@@ -73,21 +73,13 @@ def traces_of(covariances: Array, counted: Counted) -> Array:
 
 
 @pytest.mark.parametrize(("zeroed", "counted"), WAYS)
-def test_covariances_and_variances_at_the_poses(zeroed: tuple[bool, bool, bool], counted: Counted) -> None:
-    stick, known = yardstick_of(zeroed, counted), belief()
-    expected = defined(stick, known.covariance)
-    scale = float(np.abs(expected).max())
-    np.testing.assert_allclose(stick.covariances(known.factor), expected, atol=1e-9 * scale)
-    np.testing.assert_allclose(stick.variances(known.factor), traces_of(expected, counted), atol=1e-9 * scale)
-
-
-@pytest.mark.parametrize(("zeroed", "counted"), WAYS)
-def test_the_worst_is_the_largest_and_rms_the_mean_over_the_volume(
-    zeroed: tuple[bool, bool, bool], counted: Counted
-) -> None:
+def test_covariances_at_the_poses_their_worst_and_their_rms(zeroed: tuple[bool, bool, bool], counted: Counted) -> None:
     """The mean by the poses that are spread evenly, which is within some percent of the closed form."""
     stick, known = yardstick_of(zeroed, counted), belief()
-    traces = traces_of(defined(stick, known.covariance), counted)
+    expected = defined(stick, known.covariance)
+    traces, scale = traces_of(expected, counted), float(np.abs(expected).max())
+    np.testing.assert_allclose(stick.covariances(known.factor), expected, atol=1e-9 * scale)
+    np.testing.assert_allclose(stick.variances(known.factor), traces, atol=1e-9 * scale)
     found = stick.measure(known)
     if counted == ALL:  # the moments of this case are those of all directions
         assert found.rms == pytest.approx(float(np.sqrt(traces[stick.evenly].mean())), rel=0.02)

@@ -10,22 +10,21 @@ import pytest
 
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.jumps import jumped, suspects, ways_of
 from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal_core.problem import Problem
 from tests.generators.dense_posterior import Dense, log_density
-from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings
+from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings, named
 from tests.generators.problems import asked, sized
 
 JUMPS = 30.0, 1e3, 3e4
 
 
-def _off(problem: Problem, since: int, by: float, setup: int = 0) -> Problem:
-    """Return a problem whose zero jumps by so many base noises of its set-up."""
-    mine = problem.setup == setup
+def _off(problem: Problem, since: int, by: float) -> Problem:
+    """Return a problem whose first zero jumps by so many base noises of its set-up."""
+    mine = problem.setup == 0
     noise = float(np.median(problem.noise[mine]))
     step = np.where(mine & (problem.reading >= since), by * noise, 0.0) / problem.noise
     return replace(problem, values=problem.values + step)
@@ -92,17 +91,13 @@ def _stepped(readings: Sequence[Reading], before: int, by: float) -> list[Readin
     return [replace(each, value=each.value + by * (i >= before)) for i, each in enumerate(readings)]
 
 
-def _named(known: Estimation) -> list[tuple[str, int]]:
-    return [(each.mistake, each.reading) for each in known.agreement.explained]
-
-
 @pytest.mark.parametrize("setup", [DIAL, LASER], ids=["dial", "laser"])
 @pytest.mark.parametrize(("count", "before"), [(28, 13), (15, 6), (9, 5)])
 def test_a_zero_set_anew_by_140_um_is_named_where_it_was_and_never_agrees(setup: str, count: int, before: int) -> None:
     right = foreign_readings(setup, count, 1)
-    assert _named(estimated(foreign_case(setup), right)) == []
+    assert named(estimated(foreign_case(setup), right)) == []
     known = estimated(foreign_case(setup), _stepped(right, before, 140e-6))
-    assert _named(known) == [("jump", before)]
+    assert named(known) == [("jump", before)]
     assert known.agreement.contradicts or count == 9  # of few readings odds of 20 to 1000 are a question
     assert f"before reading {before + 1}" in agreement_words(known)
     assert not known.left_out
@@ -111,7 +106,7 @@ def test_a_zero_set_anew_by_140_um_is_named_where_it_was_and_never_agrees(setup:
 def test_a_step_is_named_beside_a_bad_reading() -> None:
     readings = _stepped(foreign_readings(DIAL, 18, 1), 9, 140e-6)
     readings[3] = replace(readings[3], value=readings[3].value + 300e-6)
-    assert _named(estimated(foreign_case(DIAL), readings)) == [("jump", 9)]
+    assert named(estimated(foreign_case(DIAL), readings)) == [("jump", 9)]
 
 
 @pytest.mark.long
@@ -122,7 +117,7 @@ def test_of_two_dozen_right_records_none_has_a_jump(times: float) -> None:
     for seed in range(24):
         setup, count = (DIAL, LASER)[seed % 2], (9, 15, 18, 28)[seed // 2 % 4]
         readings = foreign_readings(setup, count, 1000 + seed, times * (4e-6 if setup is DIAL else 10e-6))
-        found += _named(estimated(foreign_case(setup), readings))
+        found += named(estimated(foreign_case(setup), readings))
     assert found == []
 
 
@@ -146,11 +141,11 @@ def test_a_step_where_the_axis_turned_is_named_unless_backlash_is_twenty_times_a
 ) -> None:
     case, readings = foreign_case(LASER), _out_and_back(LASER, 2, step)
     known = estimated(case, readings)
-    assert _named(known) == [("jump", 9)] * asked_about
+    assert named(known) == [("jump", 9)] * asked_about
     assert all(each.backlash for each in known.agreement.explained)
     assert ("zero set anew, or backlash?" in agreement_words(known)) is (asked_about and step < 100e-6)
     sure = [replace(each, accepted=i == 9) for i, each in enumerate(readings)]
     told = estimated(case, sure)
-    assert _named(told) == []
+    assert named(told) == []
     at = case.errors.names["EXX_reversal"].columns.start
     assert told.printed.belief.mean[at] == pytest.approx(-step, rel=0.05, abs=0.5e-6)

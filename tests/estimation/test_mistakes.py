@@ -76,10 +76,7 @@ def _agrees(found: Tried, expected: tuple[float, float]) -> None:
     assert found.p == pytest.approx(expected[1], rel=1e-4, abs=1e-12)
 
 
-KINDS = [("axis", ()), ("axis", ("std", "noise")), ("two set-ups", ())]
-
-
-@pytest.mark.parametrize(("kind", "sizes"), KINDS)
+@pytest.mark.parametrize(("kind", "sizes"), [("axis", ()), ("axis", ("std", "noise")), ("two set-ups", ())])
 def test_other_values_are_as_probable_as_their_density(kind: str, sizes: tuple[str, ...]) -> None:
     """The wrong sign, and one place further or back: |det T| = 1."""
     problem, weighed = _learning(kind, sizes)

@@ -104,23 +104,6 @@ def test_a_reading_in_mm_is_not_believed_and_others_do_not_make_it_so() -> None:
             assert np.all(np.abs(curve.mean - clean.mean) < 0.5 * clean.std)
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_a_prior_that_is_three_times_too_small_makes_no_reading_implausible(seed: int) -> None:
-    large = [replace(reading, value=3 * reading.value) for reading in _readings(seed, 40)]
-    for estimation in (_calibrated(large), _estimated(large)):
-        assert not any(doubt.implausible for doubt in estimation.outliers)
-
-
-def test_a_wide_zero_is_learnt_before_readings_are_held_against_it() -> None:
-    text = CAMPAIGN + 'unknowns = { zero = "1 mm" }\n'
-    description = campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis")
-    readings = _readings(4, 12)
-    readings[0] = replace(readings[0], value=readings[0].value + 2.5e-3)
-    readings[5] = replace(readings[5], value=readings[5].value - 1.3e-3)
-    estimation = concluded(Case(description), readings)
-    assert sorted(d.reading for d in estimation.outliers if d.implausible) == [0, 5]
-
-
 @pytest.mark.parametrize(
     ("size", "says"), [(30.0, "inches instead of mm"), (500.0, "mm instead of um"), (2e4, "inches instead of um")]
 )

@@ -10,7 +10,6 @@ import pytest
 
 from axiscal.estimation.promise.posterior import Posterior, sorted_out
 from axiscal.measurement.reading import Reading
-from axiscal.numerics import Array
 from axiscal_core.draws import draws, mode, weighed
 from axiscal_core.unknowns import space_of
 from tests.generators.dense_posterior import Dense, degrees_of, mixture
@@ -20,8 +19,8 @@ NOISE = 0.5e-6
 
 
 @cache
-def _readings(count: int, seed: int = 6) -> tuple[Reading, ...]:
-    return tuple(readings_of(case_of("axis"), count, seed))
+def _readings(count: int) -> tuple[Reading, ...]:
+    return tuple(readings_of(case_of("axis"), count, 6))
 
 
 def _of(readings: tuple[Reading, ...] | list[Reading]) -> Posterior:
@@ -31,10 +30,6 @@ def _of(readings: tuple[Reading, ...] | list[Reading]) -> Posterior:
 def _off(readings: tuple[Reading, ...], by: dict[int, float]) -> list[Reading]:
     """Return readings with some of them off by so many noises."""
     return [replace(r, value=r.value + by.get(i, 0.0) * NOISE) for i, r in enumerate(readings)]
-
-
-def _stds(found: Posterior) -> Array:
-    return np.sqrt(np.diagonal(found.covariance))
 
 
 @pytest.mark.parametrize(("kind", "count"), [("axis", 12), ("plate", 9)])
@@ -71,11 +66,6 @@ def test_moments_and_odds_are_those_of_the_equations(kind: str, count: int) -> N
     assert found.effective == pytest.approx(over.effective)
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_no_good_reading_is_bad(seed: int) -> None:
-    assert not _of(_readings(24, 20 + seed)).bad
-
-
 def test_a_sure_reading_stays() -> None:
     """However far it is off, and the readings do not agree then."""
     readings = _off(_readings(24), {7: 200.0})
@@ -94,12 +84,13 @@ def test_a_reading_that_is_never_used_changes_nothing() -> None:
     np.testing.assert_array_equal(one.covariance, other.covariance)
 
 
-@pytest.mark.parametrize("count", [1, 2, 3])
-def test_few_readings_leave_an_answer(count: int) -> None:
-    """Finite, nothing bad; two readings teach no size."""
+@pytest.mark.parametrize("count", [1, 2, 3, 24])
+def test_good_readings_however_few_leave_an_answer_and_none_of_them_is_bad(count: int) -> None:
+    """Finite; two readings teach no size."""
     found = _of(_readings(count))
+    stds = np.sqrt(np.diagonal(found.covariance))
     assert np.all(np.isfinite(found.mean))
-    assert np.linalg.eigvalsh(found.covariance / np.outer(_stds(found), _stds(found))).min() > -1e-9
+    assert np.linalg.eigvalsh(found.covariance / np.outer(stds, stds)).min() > -1e-9
     assert not found.bad
     assert len(found.left_out) == count
     assert found.effective >= 10 or count < 3

@@ -17,7 +17,7 @@ from axiscal.record.accepted import put_right
 from axiscal_core.draws import sized as weighed
 from axiscal_core.unknowns import space_of
 from tests.generators.dense_posterior import Dense, log_density
-from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings
+from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings, named
 from tests.generators.problems import asked, sized
 
 
@@ -29,11 +29,6 @@ def _shown(readings: Sequence[Reading], step: float) -> list[Reading]:
 def _stuck(readings: Sequence[Reading], first: int) -> list[Reading]:
     """Return readings of an instrument that shows the same from the one of index `first` on."""
     return [replace(each, value=readings[min(i, first)].value) for i, each in enumerate(readings)]
-
-
-def _named(setup: str, readings: Sequence[Reading]) -> list[tuple[str, int]]:
-    found = estimated(foreign_case(setup), readings).agreement.explained
-    return [(each.mistake, each.reading) for each in found]
 
 
 def test_the_odds_of_exact_sizes_are_those_of_the_dense_density() -> None:
@@ -56,7 +51,7 @@ def test_the_odds_of_exact_sizes_are_those_of_the_dense_density() -> None:
 def test_a_stuck_instrument_is_named_from_its_first_repeat_on_and_accepted(setup: str) -> None:
     readings = _stuck(_shown(foreign_readings(setup, 18, 3, 20e-6), 1e-6), 8)
     known = estimated(foreign_case(setup), readings)
-    assert [(each.mistake, each.reading) for each in known.agreement.explained] == [("stuck", 9)]
+    assert named(known) == [("stuck", 9)]
     assert "If the instrument is stuck" in agreement_words(known)
     accepted = acceptance(known.agreement.explained[0], known)
     assert put_right(readings, accepted) == readings[:9]
@@ -70,14 +65,13 @@ def test_a_stuck_instrument_is_named_from_its_first_repeat_on_and_accepted(setup
 def test_a_probe_that_repeats_each_third_value_is_named() -> None:
     right = _shown(foreign_readings(LASER, 28, 1), 1e-7)
     readings = [replace(each, value=right[i - 1].value) if i % 3 == 2 else each for i, each in enumerate(right)]
-    assert ("stuck", 2) in _named(LASER, readings)
+    assert ("stuck", 2) in named(estimated(foreign_case(LASER), readings))
 
 
 def test_somebody_who_vouches_for_equal_values_is_believed() -> None:
     readings = _stuck(_shown(foreign_readings(LASER, 18, 3), 1e-6), 8)
-    assert not [
-        name for name, _ in _named(LASER, [replace(each, accepted=True) for each in readings]) if name == "stuck"
-    ]
+    known = estimated(foreign_case(LASER), [replace(each, accepted=True) for each in readings])
+    assert "stuck" not in {name for name, _ in named(known)}
 
 
 def test_patterns_are_counted_as_they_are() -> None:

@@ -9,34 +9,10 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation import located
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.located import absorbed
-from axiscal.estimation.stations import BentReadings, Optimum, closed_form, mode
+from axiscal.estimation.stations import Optimum, closed_form
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
 from benchmarks.nonlinear.stations import at_once, read, tracers
-from tests.generators.problems import readings_of
-
-
-@pytest.mark.long
-def test_the_estimate_is_that_of_four_set_ups_with_the_same_distances() -> None:
-    case, apart = at_once("5 mm", "10 mm"), tracers("5 mm", "10 mm")
-    readings = readings_of(case, 12, 2)
-    same = [
-        Reading(setup.name, r.pose, r.approach, r.values[number], time=r.time)
-        for r in readings
-        for number, setup in enumerate(apart.description.setups)
-    ]
-    optima = [mode(BentReadings(*each)) for each in ((case, readings), (apart, same))]
-    scale = np.sqrt(np.diagonal(case.prior.covariance))[: len(optima[0].point)]
-    np.testing.assert_allclose(optima[0].point / scale, optima[1].point / scale, atol=1e-5)
-    assert optima[0].cost == pytest.approx(optima[1].cost, rel=1e-9)
-    known = [
-        absorbed(each.linear_about(optima[0].point), those, {}).knowledge.belief
-        for each, those in ((case, readings), (apart, same))
-    ]
-    np.testing.assert_allclose(known[0].mean[: len(scale)] / scale, known[1].mean[: len(scale)] / scale, atol=1e-8)
-    one, other = (np.sqrt(np.diagonal(each.covariance))[: len(scale)] for each in known)
-    np.testing.assert_allclose(one, other, rtol=1e-8)
 
 
 def test_a_station_of_several_that_fits_in_two_places_is_named_with_both() -> None:

@@ -16,10 +16,7 @@ from axiscal.description.type_text import Learned, SisterRecord, TypePrior, is_t
 from axiscal.description.usual import NONE_VARY
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Rival
-from axiscal.estimation.data_equation import (
-    DataEquation,
-    data_equation,
-)
+from axiscal.estimation.data_equation import data_equation
 from axiscal.estimation.membership import shares_of_rivals
 from axiscal.estimation.promise.problem import Inherited, problem
 from axiscal.estimation.type_prior import rivals
@@ -138,12 +135,13 @@ def test_a_matrix_that_is_no_covariance_is_refused(name: str) -> None:
 def test_the_beliefs_are_those_of_the_first_lines_of_the_module(doubt: float | None, told: float) -> None:
     found, stated = taught(), ERRORS.prior_covariance()
     along_x, along_y = (_where(stated, *names) for names in (("EXX", "EXX_reversal"), ("EYY", "C0Y")))
+    sized = stated + sum((each.scale - 1) * _where(stated, name) for name, each in LEARNED.items())
     expected = {
         "like its sisters": (1 - told, found.mean, found.covariance),
         "like its sisters, and 2.4 times as far from them": (0.3 * told, found.mean, 6.0 * found.covariance),
         "like its sisters but for X": (0.15 * told, found.mean, found.covariance + along_x),
         "like its sisters but for Y": (0.15 * told, found.mean, found.covariance + along_y),
-        "as stated, in the sizes of its type": (0.2 * told, np.zeros(SIZE), _sized(stated)),
+        "as stated, in the sizes of its type": (0.2 * told, np.zeros(SIZE), sized),
         "as stated, and up to twice as large": (0.2 * told, np.zeros(SIZE), 4.0 * stated),
     }
     side_by_side = rivals(found, ERRORS, doubt)
@@ -165,13 +163,6 @@ def _where(matrix: Array, *names: str) -> Array:
     return kept
 
 
-def _sized(stated: Array) -> Array:
-    sized, factors = stated.copy(), {name: each.scale for name, each in LEARNED.items()}
-    for name, factor in factors.items():
-        sized += (factor - 1) * _where(stated, name)
-    return sized
-
-
 @pytest.mark.parametrize("seed", [3, 5, 6])
 def test_how_probable_each_belief_is_after_readings_is_bayes_rule_written_out(seed: int) -> None:
     readings, size = read(machine(seed), 12), CASE.errors.size
@@ -190,18 +181,13 @@ def test_how_probable_each_belief_is_after_readings_is_bayes_rule_written_out(se
     assert shares_of_rivals(beliefs, CASE, [], {}) == pytest.approx(before)
 
 
-def _posterior(prior: Array, data: DataEquation) -> tuple[Array, Array]:
-    gain = prior @ data.rows.T @ np.linalg.inv(data.rows @ prior @ data.rows.T + np.eye(len(data.values)))
-    return gain @ data.values, prior - gain @ data.rows @ prior
-
-
 def test_a_data_equation_and_a_prior_make_the_belief_that_readings_make() -> None:
     case = mixed()
     readings = drawn(case)
     known, size = case.knowledge.read(readings).belief, case.errors.size
-    data = data_equation(case.observation, readings)
-    mean, covariance = _posterior(case.errors.prior_covariance(), data)
-    scale = np.sqrt(np.diagonal(case.errors.prior_covariance()))
-    np.testing.assert_allclose(mean / scale, known.mean[:size] / scale, atol=1e-6)
-    correlated = (covariance - known.covariance[:size, :size]) / scale[:, None] / scale
+    data, prior = data_equation(case.observation, readings), case.errors.prior_covariance()
+    gain = prior @ data.rows.T @ np.linalg.inv(data.rows @ prior @ data.rows.T + np.eye(len(data.values)))
+    scale = np.sqrt(np.diagonal(prior))
+    np.testing.assert_allclose(gain @ data.values / scale, known.mean[:size] / scale, atol=1e-6)
+    correlated = (prior - gain @ data.rows @ prior - known.covariance[:size, :size]) / scale[:, None] / scale
     np.testing.assert_allclose(correlated, 0.0, atol=1e-6)

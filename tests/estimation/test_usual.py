@@ -25,14 +25,11 @@ def test_one_error_may_be_known_and_another_not() -> None:
     assert sizes.index("std", "EZY") >= 0
 
 
-SEVERAL = Sizes((Size("std", ("EXX", "EYY"), 0.5), Size("drift", ("laser",), 1.4), Size("noise", ("laser",), 0.7)))
-"""Two whose stated size is the median, and between them one whose stated size is the root mean square."""
-
-
 def test_a_size_is_lognormal_about_what_is_stated() -> None:
     """Quantiles of the factors by scipy; of a drift as stated the prior adds just the variance that is stated."""
     x = np.linspace(-3, 3, 13)
-    theta, _ = SEVERAL.theta(np.tile(x[:, None], 3))
+    sizes = Size("std", ("EXX", "EYY"), 0.5), Size("drift", ("laser",), 1.4), Size("noise", ("laser",), 0.7)
+    theta, _ = Sizes(sizes).theta(np.tile(x[:, None], 3))
     for column, (spread, median) in enumerate(((0.5, 1.0), (1.4, np.exp(-(1.4**2))), (0.7, 1.0))):
         wanted = lognorm(spread, scale=median)
         np.testing.assert_allclose(wanted.cdf(np.exp(theta[:, column])), norm.cdf(x), rtol=1e-9)

@@ -21,9 +21,9 @@ from axiscal.estimation.membership import Membership
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 
 
-def known_with(seed: int, rest: float = 0.3e-6, machine_text: str = MACHINE) -> Estimation:
+def known_with(seed: int, rest: float = 0.3e-6) -> Estimation:
     """Return a belief of the axis whose curve is any."""
-    rng, described = np.random.default_rng(seed), campaign_from_texts(CAMPAIGN, "c.toml", machine_text, "m")
+    rng, described = np.random.default_rng(seed), campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m")
     case = Case(replace(described, machine=described.machine.with_rests({"EXX": rest})))
     size = case.knowledge.belief.size
     root = 1e-6 * rng.standard_normal((size, size))

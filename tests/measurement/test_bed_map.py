@@ -102,14 +102,10 @@ def test_a_duet_fills_cells_by_the_plane_of_the_others() -> None:
     assert 1e3 * mesh.added == pytest.approx(plane, abs=1e-6)
 
 
-def two_profiles() -> str:
-    second = klipper_file(X, Y, bed(X, Y) + 0.25).partition("#*#\n")[2].replace("default", "hot bed")
-    return klipper_file(X, Y, bed(X, Y)) + second
-
-
 def test_one_of_several_meshes_is_named(tmp_path: Path) -> None:
     path = tmp_path / "printer.cfg"
-    path.write_text(two_profiles())
+    second = klipper_file(X, Y, bed(X, Y) + 0.25).partition("#*#\n")[2].replace("default", "hot bed")
+    path.write_text(klipper_file(X, Y, bed(X, Y)) + second)
     cold, hot = (places(tmp_path / f"printer.cfg#{name}") for name in ("default", "hot bed"))
     assert {place: hot[place] - cold[place] for place in hot} == pytest.approx(dict.fromkeys(cold, 0.25), abs=1e-6)
     with pytest.raises(

@@ -43,8 +43,8 @@ NOISE, HEIGHT, TOOL = 1.5e-6, -0.22, 0.08
 ROUNDS = 3
 
 
-def board(balls: dict[str, tuple[int, int, int]] = BALLS) -> str:
-    said = ", ".join(f'{name} = ["{x} mm", "{y} mm", "{z} mm"]' for name, (x, y, z) in balls.items())
+def board() -> str:
+    said = ", ".join(f'{name} = ["{x} mm", "{y} mm", "{z} mm"]' for name, (x, y, z) in BALLS.items())
     placements = [PLACEMENT.format(number=n, x=x, y=y, turn=turn) for n, (x, y, turn) in enumerate(PLACED, start=1)]
     return BOARD.format(balls=said) + "".join(placements)
 

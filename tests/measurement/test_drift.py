@@ -30,7 +30,6 @@ from axiscal.record.payload import decode, encode
 from tests.generators.campaigns import built_in
 
 RATE = 6e-6 / 3600
-STILL = 'drift = "0"'
 CAMPAIGN = """machine = "one-axis"
 [target]
 readings = {readings}
@@ -82,7 +81,7 @@ def test_a_course_has_that_covariance_at_its_nodes_and_nearly_so_between_them() 
 
 
 def test_readings_that_do_not_tell_their_times_are_named_where_the_zero_may_drift() -> None:
-    drifting, still = _description().setups, _description(STILL).setups
+    drifting, still = _description().setups, _description('drift = "0"').setups
     timed = Reading("laser", (0.1,), (1,), 0.0, time=5.0)
     (found,) = untimed([timed, replace(timed, time=None)], drifting)
     assert found.code == "drift"

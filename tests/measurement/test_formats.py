@@ -164,16 +164,12 @@ def test_what_is_no_number_of_a_machine_is_one_clear_error(tmp_path: Path, title
     for broken in (b"\x00\xff" + text.encode(), bytes(range(256)) * 9):
         with pytest.raises(InputError):
             read(tmp_path, broken, MAPS[0])
-    numbers = _numbers(text)
-    for at, word in numbers[:: max(1, len(numbers) // 12)]:
-        longer = text[:at] + 5000 * "9" + text[at + len(word) :]
+    numbers = [*re.finditer(r"\d+", text)]
+    for number in numbers[:: max(1, len(numbers) // 12)]:
+        longer = text[: number.start()] + 5000 * "9" + text[number.end() :]
         found, refused = tried(tmp_path, longer)
         assert len(str(refused)) < 600
         assert found is None or max(abs(each.value) for each in found.found.readings) < 1.0
-
-
-def _numbers(text: str) -> list[tuple[int, str]]:
-    return [(found.start(), found[0]) for found in re.finditer(r"\d+", text)]
 
 
 def test_a_unit_is_taken_where_the_file_names_none(tmp_path: Path) -> None:

@@ -52,21 +52,6 @@ xmin,xmax,ymin,ymax,radius,xspacing,yspacing,xnum,ynum
       0, -0.041, 0.000
   0.020,  0.030,      0
 """
-MESH = """[printer]
-kinematics: corexy
-#*# <---------------------- SAVE_CONFIG ---------------------->
-#*# [bed_mesh default]
-#*# version = 1
-#*# points =
-#*# \t0.147500, 0.000000, 0.063750
-#*# \t0.171250, 0.112500, 0.081250
-#*# x_count = 3
-#*# y_count = 2
-#*# min_x = 10.0
-#*# max_x = 70.0
-#*# min_y = 20.0
-#*# max_y = 50.0
-"""
 BED = machine_text(
     "w-b-X-Y-t",
     {"X": (0, 100), "Y": (0, 100)},

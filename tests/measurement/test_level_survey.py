@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
@@ -39,16 +38,6 @@ def test_a_survey_is_read_there_and_back_with_its_closing_reading(tmp_path: Path
     assert [r.approach[0] for r in readings] == [1, 1, 1, 1, -1, -1]
     assert [r.value for r in readings] == pytest.approx([2.4e-4, 2.2e-4, 2.1e-4, 2.5e-4, 2.2e-4, 2.5e-4])
     assert [r.line for r in readings] == [6, 7, 8, 9, 7, 6]
-
-
-@pytest.mark.parametrize(
-    ("unit", "factor"), [("um/m", 1e-6), ("mm/m", 1e-3), ("arcsec", np.pi / 648000), ("urad", 1e-6), ("µm/m", 1e-6)]
-)
-def test_every_unit_of_a_slope_is_read(tmp_path: Path, unit: str, factor: float) -> None:
-    text = f"# Level survey\r\nX_mm,forward_{unit}\r\n450,3\r\n350,-2.5\r\n"
-    readings = _placed(tmp_path / "survey.txt", text)
-    assert [r.value for r in readings] == pytest.approx([3 * factor, -2.5 * factor])
-    assert [r.approach[0] for r in readings] == [-1, -1]
 
 
 def test_times_are_those_of_the_lines(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_pose
-from axiscal.errors.model import ErrorFunction, ErrorModel
+from axiscal.errors.model import ErrorModel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -25,15 +25,12 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Setup, Unknown
-from axiscal.measurement.simulation import Curve, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.present.curves import curves
 from tests.generators.designs import problem
-from tests.generators.forms import apart_from_series
 from tests.generators.machines import random_machine, random_poses
 from tests.generators.texts import machine_text
-
-ZERO = (Unknown("zero", 1e-3),)
+from tests.measurement.test_observation import virtual
 
 
 def stepped(machine: Machine, axis: int, base: float, seed: int = 0) -> Setup:
@@ -42,18 +39,8 @@ def stepped(machine: Machine, axis: int, base: float, seed: int = 0) -> Setup:
     along = frames(machine, np.array([park])).rotations[axis][0] @ np.array(machine.axes[axis].direction)
     direction = np.cross(along, np.random.default_rng(seed).standard_normal(3))
     x, y, z = map(float, direction / np.linalg.norm(direction))
-    raster = (0.0,) * len(park)
-    return Setup("s", "level", (x, y, z), (axis,), park, 2e-6, ZERO, 60.0, 5.0, 5.0, raster, "+", base=base)
-
-
-def _curve(function: ErrorFunction, unknowns: Array) -> Curve:
-    return lambda t: np.asarray(function.basis.rows(t) @ unknowns[function.columns])
-
-
-def _seen(model: ErrorModel, setup: Setup, unknowns: Array, pose: tuple[float, ...]) -> float:
-    curves = tuple(_curve(f, unknowns) for f in model.functions)
-    machine = VirtualMachine(model, curves, {"s": {"zero": float(unknowns[-1])}})
-    return machine.read_all(setup, pose, (1,) * len(pose), np.random.default_rng(0))[0]
+    zero, raster = (Unknown("zero", 1e-3),), (0.0,) * len(park)
+    return Setup("s", "level", (x, y, z), (axis,), park, 2e-6, zero, 60.0, 5.0, 5.0, raster, "+", base=base)
 
 
 @pytest.mark.parametrize("base", [0.0, 0.03, 0.11])
@@ -73,7 +60,8 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(seed: int, bas
     pose = tuple(map(float, poses[0]))
     rows = observation.rows(0, poses, approaches).rows[0]
     for towards in rng.uniform(-1, 1, (6, observation.size)):
-        up, down = (_seen(model, setup, sign * step * towards, pose) for sign in (1, -1))
+        ends = [virtual(model, (setup,), sign * step * towards) for sign in (1, -1)]
+        up, down = (machine.read_all(setup, pose, (1,) * len(pose), rng)[0] for machine in ends)
         assert (up - down) / (2 * step) == pytest.approx(rows @ towards, abs=2e-6 * max(1.0, np.abs(rows).max()))
     assert np.count_nonzero(np.abs(rows) > 1e-9) > 3
 
@@ -87,10 +75,10 @@ def test_a_way_that_rises_along_x_turns_the_level_about_minus_y() -> None:
     assert rows @ np.ones(5) == pytest.approx(0.0, abs=1e-12)
 
 
-def _slide(rest: float = 1e-6, knots: int = 9) -> ErrorModel:
+def _slide(knots: int = 9) -> ErrorModel:
     """Return a slide of 1 m whose straightness has cells of 1/(8·(knots − 1)) m; a yaw and a roll stand beside it."""
     entries = (
-        ErrorEntry("EZX", 1e-5, knots=knots, length=0.3, rest=rest),
+        ErrorEntry("EZX", 1e-5, knots=knots, length=0.3, rest=1e-6),
         ErrorEntry("EBX", 2e-5, knots=5, rest=1e-6),
         ErrorEntry("EZX_reversal", 2e-6),
     )
@@ -111,14 +99,6 @@ def test_breaks_stand_where_a_foot_meets_a_knot_or_a_visited_cell() -> None:
     assert {owner for owner, _ in wider.cells} == {0}
     edges = {round(cell / 32 - 2e-4 - shift, 9) for cell in (11, 12, 14, 15) for shift in (0.05, -0.05)}
     assert edges <= {round(float(b), 9) for b in breaks_along(wider, 0, 0)}
-
-
-def test_the_forms_are_followed_between_the_breaks() -> None:
-    model, rng = _slide(), np.random.default_rng(0)
-    observation = Observation(model, (stepped(model.machine, 0, 0.13),))
-    observation = visited(observation, along([0.2, 0.5, 0.77]))
-    factor, weighted = rng.standard_normal((observation.size, 4)), rng.standard_normal((3, 4))
-    assert apart_from_series(observation, 0, np.zeros(1), np.ones(1), factor, weighted) < 1e-9
 
 
 def _read(observation: Observation, places: Array) -> tuple[Observation, Belief]:

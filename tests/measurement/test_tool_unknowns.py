@@ -10,10 +10,8 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.machine import load_machine
-from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Deviation, SmallMotions, tool_motion
 from axiscal.measurement.instrument import model_of
-from axiscal.numerics import Array
 from tests.generators.campaigns import built_in
 from tests.generators.texts import TWO_SPHERES, Said, setup_text
 
@@ -21,17 +19,13 @@ _STATION: dict[str, Said] = {"station": ["300 mm", "-800 mm", "-300 mm"]}
 _LONGER = 50e-6
 
 
-def _poses(machine: Machine, count: int, seed: int) -> Array:
-    low, high = np.clip(np.array([axis.travel for axis in machine.axes]).T, -np.pi, np.pi)
-    return np.random.default_rng(seed).uniform(low, high, (count, len(low)))
-
-
 @pytest.mark.parametrize("instrument", ["rtest", "tracker", "tracer", "ballbar"])
 def test_it_moves_the_readings_as_another_tool_moves_the_point_of_the_chain(instrument: str) -> None:
     """The chain of a machine whose tool is longer by e is the judge: e along −z of the tool."""
     described = built_in(setup_text("it", instrument, **({} if instrument == "rtest" else _STATION)), "dmu60")
     machine, (setup,) = described.machine, described.setups
-    poses = _poses(machine, 20, 1)
+    low, high = np.clip(np.array([axis.travel for axis in machine.axes]).T, -np.pi, np.pi)
+    poses = np.random.default_rng(1).uniform(low, high, (20, len(low)))
     still = SmallMotions(*(np.zeros((len(machine.axes), len(poses), 3)) for _ in range(3)))
     longer, stated = (tool_motion(m, poses, still) for m in (replace(machine, tool=machine.tool + _LONGER), machine))
     moved = Deviation(longer.translation - stated.translation, np.zeros((len(poses), 3)))

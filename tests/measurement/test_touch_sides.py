@@ -21,17 +21,16 @@ from tests.generators.kinematics import pose_with_tip, stem, tip
 from tests.generators.machines import random_machine, random_poses
 
 DMU = load_machine("dmu60")
-THREE = 'touches = 3\napproach = "both"\n'
 
 
-def setup_of(text: str = SPHERES + TOUCHED + THREE) -> Setup:
-    return described(text).setups[0]
+def setup_of() -> Setup:
+    return described(f'{SPHERES}{TOUCHED}touches = 3\napproach = "both"\n').setups[0]
 
 
-def candidates(count: int = 60) -> tuple[Setup, Array, Array]:
+def candidates() -> tuple[Setup, Array, Array]:
     setup = setup_of()
     assert setup.chart is not None
-    return setup, *chart_candidates(DMU, setup, setup.chart, count)
+    return setup, *chart_candidates(DMU, setup, setup.chart, 60)
 
 
 def test_a_larger_radius_shows_as_three_touches_find_their_centre() -> None:
