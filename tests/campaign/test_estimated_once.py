@@ -19,6 +19,7 @@ from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
 from axiscal.record.events import Asked
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, plus, read
+from tests.generators.sisters import write_record
 
 COUNT = 24
 SAID = ['usual = "off"\nsure = "exactly"', 'sure = "roughly"']
@@ -37,11 +38,8 @@ def _readings(count: int) -> tuple[Reading, ...]:
 @pytest.fixture
 def record(tmp_path: Path) -> Path:
     """A record of readings, in a folder of its own."""
-    path = tmp_path / "records" / "c.axiscal"
-    path.parent.mkdir()
-    with Campaign.create(path, _described()) as campaign:
-        campaign.adopt(_readings(COUNT))
-    return path
+    (tmp_path / "records").mkdir()
+    return write_record(tmp_path / "records" / "c.axiscal", _described(), _readings(COUNT))
 
 
 def _ambiguous(_case: object, _readings: Sequence[Reading], _known: Estimation) -> Estimation:

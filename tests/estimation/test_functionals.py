@@ -7,12 +7,13 @@ import pytest
 from scipy import stats
 
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import AxisLine, Functional
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import DescriptionError
-from axiscal.machine import load_machine
+from axiscal.machine import load_machine, machine_from_text
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
@@ -85,6 +86,23 @@ def test_angles_are_rotations_less_their_mean(name: str, about: int) -> None:
     functional = _map(rows[name])
     turned = machine.rotation(functional.poses, functional.sides)
     np.testing.assert_allclose(functional.row(turned), turned[:, about] - turned[:, about].mean(), atol=1e-15)
+
+
+@pytest.mark.parametrize("name", ["positioning X", "pitch X", "backlash X"])
+def test_the_rest_of_a_cell_is_one_number_for_all_places_in_it(name: str) -> None:
+    """Of curves that are known, against the joint covariance of the rests at all places, halved for a reversal."""
+    rows, _ = _asked(f'"{name}"')
+    curve = 'EXX_reversal = { knots = 5, length = "150 mm", rest = "1 um", '
+    mill = load_machine(MILL).text.replace("EXX_reversal = { ", curve)
+    row, errors = _map(rows[name]), ErrorModel(machine_from_text(mill))
+    levers = (errors.angular_levers if row.angular else errors.levers)(row.poses)
+    expected = np.zeros(len(row.weights))
+    for term, lever in zip(errors.terms, levers, strict=True):
+        sides = row.sides[:, [term.axis]] / 2 if term.kind == "reversal" else 1.0
+        effect, cells = np.einsum("kmc,mc->km", row.weights, sides * lever), term.cells(term.coordinates(row.poses))
+        expected += term.rest**2 * np.einsum("km,mn,kn->k", effect, cells[:, None] == cells, effect)
+    found = row.spectra(errors, np.zeros((errors.size, 1)))
+    np.testing.assert_allclose(found[:, 0], expected, rtol=1e-9, atol=1e-9 * expected.max())
 
 
 @pytest.mark.parametrize("row", ["positioning X", "backlash Y", "pitch Y", "squareness XY", "straightness Z in X"])

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from axiscal.estimation.belief import Belief, Innovations
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import path
+from axiscal.estimation.estimation import path, paths
 from axiscal.estimation.knowledge import Block, Knowledge
 from axiscal.estimation.located import Absorbed, absorbed
 from axiscal.exceptions import ShapeError
@@ -58,6 +58,7 @@ def test_the_history_is_what_was_known_after_each_reading(monkeypatch: pytest.Mo
         sizes = moment.innovations.value - twin.innovations[-1].value
         assert np.all(np.abs(sizes) < 1e-6 * moment.innovations.std + 1e-8 * np.abs(moment.innovations.value))
     assert twin.case.both == {"probe", "nest"}
+    assert len(paths(known, case.description.setup("nest"))) == 3  # each number drifts on its own
     assert moments[24].accuracy == known.accuracy
     assert moments[24].seconds == known.timed.seconds
 

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
 from axiscal.evaluation.check import Taken
@@ -19,6 +18,7 @@ from axiscal.numerics import Array
 from axiscal.present.check_answer import check_answer, check_details
 from axiscal.tables.surface import Control, left_by
 from tests.generators.sisters import measured as read_along
+from tests.generators.sisters import write_record
 
 READINGS = 60
 """Of a campaign that states no number."""
@@ -34,9 +34,7 @@ def measured(path: Path, description: CampaignDescription, seed: int) -> Path:
     case, truth = Case(description), Simulator(description.machine, description.setups).drawn(seed)
     lattice, count = case.lattice, description.target.readings or READINGS
     places = lattice.within(np.unique(np.linspace(0, len(lattice) - 1, count).astype(int))).listed(description.setups)
-    with Campaign.create(path, description) as campaign:
-        campaign.adopt(read_along(case, truth, places, seed))
-    return path
+    return write_record(path, description, read_along(case, truth, places, seed))
 
 
 def idle(poses: Array, approaches: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -83,6 +83,16 @@ def tip(machine: Chain, pose: Array) -> Array:
 def stem(machine: Chain, pose: Array) -> Array:
     """Return the direction from the tip to the spindle, (3,)."""
     return np.asarray(tool_matrix(machine, pose)[:3, 2], dtype=np.float64)
+
+
+def first_met(begin: Array, end: Array, balls: Iterable[Array], radius: float) -> float | None:
+    """Return after which share of a straight way a sphere about one of some places is met; None where none is."""
+    ahead, shares = end - begin, list[float]()
+    for ball in balls:
+        a, b, c = ahead @ ahead, 2 * (begin - ball) @ ahead, (begin - ball) @ (begin - ball) - radius**2
+        if a > 0 and b * b >= 4 * a * c and 0 <= (share := float((-b - np.sqrt(b * b - 4 * a * c)) / (2 * a))) <= 1:
+            shares.append(share)
+    return min(shares, default=None)
 
 
 def in_travel(machine: Chain, pose: Array, slack: float = 1e-9) -> bool:

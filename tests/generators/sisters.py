@@ -69,7 +69,7 @@ def read_on(number: int, imagined: Imagined = HALF, seed: int = 3, again: int = 
     return list(measured(Case(slide()), machine, PLACES, number + 1000 * again))
 
 
-def write_record(file: Path, described: CampaignDescription, readings: list[Reading]) -> Path:
+def write_record(file: Path, described: CampaignDescription, readings: Sequence[Reading]) -> Path:
     """Write a record of readings, and return its file."""
     with Campaign.create(file, described) as campaign:
         campaign.adopt(tuple(readings))

@@ -12,6 +12,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
+from tests.generators.kinematics import first_met
 from tests.generators.texts import artefact_text, campaign_text, machine_text, setup_text
 
 MACHINE = machine_text(
@@ -76,18 +77,8 @@ STATED = {"ay": 0.0, "az": -120.0, "cx": 0.0, "cy": 0.0}
 
 def met(start: dict[str, float], stop: dict[str, float]) -> dict[str, float] | None:
     """Return where a straight way of the linear axes meets a sphere first, mm and deg; None where it meets none."""
-    begin, end = tip(start), tip(stop)
-    ahead = end - begin
-    shares = []
-    for ball in BALLS.values():
-        apart = begin - np.array(ball)
-        a, b, c = ahead @ ahead, 2 * apart @ ahead, apart @ apart - RADIUS**2
-        root = b * b - 4 * a * c
-        if a > 0 and root >= 0 and 0 <= (share := (-b - np.sqrt(root)) / (2 * a)) <= 1:
-            shares.append(share)
-    if not shares:
-        return None
-    return {axis: start[axis] + min(shares) * (stop[axis] - start[axis]) for axis in start}
+    share = first_met(tip(start), tip(stop), map(np.array, BALLS.values()), RADIUS)
+    return None if share is None else {axis: at + share * (stop[axis] - at) for axis, at in start.items()}
 
 
 def expected(place: dict[str, float], ball: str) -> Array:

@@ -14,7 +14,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.exceptions import SourceError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from tests.generators.kinematics import tip
+from tests.generators.kinematics import first_met, tip
 
 CHAINS = ("w-C'-A'-b-X-Y-Z-t", "w-C'-b-X-Y-Z-t", "w-C'-b-Y-X-Z-B-t", "w-C'-B'-X'-b-Y-Z-t", "w-b-X-Y-Z-C-A-t")
 """Tables that tilt and turn, a table that turns alone, a head beside it, a table that slides, a head alone."""
@@ -115,15 +115,10 @@ class Control:
 
     def _touched(self, end: Array) -> bool:
         """Whether a ball is met; then that is where it stands."""
-        begin, ahead = (tip(self._machine, self._at), tip(self._machine, end) - tip(self._machine, self._at))
-        a, met = float(ahead @ ahead), 2.0
-        for ball in self.balls if self.probe == "sound" else ():
-            b, c = 2 * float((begin - ball) @ ahead), float((begin - ball) @ (begin - ball)) - self._radius**2
-            if b * b >= 4 * a * c and 0 <= (share := (-b - float(np.sqrt(b * b - 4 * a * c))) / (2 * a)) <= 1:
-                met = min(met, share)
-        if met <= 1.0:
-            self._at = self._at + met * (end - self._at)
-        return met <= 1.0
+        balls, there = self.balls if self.probe == "sound" else (), tip(self._machine, end)
+        share = first_met(tip(self._machine, self._at), there, balls, self._radius)
+        self._at = self._at + (share or 0.0) * (end - self._at)
+        return share is not None
 
     def stop(self) -> None:
         """Nothing goes on moving."""

@@ -14,12 +14,9 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import paths
 from axiscal.measurement.cells import MEMORY, STEP, Course, wandering
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place, Reading
-from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.planning.other_readings import planned_with_markers, with_markers, without_markers
 from axiscal.planning.plan.task import Limits
@@ -87,23 +84,6 @@ def test_readings_that_do_not_tell_their_times_are_named_where_the_zero_may_drif
     assert found.code == "drift"
     assert "add a column time" in found.text
     assert untimed([timed], drifting) == untimed([replace(timed, time=None)], still) == []
-
-
-def test_every_number_of_an_rtest_drifts_on_its_own() -> None:
-    text = 'machine = "three-axis-mill"\nusual = "off"\nsure = "exactly"\n[target]\nreadings = 1\n'
-    text += '[[setups]]\nname = "r"\ninstrument = "rtest"\n'
-    text += 'station = ["0 mm", "0 mm", "-300 mm"]\ndrift = "6 um/h"\n'
-    description = built_in(text)
-    machine = Simulator(description.machine, description.setups).drawn(1)
-    setup, rng, readings = description.setups[0], np.random.default_rng(1), list[Reading]()
-    middle = tuple(sum(axis.travel) / 2 for axis in description.machine.axes)
-    for i in range(12):
-        value, *others = machine.read_all(setup, middle, (1, 1, 1), rng, 600.0 * i)
-        readings.append(Reading("r", middle, (1, 1, 1), value, others=tuple(others), time=600.0 * i))
-    found = paths(concluded(Case(description), readings), setup)
-    truth = np.array(machine.drifts["r"](6600.0)) - machine.drifts["r"](0.0)
-    assert len(found) == 3
-    assert all(abs(path.mean[-1] - moved) < 4 * path.std[-1] for path, moved in zip(found, truth, strict=True))
 
 
 def test_a_marker_is_read_again_every_twenty_minutes() -> None:

@@ -132,15 +132,12 @@ def test_a_mesh_of_marlin_is_printed_with_more_decimals(tmp_path: Path) -> None:
     assert [*found][:4] == [(0.0, 5.0), (10.0, 5.0), (20.0, 5.0), (0.0, 6.0)]
 
 
-def test_an_export_for_marlin_says_where_its_nodes_lie(tmp_path: Path) -> None:
-    text = "; mesh from X 20.0 to 280.0 and Y 20.0 to 280.0\n" + MAPS[0].text("a Marlin map (M421, M503)")
-    assert heights(read(tmp_path, text)) == pytest.approx(MAPS[0].probed(), abs=1e-9)
-
-
-def test_marlin_in_inches_says_so(tmp_path: Path) -> None:
-    text = "echo:  G20    ; Units in inches\n" + MAPS[0].text("a Marlin map (M421, M503)")
-    inches = {place: 25.4 * z for place, z in MAPS[0].probed().items()}
-    assert heights(read(tmp_path, text, MAPS[0])) == pytest.approx(inches, abs=1e-9)
+def test_marlin_may_say_where_its_nodes_lie_and_that_it_counts_inches(tmp_path: Path) -> None:
+    text, inches = MAPS[0].text("a Marlin map (M421, M503)"), {at: 25.4 * z for at, z in MAPS[0].probed().items()}
+    placed = read(tmp_path, f"; mesh from X 20.0 to 280.0 and Y 20.0 to 280.0\n{text}")
+    assert heights(placed) == pytest.approx(MAPS[0].probed(), abs=1e-9)
+    large = read(tmp_path, f"echo:  G20    ; Units in inches\n{text}", MAPS[0])
+    assert heights(large) == pytest.approx(inches, abs=1e-9)
 
 
 @pytest.mark.parametrize("title", TEXTS)
