@@ -45,7 +45,7 @@ _HOMES = {
     "estimate": "axiscal.python.measured_case",
     "load_machine": "axiscal.machine.description",
     "read_campaign": "axiscal.description.campaign",
-    "setup": "axiscal.python.measured_case",
+    "setup": "axiscal.python.given",
 }
 """Where the names are. `__init__.pyi` says the same to editors and type checkers, which cannot look in here."""
 _LEAVING = {

@@ -10,9 +10,9 @@ from axiscal.measurement.observation import Observation as Observation
 from axiscal.measurement.setup import Setup as Setup
 from axiscal.measurement.simulation import Simulator as Simulator
 from axiscal.python.estimated import Curve as Curve
+from axiscal.python.given import setup as setup
 from axiscal.python.measured_case import Case as Case
 from axiscal.python.measured_case import estimate as estimate
-from axiscal.python.measured_case import setup as setup
 from axiscal_core import At as At
 from axiscal_core import Axis as Axis
 from axiscal_core import BallBar as BallBar

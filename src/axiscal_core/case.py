@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from axiscal_core.criterion import Criterion
 from axiscal_core.estimate import estimated
@@ -59,13 +60,15 @@ class Case(Model):
 
         readings : or a table of them, see `Case.readings`
         """
-        found = readings if isinstance(readings, Readings) else self._table(readings)
-        return estimated(self, found)
+        if isinstance(readings, Readings):
+            return estimated(self, readings)
+        if isinstance(readings, str | list | tuple | np.ndarray | Places) or not hasattr(readings, "__getitem__"):
+            raise InputError("Case.estimate", "readings", f"= {readings!r} are none", "Give Readings, or a table")
+        return estimated(self, self.readings(readings))
 
-    def _table(self, table: Mapping[str, Sequence[object]]) -> Readings:
-        if isinstance(table, str | list | tuple | np.ndarray | Places) or not hasattr(table, "__getitem__"):
-            raise InputError("Case.estimate", "readings", f"= {table!r} are none", "Give Readings, or a table")
-        return self.readings(table)
+    def known(self, mean: ArrayLike, covariance: ArrayLike) -> Known:
+        """Return what is known already.  mean : (size,); covariance : (size, size)"""
+        return Known.of(self, mean, covariance)
 
     def __repr__(self) -> str:
         return f"<Case of {self.machine!r} with {', '.join(self.setups)}>"

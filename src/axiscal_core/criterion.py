@@ -8,7 +8,7 @@ function    of C (size, size); the smaller, the better
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ from axiscal_core.axes import Axis
 from axiscal_core.errors import Curved
 from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
-from axiscal_core.refusals import Array, computed, finite, one_of
+from axiscal_core.refusals import Array, InputError, computed, finite, one_of
 from axiscal_core.splines import gauss
 from axiscal_core.units import si
 
@@ -40,15 +40,16 @@ class Goal(NamedTuple):
         return float(np.einsum("wi,ij,wj->", self.root, covariance, self.root, optimize=True))
 
 
-def goal(criterion: Criterion, machine: Machine, over_volume: Goal, function: str) -> Goal:
-    """Return what a criterion says.  over_volume : the one of "volume", computed once."""
-    size = over_volume.root.shape[1]
+def goal(criterion: Criterion, size: int, words: Mapping[str, Callable[[], Array]], function: str) -> Goal:
+    """Return what a criterion says.  size : of C (size, size); words : V of each, made when it is asked for"""
     if callable(criterion):
         return Goal(np.zeros((0, size)), criterion)
     if isinstance(criterion, str):
-        one_of(function, "criterion", criterion, ("volume", "joint"))
-        return over_volume if criterion == "volume" else _joint(machine, size)
-    return Goal(finite(function, "criterion", criterion, (None, size)))
+        return Goal(words[one_of(function, "criterion", criterion, [*words])]())
+    root = finite(function, "criterion", criterion, (None, size))
+    if not root.any():
+        raise InputError(function, "criterion", "weighs nothing", "Give V that is not nought everywhere")
+    return Goal(root)
 
 
 def volume(machine: Machine, size: int, aligned: bool) -> Goal:
@@ -77,7 +78,7 @@ def _rigid(points: Array, weights: Array, deviations: Array) -> Array:
     return np.asarray(flat @ np.linalg.lstsq(flat, deviations, rcond=1e-10)[0])
 
 
-def _joint(machine: Machine, size: int) -> Goal:
+def joint(machine: Machine, size: int) -> Goal:
     """Return V of the paper's own criterion: one Gram matrix for each spline."""
     reach = float(np.linalg.norm([axis.length for axis in machine.axes if not axis.rotary])) / 2
     total = np.zeros((machine.size, machine.size))

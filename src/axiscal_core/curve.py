@@ -13,6 +13,7 @@ Figure 4 of the paper, where seven readings settle seven control points, each ta
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Self
 
 import numpy as np
 
@@ -21,9 +22,6 @@ from axiscal_core.refusals import Array, InputError, whole, within
 from axiscal_core.roots import largest, node_count
 from axiscal_core.splines import NaturalSpline, Spline, distances, even_knots, matern
 from axiscal_core.units import Quantity, quantities, si
-
-_CUBIC = 3
-"""N and D of a reading's gain are squares of cubics (eq. 23)."""
 
 
 class Curve:
@@ -51,7 +49,7 @@ class Curve:
         self.known = Normal(np.zeros(knots), size**2 * alike)
 
     @classmethod
-    def of(cls, spline: Spline, known: Normal) -> Curve:
+    def of(cls, spline: Spline, known: Normal) -> Self:
         """Return the curve of a spline whose control values are known."""
         curve = cls.__new__(cls)
         curve.spline, curve.known = spline, known
@@ -83,7 +81,7 @@ class Curve:
             reach = rows @ covariance
             return np.einsum("mi,ij,mj->m", reach, weight, reach), variance + np.sum(reach * rows, axis=1)
 
-        found = largest(forms, self.spline.knots, node_count(2 * _CUBIC))
+        found = largest(forms, self.spline.knots, node_count(6))  # N and D are squares of cubics (eq. 23)
         assert found is not None, "a spline is a cubic between its knots"
         return found[0]
 

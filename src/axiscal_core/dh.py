@@ -34,22 +34,17 @@ def links(
     turn, at, frames = np.eye(3), np.zeros(3), []
     by_theta, by_alpha = (turned_about(way, table[:, i]) for way, i in ((turn[2], 3), (turn[0], 1)))
     for (a, _, d, _), about_z, about_x in zip(table, by_theta, by_alpha, strict=True):
-        z = turn[:, 2]
-        frames.append((at, z))
+        start, z = at, turn[:, 2]
         turn = turn @ about_z
-        at = at + d * z + a * turn[:, 0]
-        frames.append((at, turn[:, 0]))
+        at = start + d * z + a * turn[:, 0]
+        frames.append((start, z, at, turn[:, 0]))
         turn = turn @ about_x
     names = [f"J{i + 1}" for i in range(len(table))]
-    axes = [
-        Axis.turning(name, z.tolist(), travel, origin.tolist())
-        for name, (origin, z) in zip(names, frames[::2], strict=True)
-    ]
+    joints = [*zip(names, frames, strict=True)]
+    axes = [Axis.turning(name, z.tolist(), travel, start.tolist()) for name, (start, z, _, _) in joints]
     point = at + turn @ quantities(tool, "Machine.from_dh", "tool", (3,), [METRES])
     errors = []
-    for i, (joint, ((_, z), (end, x))) in enumerate(
-        zip(names, zip(frames[::2], frames[1::2], strict=True), strict=True)
-    ):
+    for i, (joint, (_, z, end, x)) in enumerate(joints):
         following = names[i + 1] if i + 1 < len(names) else "tool"
         if following == "tool":  # its twists are in the tool's own frame, about its point
             own, arm = turn.T @ x, turn.T @ np.cross(x, point - end)

@@ -5,6 +5,8 @@ A reading that the others contradict is a slip of a hand, a chip, a wrong line (
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from axiscal_core.draws import Weighed, as_stated, sized
@@ -24,8 +26,9 @@ _MOST = 0.2  # of the readings: where more are bad, none can say which
 
 
 @one_thread()
-def estimated(case: Model, readings: Readings) -> Known:
-    """Return what readings make known."""
+def estimated(case: Model, *parts: Readings) -> Known:
+    """Return what readings make known, all parts together."""
+    readings = sum(parts[1:], parts[0])
     case.values(readings, "Case.estimate")
     if not len(readings):
         raise InputError("Case.estimate", "readings", "are none", "Give one or more")
@@ -48,7 +51,8 @@ def estimated(case: Model, readings: Readings) -> Known:
         for owner in size.owners
     }
     apart = {int(kept[i]): each.z for i, each in left.items()}
-    return Known(case, mean, covariance, moved, np.sqrt(draws.weights), sizes, tuple(bad), apart)
+    again = partial(estimated, case, readings)
+    return Known(case, mean, covariance, moved, np.sqrt(draws.weights), sizes, tuple(bad), apart, again)
 
 
 def averaged(draws: Weighed[Given]) -> tuple[Array, Array, Array]:

@@ -26,7 +26,7 @@ import numpy as np
 from axiscal_core import rigid
 from axiscal_core.errors import Curved
 from axiscal_core.machine import Machine
-from axiscal_core.refusals import Array, InputError, each_once, failed, listed, named, one, one_of, within
+from axiscal_core.refusals import Array, InputError, computed, each_once, listed, named, one, one_of, within
 from axiscal_core.units import SECONDS, WANDER, Quantity, quantities, si
 
 Unknowns = Mapping[str, float]
@@ -177,13 +177,11 @@ def numbers(instrument: Seeing, at: At, u: Unknowns) -> Array:
     """Return what an instrument shows, (m, k); raises InputError where `sees` gives something else."""
     where = f"{type(instrument).__name__}.sees"
     try:
-        found = instrument.sees(at, u)
-    except KeyError as missing:
+        found = computed(where, "result", instrument.sees, at, u)
+    except InputError as fault:
+        if not isinstance(missing := fault.__cause__, KeyError):
+            raise
         raise InputError(where, f"u[{missing}]", "is not there", "Name it in unknowns or type_b") from None
-    except InputError:
-        raise
-    except (ArithmeticError, AttributeError, LookupError, NameError, TypeError, ValueError) as fault:
-        raise failed(where, "result", fault) from fault
     if not isinstance(found, list | tuple) or len(found) != len(instrument.names):
         what, names = f"is {type(found).__name__}", ", ".join(instrument.names)
         raise InputError(where, "result", what, f"Return a list of one array for each of {names}")

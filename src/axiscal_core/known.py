@@ -11,7 +11,7 @@ array([2.8e-06])
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -36,6 +36,7 @@ class Known:
         times the root of the draw's probability; shares : (d,) these roots
     sizes : factors on what was stated; bad : readings that were taken out, by index
     z : of each other reading, how far it is from what the others expect
+    again : what estimates the readings that made it with others; None where none did
     """
 
     case: Model
@@ -46,6 +47,7 @@ class Known:
     sizes: Mapping[str, float] = field(default_factory=dict)
     bad: tuple[int, ...] = ()
     z: Mapping[int, float] = field(default_factory=dict)
+    again: Callable[[Readings], Known] | None = None
 
     @classmethod
     def of(cls, case: Model, mean: ArrayLike, covariance: ArrayLike) -> Known:
@@ -87,11 +89,13 @@ class Known:
         return self.normal.sample(whole("Known.sample", "count", count, 1), whole("Known.sample", "seed", seed, 0))
 
     def read(self, readings: Readings) -> Known:
-        """Return what is known after more readings at once, sizes as they are (eq. 31-33).
+        """Return what is known after more readings: all of them estimated anew, or after what `of` was given eq. 31-33.
 
-        A cell that was read before counts as a fresh one; `Case.estimate` of all readings knows better.
+        That knows no sizes but those that are stated, and no cells that were read before.
         """
         values = self.case.values(readings, "Known.read")
+        if self.again is not None:
+            return self.again(readings)
         n = self.case.numbers(readings, self.mean)
         noise = self.case.shared(n, n) + np.diag(n.noise**2) + n.type_b @ n.type_b.T
         found = Normal(self.mean, self.covariance).read(n.rows, values - n.shown + n.rows @ self.mean, noise)

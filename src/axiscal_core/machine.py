@@ -121,12 +121,11 @@ class Machine:
                 key = term.at, term.spline.size, term.spline.knots.tobytes()
                 if key not in alike:
                     alike[key] = term.spline.rows(poses[:, term.at])
-                values = alike[key] * self._sided(term, sides, len(poses))[:, None]
-                for out, lever in zip(result, self._lever(term, frames, poses), strict=True):
-                    out[:, :, columns] = lever[:, :, None] * values[:, None, :]
+                parts = [each[:, :, None] * alike[key][:, None] for each in self._lever(term, frames, poses, sides)]
             else:
-                for out, part in zip(result, self._moved(term, frames, poses), strict=True):
-                    out[:, :, columns] = part
+                parts = [*self._moved(term, frames, poses)]
+            for out, part in zip(result, parts, strict=True):
+                out[:, :, columns] = part
         return result
 
     def levers(
@@ -136,8 +135,7 @@ class Machine:
         frames = nominal or self.frames(poses)
         moved, turned = np.zeros((2, len(self.curves), len(poses), 3))
         for i, (_, term) in enumerate(self.curves):
-            sided = self._sided(term, sides, len(poses))[:, None]
-            moved[i], turned[i] = (each * sided for each in self._lever(term, frames, poses))
+            moved[i], turned[i] = self._lever(term, frames, poses, sides)
         return moved, turned
 
     def covariance(self) -> Array:
@@ -147,10 +145,12 @@ class Machine:
             result[columns, columns] = term.covariance()
         return result
 
-    def _lever(self, term: Curved, frames: Frames, poses: Array) -> tuple[Array, Array]:
+    def _lever(self, term: Curved, frames: Frames, poses: Array, sides: Array | None) -> tuple[Array, Array]:
         """Return what a unit of the value does, (m, 3) each."""
         k, axis = term.at, self.axes[term.at]
         along = frames.rotations[k][:, :, term.error.component % 3]
+        if term.error.kind == "reversal":  # it is the difference of both sides, so half of it from each
+            along = along * (0.0 if sides is None else sides[:, [k]] / 2)
         still, sign = np.zeros_like(along), -1.0 if axis.workpiece_side else 1.0
         if term.error.kind == "location" and not axis.rotary:
             # the direction of travel is tilted: the carriage goes where it goes, and turns nothing
@@ -168,12 +168,6 @@ class Machine:
         sign = -1.0 if self.axes[k].workpiece_side else 1.0
         shift, turn = sign * frames.rotations[k] @ rows[:, :3], sign * frames.rotations[k] @ rows[:, 3:]
         return shift + np.cross(turn, (frames.tcp - frames.origins[k])[:, :, None], axis=1), turn
-
-    def _sided(self, term: Curved, sides: Array | None, count: int) -> Array:
-        """Return by what the side counts, (m,): a reversal is the difference of both, so half of it from each."""
-        if term.error.kind != "reversal":
-            return np.ones(count)
-        return np.zeros(count) if sides is None else sides[:, term.at] / 2
 
     def _own(self, error: Basis) -> Own:
         missing = [each for each in ("name", "frame", "rows", "covariance") if not hasattr(error, each)]

@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from axiscal_core.criterion import Goal, volume
+from axiscal_core.criterion import Criterion, Goal, goal, joint, volume
 from axiscal_core.errors import ASIDE, CELLS
 from axiscal_core.instrument import At, Instrument, refuse_what_is_not_analytic, sight
 from axiscal_core.machine import Machine
@@ -121,13 +121,21 @@ class Model:
         """The criterion "volume"."""
         return volume(self.machine, self.size, self.aligned)
 
+    def goal(self, criterion: Criterion, function: str) -> Goal:
+        """Return what a criterion says."""
+        words = {"volume": lambda: self.volume.root, "joint": lambda: joint(self.machine, self.size).root}
+        return goal(criterion, self.size, words, function)
+
     def checked(self, places: Places | Readings, function: str, argument: str = "places") -> Places:
         """Return the places, on instruments and within the travel of this case."""
         given = places.places if isinstance(places, Readings) else places
         found = one(function, argument, given, Places, "Places(instrument, poses)")
         for name in found.instruments:
             one_of(function, argument, name, self.setups)
-        self.machine.poses(found.poses, function)
+        self.machine.poses(found.given, function)
+        if isinstance(places, Readings) and places.std is not None:
+            of = [self.instruments[self.setups.index(name)].units for name in found.instruments]
+            quantities(places.given_std, function, "std", (len(found),), of, posed=True)
         return found
 
     def numbers(self, places: Places | Readings, about: Array | None = None) -> Numbers:
@@ -176,11 +184,12 @@ class Model:
         """Return the values of readings, one for each number, (n,)."""
         one(function, "readings", readings, Readings, "Readings(places, values)")
         self.checked(readings, function, "readings")
-        each = [len(self.instruments[self.setups.index(name)].names) for name in readings.places.instruments]
-        if sum(each) != len(readings.values):
-            what = f"hold {len(readings.values)} values of {sum(each)} numbers"
+        names = readings.places.instruments
+        units = [(unit,) for name in names for unit in self.instruments[self.setups.index(name)].units]
+        if len(units) != len(readings.values):
+            what = f"hold {len(readings.values)} values of {len(units)} numbers"
             raise InputError(function, "readings", what, "Give all numbers, in the order of the places")
-        return readings.values
+        return quantities(readings.given, function, "values", (None,), units)
 
     def cells(self, poses: Array) -> Array:
         """Return in which cell each curve's rest is, (m, curves)."""

@@ -17,7 +17,7 @@ import numpy as np
 from axiscal_core.instrument import Instrument
 from axiscal_core.normal import Normal
 from axiscal_core.refusals import Array, InputError, finite, named, one, whole
-from axiscal_core.units import SECONDS, Quantity, quantities
+from axiscal_core.units import SECONDS, Quantity, as_given, quantities
 
 
 class Showing(Protocol):
@@ -43,7 +43,7 @@ class Places:
     """Places of readings, in their order.
 
     instrument : its name, or itself; of each place where they differ
-    poses : (m, q), in the order of the machine's axes
+    poses : (m, q), in the order of the machine's axes; given : as they were, texts of which the case knows the axes
     sides : (m, q) from where each axis comes: +1, -1, 0 where it does not matter or nobody knows
     """
 
@@ -52,6 +52,7 @@ class Places:
         poses: Sequence[Sequence[Quantity]] | Array, sides: Sequence[Sequence[float]] | Array | None = None,
     ) -> None:  # fmt: skip
         self.poses = quantities(poses, "Places", "poses", (None, None), posed=True)
+        self.given = as_given(poses, self.poses)
         several = isinstance(instrument, Sequence) and not isinstance(instrument, str)
         each = [*cast("Sequence[str | Instrument]", instrument)] if several else [instrument] * len(self.poses)
         if len(each) != len(self.poses):
@@ -67,14 +68,14 @@ class Places:
     def at(self, which: Sequence[int] | np.ndarray) -> Places:
         """Return some of them."""
         chosen = np.arange(len(self))[which if isinstance(which, np.ndarray) else [*which]]
-        return Places([self.instruments[i] for i in chosen], self.poses[chosen], self.sides[chosen])
+        return Places([self.instruments[i] for i in chosen], self.given[chosen], self.sides[chosen])
 
     def __add__(self, other: Places) -> Places:
         """Return these places, then others."""
         one("Places", "+", other, Places, "Places(instrument, poses)")
         finite("Places", "+", other.poses, (None, self.poses.shape[1]))
         both = (*self.instruments, *other.instruments)
-        return Places(both, *(np.concatenate(pair) for pair in ((self.poses, other.poses), (self.sides, other.sides))))
+        return Places(both, *(np.concatenate(pair) for pair in ((self.given, other.given), (self.sides, other.sides))))
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{self.instruments.count(name)} of {name}" for name in dict.fromkeys(self.instruments))
@@ -96,6 +97,8 @@ class Readings:
         shape = (len(places), None) if np.ndim(np.array(values, dtype=object)) == 2 else (None,)
         self.places, self.values = places, quantities(values, "Readings", "values", shape, posed=True).ravel()
         self.std = None if std is None else quantities(std, "Readings", "std", (len(places),), posed=True)
+        self.given = as_given(values, self.values)
+        self.given_std = None if self.std is None else as_given(std, self.std)
         if self.std is not None and (self.std <= 0).any():
             raise InputError("Readings", "std", "is not above zero", "Give m or rad", int(np.argmin(self.std)))
         each = (len(places),)
@@ -123,12 +126,12 @@ class Readings:
         """Return these readings, then others; both state std and time, or neither does."""
         one("Readings", "+", other, Readings, "Readings(places, values)")
         parts = []
-        for what in ("std", "time"):
-            first, second = getattr(self, what), getattr(other, what)
+        pairs = {"std": (self.given_std, other.given_std), "time": (self.time, other.time)}
+        for what, (first, second) in pairs.items():
             if (first is None) != (second is None):
                 raise InputError("Readings", what, "is stated of some and not of others", "State it of all, or of none")
             parts.append(None if first is None else np.concatenate([first, second]))
-        return Readings(self.places + other.places, np.concatenate([self.values, other.values]), *parts)
+        return Readings(self.places + other.places, np.concatenate([self.given, other.given]), *parts)
 
     def __repr__(self) -> str:
         return f"<Readings: {len(self.values)} numbers at {self.places!r}>"

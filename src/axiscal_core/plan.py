@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal_core.criterion import Criterion, Goal, goal
+from axiscal_core.criterion import Criterion, Goal
 from axiscal_core.from_scipy import chi_square_quantile, solution
 from axiscal_core.model import Model, Numbers
 from axiscal_core.places import Places, Readings
@@ -33,7 +33,7 @@ _STARTS = 12  # beside the greedy one: with 3 J of eight drawn plans is up to 1.
 _CLIMBED = 3  # of what they end in: the best on the candidates is not always the best off them
 _EXCHANGES, _CLIMBS = 8, 4  # rounds, at most: most searches end before
 _MANY = 100  # readings in minutes that are exchanged and moved, and to which others are added: of time
-_MOST = 400  # readings until an RMS: who needs more has another problem
+_MOST = 400  # readings: who needs more has another problem
 _SHARE = 0.95  # of U
 
 
@@ -80,6 +80,8 @@ def planned(
     if readings is None and minutes is None and rms is None:
         raise InputError(where, "readings", "is not said, nor minutes, nor rms", "Say when the plan ends")
     count = None if readings is None else whole(where, "readings", readings, 1)
+    if count is not None and count > _MOST:
+        raise InputError(where, "readings", f"= {count} are too many to choose", f"Give {_MOST} at most")
     limit = None if minutes is None else in_minutes(minutes, where, "minutes")
     target = None if rms is None else within(where, "rms", si(rms, where, "rms", METRES), 0.0, open_end=True)
     if isinstance(candidates, Places):
@@ -88,11 +90,10 @@ def planned(
         lattice = case.lattice(whole(where, "candidates", candidates, 1))
     if not len(lattice):
         raise InputError(where, "candidates", "are none", "Give one place or more")
-    none = Places(case.setups[0], np.zeros((0, len(case.machine.axes))))
-    kept = none if keep is None else case.checked(keep, where, "keep")
+    kept = lattice.at([]) if keep is None else case.checked(keep, where, "keep")
     if count is not None and len(kept) > count:
         raise InputError(where, "keep", f"holds {len(kept)} places of {count} readings", "Keep no more")
-    wanted = goal(criterion, case.machine, case.volume, where)
+    wanted = case.goal(criterion, where)
     search = _Search(case, wanted, lattice, case.taken(after, where), kept)
     free = isinstance(candidates, int)
     found = _ended(search, count, limit, target, free)
@@ -102,8 +103,7 @@ def planned(
 def _ended(search: _Search, count: int | None, limit: float | None, target: float | None, free: bool) -> Places:
     """Return the places of a plan that ends where it is to.  free : places may move off the candidates"""
     if limit is None:
-        fewest = count or _MOST if target is None else search.fewest(target, count or _MOST)
-        return search.best(fewest, free)
+        return search.best(count or _MOST if target is None else search.fewest(target, count), free)
     chosen = search.starts(count or _MOST, limit, target)[0]
     if not chosen and not len(search.kept):
         raise InputError("Case.plan", "minutes", f"= {limit:g} are too few for one reading", "Give more")
@@ -130,7 +130,7 @@ def evaluated(
 ) -> Evaluation:  # fmt: skip
     """Return what readings at places would make known; arguments are those of `Case.evaluate`."""
     where = "Case.evaluate"
-    wanted = criterion if isinstance(criterion, Goal) else goal(criterion, case.machine, case.volume, where)
+    wanted = criterion if isinstance(criterion, Goal) else case.goal(criterion, where)
     found = case.checked(places, where)
     before = case.taken(after, where)
     state = State(case, wanted, joined([before, case.taken(places, where)]))
@@ -178,7 +178,7 @@ class _Search:
         half, known = solution(root, self.k[at]), solution(root, self.reach[at])
         state, result = self.state, np.full(len(self.own), -np.inf)
         if self.goal.function is not None:
-            state = State(self.case, self.goal, self._numbers((*self.fixed, *beside)))
+            state = State(self.case, self.goal, self._numbers(beside))
         for members in self.groups:
             mine = np.array([self.own[i] for i in members])
             felt = half.T[mine]
@@ -232,12 +232,12 @@ class _Search:
         return self._best_first([self.grown(self.exchanged(each[:size], limit), count, limit, target) for each in best])
 
     def _best_first(self, tried: list[list[int]]) -> list[list[int]]:
-        return sorted(tried, key=lambda each: self.value(self._numbers((*self.fixed, *each))))
+        return sorted(tried, key=lambda each: self.value(self._numbers(each)))
 
     def best(self, count: int, free: bool) -> Places:
         """Return the best plan of so many readings that several starts find.  free : it may leave the candidates"""
         moved = [self.moved(each, free) for each in self.starts(count)[:_CLIMBED]]
-        return min(moved, key=lambda each: self.value(self._with(each)))
+        return min(moved, key=lambda each: self.value(joined([self.taken, self.case.numbers(each)])))
 
     def value(self, numbers: Numbers) -> float:
         """Return J after readings, with those that are there already among them."""
@@ -259,15 +259,17 @@ class _Search:
                 break
         return sum(places[1:], places[0])
 
-    def fewest(self, target: float, most: int) -> int:
-        """Return how many readings reach an RMS over the volume, m; raises InputError where none do."""
-        left = self.rms([i for i in range(len(self.own)) if i not in self.fixed])
+    def fewest(self, target: float, count: int | None) -> int:
+        """Return how many readings, or `count`, reach an RMS over the volume, m; raises InputError where none do."""
+        most, low, read = count or _MOST, len(self.fixed), "one reading at every candidate leaves"
+        high, left = min(max(2 * low, 1), most), self.rms(range(low, len(self.own)))
+        if left <= target:
+            while (left := self.rms(self.starts(high)[0])) > target and high < most:
+                low, high = high, min(2 * high, most)
+            read, left = f"{high} readings leave", left if count is None else target  # so many are an end, too
         if left > target:
-            what = f"= {target:g} is out of reach: one reading at every candidate leaves {left:.3g}"
+            what = f"= {target:g} is out of reach: {read} {left:.3g}"
             raise InputError("Case.plan", "rms", what, "Ask for a larger one, or give other instruments")
-        low, high = len(self.fixed), max(2 * len(self.fixed), 1)
-        while high < most and self.rms(self.starts(high)[0]) > target:
-            low, high = high, min(2 * high, most)
         while high - low > 1:
             middle = (low + high) // 2
             reached = self.rms(self.starts(middle)[0]) <= target
@@ -276,10 +278,7 @@ class _Search:
 
     def rms(self, chosen: Sequence[int]) -> float:
         """Return the RMS over the volume after candidates, m."""
-        return float(np.sqrt(State(self.case, self.case.volume, self._numbers((*self.fixed, *chosen))).value))
-
-    def _with(self, places: Places) -> Numbers:
-        return joined([self.taken, self.case.numbers(places)])
+        return float(np.sqrt(State(self.case, self.case.volume, self._numbers(chosen)).value))
 
     def _mounted(self, drawn: NDArray[np.intp], most: int, limit: float) -> list[int]:
         """Return the first candidate of each of so many set-ups, as far as they fit into so many minutes."""
@@ -296,7 +295,7 @@ class _Search:
         return np.where(spent + more <= limit + 1e-9, more, np.inf)
 
     def _numbers(self, chosen: Sequence[int]) -> Numbers:
-        return joined([self.taken, *(self.n.at(self.own[i]) for i in chosen)])
+        return joined([self.taken, *(self.n.at(self.own[i]) for i in (*self.fixed, *chosen))])
 
 
 _STEPS = 60  # with four times as many the bound of eight drawn cases rises by up to 2 %

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,11 +33,11 @@ class InputError(ValueError):
 
 def whole(function: str, argument: str, value: object, least: int) -> int:
     """Return a whole number that is not below `least`."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        raise InputError(function, argument, f"= {value!r} is no whole number", f"Give {least} or more")
-    if value < least:
-        raise InputError(function, argument, f"= {value} is below {least}", f"Give {least} or more")
-    return int(value)
+    is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if not is_whole or cast("int", value) < least:
+        what = f"is below {least}" if is_whole else "is no whole number"
+        raise InputError(function, argument, f"= {value!r} {what}", f"Give {least} or more")
+    return int(cast("int", value))
 
 
 def one_of(function: str, argument: str, value: str, known: Sequence[str]) -> str:
@@ -82,13 +82,8 @@ def computed(function: str, argument: str, of: Callable[..., Given], *given: obj
     except InputError:
         raise
     except Exception as fault:
-        raise failed(function, argument, fault) from fault
-
-
-def failed(function: str, argument: str, fault: Exception) -> InputError:
-    """Return what is raised for a fault in a function of somebody's own."""
-    what = f"cannot be computed ({type(fault).__name__}: {fault})"
-    return InputError(function, argument, what, "Repair the function")
+        what = f"cannot be computed ({type(fault).__name__}: {fault})"
+        raise InputError(function, argument, what, "Repair the function") from fault
 
 
 def within(function: str, argument: str, value: float, least: float, open_end: bool = False) -> float:

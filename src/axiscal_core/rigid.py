@@ -9,9 +9,6 @@ import numpy as np
 
 from axiscal_core.refusals import Array
 
-_EYE = np.eye(3)
-"""Mathematics: the rotation that turns nothing."""
-
 
 class Motion(NamedTuple):
     """p_A = rotation p_B + translation.  rotation : (m, 3, 3); translation : (m, 3)."""
@@ -58,7 +55,7 @@ def turned_about(direction: Array, angles: Array) -> Array:
     """Return the rotations about one direction by many angles (Rodrigues).  direction : (3,) unit; angles : (m,) rad"""
     about, twice = _turning(*direction.tolist())
     at = angles[:, None, None]
-    return _EYE + np.sin(at) * about + 2 * np.sin(at / 2) ** 2 * twice
+    return np.eye(3) + np.sin(at) * about + 2 * np.sin(at / 2) ** 2 * twice
 
 
 def about(along: int, vectors: Array, angles: Array) -> Array:

@@ -51,8 +51,8 @@ class Integrated:
 
     def gram(self: Spline) -> Array:
         """Return ∫ m mᵀ dt over the knots (the integral in B&H eq. 25): (size, size), m or rad."""
-        nodes, weights = quadrature(self)
-        root = np.sqrt(weights)[:, None] * self.rows(nodes)
+        nodes, weights = gauss(self.knots, 5)  # exact for degree 9 per interval
+        root = np.sqrt(weights).reshape(-1, 1) * self.rows(nodes.ravel())
         return root.T @ root
 
 
@@ -120,7 +120,7 @@ class _Cubic(Integrated):
         raise NotImplementedError
 
     def _continued(self, rows: Array, beyond: Array, derivative: int) -> Array:
-        raise NotImplementedError
+        return rows
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -183,9 +183,6 @@ class CyclicSpline(_Cubic):
         start, stop = self.knots[0], self.knots[-1]
         turned = np.minimum(start + np.mod(position - start, stop - start), np.nextafter(stop, start))
         return np.where((position >= start) & (position < stop), position, turned)
-
-    def _continued(self, rows: Array, beyond: Array, derivative: int) -> Array:
-        return rows
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -270,12 +267,6 @@ def spacing_limit(width: float, curvature: float) -> float:
     for argument, value in (("width", width), ("curvature", curvature)):
         within("spacing_limit", argument, value, 0.0, open_end=True)
     return math.sqrt(6 * width / curvature)
-
-
-def quadrature(spline: Spline) -> tuple[Array, Array]:
-    """Return nodes and weights, each (5 (n - 1),), exact for degree 9 per interval."""
-    nodes, weights = gauss(spline.knots, 5)
-    return nodes.ravel(), weights.ravel()
 
 
 def _values(h: Array, a: Array, b: Array) -> tuple[Array, Array, Array, Array]:

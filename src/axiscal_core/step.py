@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal_core.climb import Climb
-from axiscal_core.criterion import Criterion, goal
+from axiscal_core.criterion import Criterion
 from axiscal_core.errors import ASIDE, CELLS
 from axiscal_core.instrument import Instrument
 from axiscal_core.model import Model
@@ -56,8 +56,7 @@ _SIEVES = (_Sieve(240, 0.5, 1), _Sieve(120, 0.7, 2), _Sieve(40, 0.8, 40), _Sieve
 @one_thread()
 def best_step(case: Model, after: Readings | Places | None, criterion: Criterion) -> Places:
     """Return the one reading that serves most (B&H eq. 37)."""
-    wanted = goal(criterion, case.machine, case.volume, "Case.next")
-    state = State(case, wanted, case.taken(after, "Case.next"))
+    state = State(case, case.goal(criterion, "Case.next"), case.taken(after, "Case.next"))
     found = [_best_of(Ground(state, instrument)) for instrument in case.instruments]
     return max(found, key=lambda pair: pair[1])[0]
 

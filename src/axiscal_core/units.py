@@ -71,6 +71,14 @@ def _units(si_unit: str) -> dict[str, tuple[float, float]]:
     return {f"{a}/{b}": (p * s, q * r) for a, (p, q) in over for b, (r, s) in under}
 
 
+def as_given(values: object, found: Array) -> Array:
+    """Return values as they were given, shaped as what was found, where texts are among them; else what was found."""
+    if isinstance(values, np.ndarray) and values.dtype.kind not in "OU":
+        return found
+    given = np.array(values, dtype=object)
+    return given.reshape(found.shape) if any(isinstance(each, str) for each in given.flat) else found
+
+
 def quantities(
     values: object, function: str, argument: str, shape: tuple[int | None, ...], of: Sequence[Of] = (EITHER,),
     posed: bool = False,

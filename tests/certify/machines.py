@@ -9,7 +9,6 @@ from typing import Literal
 import numpy as np
 
 import axiscal_core as ac
-from axiscal_core.criterion import goal
 from axiscal_core.state import State
 from axiscal_core.step import best_step
 from tests.core.strangers import Probe
@@ -26,7 +25,7 @@ class Begun:
     @property
     def state(self) -> State:
         """What is known."""
-        wanted = goal(self.criterion, self.case.machine, self.case.volume, "a test")
+        wanted = self.case.goal(self.criterion, "a test")
         return State(self.case, wanted, self.case.taken(self.after, "a test"))
 
 

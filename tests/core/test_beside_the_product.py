@@ -147,9 +147,9 @@ def test_plans_are_as_good_as_those_of_the_product(name: str) -> None:
     setups = np.array([beside.core.setups.index(each) for each in mine.places.instruments])
     j = state.after_readings(theirs).value
     own_places = Places(setups, mine.places.poses, mine.places.sides)
-    assert state.after_readings(own_places).value == pytest.approx(mine.J, 1e-9)
+    assert state.after_readings(own_places).value == pytest.approx(mine.J, rel=1e-9, abs=0)
     places = ac.Places([beside.core.setups[i] for i in theirs.setups], theirs.poses, theirs.approaches)
-    assert pytest.approx(j, 1e-9) == beside.core.evaluate(places, criterion=root).J
+    assert pytest.approx(j, rel=1e-9, abs=0) == beside.core.evaluate(places, criterion=root).J
     assert PLAN * j > mine.J
     assert j < BETTER.get(name, PLAN) * mine.J
 

@@ -51,7 +51,7 @@ def test_a_callable_criterion_plans_what_its_matrix_plans() -> None:
     root = np.eye(case.size)[[2, 3]]
     by_matrix = case.plan(3, criterion=root, candidates=60)
     by_function = case.plan(3, criterion=lambda c: float(np.sum(np.diag(c)[[2, 3]])), candidates=60)
-    assert pytest.approx(by_matrix.J, rel=1e-9) == by_function.J
+    assert pytest.approx(by_matrix.J, rel=1e-9, abs=0) == by_function.J
 
 
 def test_kept_places_stay_and_own_candidates_are_not_left() -> None:
@@ -69,8 +69,8 @@ def test_readings_that_are_there_count() -> None:
     case = mill()
     first = case.plan(readings=4).places
     more = case.plan(readings=3, after=first)
-    assert pytest.approx(case.evaluate(first + more.places).J, rel=1e-9) == more.J
-    assert pytest.approx(more.J, rel=1e-9) == case.evaluate(more.places, after=first).J
+    assert pytest.approx(case.evaluate(first + more.places).J, rel=1e-9, abs=0) == more.J
+    assert pytest.approx(more.J, rel=1e-9, abs=0) == case.evaluate(more.places, after=first).J
 
 
 def test_minutes_are_kept_and_more_of_them_leave_less() -> None:

@@ -34,6 +34,7 @@ from axiscal.record.accepted import Bumped
 from axiscal.record.events import Mounted, Warmed
 from axiscal.units import format_quantity
 from axiscal_core.instrument import TOOL
+from axiscal_core.refusals import one
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +145,7 @@ def read_campaign(path: str | Path, *, target_needed: bool = True, asking: bool 
     asking : readings are to be asked for, and set-ups that do not say where they can be read are refused
     Raises DescriptionError or UnitError with file, line, value and remedy.
     """
-    document = Document.read(path)
+    document = Document.read(one("read_campaign", "path", path, (str, Path), '"campaign.toml"'))
     name = _machine_name(document)
     source = name if name in builtin_names() else str(document.path.parent / name)
     found = _described(document, load_machine(source), source, target_needed, _prior_text(document), asking)

@@ -24,7 +24,7 @@ from axiscal.machine.entry import COMPONENTS
 from axiscal.numerics import Array
 from axiscal.units import said_quantity
 from axiscal_core.from_scipy import solution, triangle_over
-from axiscal_core.splines import NaturalSpline, quadrature
+from axiscal_core.splines import NaturalSpline, gauss
 
 _LISTED = 5
 """Sentences that are read; the others are counted."""
@@ -364,7 +364,7 @@ def _projection(function: ErrorFunction, degree: int) -> Array:
     """The row (size,) that reads the mean, or half the mean rise over the travel, off the control values."""
     if function.basis.size == 1:
         return np.ones(1)
-    points, weights = quadrature(function.basis)
+    points, weights = (each.ravel() for each in gauss(function.basis.knots, 5))
     ends = (function.basis.knots[0], function.basis.knots[-1])
     legendre = np.polynomial.legendre.Legendre.basis(degree, domain=ends)(points)
     return (weights * legendre) @ function.basis.rows(points) / (weights @ legendre**2)

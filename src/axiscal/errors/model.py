@@ -29,6 +29,7 @@ from axiscal.numerics import Array
 from axiscal_core.axes import Frames
 from axiscal_core.eigen import unique_root
 from axiscal_core.errors import ASIDE, CELLS
+from axiscal_core.refusals import one
 from axiscal_core.rigid import cross
 from axiscal_core.splines import Repeated, Spline
 
@@ -132,7 +133,7 @@ class ErrorModel:
     """
 
     def __init__(self, machine: Machine) -> None:
-        self.machine = machine
+        self.machine = one("ErrorModel", "machine", machine, Machine, 'load_machine("dmu60")')
         self.functions = tuple(_functions(machine))
         self.planes = tuple(_planes(machine, self.functions[-1].columns.stop if self.functions else 0))
         self.terms: tuple[Term, ...] = (*self.functions, *self.planes)

@@ -24,6 +24,7 @@ from axiscal.machine.entry import ErrorEntry, PlaneEntry, as_fine_as_is_cheap
 from axiscal.machine.errors_table import read_errors
 from axiscal.machine.machine_schema import AxisTable, MachineFile
 from axiscal.units import Dimension, format_quantity
+from axiscal_core.refusals import one
 
 Span = tuple[float, float]
 LONGEST_TRAVEL = 1000.0
@@ -366,6 +367,7 @@ def load_machine(source: str | Path) -> Machine:
     source : a path, or a name of `builtin_names`, which goes before a file of the same name without an ending
     Raises DescriptionError, ChainError or UnitError with file, line, what is wrong and what would be right.
     """
+    one("load_machine", "source", source, (str, Path), '"dmu60", or "machine.toml"')
     if isinstance(source, str) and source in builtin_names():
         return _described(Document.read(_LIBRARY / f"{source}.toml"))
     path = Path(source)

@@ -35,6 +35,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import belongs
 from axiscal.numerics import Array
 from axiscal_core.eigen import unique_root
+from axiscal_core.refusals import finite, one, whole
 
 _LAYOUT = {"error": TEXT, "position": LENGTHS + ANGLES, "value": LENGTHS + ANGLES}
 
@@ -232,15 +233,22 @@ class Simulator:
     machine: Machine
     setups: tuple[Setup, ...]
 
+    def __post_init__(self) -> None:
+        one("Simulator", "machine", self.machine, Machine, 'load_machine("dmu60")')
+        for setup in one("Simulator", "setups", self.setups, Sequence, "set-ups of a campaign"):
+            one("Simulator", "setups", setup, Setup, "set-ups of a campaign")
+
     def drawn(self, seed: int) -> VirtualMachine:
         """Return a machine whose errors, rests included, are drawn from the prior."""
-        model, rng = ErrorModel(self.machine), np.random.default_rng((seed, 1))
+        model, rng = ErrorModel(self.machine), np.random.default_rng((whole("Simulator.drawn", "seed", seed, 0), 1))
         drawn = ((f, unique_root(f.covariance) @ rng.standard_normal(len(f.covariance))) for f in model.terms)
         return VirtualMachine(model, tuple(_rough(f, control, rng) for f, control in drawn), *self._mounted(seed))
 
     def with_coefficients(self, coefficients: Array, seed: int) -> VirtualMachine:
         """Return a machine whose errors have these control values; rests are drawn.  coefficients : (n,)"""
-        model, rng = ErrorModel(self.machine), np.random.default_rng((seed, 1))
+        model = ErrorModel(self.machine)
+        rng = np.random.default_rng((whole("Simulator.with_coefficients", "seed", seed, 0), 1))
+        coefficients = finite("Simulator.with_coefficients", "coefficients", coefficients, (model.size,))
         each = tuple(_rough(f, coefficients[f.columns], rng) for f in model.terms)
         return VirtualMachine(model, each, *self._mounted(seed))
 

@@ -89,17 +89,18 @@ def reaching(
     believed: Sequence[Reading] = (),
     gaps: Sequence[Gap] = (),
     left: Sequence[Place] = (),
+    kept: Sequence[Place] = (),
 ) -> tuple[Place, ...]:
     """Return the readings to come that reach limits, checks among them; arguments as of `planned_places`.
 
-    heeded : limits that a search heeds for them
+    heeded : limits that a search heeds for them; kept : places that are read anyway
     """
 
     def beside(within: Limits, left: Sequence[Place], checks: Sequence[Place], rough: bool) -> tuple[Place, ...]:
         among = replace(task.coarse, patience=0.0) if rough else task
         most = [each for each in (heeded.readings, within.readings) if each is not None]
         search = replace(heeded, readings=min(most, default=None), budget=within.budget)
-        return planned_places(case, among, search, readings, gaps, left, believed, checks)
+        return planned_places(case, among, search, readings, gaps, left, believed, (*kept, *checks))
 
     return with_checks(case, task, limits, readings, left, beside)
 
@@ -121,9 +122,10 @@ def _chosen(
 
 
 def placed(case: Case, plan: Plan) -> tuple[Place, ...]:
-    """Return the places of a plan, each with room to come to it from its side."""
-    found = with_rooms(case, plan.places)
-    return tuple(replace(place, check=index in plan.checks) for index, place in enumerate(found))
+    """Return the places of a plan, each with room to come to it from its side; kept ones stay where they are."""
+    pairs = zip(with_rooms(case, plan.places), plan.places.listed(case.description.setups), strict=True)
+    chosen = [stated if index in plan.kept else found for index, (found, stated) in enumerate(pairs)]
+    return tuple(replace(place, check=index in plan.checks) for index, place in enumerate(chosen))
 
 
 def posed(

@@ -6,7 +6,7 @@ Before the first reading it is tested whether the set-ups can reach the target a
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -14,13 +14,13 @@ import numpy as np
 
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import expanded
-from axiscal.estimation.accuracy.yardstick import Yardstick
+from axiscal.estimation.accuracy.yardstick import Root, Yardstick
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import listed, put, said
-from axiscal.measurement.reading import Places, Reading, reading_unit
+from axiscal.measurement.reading import Place, Places, Reading, reading_unit
 from axiscal.measurement.travel import reading_seconds
 from axiscal.planning.bound.lower_bound import prove
 from axiscal.planning.bound.relaxation import Relaxation
@@ -31,10 +31,11 @@ from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import CANDIDATES, posed, reaching
 from axiscal.planning.other_readings import columns_of, with_rooms
 from axiscal.planning.plan.minutes import stretched
+from axiscal.planning.plan.order import in_order, inserted, seconds_along
 from axiscal.planning.plan.plan import MANY, Plan, judged, make_plan
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.searches import Searches, searched
-from axiscal.planning.plan.task import Limits
+from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.promise import asked, foreseen
 from axiscal.planning.step.ground import regions
 from axiscal.planning.unseen import hidden_of
@@ -87,18 +88,18 @@ def refuse_endless(case: Case, limits: Limits, candidates: int) -> None:
     """Raise PlanError for a plan of so many readings, or chosen from so many places, that nobody would see its end."""
     if candidates > MOST_CANDIDATES:
         what = "a choice among {count:,} places is not made: at most {most:,} are compared"
-        remedy = "Leave --candidates out: readings are brought to the best places between them anyway"
+        remedy = "Compare fewer: readings are brought to the best places between them anyway"
         raise PlanError(what, remedy, count=candidates, most=MOST_CANDIDATES)
     if (limits.readings or 0) > MOST:
         what = "a plan of {count:,} readings is not made: at most {most:,} are chosen together"
-        remedy = "Ask for fewer, or for an accuracy with --target; a campaign goes on after its plan"
+        remedy = "Ask for fewer, or for an accuracy; a campaign goes on after its plan"
         raise PlanError(what, remedy, count=limits.readings, most=MOST)
     if limits.readings is None and limits.budget is not None and not limits.accurate:
         shortest = min(reading_seconds(setup) for setup in case.description.setups)
         if limits.budget > _ABSURD * MOST * max(shortest, _INSTANT):
             hours = format_quantity(limits.budget, "h", 3)
             what = "{hours} are time for {times} times the {most:,} readings that are chosen together at most"
-            remedy = "Say how many readings as well, with --readings, or give an accuracy with --target"
+            remedy = "Say how many readings as well, or give an accuracy"
             raise PlanError(what, remedy, hours=hours, times=_ABSURD, most=MOST)
 
 
@@ -177,11 +178,13 @@ class Proposal:
 
     gap : share of the bound on J at which its proof stopped; None if none was asked for
     searches : what those from other starts found; None where a bound is near, or none was asked for
+    criterion : what J is, where it is not the target's
     """
 
     plan: Plan
     gap: float | None = None
     searches: Searches | None = None
+    criterion: str | None = None
 
 
 class SoFar(NamedTuple):
@@ -191,6 +194,51 @@ class SoFar(NamedTuple):
     readings: Sequence[Reading] = ()
 
 
+class OwnCriterion(NamedTuple):
+    """Another criterion than the target's.  name : as answers call it; root : V"""
+
+    name: str
+    root: Root
+
+
+class _Order(NamedTuple):
+    """Readings in their order.  checks, kept : indices of those drawn at random, and of those taken anyway"""
+
+    places: Places
+    checks: frozenset[int] = frozenset()
+    kept: frozenset[int] = frozenset()
+
+
+def _with_kept(task: Task, limits: Limits, kept: Places, coming: Callable[[Task, Limits], _Order]) -> _Order:
+    """Return the readings to come with those at places that are kept, within the limits.  Raises PlanError.
+
+    coming : the others, of a task that has the kept ones beside it
+    """
+    if not len(kept):
+        return coming(task, limits)
+    own, many, budget = in_order(task, kept), limits.readings, limits.budget
+    spent = seconds_along(task, own)
+    if budget is not None and spent > budget:
+        what = "the places to keep take {needed:.3g} min of the {given:.3g} min there are"
+        raise PlanError(what, "Keep fewer, or allow more time", needed=spent / 60, given=budget / 60)
+    beside = replace(task, beside=kept, here=own.single(len(own) - 1))  # their last set-up is mounted
+    left = replace(limits, readings=many and many - len(kept), budget=budget and budget - spent)
+    fits = left.budget is None or left.budget >= min(first_seconds(beside).values())
+    none = _Order(kept.within(slice(0, 0)))
+    return _put_among(task, coming(beside, left) if fits and left.readings != 0 else none, kept)
+
+
+def _put_among(task: Task, order: _Order, kept: Places) -> _Order:
+    """Return readings with kept ones, each where it costs least time; those of other set-ups come last."""
+    here = [] if task.here is None else task.here.setups.tolist()
+    among = np.isin(kept.setups, [*order.places.setups.tolist(), *here])
+    whole = Places.joined([order.places, in_order(task, kept.within(~among))])
+    places, more = inserted(task, whole, kept.within(among))
+    first = np.flatnonzero(~more)
+    stay = {*np.flatnonzero(more).tolist(), *first[len(order.places) :].tolist()}
+    return _Order(places, frozenset(first[[*order.checks]].tolist()), frozenset(stay))
+
+
 @one_thread()
 def proposed(
     case: Case,
@@ -198,23 +246,33 @@ def proposed(
     candidates: int | Places = CANDIDATES,
     bounded: bool = False,
     so_far: SoFar | None = None,
+    criterion: OwnCriterion | None = None,
+    kept: Sequence[Place] = (),
 ) -> Proposal:
     """Return a plan of the readings to come.  Raises PlanError, DescriptionError.
 
     Places and order are those that a campaign asks for that goes on with these limits.
     candidates : how many places to choose from, or these alone; bounded : whether the bound is wanted
-    so_far : None from the beginning
+    so_far : None from the beginning; criterion : None for the target's; kept : places that are read anyway
     """
     refuse_unmade(case)
     knowledge, readings = so_far or SoFar(case.knowledge)
     task = posed(case, knowledge, readings=readings, candidates=candidates)
+    task = task if criterion is None else replace(task, root=criterion.root)
     heeded = enough(case, limits, readings)
-    if isinstance(candidates, Places):
-        goal = goal_of(case, heeded, readings, readings)
-        return Proposal(make_plan(task, heeded, goal=goal, patience=0.0, bounded=bounded))
-    places = reaching(case, task, limits, heeded, readings, readings)
-    plan = judged(task, heeded, columns_of(case, places), bounded)
-    return Proposal(replace(plan, checks=frozenset(i for i, place in enumerate(places) if place.check)))
+
+    def coming(task: Task, within: Limits) -> _Order:
+        if isinstance(candidates, Places):
+            search = replace(heeded, readings=within.readings, budget=within.budget)
+            goal = goal_of(case, search, readings, readings, checks=kept)
+            return _Order(make_plan(task, search, goal=goal, patience=0.0, bounded=False).places)
+        places = reaching(case, task, within, heeded, readings, readings, kept=kept)
+        return _Order(columns_of(case, places), frozenset(i for i, place in enumerate(places) if place.check))
+
+    order = _with_kept(task, limits, columns_of(case, kept), coming)
+    plan = judged(task, heeded, order.places, bounded)
+    named = None if criterion is None else criterion.name
+    return Proposal(replace(plan, checks=order.checks, kept=order.kept), criterion=named)
 
 
 @one_thread()

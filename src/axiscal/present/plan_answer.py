@@ -124,14 +124,14 @@ def plan_answer(
     buys : what other minutes buy; ends : whether the campaign says when it ends; before : readings so far
     """
     plan, places = proposal.plan, placed(case, proposal.plan)
-    bound = bound_rms_um(case, plan)
+    bound = bound_rms_um(case, proposal)
     ratio = _ratio(plan, bound)
     begin: list[StepCode] = ["start"] if ends else ["target", "start"]
     passed = [0.0, *(reading.seconds for reading in plan.readings)]
     answer = _planned(case, places, passed.__getitem__, limits, begin, before)
     return PlanAnswer(
         **{**dict(answer), "bought": _bought(buys)},
-        criterion=case.description.target.criterion,
+        criterion=proposal.criterion or case.description.target.criterion,
         points=list(_points(case, places, plan)),
         units={axis.name: axis.unit for axis in case.description.machine.axes},
         rms_um=to_unit(plan.accuracy.rms, "um"),
@@ -280,11 +280,12 @@ def _points(case: Case, places: Sequence[Place], plan: Plan) -> Iterator[PlanPoi
         )
 
 
-def bound_rms_um(case: Case, plan: Plan) -> float | None:
+def bound_rms_um(case: Case, proposal: Proposal) -> float | None:
     """Return the RMS that no plan can beat, um; None without a bound, or where the criterion is not the volume's."""
-    if plan.bound is None or case.description.target.criterion != "volume":
+    bound = proposal.plan.bound
+    if bound is None or (proposal.criterion or case.description.target.criterion) != "volume":
         return None
-    return to_unit(case.yardstick.rms_of(plan.bound.value), "um")
+    return to_unit(case.yardstick.rms_of(bound.value), "um")
 
 
 def _ratio(plan: Plan, bound: float | None) -> float:
@@ -310,7 +311,7 @@ def _holds_for(proposal: Proposal) -> str | None:
 def _gap_percent(case: Case, proposal: Proposal) -> float:
     """Return the gap at which the proof stopped, of the RMS (else of J)."""
     gap, bound = proposal.gap or 0.0, proposal.plan.bound
-    if bound is None or bound_rms_um(case, proposal.plan) is None or not math.isfinite(gap):
+    if bound is None or bound_rms_um(case, proposal) is None or not math.isfinite(gap):
         return 100 * gap
     low, high = (case.yardstick.rms_of(value) for value in (bound.value, bound.value * (1 + gap)))
     return 100 * (high / low - 1) if low > 0 else math.inf

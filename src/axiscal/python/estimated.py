@@ -4,28 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 
-from axiscal.answers.prediction import pose_and_sides, tcp_normal
+from axiscal.answers.prediction import pose_and_sides, tcp_joint, tcp_normal
 from axiscal.errors.model import ErrorFunction
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import in_detail
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
-from axiscal.estimation.machine_estimate import Band
 from axiscal.estimation.promise.agreement import Agreement
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import deliver, evaluated, write_files
 from axiscal.present.drawing.svg_picture import Figure, alone, axis_style, band, layout, line_trace, picture
 from axiscal.present.summarising import Extras
+from axiscal.python.given import GivenReadings, readings_of
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.units import format_quantity, to_unit
@@ -34,7 +34,6 @@ from axiscal_core import refusals
 from axiscal_core.normal import Normal
 from axiscal_core.places import sided
 from axiscal_core.refusals import Array, finite, one, whole
-from axiscal_core.splines import Spline
 from axiscal_core.units import EITHER, METRES, RADIANS, Quantity, quantities, si
 
 
@@ -73,7 +72,14 @@ _SHOWN = 201
 """Points of a drawn line: more than a page has pixels for its bends."""
 
 
-class Curve:
+class Pair(Normal):
+    """A normal that is, as a pair, its mean and its standard deviation."""
+
+    def __iter__(self) -> Iterator[Array]:
+        return iter((self.mean, self.std))
+
+
+class Curve(own.Curve):
     """A cubic spline of which mean and covariance are known; nothing changes it, reading returns another.
 
     travel : its two ends; std : of its values before any reading; length : over which they are alike, None for
@@ -81,50 +87,28 @@ class Curve:
     raises axiscal_core.InputError
     """
 
+    name, rest, unit, position_unit = "curve", 0.0, "um", "mm"
+
     def __init__(
         self, travel: Sequence[Quantity], std: Quantity, length: Quantity | None = None, knots: int = 7
     ) -> None:
         ends = quantities(travel, "Curve", "travel", (2,), [METRES])
-        self._known = own.Curve(ends, si(std, "Curve", "std", METRES), knots, length)
-        self.name, self.rest, self.unit, self.position_unit = "curve", 0.0, "um", "mm"
-
-    @classmethod
-    def of(
-        cls, name: str, spline: Spline, belief: Belief, rest: float = 0.0, unit: str = "um", position_unit: str = "mm"
-    ) -> Self:
-        """Return a curve that is known already.
-
-        belief : over the spline's control values; rest : std of what no spline follows, m or rad
-        unit, position_unit : in which it is shown
-        """
-        curve = cls.__new__(cls)
-        known = own.Curve.of(spline, Normal(belief.mean, belief.covariance))
-        curve._known, curve.name, curve.rest, curve.unit, curve.position_unit = known, name, rest, unit, position_unit
-        return curve
-
-    @property
-    def spline(self) -> Spline:
-        """The spline."""
-        return self._known.spline
+        super().__init__(ends, si(std, "Curve", "std", METRES), knots, length)
 
     @property
     def belief(self) -> Belief:
         """What is known of its control values."""
-        return Belief(self._known.known.mean, self._known.known.covariance)
+        return Belief(self.known.mean, self.known.covariance)
 
-    def __call__(self, t: Quantity | Sequence[Quantity] | Array) -> Band:
-        """Return mean and standard deviation at positions t within the travel, m or rad: a number, or (m,)."""
-        known = self._known(t)
-        return Band(known.mean, np.hypot(known.std, self.rest))
+    def __call__(self, t: Quantity | Sequence[Quantity] | Array) -> Pair:
+        """Return mean and standard deviation at positions t within the travel, m or rad, (m,)."""
+        found = super().__call__(t)
+        return Pair(found.mean, found.covariance + self.rest**2 * np.eye(len(found.mean)))
 
     @property
     def rms(self) -> float:
         """The root of the mean variance over the travel, rest included (B&H eq. 26), m or rad."""
-        return float(np.hypot(self._known.rms, self.rest))
-
-    def next(self, noise: Quantity) -> float:
-        """Return where a reading lets the mean variance over the travel fall most, exactly (B&H eq. 27), m or rad."""
-        return self._known.next(noise)
+        return float(np.hypot(super().rms, self.rest))
 
     def read(self, t: Quantity, value: Quantity, noise: Quantity) -> Self:
         """Return the curve after a reading at t; raises InputError for one of an estimate, which has its readings.
@@ -132,11 +116,10 @@ class Curve:
         The part that no spline can follow repeats at each place: only a whole estimate keeps it apart.
         """
         if self.rest > 0:
-            raise refusals.InputError(
-                "Curve.read", self.name, "has a rest that readings share", "Give them to `ac.estimate`"
-            )
+            what, remedy = "has a rest that readings share", "Give them to `ac.estimate`"
+            raise refusals.InputError("Curve.read", self.name, what, remedy)
         after = copy(self)
-        after._known = self._known.read(t, value, noise)
+        after.known = super().read(t, value, noise).known
         return after
 
     def plot(self) -> NotebookPicture:
@@ -164,11 +147,8 @@ class Curve:
         return f"<Curve {self.name}: from {low:g} to {high:g} {self.position_unit}, {size}>"
 
 
-class AtPoses(Normal):
-    """Deviations of the tool point, (m, 3) with their covariances (m, 3, 3); as a pair they are mean and std."""
-
-    def __iter__(self) -> Iterator[Array]:
-        return iter((self.mean, self.std))
+Poses: TypeAlias = Mapping[str, Quantity] | Sequence[Sequence[Quantity]] | Array
+"""Coordinates of one pose by axis, or an array (m, q) in the order of the axes."""
 
 
 class UnknownError(refusals.InputError, KeyError):
@@ -181,7 +161,7 @@ class Estimated(Mapping[str, Curve]):
     """What is known of a machine: its errors by name, as curves; all together give its deviation anywhere."""
 
     def __init__(self, case: Case, readings: tuple[Reading, ...]) -> None:
-        self._given = case.description, readings
+        self._given = case, readings
         self.estimation: Estimation = in_detail(case, readings)
 
     @property
@@ -192,10 +172,12 @@ class Estimated(Mapping[str, Curve]):
     @property
     def names(self) -> tuple[str, ...]:
         """The name of every unknown: "EXX[3]", "laser.zero"."""
-        errors, setups = self.estimation.case.errors, self.estimation.case.description.setups
-        counted = ((term.name, range(term.columns.stop - term.columns.start)) for term in errors.terms)
-        own = [f"{setup.name}.{unknown.name}" for setup in setups for unknown in setup.unknowns]
-        return (*(f"{name}[{i}]" for name, each in counted for i in each), *own)
+        observation, own = self.estimation.case.observation, dict[int, str]()
+        counted = ((term.name, range(term.columns.stop - term.columns.start)) for term in observation.errors.terms)
+        for index, setup in enumerate(observation.setups):  # what several set-ups share has the name of the first
+            for column, unknown in zip(observation.unknowns_of(index).tolist(), setup.unknowns, strict=True):
+                own.setdefault(column, f"{setup.name}.{unknown.name}")
+        return (*(f"{name}[{i}]" for name, each in counted for i in each), *(own[column] for column in sorted(own)))
 
     @property
     def mean(self) -> Array:
@@ -210,6 +192,12 @@ class Estimated(Mapping[str, Curve]):
     @property
     def _belief(self) -> Belief:
         return self.estimation.printed.belief
+
+    def read(self, readings: GivenReadings) -> Estimated:
+        """Return what is known after more readings: all of them are estimated anew."""
+        case, before = self._given
+        described, more = readings_of(readings, case.description, "Estimated.read", "readings")
+        return Estimated(case if described is case.description else replace(case, description=described), before + more)
 
     def sample(self, count: int, seed: int = 0) -> Array:
         """Return machines that fit the readings, (count, n)."""
@@ -258,7 +246,9 @@ class Estimated(Mapping[str, Curve]):
         mean, factor = known.mean[function.columns], known.factor[function.columns]
         unit = "urad" if function.angular else "um"
         at = self.machine.axes[function.axis].unit
-        return Curve.of(name, function.basis, Belief(mean, factor @ factor.T), function.rest, unit, at)
+        curve = Curve.of(function.basis, Normal(mean, factor @ factor.T))
+        curve.name, curve.rest, curve.unit, curve.position_unit = name, function.rest, unit, at
+        return curve
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.estimation.case.errors.names)
@@ -266,17 +256,16 @@ class Estimated(Mapping[str, Curve]):
     def __len__(self) -> int:
         return len(self.estimation.case.errors.functions)
 
-    def deviation(
-        self, *poses: Mapping[str, Quantity] | Sequence[Sequence[Quantity]] | Array,
-        approach: Mapping[str, int] | None = None,
-    ) -> AtPoses:  # fmt: skip
+    def deviation(self, *poses: Poses, approach: Mapping[str, int] | None = None, joint: bool = False) -> Pair:
         """Return the deviation of the tool point in the workpiece frame.
 
         poses : coordinates by axis, m or rad or text, where one that is left out stands in the middle of its travel; or
             an array (m, q) in the order of the axes
         approach : +1 or −1 by axis, from which side it comes; raises ReadingError outside the travel
+        joint : of all poses at once instead, mean (3 m,) and covariance (3 m, 3 m)
         """
         where = "Estimated.deviation"
+        one(where, "joint", joint, bool, "True or False")
         axes = {axis.name: RADIANS if axis.rotary else METRES for axis in self.machine.axes}
         sided_by = one(where, "approach", {} if approach is None else approach, Mapping, '{"X": 1}')
         finite(where, "approach", [*sided_by.values()], (None,))
@@ -289,7 +278,8 @@ class Estimated(Mapping[str, Curve]):
                 position = {name: si(at, where, name, axes.get(name, EITHER)) for name, at in pose.items()}
                 found.append(pose_and_sides(self.machine, position, sided_by))
         at, sides = np.array(found).reshape(-1, 2, len(axes)).transpose(1, 0, 2)
-        return AtPoses(**vars(tcp_normal(self.estimation, at, sided(where, sides, sides.shape))))
+        came = sided(where, sides, sides.shape)
+        return Pair(**vars((tcp_joint if joint else tcp_normal)(self.estimation, at, came)))
 
     def export(self, controller: str, folder: str | Path) -> list[Path]:
         """Write the files of a controller with their README.txt and return them; raises InputError, OSError."""
@@ -307,7 +297,7 @@ class Estimated(Mapping[str, Curve]):
         one("Estimated.report", "folder", folder, (str, Path), 'such as "report"')
         if not self._given[1]:
             raise refusals.InputError("Estimated.report", "readings", "are none", "Estimate a machine from readings")
-        with evaluated(*self._given) as campaign:
+        with evaluated(self._given[0].description, self._given[1]) as campaign:
             deliver(campaign, campaign.estimate(ended=True), Path(folder), Extras())
         return Path(folder) / "report.pdf"
 

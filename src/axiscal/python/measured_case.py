@@ -1,12 +1,9 @@
-"""A machine and the set-ups to measure on it, in Python, without a file on disk.
-
-Set-ups have the keys of campaign.toml, whose quantities are texts with their units. Places and readings are those of
-the core, in arrays; a table of readings has the columns of a file of readings.
-"""
+"""A machine and the set-ups to measure on it, in Python, without a file on disk: planned, judged and estimated."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -18,32 +15,35 @@ from axiscal.campaign.beginning import campaign_with_sisters
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.document.quoting import toml_value
 from axiscal.estimation.accuracy.expanded import expanded
+from axiscal.estimation.accuracy.yardstick import Root, joint_root
 from axiscal.estimation.case import Case as Mathematics
 from axiscal.estimation.case import timed
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.located import absorbed
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.exceptions import DescriptionError
+from axiscal.exceptions import DescriptionError, InputError, PlanError, TargetError
 from axiscal.machine.description import Machine
 from axiscal.measurement.instrument import scales_of
-from axiscal.measurement.instruments.written import name_of
 from axiscal.measurement.reading import Reading, approach_text, place_text
 from axiscal.measurement.reading_rows import blank_readings, rows_at, shown_by_each, visited
+from axiscal.planning.enough import reached_by
 from axiscal.planning.next_readings import CANDIDATES, placed, posed
 from axiscal.planning.other_readings import columns_of
 from axiscal.planning.plan.plan import judged
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import foreseen
-from axiscal.planning.proposal import Proposal, SoFar, proposed
+from axiscal.planning.proposal import OwnCriterion, Proposal, SoFar, proposed, refuse_endless, refuse_out_of_reach
 from axiscal.present.drawing.svg_picture import axis_style, layout, line_trace
 from axiscal.present.plan_answer import PlanAnswer, plan_answer
 from axiscal.present.plan_words import bound_sentence
+from axiscal.python import given
 from axiscal.python.estimated import HEIGHT, LINE, Estimated, NotebookPicture, html_table
-from axiscal.python.given import GivenPlaces, GivenReadings, PlannedPlaces, places_of, readings_of
+from axiscal.python.given import GivenPlaces, GivenReadings, PlannedPlaces, SetupKeys, places_of, readings_of
 from axiscal.units import format_quantity, from_unit, to_unit
 from axiscal_core import refusals
 from axiscal_core.case import Case as OwnCase
+from axiscal_core.criterion import Criterion, goal
 from axiscal_core.instrument import Instrument
 from axiscal_core.machine import Machine as OwnMachine
 from axiscal_core.normal import Normal
@@ -53,44 +53,14 @@ from axiscal_core.refusals import Array, finite, listed, one, spread, whole, wit
 from axiscal_core.threads import one_thread
 from axiscal_core.units import METRES, Quantity, in_minutes, si
 
-SetupKeys = Mapping[str, Any]
-"""A set-up before it stands on a machine: the keys of a [[setups]] table of campaign.toml."""
 
-
-def setup(
-    instrument: str | type[Instrument],
-    direction: str | Sequence[float] | None = None,
-    *,
-    moves: Sequence[str] | None = None,
-    name: str | None = None,
-    **keys: Any,
-) -> SetupKeys:
-    """Return a set-up with the instrument's usual noise, unknowns and times.
-
-    instrument : its name, or a class derived from `axiscal_core.Instrument`
-    direction : "x", "-y" or a vector, for instruments that read along or about one; moves : axes, default all
-    keys : of campaign.toml, quantities as text: noise="0.3 um", approach="both", park={"Y": "250 mm"}
-    """
-    one("setup", "instrument", instrument, (str, type), '"interferometer", or a class of your own')
-    one("setup", "moves", moves or (), Sequence, 'such as ["X", "Y"]')
-    if isinstance(instrument, type):
-        name, instrument = name or instrument.__name__.lower(), name_of(instrument)
-    usual = " ".join([instrument, *([direction] if isinstance(direction, str) else []), *(moves or ())])
-    stated = {"name": name or usual, "instrument": instrument, "direction": direction, "moves": moves, **keys}
-    return {key: value for key, value in stated.items() if value is not None}
-
-
-def _mounted(instrument: Instrument) -> SetupKeys:
-    """Return the set-up of an instrument that is mounted already, with its noise, unknowns and times."""
-    made = type(instrument)
-
-    def as_mounted(own: Instrument, *_: object) -> None:
-        own.__dict__.update(instrument.__dict__)
-
-    title = f"{made.__qualname__} {instrument.name}"
-    own = {"__init__": as_mounted, "__qualname__": title, "__module__": made.__module__}
-    name = name_of(type(made.__name__, (made,), own))
-    return {"name": instrument.name, "instrument": name, "moves": [*instrument.moves]}
+@contextmanager
+def _placed(where: str) -> Iterator[None]:
+    """Say in which call a plan, or a target, makes no sense."""
+    try:
+        yield
+    except (PlanError, TargetError) as fault:
+        raise fault.placed(where) from None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -100,6 +70,17 @@ class PlanResult:
     case: Mathematics
     proposal: Proposal
     answer: PlanAnswer
+    before: Sequence[Reading]
+
+    @property
+    def J(self) -> float:  # noqa: N802 (the paper's letter)
+        """What the criterion is after the last reading."""
+        return self.proposal.plan.value
+
+    @property
+    def U(self) -> float:  # noqa: N802 (the field's letter)
+        """Expanded uncertainty over the volume after the last reading, m, causes of type B among it."""
+        return expanded(self.case.yardstick, foreseen(self.case, self.before, [*self.places]).belief).space
 
     @property
     def rms(self) -> float:
@@ -191,17 +172,19 @@ class Case:
         one("Case", "machine", machine, Machine, 'load_machine("dmu60")')
         assert isinstance(machine, Machine), "the case of any other is the core's"
         scales = "estimate" if one("Case", "learn", learn, bool, "True or False") else "stated"
-        every = [_mounted(each) if isinstance(each, Instrument) else each for each in listed("Case", "setups", setups)]
+        every = [given.mounted(s) if isinstance(s, Instrument) else s for s in listed("Case", "setups", setups)]
         for each in every:
             one("Case", "setups", each, Mapping, 'setup("interferometer", "x"), or an instrument')
         how = {"machine": machine.name, "scales": scales, "usual": usual, **({} if sure is None else {"sure": sure})}
         keys = {**how, "target": {} if target is None else target, "setups": every}
         try:
             text = "".join(f"{key} = {toml_value(value)}\n" for key, value in keys.items())
+            described = campaign_from_texts(text, "Case", machine.text, machine.name, fine_knots=machine.fine_knots)
         except TypeError as fault:
             what, remedy = "a set-up cannot be written ({fault})", "Give texts, numbers, lists and mappings"
             raise DescriptionError(what, remedy, fault=fault) from fault
-        described = campaign_from_texts(text, "the case", machine.text, machine.name, fine_knots=machine.fine_knots)
+        except InputError as fault:
+            raise given.of_objects(fault, [str(each.get("name", "")) for each in every]) from None
         self.description, self.inner = described, case_of(described)
 
     @classmethod
@@ -216,48 +199,80 @@ class Case:
         self,
         readings: int | None = None,
         *,
-        rms: Quantity | None = None,
         minutes: Quantity | None = None,
+        rms: Quantity | None = None,
+        criterion: Criterion | None = None,
         candidates: GivenPlaces | int = CANDIDATES,
         after: GivenReadings | Places | Estimated | None = None,
+        keep: GivenPlaces | None = None,
     ) -> PlanResult:
         """Return the readings that serve best together, with what no plan can beat.
 
-        At least one of them ends it: so many readings, an RMS over the volume reached, so many minutes.
+        At least one of the first three ends it: so many readings, so many minutes, an RMS over the volume reached.
+        criterion : what is made small, the target's if not said: "volume", "joint", or V (w, n) of the unknowns in the
+            order of `Estimated.names`; a function of their covariance judges places alone, see `evaluate`
         candidates : how many even places are tried, or the places where readings may be taken
-        after : readings that are there already, or places of such
-        raises PlanError, axiscal_core.InputError
+        after : readings that are there already, or places of such; keep : places that are among those of the plan
+        raises PlanError, TargetError, axiscal_core.InputError
         """
         where = "Case.plan"
+        if readings is None and minutes is None and rms is None:
+            raise refusals.InputError(where, "readings", "is not said, nor minutes, nor rms", "Say when the plan ends")
         count = None if readings is None else whole(where, "readings", readings, 1)
         wanted = None if rms is None else within(where, "rms", si(rms, where, "rms", METRES), 0.0, open_end=True)
         seconds = None if minutes is None else 60.0 * in_minutes(minutes, where, "minutes")
         limits = Limits(count, wanted, None, seconds)
         case, so_far = self._after(after, where)
+        own = self._criterion(case, criterion, where)
         if isinstance(candidates, int | float):
             lattice: Any = whole(where, "candidates", candidates, 1)
-        else:
-            lattice = columns_of(case, places_of(candidates, self.description, where, "candidates"))
-        proposal = proposed(case, limits, lattice, bounded=True, so_far=so_far)
-        return PlanResult(case, proposal, plan_answer(case, proposal, limits, before=so_far.readings))
+        elif not len(lattice := columns_of(case, places_of(candidates, self.description, where, "candidates"))):
+            raise refusals.InputError(where, "candidates", "are none", "Give one place or more")
+        kept = () if keep is None else places_of(keep, self.description, where, "keep")
+        if count is not None and len(kept) > count:
+            raise refusals.InputError(where, "keep", f"holds {len(kept)} places of {count} readings", "Keep no more")
+        with _placed(where):
+            refuse_endless(case, limits, lattice if isinstance(lattice, int) else len(lattice))
+            refuse_out_of_reach(case, limits)
+            proposal = proposed(case, limits, lattice, True, so_far, own, kept)
+        found = PlanResult(case, proposal, plan_answer(case, proposal, limits, before=so_far.readings), so_far.readings)
+        if wanted and count is seconds is None and not reached_by(case, limits, [*found.places], so_far.readings):
+            what = f"= {wanted:g} is not reached: {len(found)} readings leave {found.rms:.3g}"
+            raise refusals.InputError(where, "rms", what, "Ask for a larger one, or for readings or minutes")
+        return found
 
-    def next(self, after: GivenReadings | Places | Estimated | None = None) -> Places:
+    def next(
+        self, after: GivenReadings | Places | Estimated | None = None, criterion: Criterion | None = None
+    ) -> Places:
         """Return the one reading that serves most."""
         case, so_far = self._after(after, "Case.next")
-        (place,) = placed(case, proposed(case, Limits(1), so_far=so_far).plan)
+        own = self._criterion(case, criterion, "Case.next")
+        with _placed("Case.next"):
+            (place,) = placed(case, proposed(case, Limits(1), so_far=so_far, criterion=own).plan)
         return Places(place.setup, [place.pose], [place.approach])
 
     @one_thread()
-    def evaluate(self, places: GivenPlaces, after: GivenReadings | Places | Estimated | None = None) -> Evaluation:
+    def evaluate(
+        self,
+        places: GivenPlaces,
+        after: GivenReadings | Places | Estimated | None = None,
+        criterion: Criterion | None = None,
+    ) -> Evaluation:
         """Return what readings at places, in this order, would make known, and the J that no others can beat."""
         where = "Case.evaluate"
         case, so_far = self._after(after, where)
-        coming = places_of(places, self.description, where, "places")
-        task = posed(case, so_far.knowledge, readings=so_far.readings)
-        plan = judged(task, Limits(len(coming)), columns_of(case, coming))
+        coming, function = places_of(places, self.description, where, "places"), callable(criterion)
+        own, columns = None if function else self._criterion(case, criterion, where), columns_of(case, coming)
+        with _placed(where):
+            task = posed(case, so_far.knowledge, readings=so_far.readings)
+        task = task if own is None else replace(task, root=own.root)
+        plan = judged(task, Limits(len(coming)), columns, bounded=not function)
         known = expanded(case.yardstick, foreseen(case, so_far.readings, coming).belief)
-        bound = None if plan.bound is None else float(plan.bound.value)
-        return Evaluation(plan.value, plan.accuracy.rms, known.space, to_unit(plan.seconds, "min"), bound)
+        value, bound = plan.value, None if plan.bound is None else float(plan.bound.value)
+        if callable(criterion):
+            left = task.state.after_readings(columns).factor[: case.observation.size]
+            value = goal(criterion, case.observation.size, {}, where).value(left @ left.T)
+        return Evaluation(value, plan.accuracy.rms, known.space, to_unit(plan.seconds, "min"), bound)
 
     def estimate(self, readings: GivenReadings) -> Estimated:
         """Return what readings make known; raises InputError with file, line, value and remedy."""
@@ -290,14 +305,25 @@ class Case:
         scales = np.concatenate([scales_of(self.description.setup(place.setup)) for place in coming])
         return Normal(exact / scales, (root @ root.T + np.diag(variances)) / np.outer(scales, scales))
 
+    def _criterion(self, case: Mathematics, criterion: Criterion | None, where: str) -> OwnCriterion | None:
+        """Return a criterion that is not the target's; None where none is said."""
+        if criterion is None:
+            return None
+        words = {"volume": lambda: case.yardstick.root.matrix, "joint": lambda: joint_root(case.errors).matrix}
+        found = goal(criterion, case.observation.size, words, where)
+        if found.function is not None:
+            what, remedy = "is a function, which judges places and plans none here", "Give V, or a Machine of your own"
+            raise refusals.InputError(where, "criterion", what, remedy)
+        return OwnCriterion(criterion if isinstance(criterion, str) else "V", Root(found.root))
+
     def _after(self, after: GivenReadings | Places | Estimated | None, where: str) -> tuple[Mathematics, SoFar]:
         """Return the case as readings leave it, and what they make known; places are read at sizes as stated."""
         if after is None:
             return self.inner, SoFar(self.inner.knowledge)
         if isinstance(after, Places):
             blank = blank_readings(self.description.setups, places_of(after, self.description, where, "after"))
-            taken = timed(self.inner, blank).readings
-            return self.inner, SoFar(absorbed(self.inner, taken).knowledge, taken)
+            # J leaves out how zeros wander: what is known here has no time, as that of the plan's own readings
+            return self.inner, SoFar(absorbed(self.inner, blank).knowledge, timed(self.inner, blank).readings)
         known = after.estimation if isinstance(after, Estimated) else estimated(*self._taken(after, where, "after"))
         if known.case.description.machine.axes != self.description.machine.axes:
             what, remedy = "is an estimate of another machine", "Estimate readings of this one"

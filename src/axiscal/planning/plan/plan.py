@@ -185,7 +185,7 @@ class Plan:
     places : from the sides from which the machine comes to them; readings : what each of them leaves
     value : J after the last; before : the accuracy now
     bound : what no plan can beat, None if it was not asked for; candidates : size of the lattice it holds for, else 0
-    checks : indices of readings that were drawn at random
+    checks, kept : indices of readings that were drawn at random, and of those that are taken anyway
     """
 
     places: Places
@@ -195,6 +195,7 @@ class Plan:
     bound: Bound | None
     candidates: int
     checks: frozenset[int] = frozenset()
+    kept: frozenset[int] = frozenset()
 
     @property
     def accuracy(self) -> Accuracy:
