@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from axiscal_core.criterion import Criterion
@@ -62,7 +61,7 @@ class Case(Model):
         """
         if isinstance(readings, Readings):
             return estimated(self, readings)
-        if isinstance(readings, str | list | tuple | np.ndarray | Places) or not hasattr(readings, "__getitem__"):
+        if not isinstance(readings, Mapping) and not hasattr(readings, "columns"):
             raise InputError("Case.estimate", "readings", f"= {readings!r} are none", "Give Readings, or a table")
         return estimated(self, self.readings(readings))
 

@@ -57,7 +57,7 @@ class Curve:
 
     def __call__(self, t: Quantity | Sequence[Quantity] | Array) -> Normal:
         """Return what is known at positions t (eq. 18, 20): a normal over them, (m,)."""
-        at = quantities([t] if np.ndim(t) == 0 else t, "Curve", "t", (None,), posed=True)
+        at = quantities([t] if isinstance(t, str) or np.isscalar(t) else t, "Curve", "t", (None,), posed=True)
         self._refuse_outside("Curve", at)
         return self.known.through(self.spline.rows(at))
 

@@ -17,7 +17,7 @@ from typing import Literal, Protocol, cast
 import numpy as np
 
 from axiscal_core.axes import Axis
-from axiscal_core.refusals import Array, InputError, computed, finite, named, one_of, spread, whole, within
+from axiscal_core.refusals import Array, InputError, computed, finite, listed, named, one_of, spread, whole, within
 from axiscal_core.splines import (
     Constant,
     CyclicSpline,
@@ -281,7 +281,8 @@ class Plane:
         lengths: Sequence[Quantity],
         knots: Sequence[int] = (5, 5),
     ) -> None:
-        if len(axes) != 2 or not all(isinstance(axis, Axis) for axis in axes) or len(knots) != 2:
+        counts = listed("Plane", "knots", knots)
+        if [len(listed("Plane", "axes", axes)), len(counts)] != [2, 2] or not all(isinstance(a, Axis) for a in axes):
             raise InputError("Plane", "axes", "or knots are not two", "Give two axes, and two counts")
         if not re.fullmatch(r"E[XYZABC].+", name) or name[2:] != "".join(axis.name for axis in axes):
             raise InputError("Plane", "name", f"= {name!r} does not name both axes", "EZXY is z over X and Y")
@@ -289,7 +290,7 @@ class Plane:
         self.component = COMPONENTS.index(name[1])
         size = si(std, "Plane", "std", RADIANS if self.component >= 3 else METRES)
         self.std = within("Plane", "std", size, 0.0)
-        each = zip(axes, knots, strict=True)
+        each = zip(axes, counts, strict=True)
         self.splines = [
             NaturalSpline(even_knots(*axis.travel, whole("Plane", "knots", count, 2))) for axis, count in each
         ]

@@ -110,9 +110,10 @@ class Instrument:
     def __init__(self, name: str, moves: str | Sequence[str], **mounting: Unpack[Mounting]) -> None:
         where = type(self).__name__
         self.name = named(where, "name", name)
-        if not isinstance(moves, Sequence):
+        axes = re.findall(r"[A-Za-z]\d*", moves) if isinstance(moves, str) else moves
+        if not isinstance(axes, Sequence) or not all(isinstance(axis, str) for axis in axes):
             raise InputError(where, "moves", f"= {moves!r} names no axis", 'Give "XY", or a list')
-        self.moves = tuple(re.findall(r"[A-Za-z]\d*", moves) if isinstance(moves, str) else moves)
+        self.moves = tuple(axes)
         each_once(where, "moves", self.moves)
         for field, value in mounting.items():
             setattr(self, one_of(where, "mounting", field, [*Mounting.__annotations__]), value)

@@ -12,7 +12,7 @@ array([2.8e-06])
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -89,19 +89,14 @@ class Known:
         return self.normal.sample(whole("Known.sample", "count", count, 1), whole("Known.sample", "seed", seed, 0))
 
     def read(self, readings: Readings) -> Known:
-        """Return what is known after more readings: all of them estimated anew, or after what `of` was given eq. 31-33.
-
-        That knows no sizes but those that are stated, and no cells that were read before.
-        """
+        """Return what is known after more readings: all estimated anew, after a belief alone by eq. 31-33."""
         values = self.case.values(readings, "Known.read")
         if self.again is not None:
             return self.again(readings)
         n = self.case.numbers(readings, self.mean)
         noise = self.case.shared(n, n) + np.diag(n.noise**2) + n.type_b @ n.type_b.T
         found = Normal(self.mean, self.covariance).read(n.rows, values - n.shown + n.rows @ self.mean, noise)
-        return replace(
-            self, mean=found.mean, alone=found.covariance, moved=np.zeros((self.case.size, 0, 1)), shares=np.ones(1)
-        )
+        return Known.of(self.case, found.mean, found.covariance)
 
     def deviation(
         self, poses: Sequence[Sequence[Quantity]] | Array, joint: bool = False,
@@ -113,6 +108,7 @@ class Known:
         sides : (m, q), from where axes came
         Rests count as before any reading: what was learnt of a cell is not used elsewhere.
         """
+        one("Known.deviation", "joint", joint, bool, "True or False")
         at = self.case.machine.poses(poses, "Known.deviation")
         came = None if sides is None else sided("Known.deviation", sides, at.shape)
         machine = self.case.machine

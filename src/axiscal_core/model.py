@@ -20,7 +20,7 @@ from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
 from axiscal_core.places import Places, Readings
 from axiscal_core.points import even_points
-from axiscal_core.refusals import Array, InputError, each_once, listed, one, one_of, whole
+from axiscal_core.refusals import Array, InputError, each_once, finite, listed, one, one_of, whole
 from axiscal_core.theta import SURE, Sure
 from axiscal_core.units import EITHER, SECONDS, Of, quantities, si
 
@@ -177,7 +177,7 @@ class Model:
 
     def shows(self, places: Places, x: Array) -> Normal:
         """Return what readings show of unknowns x (size,), nothing linearised, with noise and rests."""
-        n = self.numbers(self.checked(places, "Case.shows"), x)
+        n = self.numbers(self.checked(places, "Case.shows"), finite("Case.shows", "x", x, (self.size,)))
         return Normal(n.shown, self.shared(n, n) + np.diag(n.noise**2))
 
     def values(self, readings: Readings, function: str) -> Array:
@@ -218,10 +218,10 @@ class Model:
         if missing:
             known = ", ".join(("instrument", *self.machine.names))
             raise InputError("Case.readings", "table", f"has no column {missing[0]!r}", f"It needs {known}")
-        names = [str(name) for name in table["instrument"]]
+        names = [str(name) for name in np.ravel(np.array(table["instrument"], dtype=object))]
 
         def given(name: str) -> list[object]:
-            found = [*table[name]]
+            found = np.ravel(np.array(table[name], dtype=object)).tolist()
             if len(found) != len(names):
                 what = f"has {len(found)} values of {len(names)} readings"
                 raise InputError("Case.readings", name, what, "Give one for each")

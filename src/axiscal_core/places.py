@@ -67,7 +67,10 @@ class Places:
 
     def at(self, which: Sequence[int] | np.ndarray) -> Places:
         """Return some of them."""
-        chosen = np.arange(len(self))[which if isinstance(which, np.ndarray) else [*which]]
+        try:
+            chosen = np.arange(len(self))[which if isinstance(which, np.ndarray) else [*which]]
+        except (IndexError, TypeError):
+            raise InputError("Places.at", "which", f"= {which!r} are not there", f"There are {len(self)}") from None
         return Places([self.instruments[i] for i in chosen], self.given[chosen], self.sides[chosen])
 
     def __add__(self, other: Places) -> Places:

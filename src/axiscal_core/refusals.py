@@ -96,10 +96,11 @@ def within(function: str, argument: str, value: float, least: float, open_end: b
 
 def finite(function: str, argument: str, values: object, shape: tuple[int | None, ...], posed: bool = False) -> Array:
     """Return finite numbers as an array of a shape; None is any length.  posed : the first index is of poses"""
-    lengths = [str(each or name) for name, each in zip("mnk", shape, strict=False)]
-    wanted = f"({', '.join(lengths)}{',' * (len(shape) == 1)})"
+    sides = tuple(name if each is None else each for name, each in zip("mnk", shape, strict=False))
+    wanted = str(sides).replace("'", "")
     try:
-        result = np.array(values, dtype=np.float64)
+        given = np.asarray(values)
+        result = np.array(given if given.dtype.kind != "c" else "complex", dtype=np.float64)
     except (TypeError, ValueError):
         raise InputError(function, argument, "is no array of numbers", f"Give numbers of shape {wanted}") from None
     fits = result.ndim == len(shape) and all(n in (None, m) for n, m in zip(shape, result.shape, strict=True))

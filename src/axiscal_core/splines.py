@@ -17,9 +17,10 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from axiscal_core.refusals import Array, InputError, within
+from axiscal_core.refusals import Array, InputError, finite, within
 
 _WHERE, _REMEDY = "Spline", "Give finite numbers that increase"
+_MOST_KNOTS = 5000  # of memory: S'' has their square
 
 
 class Spline(Protocol):
@@ -252,9 +253,7 @@ class Constant(Integrated):
 
 def even_knots(start: float, stop: float, n: int) -> Array:
     """Return `n` evenly spaced knots from `start` to `stop`, (n,). Raises InputError."""
-    if n < 2:
-        raise InputError("even_knots", "n", f"= {n} is too few", "Give 2 or more")
-    return _checked_knots(np.linspace(start, stop, n), 2)
+    return _checked_knots(np.linspace(start, stop, min(max(n, 0), _MOST_KNOTS + 1)), 2)
 
 
 def spacing_limit(width: float, curvature: float) -> float:
@@ -304,11 +303,9 @@ def _fill(
 
 def _checked_knots(knots: ArrayLike, fewest: int) -> Array:
     """Return the knots as a read-only copy. Raises InputError."""
-    checked = np.array(knots, dtype=np.float64)
-    if checked.ndim != 1 or len(checked) < fewest:
-        raise InputError(_WHERE, "knots", f"have the shape {checked.shape}", f"Give at least {fewest} in a row")
-    if not np.isfinite(checked).all():
-        raise InputError(_WHERE, "knots", "hold a value that is no number", _REMEDY)
+    checked = finite(_WHERE, "knots", knots, (None,))
+    if not fewest <= len(checked) <= _MOST_KNOTS:
+        raise InputError(_WHERE, "knots", f"are {len(checked)}", f"Give {fewest} to {_MOST_KNOTS}")
     if not (checked[1:] > checked[:-1]).all():
         first = int(np.argmin(checked[1:] > checked[:-1]))
         what = f"go from {checked[first]:g} to {checked[first + 1]:g}"
@@ -319,7 +316,10 @@ def _checked_knots(knots: ArrayLike, fewest: int) -> Array:
 
 def _checked_positions(t: ArrayLike, derivative: int) -> Array:
     """Return the positions as a vector. Raises InputError."""
-    position = np.atleast_1d(np.asarray(t, dtype=np.float64))
+    try:
+        position = np.atleast_1d(np.asarray(t, dtype=np.float64))
+    except (TypeError, ValueError):
+        position = finite(_WHERE, "t", t, (None,))
     if position.ndim != 1 or not np.isfinite(position).all():
         raise InputError(_WHERE, "t", f"has the shape {position.shape}, or no number", "Give finite ones in a row")
     if derivative not in (0, 1, 2, 3):

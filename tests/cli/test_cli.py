@@ -114,7 +114,7 @@ for number, line in enumerate(sys.stdin, 1):
 def spawned(folder: Path, *words: str) -> subprocess.Popen[str]:
     environment = os.environ | {"PYTHONIOENCODING": "utf-8"}
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    command = [sys.executable, "-m", "axiscal.cli", *words]
+    command = [sys.executable, "-m", "axiscal", *words]
     return subprocess.Popen(command, cwd=folder, env=environment, text=True, **pipes)  # type: ignore[call-overload,no-any-return]
 
 

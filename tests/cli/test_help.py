@@ -99,7 +99,7 @@ def test_it_completes(tmp_path: Path, typed: str, offered: list[str]) -> None:
         (tmp_path / name).touch()
     asking = {"_AXISCAL_COMPLETE": "complete_bash", "COMP_WORDS": typed, "COMP_CWORD": str(len(typed.split(" ")) - 1)}
     done = subprocess.run(
-        [sys.executable, "-m", "axiscal.cli"],
+        [sys.executable, "-m", "axiscal"],
         cwd=tmp_path,
         env={**os.environ, **asking},
         capture_output=True,

@@ -39,7 +39,7 @@ class Terminal:
             os.chdir(folder)
             signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where the tests run in the background
             signal.signal(signal.SIGHUP, signal.SIG_DFL)  # and this one where they outlive a terminal
-            words = [sys.executable, "-m", "axiscal.cli", "measure", *arguments]
+            words = [sys.executable, "-m", "axiscal", "measure", *arguments]
             os.execvpe(sys.executable, words, {**os.environ, "TERM": "dumb", "AXISCAL_LANGUAGE": "en"})
 
     def until(self, prompt: str) -> str:

@@ -187,7 +187,9 @@ def test_instruments_of_the_core_read_a_machine_that_is_built_in() -> None:
     ours = ac.setup("interferometer", "x", moves=["X"], approach="both", noise="0.5 um", unknowns={"zero": "2 mm"})
     there = [ac.Places(name, LINE.poses, LINE.sides) for name in ("laser", "interferometer x X")]
     theirs = ac.Case(machine, [{**ours, "park": {"Y": "100 mm"}}])
-    assert pytest.approx(theirs.evaluate(there[1]).J, rel=1e-12, abs=0) == ac.Case(machine, [laser]).evaluate(there[0]).J
+    assert (
+        pytest.approx(theirs.evaluate(there[1]).J, rel=1e-12, abs=0) == ac.Case(machine, [laser]).evaluate(there[0]).J
+    )
 
 
 def test_a_machine_made_in_python_has_the_case_of_the_core() -> None:

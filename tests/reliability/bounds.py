@@ -68,7 +68,7 @@ def _gigabytes(readings: int, setups: int) -> float:
     with scratch() as top:
         (top / "readings.csv").write_text(rows_of("setup,X_mm,approach,value_um", rows))
         words = ("data", "estimate", _campaign(top, setups), top / "readings.csv", "--out", top / "out")
-        command = [sys.executable, "-m", "axiscal.cli", *map(str, words)]
+        command = [sys.executable, "-m", "axiscal", *map(str, words)]
         with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
             _, status, spent = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)

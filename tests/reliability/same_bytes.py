@@ -116,7 +116,7 @@ def _played(campaign: Given, place: Surroundings) -> Mapping[str, str]:
         shutil.copytree(campaign.folder, folder)
         answers = {}
         for number, command in enumerate(campaign.commands):
-            words = [place.python, "-m", "axiscal.cli", *command.words]
+            words = [place.python, "-m", "axiscal", *command.words]
             run = subprocess.run(words, cwd=folder, env=env, capture_output=True, encoding="utf-8", check=False)
             answers[f"answer {number}"] = _SPENT.sub("<spent>", f"{run.returncode}{run.stdout}{run.stderr}")
         return answers | dict(_files(folder))

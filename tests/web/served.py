@@ -111,7 +111,7 @@ def served(record: Path, *options: str) -> Iterator[Served]:
     It then ends by Ctrl-C with status 0.
     """
     starts = record.is_dir()
-    command = [sys.executable, "-m", "axiscal.cli", "serve", *([] if starts else [str(record)]), *options]
+    command = [sys.executable, "-m", "axiscal", "serve", *([] if starts else [str(record)]), *options]
     english = {**os.environ, "AXISCAL_LANGUAGE": "en"}
     process = subprocess.Popen(
         command,

@@ -60,6 +60,7 @@ from axiscal.record.events import (
     Undone,
 )
 from axiscal.record.log import EventLog, SignedUntil, signed_until
+from axiscal_core.refusals import one
 
 Planner = Callable[
     [Case, Knowledge, Sequence[Reading], Sequence[Doubt], Sequence[Gap], Sequence[Place]], tuple[Place, ...]
@@ -92,12 +93,13 @@ class Campaign(Closing):
     @classmethod
     def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = _next_places) -> Self:
         """Return a new campaign, recorded at `path`; raises RecordError if something is there already."""
+        one("Campaign.create", "path", path, (str, Path), '"mill.axiscal"')
         return cls(created_log(path, beginning_of(description)), description, planner)
 
     @classmethod
     def open(cls, path: str | Path, planner: Planner = _next_places, *, write: bool = True) -> Self:
         """Return the campaign recorded at `path`; raises RecordError if that is no record."""
-        record = opened_log(path, write=write)
+        record = opened_log(one("Campaign.open", "path", path, (str, Path), '"mill.axiscal"'), write=write)
         try:
             return cls(record, described(record), planner)
         except BaseException:

@@ -27,6 +27,7 @@ from axiscal.record.events import Asked, Created, Event, Mounted, Noted, Planned
 from axiscal.record.log import EventLog
 from axiscal.record.store import restoring
 from axiscal.units import format_quantity, parse_quantity, within
+from axiscal_core.refusals import one
 
 LONGEST_TEXT = 2000
 """Characters of a note or a reason that a person types; a matter of taste."""
@@ -61,6 +62,7 @@ def described(record: EventLog) -> CampaignDescription:
 
 def beginning_of(description: CampaignDescription) -> Created:
     """Return the event with which a campaign of a description begins; raises DescriptionError where it cannot."""
+    one("Campaign.create", "description", description, CampaignDescription, 'read_campaign("campaign.toml")')
     refuse_unmade(Case(description))
     texts = description.machine.text, description.text, description.machine_source, description.source
     held = description.usual_doubts, description.machine.fine_knots

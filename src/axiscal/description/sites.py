@@ -334,6 +334,12 @@ class SiteReader(Stated[SetupTable]):
             if index in moves:
                 what = "{axis} is parked, but it is one of the axes that move"
                 raise self.misstated(("park", name), what, "Take it out here, or take {axis} out of moves", axis=name)
+            axis = self.around.machine.axes[index]
+            if not axis.travel[0] <= place <= axis.travel[1]:
+                what, at = '"{text}" is outside the travel of {axis}', format_quantity(place, axis.unit)
+                raise self.misstated(
+                    ("park", name), what, "It goes from {travel}", text=at, axis=name, travel=axis.travel_text
+                )
             places[index] = place
         return tuple(places)
 

@@ -74,8 +74,11 @@ class Belief:
     degrees: float
 
     def __init__(self, mean: ArrayLike, covariance: ArrayLike, degrees: float = math.inf) -> None:
-        centre = np.array(mean, dtype=float)
-        root = gaussian.root_of(np.asarray(covariance, dtype=float))
+        try:
+            centre, wide = np.array(mean, dtype=float), np.asarray(covariance, dtype=float)
+        except (TypeError, ValueError) as fault:
+            raise ShapeError(f"Mean or covariance is no array of numbers: {fault}.") from None
+        root = gaussian.root_of(wide)
         if centre.shape != root.shape[:1] or not np.all(np.isfinite(centre)):
             raise ShapeError(f"The mean has shape {centre.shape}; the covariance asks for ({len(root)},).")
         _fill(self, centre, root, degrees)

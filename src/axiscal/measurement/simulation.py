@@ -257,8 +257,9 @@ class Simulator:
 
         path : the file that they are from.  Raises ReadingError for a curve of another machine.
         """
-        names = {axis.name for axis in self.machine.axes}
-        for name in curves:
+        names, where = {axis.name for axis in self.machine.axes}, "Simulator.with_curves"
+        whole(where, "seed", seed, 0)
+        for name in one(where, "curves", curves, Mapping, '{"EXX": TruthCurve(…)}'):
             axis = parse_error_name(name).axis
             if axis not in names:
                 what = '"{name}" is an error of axis {axis}, which "{machine}" does not have'

@@ -20,6 +20,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import in_detail
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.promise.agreement import Agreement
+from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import deliver, evaluated, write_files
@@ -72,7 +73,7 @@ _SHOWN = 201
 """Points of a drawn line: more than a page has pixels for its bends."""
 
 
-class Pair(Normal):
+class MeanAndStd(Normal):
     """A normal that is, as a pair, its mean and its standard deviation."""
 
     def __iter__(self) -> Iterator[Array]:
@@ -100,10 +101,10 @@ class Curve(own.Curve):
         """What is known of its control values."""
         return Belief(self.known.mean, self.known.covariance)
 
-    def __call__(self, t: Quantity | Sequence[Quantity] | Array) -> Pair:
+    def __call__(self, t: Quantity | Sequence[Quantity] | Array) -> MeanAndStd:
         """Return mean and standard deviation at positions t within the travel, m or rad, (m,)."""
         found = super().__call__(t)
-        return Pair(found.mean, found.covariance + self.rest**2 * np.eye(len(found.mean)))
+        return MeanAndStd(found.mean, found.covariance + self.rest**2 * np.eye(len(found.mean)))
 
     @property
     def rms(self) -> float:
@@ -256,7 +257,7 @@ class Estimated(Mapping[str, Curve]):
     def __len__(self) -> int:
         return len(self.estimation.case.errors.functions)
 
-    def deviation(self, *poses: Poses, approach: Mapping[str, int] | None = None, joint: bool = False) -> Pair:
+    def deviation(self, *poses: Poses, approach: Mapping[str, int] | None = None, joint: bool = False) -> MeanAndStd:
         """Return the deviation of the tool point in the workpiece frame.
 
         poses : coordinates by axis, m or rad or text, where one that is left out stands in the middle of its travel; or
@@ -276,10 +277,15 @@ class Estimated(Mapping[str, Curve]):
             for row in rows:
                 pose = row if isinstance(row, Mapping) else dict(zip(axes, row.tolist(), strict=True))
                 position = {name: si(at, where, name, axes.get(name, EITHER)) for name, at in pose.items()}
-                found.append(pose_and_sides(self.machine, position, sided_by))
+                try:
+                    found.append(pose_and_sides(self.machine, position, sided_by))
+                except ReadingError as fault:
+                    raise fault.placed(f"{where}: poses") from None
+        if not found:
+            raise refusals.InputError(where, "poses", "are none", "Give one or more")
         at, sides = np.array(found).reshape(-1, 2, len(axes)).transpose(1, 0, 2)
         came = sided(where, sides, sides.shape)
-        return Pair(**vars((tcp_joint if joint else tcp_normal)(self.estimation, at, came)))
+        return MeanAndStd(**vars((tcp_joint if joint else tcp_normal)(self.estimation, at, came)))
 
     def export(self, controller: str, folder: str | Path) -> list[Path]:
         """Write the files of a controller with their README.txt and return them; raises InputError, OSError."""

@@ -30,7 +30,7 @@ from axiscal_core.places import Places, Readings
 from axiscal_core.refusals import listed, one
 from axiscal_core.units import METRES, RADIANS, quantities
 
-GivenPlaces: TypeAlias = Places | Sequence[Place]
+GivenPlaces: TypeAlias = Places | Readings | Sequence[Place]
 GivenReadings: TypeAlias = Readings | Iterable[Reading] | Mapping[str, Sequence[object]] | str | Path
 """Arrays, a list, a table such as a DataFrame, or a file that `axiscal data estimate` reads."""
 
@@ -54,7 +54,8 @@ def setup(
     keys : of campaign.toml, quantities as text: noise="0.3 um", approach="both", park={"Y": "250 mm"}
     """
     one("setup", "instrument", instrument, (str, type), '"interferometer", or a class of your own')
-    one("setup", "moves", moves or (), Sequence, 'such as ["X", "Y"]')
+    for axis in one("setup", "moves", moves or (), Sequence, 'such as ["X", "Y"]'):
+        one("setup", "moves", axis, str, 'such as ["X", "Y"]')
     if isinstance(instrument, type):
         name, instrument = name or instrument.__name__.lower(), name_of(instrument)
     usual = " ".join([instrument, *([direction] if isinstance(direction, str) else []), *(moves or ())])
@@ -112,6 +113,7 @@ class PlannedPlaces(Places):
 
 def places_of(places: GivenPlaces, described: CampaignDescription, where: str, argument: str) -> list[Place]:
     """Return places, one by one; raises ReadingError for one that no set-up can be read at."""
+    places = places.places if isinstance(places, Readings) else places
     if isinstance(places, Places):
         axes = [RADIANS if axis.rotary else METRES for axis in described.machine.axes]
         quantities(places.given, where, argument, (None, None), axes, posed=True)  # texts are of the axes' kinds

@@ -184,7 +184,9 @@ class Case:
             what, remedy = "a set-up cannot be written ({fault})", "Give texts, numbers, lists and mappings"
             raise DescriptionError(what, remedy, fault=fault) from fault
         except InputError as fault:
-            raise given.of_objects(fault, [str(each.get("name", "")) for each in every]) from None
+            raise given.of_objects(
+                fault, [str(each.get("name", f"number {i}")) for i, each in enumerate(every, 1)]
+            ) from None
         self.description, self.inner = described, case_of(described)
 
     @classmethod
@@ -302,7 +304,7 @@ class Case:
         blank = blank_readings(self.description.setups, coming)
         exact = shown_by_each(observation, blank, finite(where, "x", x, (size,))[None])[0]
         root = rows[:, size:] * np.sqrt(np.diagonal(observation.prior_covariance())[size:])
-        scales = np.concatenate([scales_of(self.description.setup(place.setup)) for place in coming])
+        scales = np.concatenate([scales_of(self.description.setup(place.setup)) for place in coming] or [exact])
         return Normal(exact / scales, (root @ root.T + np.diag(variances)) / np.outer(scales, scales))
 
     def _criterion(self, case: Mathematics, criterion: Criterion | None, where: str) -> OwnCriterion | None:

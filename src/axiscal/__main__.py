@@ -1,4 +1,4 @@
-"""`python -m axiscal.cli`."""
+"""`python -m axiscal`."""
 
 import sys
 
