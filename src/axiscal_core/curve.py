@@ -63,7 +63,7 @@ class Curve:
 
     @property
     def J(self) -> float:  # noqa: N802 (the paper's letter)
-        """The integral of the variance over the travel (eq. 24-26)."""
+        """The integral of the variance over the travel (B&H eq. 24-26)."""
         return float(np.sum(self.spline.gram() * self.known.covariance))
 
     @property
@@ -72,7 +72,7 @@ class Curve:
         return float(np.sqrt(self.J / np.ptp(self.spline.knots)))
 
     def next(self, noise: Quantity) -> float:
-        """Return where a reading lets J fall most, exactly (eq. 27)."""
+        """Return where a reading lets J fall most, exactly (B&H eq. 27)."""
         variance = within("Curve.next", "noise", si(noise, "Curve.next", "noise"), 0.0, open_end=True) ** 2
         covariance, weight = self.known.covariance, self.spline.gram()
 

@@ -26,9 +26,9 @@ def test_every_name_is_there() -> None:
     ("before", "complete"),
     [
         ("", set()),
-        ("case", {"plan", "evaluate", "next", "estimate"}),
-        ("plan", {"places", "minutes", "rms"}),
-        ("known", {"mean", "covariance", "names", "sample", "deviation", "table", "U"}),
+        ("case", {"plan", "evaluate", "next", "estimate", "known", "prior", "shows"}),
+        ("plan", {"places", "minutes", "rms", "J", "U"}),
+        ("known", {"mean", "covariance", "names", "sample", "read", "deviation", "table", "U"}),
         ("ac.Curve", {"next"}),
     ],
 )
