@@ -1,8 +1,8 @@
 """Places and readings of your own.
 
 A case judges places that you name, and goes on after readings that are there. `plan(candidates=…)` takes your places
-alone, `keep=…` reads them anyway, and `criterion=…` makes the variance of your own figures small. Readings are arrays, a
-table such as a DataFrame, or a file. `case.known(mean, covariance)` makes curves and tables of a belief of your own.
+alone, `keep=…` reads them anyway, and `criterion=…` makes the variance of your own figures small. Readings are arrays,
+a table such as a DataFrame, or a file. `case.known(mean, covariance)` makes curves and tables of a belief of your own.
 """
 
 import numpy as np

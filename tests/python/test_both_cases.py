@@ -36,8 +36,8 @@ BOTH: list[Callable[[], Made]] = [built_in, made]
 
 def line(case: Made, shares: list[float], side: float = 1.0) -> ac.Places:
     """Return places along X, at shares of its travel."""
-    description = getattr(case, "description", case)
-    axes = description.machine.axes
+    machine: Any = case.machine if isinstance(case, axiscal_core.Case) else case.description.machine
+    axes = machine.axes
     poses = np.tile([sum(axis.travel) / 2 for axis in axes], (len(shares), 1))
     low, high = axes[0].travel
     poses[:, 0] = (low + np.array(shares) * (high - low)).round(4)

@@ -109,7 +109,7 @@ MISUSES: dict[str, tuple[Callable[[], object], str]] = {
         "Case.estimate: std, pose 0 = '1 rad' is no length",
     ),
     "estimate: a value that is an angle": (
-        lambda: mill().estimate(ac.Readings(LINE, ["1 urad", 0.0, 0.0])),
+        lambda: mill().estimate(anything.Readings(LINE, ["1 urad", 0.0, 0.0])),
         "Case.estimate: values = '1 urad' is no length",
     ),
     "estimate: of another machine": (lambda: mill().estimate(read(SHORT)), "Case.estimate: places, line 1"),
@@ -177,7 +177,7 @@ MISUSES: dict[str, tuple[Callable[[], object], str]] = {
         "Case.estimate: std, pose 0 = '1 rad' is no length",
     ),
     "own: a value that is an angle": (
-        lambda: own().estimate(ac.Readings(SHORT, ["1 urad", 0.0])),
+        lambda: own().estimate(anything.Readings(SHORT, ["1 urad", 0.0])),
         "Case.estimate: values = '1 urad' is no length",
     ),
     "own: places by an angle": (
