@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 """Numbers in m, rad and s. What `Instrument.sees` is given is complex while rows are found."""
 Given = TypeVar("Given")
+_DEFECTS = ArithmeticError, AttributeError, LookupError, NameError, OSError, RuntimeError, TypeError, ValueError
 
 
 class InputError(ValueError):
@@ -81,7 +82,7 @@ def computed(function: str, argument: str, of: Callable[..., Given], *given: obj
         return of(*given)
     except InputError:
         raise
-    except Exception as fault:
+    except _DEFECTS as fault:
         what = f"cannot be computed ({type(fault).__name__}: {fault})"
         raise InputError(function, argument, what, "Repair the function") from fault
 
