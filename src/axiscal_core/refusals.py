@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 """Numbers in m, rad and s. What `Instrument.sees` is given is complex while rows are found."""
 Given = TypeVar("Given")
-_DEFECTS = ArithmeticError, AttributeError, LookupError, NameError, OSError, RuntimeError, TypeError, ValueError
+_DEFECTS = ArithmeticError, AssertionError, AttributeError, LookupError, NameError, RuntimeError, TypeError, ValueError
 
 
 class InputError(ValueError):
