@@ -76,13 +76,12 @@ class Problem:
         """The first column that is answered; scales of axes stand before it."""
         return self.first + len(self.scales)
 
-    def wider(self, columns: Array) -> Problem:
-        """Return the problem with more columns of standard deviation one, before all others: of zeros.
+    def wider(self, columns: Array, kind: Kind = "drift") -> Problem:
+        """Return the problem with more columns of standard deviation one, before all others: of zeros, or a kind.
 
         columns : (k, m) over the noise
         """
         more = len(columns)
-        zeros: list[Kind] = ["drift" for _ in columns]
         return replace(
             self,
             rows=np.vstack([columns, self.rows.T]).T,
@@ -90,7 +89,7 @@ class Problem:
             curves=tuple(replace(each, columns=each.columns + more) for each in self.curves),
             roots=tuple((start + more, root) for start, root in self.roots),
             first_cell=self.first_cell + more,
-            passing=(*zeros, *self.passing),
+            passing=(kind,) * more + self.passing,
         )
 
     def raw(self, whitened: Array, theta: Array, roots: Sequence[Array]) -> Array:

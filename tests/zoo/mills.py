@@ -124,8 +124,28 @@ class BarTruth(Truth):
         return off
 
 
-def circled(lag: float) -> Callable[[int], Met]:
-    """Return how a mill is met by a ball bar, both ways round, if X lags behind Y.  lag : um at that feed"""
+@dataclass(frozen=True, slots=True)
+class BacklashTruth(Truth):
+    """The backlash of the axes of a circle, as rows of the answer."""
+
+    backlash: float
+
+    def left(self, answer: Answer) -> Array:
+        """Return how far off the backlash of each axis is said to be, over its U, (2,)."""
+        rows = {row["row"]: row for row in answer.result["rows"]}
+        found = [rows[f"backlash {axis}"] for axis in "XY"]
+        return np.array([(row["signed"][0]["value"] - self.backlash) / row["known_to"] for row in found])
+
+    def promised(self, _: Answer) -> float:
+        """Return U over itself."""
+        return 1.0
+
+
+def circled(lag: float = 0.0, over: float = 0.0, truth: Callable[[float], Truth] = BarTruth) -> Callable[[int], Met]:
+    """Return how a mill is met by a ball bar, both ways round.
+
+    lag : um, of X behind Y at that feed; over : mm, after which the reversal of X lacks 1/e, all of it as it turns
+    """
 
     def met(seed: int) -> Met:
         rng, rows, backlash = np.random.default_rng((seed, 13)), list[tuple[object, ...]](), 4.0
@@ -133,21 +153,32 @@ def circled(lag: float) -> Callable[[int], Met]:
             for turn in way * np.radians(np.arange(0, 360, 10)):
                 bar, before = (np.array([np.cos(t), np.sin(t)]) for t in (turn, turn - way * 1e-4))
                 sides = np.sign(bar - before)
-                off = sides * backlash / 2 + [lag * way * np.sin(turn), 0]
+                missing = np.exp(-150 * (1 + sides * bar) / over) * [1, 0] if over else 0.0
+                off = sides * backlash * (0.5 - missing) + [lag * way * np.sin(turn), 0]
                 where, value = [300, 200] + 150 * bar, bar @ off + rng.normal(0, 0.5)
                 came = " ".join(f"{axis}{'+' if side > 0 else '-'}" for axis, side in zip("XY", sides, strict=True))
                 rows.append(("ball bar in xy", *np.round(where, 6).tolist(), 200, came, round(float(value), 2)))
-        return Met(rows_of("setup,X_mm,Y_mm,Z_mm,approach,value_um", rows), BarTruth(backlash))
+        return Met(rows_of("setup,X_mm,Y_mm,Z_mm,approach,value_um", rows), truth(backlash))
 
     return met
 
 
 _BAR = Job("three-axis-mill", ("ball bar",), "20 um", errors=("EXX", "EYY", "EXX_reversal", "EYY_reversal", "C0Y"))
+_WANTS = ('U = "20 um"', 'wants = ["backlash X", "backlash Y"]')
+_BACKLASH = Job("three-axis-mill", ("ball bar",), "20 um", (_WANTS,), _BAR.errors)
 LAGGING = Animal("servo that lags: circles both ways round", _BAR, circled(16.0), "one axis lagged", asked=True)
-IN_STEP = Animal("circles of a ball bar: both ways round", _BAR, circled(0.0))
+IN_STEP = Animal("circles of a ball bar: both ways round", _BAR, circled())
 MILLS = (
     LAGGING,
     IN_STEP,
+    Animal("circles of a ball bar: backlash", _BACKLASH, circled(truth=BacklashTruth)),
+    Animal("servo that lags: backlash by circles", _BACKLASH, circled(16.0, truth=BacklashTruth)),
+    Animal(
+        "reversal of X that comes late: circles",
+        _BACKLASH,
+        circled(over=30.0, truth=BacklashTruth),
+        "a reversal came late",
+    ),
     Animal("parked as stated: Y 200", _MILL, parked(200.0)),
     Animal("parked elsewhere: Y 0, all errors described", _MILL, parked(0.0)),
     Animal("parked elsewhere: Y 0, only EXX described", _ALONE, parked(0.0), r"on the line"),

@@ -25,11 +25,14 @@ QUICK = (
     "zero that comes back: out and back once",
     "zero that comes back: three places again",
     "servo that lags: circles both ways round",
+    "servo that lags: backlash by circles",
     NOTHING_WRONG.name,
 )
 LATER = (
     "lead error: 100 um/m by laser",
     "pitch: even",
+    "circles of a ball bar: backlash",
+    "reversal of X that comes late: circles",
     "parked elsewhere: Y 0, only EXX described",
     "slip: sign of one reading",
     "slip: one reading missed",

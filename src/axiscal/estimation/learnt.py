@@ -7,6 +7,8 @@ from itertools import combinations
 
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.agreement import Framed, Turned
+from axiscal.estimation.promise.mistaken import with_feed
+from axiscal.estimation.promise.passing import at_feed
 from axiscal.estimation.promise.posterior import Posterior, Sorted, sorted_out
 from axiscal.estimation.promise.problem import problem
 from axiscal.estimation.promise.stuck import Repeats, repeats
@@ -31,7 +33,8 @@ def without_bad(case: Case, readings: Sequence[Reading], implausible: Collection
 
 def posed(case: Case, readings: Sequence[Reading]) -> Problem:
     """Return readings as a problem, linear where a case has them so.  case : with the sizes as stated"""
-    return problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
+    plain = problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
+    return with_feed(plain, at_feed(case.observation, readings)) if case.description.usual else plain
 
 
 def other_ways(case: Case, readings: Sequence[Reading]) -> tuple[Iterator[Turned], Iterator[Framed], Iterator[Repeats]]:

@@ -7,13 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from axiscal.description.usual import BAD
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.agreement import NAMED, PRIOR
-from axiscal.estimation.promise.mistaken import as_stated_or_larger, gains_of_columns, log_odds_of
 from axiscal.language.spoken import listed, said
-from axiscal.measurement.instrument import instrument_of
 from axiscal.present.summary import Finding
 from axiscal.units import format_quantity, said_quantity
 
@@ -55,27 +51,16 @@ def beside_the_tool(estimation: Estimation) -> Iterator[Finding]:
 
 
 def lagging(estimation: Estimation) -> Iterator[Finding]:
-    """Yield a warning for each ball bar whose circles differ by the way round, as where two servos lag differently.
-
-    At a feed v axes lag by v τ. Along a bar at angle φ that shows ± v Δτ sin φ cos φ, the sign that of the way round.
-    """
+    """Yield a warning for each ball bar whose circles differ by the way round, as where two servos lag differently."""
     text = (
-        'Circles of "{setup}" differ by the way round, as if one axis lagged {size} behind the other. Such a lag is no '
-        "geometry, and backlash seems larger by it. Read them at a quarter of that feed: what stays is the machine."
+        'Circles of "{setup}" differ by the way round, as if one axis lagged behind the other or a reversal came late. '
+        "Neither is geometry, both look like backlash, and U counts them. Read at a quarter of that feed: what stays "
+        "is the machine."
     )
-    errors, posterior = estimation.case.errors, estimation.posterior
-    for index, setup in enumerate(estimation.case.description.setups):
-        if instrument_of(setup).site != "bar" or posterior is None:
-            continue
-        problem = posterior.draws[0].problem
-        of_errors = problem.rows[:, -problem.answered :] * (problem.setup == index)[:, None]
-        sides = [of_errors[:, term.columns].sum(axis=1) for term in errors.functions if term.kind == "reversal"]
-        moved = [side / np.abs(side).max() for side in sides if side.any()]
-        if len(moved) != 2:  # of three, on a circle
-            continue
-        column, each = moved[0] * np.sqrt(1 - moved[0] ** 2), as_stated_or_larger(problem)  # sin φ cos φ, with its sign
-        gains = [gains_of_columns(given, column[None, None], problem.values, [BAD.size])[0] for given in each]
-        if log_odds_of(each, np.array(gains))[0] > math.log(NAMED / PRIOR):
-            weighed = each[-1].judged(column[:, None])[:, 0]
-            lag = abs(float(weighed @ problem.values / (weighed @ column))) * setup.noise
-            yield Finding("lag", None, said(text, setup=setup.name, size=said_quantity(lag, "um", 2)))
+    if estimation.posterior is None:
+        return
+    problem, setups = estimation.posterior.draws[0].problem, estimation.case.description.setups
+    passing = np.arange(len(problem.passing))
+    at_feed = passing[(np.array(problem.passing) == "way") & (problem.size_at[passing] < 0)]
+    for setup in np.unique(problem.setup[np.any(problem.rows[:, at_feed] != 0, axis=1)]).tolist():
+        yield Finding("lag", None, said(text, setup=setups[setup].name))

@@ -16,7 +16,7 @@ top. Stretches reach to the last reading, or from one turn to another.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.promise.agreement import PRIOR, Explained, Mistake
+from axiscal.estimation.promise.passing import AtFeed
 from axiscal.numerics import Array
 from axiscal_core.draws import as_stated
 from axiscal_core.problem import Problem
@@ -36,6 +37,8 @@ _SHORTEST = 3
 """Readings of a stretch, and beside it: one or two bad readings are bad readings."""
 _TWICE = 2.0
 """Standard deviations of a backlash that is turned round."""
+_FEED = (3.0, 30.0), (1.0, 3.0)
+"""Standard deviations at feed: of a lag, noises; of what is missing of a reversal that has just turned, itself."""
 _LARGER = float(np.log(3.0))
 """Of θ: the one factor that errors are usually off by."""
 _DIGITS = 6
@@ -154,3 +157,19 @@ def _gains(given: Given, values: Array, parts: _Parts, begin: NDArray[np.intp], 
         else:
             gains -= pull + square / 2
     return gains
+
+
+def with_feed(problem: Problem, circles: Iterable[AtFeed]) -> Problem:
+    """Return the problem with what servos do to circles, of each that is likelier with it.  circles : of `problem`"""
+    each = list[Given]()
+    for circle in circles:
+        each = each or as_stated_or_larger(problem)
+        both = [some / problem.noise for some in (circle.lag, circle.late)]
+        log_odds = [
+            log_odds_of(each, np.array([gains_of_columns(given, some[None], problem.values, stds) for given in each]))
+            for some, stds in zip(both, _FEED, strict=True)
+        ]
+        if np.logaddexp.reduce(np.ravel(log_odds)) > np.log(np.size(log_odds)):
+            wide = problem.wider(np.vstack([max(stds) * some for stds, some in zip(_FEED, both, strict=True)]), "way")
+            problem = replace(wide, size_at=np.where(_of_kinds(wide, "reversal"), -1, wide.size_at))
+    return problem

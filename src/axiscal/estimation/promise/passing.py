@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from axiscal.description.usual import CYCLE, DRIFT, GROWTH, WAY, needs_a_way
 from axiscal.measurement.cells import Course, wandering
-from axiscal.measurement.instrument import values_of
+from axiscal.measurement.instrument import instrument_of, values_of
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
-from axiscal.measurement.reading_rows import times_of
+from axiscal.measurement.reading_rows import numbers_of_setups, places_of, times_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root, of_rank
@@ -89,6 +89,41 @@ def passing_columns(
             kinds.append("way")
     columns = np.hstack(parts) if parts else np.zeros((len(reading), 0))
     return Passing(columns, np.array(size_at, dtype=np.intp), tuple(kinds))
+
+
+class AtFeed(NamedTuple):
+    """What servos do to a circle of a ball bar, which runs at feed.
+
+    lag : (1, m) m of all numbers, of a noise; late : (q, m) what is missing of reversals, of as much as is stated
+    """
+
+    lag: Array
+    late: Array
+
+
+def at_feed(observation: Observation, readings: Sequence[Reading]) -> Iterator[AtFeed]:
+    """Yield what servos do to each circle: axes that lag differently, and reversals that come some way after the turn.
+
+    At a feed v axes lag by v τ. Along a bar at angle φ that shows ± v Δτ sin φ cos φ, the sign that of the way round.
+    """
+    places, times = places_of(observation.setups, readings), np.nan_to_num(times_of(readings))
+    last = np.cumsum(numbers_of_setups(observation.setups)[places.setups])
+    for index, chosen in places.by_setup():
+        setup = observation.setups[index]
+        if instrument_of(setup).site != "bar":
+            continue
+        which = np.arange(len(places))[chosen]
+        turns = turning(observation, index, places.poses[which], places.approaches[which])
+        seen = [turn for turn in turns if np.any(turn.effects)]
+        if len(seen) != 2:  # of three, on a circle
+            continue
+        order, numbers = np.argsort(times[which], kind="stable"), last[which] - 1
+        one, other = (turn.effects[0] / np.abs(turn.effects).max() for turn in seen)
+        missing = [turn.missing(places.poses[which], order, way)[0] for turn in seen for way in causes.WAYS]
+        lag, late = np.zeros((1, last[-1])), np.zeros((len(missing), last[-1]))
+        lag[0, numbers] = setup.noise * one * np.abs(other)
+        late[:, numbers] = 2 / WAY.size * np.array(missing)
+        yield AtFeed(lag, late)
 
 
 def drift_functions(setup: Setup, clock: Array) -> Array:
