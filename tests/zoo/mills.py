@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -125,31 +126,39 @@ class BarTruth(Truth):
 
 
 @dataclass(frozen=True, slots=True)
-class BacklashTruth(Truth):
-    """The backlash of the axes of a circle, as rows of the answer."""
+class RowsTruth(Truth):
+    """What rows of the answer should say, with their sign."""
 
-    backlash: float
+    rows: tuple[tuple[str, float], ...]
 
     def left(self, answer: Answer) -> Array:
-        """Return how far off the backlash of each axis is said to be, over its U, (2,)."""
-        rows = {row["row"]: row for row in answer.result["rows"]}
-        found = [rows[f"backlash {axis}"] for axis in "XY"]
-        return np.array([(row["signed"][0]["value"] - self.backlash) / row["known_to"] for row in found])
+        """Return how far off each row is, over its U, (r,)."""
+        found = {row["row"]: row for row in answer.result["rows"]}
+        said = [(found[name]["signed"][0]["value"], found[name]["known_to"], true) for name, true in self.rows]
+        return np.array([(value - true) / known_to for value, known_to, true in said])
 
     def promised(self, _: Answer) -> float:
         """Return U over itself."""
         return 1.0
 
 
-def circled(lag: float = 0.0, over: float = 0.0, truth: Callable[[float], Truth] = BarTruth) -> Callable[[int], Met]:
-    """Return how a mill is met by a ball bar, both ways round.
+def backlashes(backlash: float) -> RowsTruth:
+    """Return a backlash of both axes of a circle, um."""
+    return RowsTruth((("backlash X", backlash), ("backlash Y", backlash)))
+
+
+def circled(
+    lag: float = 0.0, over: float = 0.0, truth: Callable[[float], Truth] = BarTruth, ways: tuple[int, ...] = (1, -1)
+) -> Callable[[int], Met]:
+    """Return how a mill is met by a ball bar.
 
     lag : um, of X behind Y at that feed; over : mm, after which the reversal of X lacks 1/e, all of it as it turns
+    ways : round, in this order
     """
 
     def met(seed: int) -> Met:
         rng, rows, backlash = np.random.default_rng((seed, 13)), list[tuple[object, ...]](), 4.0
-        for way in (1, -1):
+        for way in ways:
             for turn in way * np.radians(np.arange(0, 360, 10)):
                 bar, before = (np.array([np.cos(t), np.sin(t)]) for t in (turn, turn - way * 1e-4))
                 sides = np.sign(bar - before)
@@ -167,16 +176,47 @@ _BAR = Job("three-axis-mill", ("ball bar",), "20 um", errors=("EXX", "EYY", "EXX
 _WANTS = ('U = "20 um"', 'wants = ["backlash X", "backlash Y"]')
 _BACKLASH = Job("three-axis-mill", ("ball bar",), "20 um", (_WANTS,), _BAR.errors)
 LAGGING = Animal("servo that lags: circles both ways round", _BAR, circled(16.0), "one axis lagged", asked=True)
+ONE_WAY = Animal("servo that lags: circles one way round", _BAR, circled(16.0, ways=(1,)), "one way round", asked=True)
 IN_STEP = Animal("circles of a ball bar: both ways round", _BAR, circled())
+_LEGS = ('U = "20 um"', 'wants = ["squareness XY"]')
+_SQUARE = Job("three-axis-mill", ("square",), "20 um", (_LEGS,), ("EYX", "EXY", "C0Y"))
+
+
+def squared(sign: int) -> Callable[[int], Met]:
+    """Return how a mill out of square by 60 urad is met by a dial on a square that lies turned by 0.4 mrad.
+
+    sign : of the values along Y
+    """
+
+    def met(seed: int) -> Met:
+        rng, legs, rows = (
+            np.random.default_rng((seed, 14)),
+            "dial on the leg of square XY along",
+            list[tuple[object, ...]](),
+        )
+        for name, side in product("XY", (1, -1)):
+            for at in np.linspace(-1, 1, 7)[::side].round(2).tolist():
+                x, y, slope = (300 + 150 * at, 200, 0.4 * 150) if name == "X" else (300, 200 + 100 * at, -0.46 * 100)
+                value = (sign if name == "Y" else 1) * (slope * at + rng.normal(0, 1))
+                rows.append((f"{legs} {name}", x, y, 200, f"{name}{'+' if side > 0 else '-'}", round(value, 1)))
+        return Met(rows_of("setup,X_mm,Y_mm,Z_mm,approach,value_um", rows), RowsTruth((("squareness XY", 60.0),)))
+
+    return met
+
+
+SQUARE = Animal("dial on a square: squareness", _SQUARE, squared(1))
 MILLS = (
+    SQUARE,
+    Animal("slip: sign of a leg of a square", _SQUARE, squared(-1), "have the wrong sign", asked=True),
     LAGGING,
+    ONE_WAY,
     IN_STEP,
-    Animal("circles of a ball bar: backlash", _BACKLASH, circled(truth=BacklashTruth)),
-    Animal("servo that lags: backlash by circles", _BACKLASH, circled(16.0, truth=BacklashTruth)),
+    Animal("circles of a ball bar: backlash", _BACKLASH, circled(truth=backlashes)),
+    Animal("servo that lags: backlash by circles", _BACKLASH, circled(16.0, truth=backlashes)),
     Animal(
         "reversal of X that comes late: circles",
         _BACKLASH,
-        circled(over=30.0, truth=BacklashTruth),
+        circled(over=30.0, truth=backlashes),
         "a reversal came late",
     ),
     Animal("parked as stated: Y 200", _MILL, parked(200.0)),

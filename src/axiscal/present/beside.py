@@ -9,6 +9,7 @@ import numpy as np
 
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.promise.passing import at_feed
 from axiscal.language.spoken import listed, said
 from axiscal.present.summary import Finding
 from axiscal.units import format_quantity, said_quantity
@@ -51,16 +52,26 @@ def beside_the_tool(estimation: Estimation) -> Iterator[Finding]:
 
 
 def lagging(estimation: Estimation) -> Iterator[Finding]:
-    """Yield a warning for each ball bar whose circles differ by the way round, as where two servos lag differently."""
+    """Yield a warning for each ball bar whose circles differ by the way round, as where two servos lag differently.
+
+    Also where they go one way round: there such a lag is no other than squareness.
+    """
+    once = (
+        'Circles of "{setup}" go one way round. There an axis that lags behind the other looks like squareness, and U '
+        "does not count it. Read them the other way round, too."
+    )
     text = (
         'Circles of "{setup}" differ by the way round, as if one axis lagged behind the other or a reversal came late. '
         "Neither is geometry, both look like backlash, and U counts them. Read at a quarter of that feed: what stays "
         "is the machine."
     )
+    for circle in at_feed(estimation.case.observation, estimation.readings):
+        if not circle.both:
+            yield Finding("lag", None, said(once, setup=circle.setup))
     if estimation.posterior is None:
         return
     problem, setups = estimation.posterior.draws[0].problem, estimation.case.description.setups
     passing = np.arange(len(problem.passing))
-    at_feed = passing[(np.array(problem.passing) == "way") & (problem.size_at[passing] < 0)]
-    for setup in np.unique(problem.setup[np.any(problem.rows[:, at_feed] != 0, axis=1)]).tolist():
+    servo = passing[(np.array(problem.passing) == "way") & (problem.size_at[passing] < 0)]
+    for setup in np.unique(problem.setup[np.any(problem.rows[:, servo] != 0, axis=1)]).tolist():
         yield Finding("lag", None, said(text, setup=setups[setup].name))

@@ -207,8 +207,10 @@ def agreement(
     tried = [*told]
     if stated < CONTRADICTS:  # sizes that are learnt hide another unit, and another frame
         tried += [*_units(whole, weighed), *_in_frames(problem, found, framed)]
+    if min(p, stated) < CONTRADICTS:  # the same of a sign: a square out by a sign is a large squareness
+        tried += _turned(problem, found, every=p < CONTRADICTS)
     if p < CONTRADICTS:
-        tried += [*_turned(problem, found), *_against(problem, found, turned)]
+        tried += _against(problem, found, turned)
     named = _explained(tried) if tried else []
     p = min([p, *(1 / (1 + each.odds) for each in named)])
     named = named if p < CONTRADICTS else [each for each in named if each.mistake in ASKED]
@@ -286,12 +288,13 @@ def _in_frames(problem: Problem, found: Weighed[Given], framed: Iterable[Framed]
         yield Tried(Explained("frame", odds, (setup,)), chi_square_tail(len(other.values), square))
 
 
-def _turned(problem: Problem, found: Weighed[Given]) -> Iterator[Tried]:
-    """Yield the mistakes that change the values themselves."""
-    for mistake, setups, values, factor in _other_values(problem):
-        squares = np.empty(len(found.given))
-        for draw, given in enumerate(found.given):
-            squares[draw] = given.misfit - float(values @ given.judged(values[:, None])[:, 0])
+def _turned(problem: Problem, found: Weighed[Given], *, every: bool = True) -> Iterator[Tried]:
+    """Yield the mistakes that change the values themselves.  every : also those that nobody is asked about"""
+    tried = [one for one in _other_values(problem) if every or one[0] in ASKED]
+    values = np.column_stack([each for _, _, each, _ in tried])
+    gained = np.array([np.sum(values * given.judged(values), axis=0) for given in found.given])
+    for (mistake, setups, _, factor), square in zip(tried, gained.T, strict=True):
+        squares = np.array([given.misfit for given in found.given]) - square
         yield _tried(problem, found, 0.5 * squares, squares, Explained(mistake, 0.0, setups, factor=factor))
 
 

@@ -162,7 +162,7 @@ def _gains(given: Given, values: Array, parts: _Parts, begin: NDArray[np.intp], 
 def with_feed(problem: Problem, circles: Iterable[AtFeed]) -> Problem:
     """Return the problem with what servos do to circles, of each that is likelier with it.  circles : of `problem`"""
     each = list[Given]()
-    for circle in circles:
+    for circle in (circle for circle in circles if circle.both):
         each = each or as_stated_or_larger(problem)
         both = [some / problem.noise for some in (circle.lag, circle.late)]
         log_odds = [

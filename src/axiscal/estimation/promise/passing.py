@@ -26,6 +26,9 @@ from axiscal.numerics.gaussian import lower_root, of_rank
 from axiscal_core import causes
 from axiscal_core.theta import Kind, Sizes
 
+_ONE_WAY = 0.5
+"""Share by which one way round prevails: with a quarter of circles the other way a lag is told from squareness."""
+
 
 class Passing(NamedTuple):
     """What only readings suffer.
@@ -94,9 +97,12 @@ def passing_columns(
 class AtFeed(NamedTuple):
     """What servos do to a circle of a ball bar, which runs at feed.
 
+    setup : its name; both : whether it went round both ways: by one way alone a lag is squareness
     lag : (1, m) m of all numbers, of a noise; late : (q, m) what is missing of reversals, of as much as is stated
     """
 
+    setup: str
+    both: bool
     lag: Array
     late: Array
 
@@ -123,7 +129,8 @@ def at_feed(observation: Observation, readings: Sequence[Reading]) -> Iterator[A
         lag, late = np.zeros((1, last[-1])), np.zeros((len(missing), last[-1]))
         lag[0, numbers] = setup.noise * one * np.abs(other)
         late[:, numbers] = 2 / WAY.size * np.array(missing)
-        yield AtFeed(lag, late)
+        ways = lag[0, numbers] * one * seen[0].sides * other * seen[1].sides
+        yield AtFeed(setup.name, bool(abs(ways.sum()) < _ONE_WAY * np.abs(ways).sum()), lag, late)
 
 
 def drift_functions(setup: Setup, clock: Array) -> Array:
