@@ -148,16 +148,21 @@ def backlashes(backlash: float) -> RowsTruth:
 
 
 def circled(
-    lag: float = 0.0, over: float = 0.0, truth: Callable[[float], Truth] = BarTruth, ways: tuple[int, ...] = (1, -1)
+    lag: float = 0.0,
+    over: float = 0.0,
+    truth: Callable[[float], Truth] = BarTruth,
+    *,
+    ways: tuple[int, ...] = (1, -1),
+    backlash: float = 4.0,
 ) -> Callable[[int], Met]:
     """Return how a mill is met by a ball bar.
 
     lag : um, of X behind Y at that feed; over : mm, after which the reversal of X lacks 1/e, all of it as it turns
-    ways : round, in this order
+    ways : round, in this order; backlash : of both axes, um
     """
 
     def met(seed: int) -> Met:
-        rng, rows, backlash = np.random.default_rng((seed, 13)), list[tuple[object, ...]](), 4.0
+        rng, rows = np.random.default_rng((seed, 13)), list[tuple[object, ...]]()
         for way in ways:
             for turn in way * np.radians(np.arange(0, 360, 10)):
                 bar, before = (np.array([np.cos(t), np.sin(t)]) for t in (turn, turn - way * 1e-4))
@@ -216,7 +221,7 @@ MILLS = (
     Animal(
         "reversal of X that comes late: circles",
         _BACKLASH,
-        circled(over=30.0, truth=backlashes),
+        circled(over=30.0, truth=backlashes, backlash=8.0),
         "a reversal came late",
     ),
     Animal("parked as stated: Y 200", _MILL, parked(200.0)),

@@ -24,10 +24,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.agreement import PRIOR, Explained, Mistake
+from axiscal.estimation.promise.agreement import NAMED, PRIOR, Explained, Mistake
 from axiscal.estimation.promise.passing import AtFeed
 from axiscal.numerics import Array
-from axiscal_core.draws import as_stated
+from axiscal_core.draws import as_stated, sized
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
 from axiscal_core.theta import Kind
@@ -160,16 +160,24 @@ def _gains(given: Given, values: Array, parts: _Parts, begin: NDArray[np.intp], 
 
 
 def with_feed(problem: Problem, circles: Iterable[AtFeed]) -> Problem:
-    """Return the problem with what servos do to circles, of each that is likelier with it.  circles : of `problem`"""
-    each = list[Given]()
+    """Return the problem with what servos do to circles, of each that is 20 times as likely with it.
+
+    The likeliest of both, of each size, is weighed with the sizes integrated out: a large noise looks like them. Then
+    both count, and a reversal is as large as stated: what a circle shows of it does not teach its size.
+
+    circles : of `problem`
+    """
     for circle in (circle for circle in circles if circle.both):
-        each = each or as_stated_or_larger(problem)
-        both = [some / problem.noise for some in (circle.lag, circle.late)]
-        log_odds = [
-            log_odds_of(each, np.array([gains_of_columns(given, some[None], problem.values, stds) for given in each]))
-            for some, stds in zip(both, _FEED, strict=True)
-        ]
-        if np.logaddexp.reduce(np.ravel(log_odds)) > np.log(np.size(log_odds)):
+        each, both = as_stated_or_larger(problem), [some / problem.noise for some in (circle.lag, circle.late)]
+        tried = [std * some for some, stds in zip(both, _FEED, strict=True) for std in stds]
+        gains = [[gains_of_columns(given, some[None], problem.values, [1.0])[0, 0] for some in tried] for given in each]
+        log_odds = log_odds_of(each, np.array(gains))
+        likeliest = tried[int(np.argmax(log_odds))]
+        if log_odds.max() > 0 and _evidence(problem.wider(likeliest, "way")) > _evidence(problem) + np.log(NAMED):
             wide = problem.wider(np.vstack([max(stds) * some for stds, some in zip(_FEED, both, strict=True)]), "way")
             problem = replace(wide, size_at=np.where(_of_kinds(wide, "reversal"), -1, wide.size_at))
     return problem
+
+
+def _evidence(problem: Problem) -> float:
+    return sized(space_of(problem)).log_evidence
