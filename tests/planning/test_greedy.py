@@ -30,7 +30,7 @@ def test_the_best_size_is_that_of_all_sets_and_few_larger_ones_are_made(brings: 
     best = len(of_best_size(growing(), lambda setups: float(left[len(setups) - 1])))
     hardly = [size for size in range(1, len(left)) if left[size] >= (1 - EACH_BRINGS) * left[size - 1]]
     assert best == min(hardly, default=len(left))
-    assert max(made) <= max(16, 2 * best + 2)
+    assert max(made) <= max(4, 2 * best + 2)
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 30), st.integers(1, 12))

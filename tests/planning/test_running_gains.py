@@ -14,21 +14,6 @@ from tests.generators.designs import levered, splines
 from tests.planning.test_three_values import mixed
 
 
-@pytest.mark.parametrize("asked", [levered(150), mixed(150)], ids=["one value", "three values"])
-def test_candidates_of_some_setups_have_the_gains_that_they_have_among_all(asked: Task) -> None:
-    every = Scores(Pool(asked.observation, asked.lattice), asked.state)
-    setups = np.unique(every.pool.lattice.setups)[1:]
-    mine = np.flatnonzero(np.isin(every.pool.lattice.setups, setups))
-    every.enter(int(mine[2]))
-    fewer = every.among(setups.tolist())
-    np.testing.assert_array_equal(fewer.gains, every.gains[mine])
-    for index in (5, len(mine) - 1):
-        assert fewer.enter(index) == pytest.approx(every.enter(int(mine[index])), rel=1e-12)
-        np.testing.assert_allclose(fewer.gains, every.gains[mine], rtol=1e-9)
-    np.testing.assert_allclose(fewer.losses(), every.losses(), rtol=1e-9)
-    assert fewer.pool.lattice.same_as(every.pool.lattice.within(mine))
-
-
 def test_a_factor_stays_narrow_however_often_readings_leave() -> None:
     asked = levered(100)
     state = asked.state.opened(asked.lattice.single(0))

@@ -162,6 +162,15 @@ class Belief:
         mean = np.concatenate([self.mean, np.zeros(count)])
         return _fill(Belief.__new__(Belief), mean, root, self.degrees)
 
+    def among(self, kept: NDArray[np.intp]) -> Belief:
+        """Return the belief over some coefficients.  kept : (k,) which"""
+        felt = self.factor[kept]
+        felt = felt[:, np.any(felt, axis=0)]
+        if felt.shape[1] > len(kept):
+            felt = np.asarray(np.linalg.qr(felt.T, mode="r")).T
+        root = np.pad(felt, ((0, 0), (0, len(kept) - felt.shape[1])))
+        return _fill(Belief.__new__(Belief), self.mean[kept], root, self.degrees)
+
     def sample(self, generator: np.random.Generator, count: int) -> Array:
         """Return draws from the belief, a normal density (B&H eq. 16) or a t: (count, n)."""
         drawn = generator.standard_normal((count, self.size)) @ self.factor.T

@@ -39,6 +39,8 @@ from axiscal_core.points import even_points
 from axiscal_core.theta import Kind, Sizes
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
+_EACH = 20
+"""Places of each set-up at least: of 200 alike four each left 3.8 um between them, and these 0.1 um."""
 _STAYS = 1e-8
 _MOSTLY = 0.5
 _QUICK = 32
@@ -224,7 +226,8 @@ class Case:
         if self.sized_from is not None:
             return self.sized_from.lattice
         count = int(np.clip(_PER_UNKNOWN * self.observation.size, _FEWEST, _MOST))
-        return spread(self.description.machine, self.description.setups, count)
+        setups = self.description.setups
+        return spread(self.description.machine, setups, max(count, _EACH * len(setups)))
 
     @cached_property
     def yardstick(self) -> Yardstick:

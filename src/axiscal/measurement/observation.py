@@ -11,7 +11,7 @@ What has an owner is one quantity wherever it is met: all set-ups that read the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -118,6 +118,23 @@ class Observation:
     def bare(self) -> Observation:
         """The map before any cell was visited."""
         return replace(self, cells=MappingProxyType({}), courses=MappingProxyType({}))
+
+    def among(self, setups: Collection[int]) -> tuple[Observation, NDArray[np.intp]]:
+        """Return the map where other set-ups have no unknowns of their own, and its columns among those here, (k,)."""
+        mounted = (s if number in setups else replace(s, unknowns=()) for number, s in enumerate(self.setups))
+        bare = replace(self.bare, setups=tuple(mounted))
+        kept = np.arange(bare.size + self.size - self.bare.size)
+        for setup in setups:
+            kept[bare.unknowns_of(setup)] = self.unknowns_of(setup)
+        shift = self.bare.size - bare.size
+        kept[bare.size :] += shift
+        about = None if self.about is None else replace(self.about, point=self.about.point[kept[: bare.size]])
+        cells = {cell: column - shift for cell, column in self.cells.items()}
+        courses = {
+            zero: replace(course, columns=tuple(column - shift for column in course.columns))
+            for zero, course in self.courses.items()
+        }
+        return replace(bare, about=about, cells=cells, courses=courses), kept
 
     def prior_covariance(self) -> Array:
         """Return the covariance of all unknowns before the first reading, (size, size)."""

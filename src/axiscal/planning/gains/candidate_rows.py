@@ -5,10 +5,8 @@ A candidate has as many rows as its instrument gives numbers, one after another:
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Callable, Collection
-from dataclasses import dataclass, replace
-from typing import Self
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,18 +67,6 @@ class Pool:
 
     def __len__(self) -> int:
         return len(self.lattice)
-
-    def among(self, setups: Collection[int]) -> Self:
-        """Return the candidates of some set-ups alone, with the rows that are there."""
-        kept, other = np.isin(self.lattice.setups, list(setups)), copy.copy(self)
-        before = [0, *np.cumsum(kept).tolist()]
-        other.lattice, other.noise = self.lattice.within(kept), self.noise[kept]
-        other._blocks = [
-            replace(block, candidates=slice(before[block.candidates.start], before[block.candidates.stop]))
-            for block in self._blocks
-            if block.setup in setups
-        ]
-        return other
 
     def products(self, observation: Observation, vectors: Array) -> Array:
         """Return the rows of all candidates times vectors (n, c) over the observation's unknowns, (c, w, M)."""

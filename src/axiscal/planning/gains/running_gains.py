@@ -11,7 +11,7 @@ A reading enters and leaves with all its numbers at once, and so do many reading
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -76,15 +76,6 @@ class Scores:
         other.above, other.below = self.above.copy(), self.below.copy()
         other.rows, other.noise = self.rows.copy(), self.noise.copy()
         other._columns = None if self._columns is None else self._columns.copy()
-        return other
-
-    def among(self, setups: Collection[int]) -> Self:
-        """Return a copy that has the candidates of some set-ups alone, and goes its own way."""
-        other, kept = copy.copy(self), np.isin(self.pool.lattice.setups, list(setups))
-        columns = np.concatenate([np.flatnonzero(kept), len(self.pool) + np.arange(len(self.places))])
-        other.pool, other._columns = self.pool.among(setups), None
-        other.above, other.below = (np.take(each, columns, axis=2) for each in (self.above, self.below))
-        other.rows, other.noise = self.rows.copy(), self.noise.copy()
         return other
 
     @property

@@ -21,7 +21,7 @@ from axiscal_core.ties import ALIKE, first_best
 _TRIED = 150
 _WORTH = 1e-3
 """Share of J that a set-up more must bring, or it is mounted for nothing."""
-_SIZES = 16
+_SIZES = 4
 """Sets that are looked at before larger ones are made: of time where each is worth less than the one before."""
 _LOOKED = 24
 """Parts that are looked at in each round at least: of time where a part takes away less than it did before."""
@@ -42,13 +42,12 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
     everything = tuple(int(s) for s in np.unique(task.lattice.setups))
     if len(everything) == 1:
         return everything
-    base = _coarse(task)
-    most = min(limits.readings or _TRIED, _TRIED)
+    coarse, most = task.coarse, min(limits.readings or _TRIED, _TRIED)
 
     def left(setups: Setups) -> float:
-        return filled(base.among(setups), most, setups).state.value
+        return filled(scores_among(coarse, setups), most, setups).state.value
 
-    return of_best_size(_growing(base, _parts(task, everything), limits, clock(task)), left)
+    return of_best_size(_growing(coarse, _parts(task, everything), limits, clock(task)), left)
 
 
 def sets_within(task: Task, limits: Limits) -> Iterator[Setups]:
@@ -60,20 +59,15 @@ def sets_within(task: Task, limits: Limits) -> Iterator[Setups]:
 
     everything = tuple(setup for setup in first if fits((setup,)))
     parts = [part for part in _parts(task, everything) if fits(part)]
-    sets = iter(parts) if len(parts) < 2 else _growing(_coarse(task), parts, limits, clock(task))
+    sets = iter(parts) if len(parts) < 2 else _growing(task.coarse, parts, limits, clock(task))
     return takewhile(fits, sets)
 
 
 def worth_most(task: Task) -> int:
     """Return the set-up of the candidate with the most gain in its time, mounting included where it is not mounted."""
-    times, scores = clock(task), _coarse(task)
+    times, scores = clock(task), Scores(Pool(task.observation, task.coarse.lattice), task.state)
     of = scores.pool.lattice.setups
     return int(of[first_best(scores.gains / (times.mounting(of) + times.reading(of)), ALIKE)])
-
-
-def _coarse(task: Task) -> Scores:
-    """Return the gains of a thinned lattice."""
-    return Scores(Pool(task.observation, task.coarse.lattice), task.state)
 
 
 def _parts(task: Task, everything: Setups) -> list[Setups]:
@@ -83,9 +77,9 @@ def _parts(task: Task, everything: Setups) -> list[Setups]:
     return sorted({(setup,) for setup in everything} | linked - {()})
 
 
-def _growing(base: Scores, parts: Sequence[Setups], limits: Limits, times: Clock) -> Iterator[Setups]:
+def _growing(task: Task, parts: Sequence[Setups], limits: Limits, times: Clock) -> Iterator[Setups]:
     """Yield sets that grow part by part: by the part with which readings, dealt out evenly, leave least."""
-    state, lattice = base.state, base.pool.lattice
+    state, lattice = task.state, task.lattice
     every = {setup: _in_a_row(lattice, setup) for setup in np.unique(lattice.setups).tolist()}
     weighted, (rows, owner) = state.weighted, state.whitened(lattice)
     numbers = np.searchsorted(owner, np.arange(len(lattice) + 1))
@@ -97,7 +91,7 @@ def _growing(base: Scores, parts: Sequence[Setups], limits: Limits, times: Clock
             at = (np.arange(share) + turn / len(setups)) * len(every[setup]) / max(share, 1)
             dealt.append(every[setup][at.astype(np.intp)])
         told = [rows[numbers[index] : numbers[index + 1]] for index in np.concatenate(dealt)]
-        return criterion_after(weighted, np.concatenate(told)) if told else base.state.value
+        return criterion_after(weighted, np.concatenate(told)) if told else state.value
 
     found: Setups = ()
     now, gained = state.value, dict.fromkeys(parts, np.inf)
@@ -159,8 +153,8 @@ def filled(scores: Scores, readings: int, setups: Setups) -> Scores:
 
 def scores_among(task: Task, setups: Setups) -> Scores:
     """Return the gains of the candidates of some set-ups, before the first reading of a plan."""
-    lattice = task.lattice.within(np.isin(task.lattice.setups, setups))
-    return Scores(Pool(task.observation, lattice), task.state)
+    alone = task.among(setups)
+    return Scores(Pool(alone.observation, alone.lattice), alone.state)
 
 
 def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, int], NDArray[np.bool_]]:

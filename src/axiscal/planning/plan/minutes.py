@@ -18,10 +18,9 @@ from functools import partial
 import numpy as np
 
 from axiscal.measurement.reading import Places
-from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.exchange import Minutes, relocated
-from axiscal.planning.plan.greedy import Setups, of_best_size, openings
+from axiscal.planning.plan.greedy import Setups, of_best_size, openings, scores_among
 from axiscal.planning.plan.order import seconds_along, seconds_around, set_ups_in_order
 from axiscal.planning.plan.run import Ways
 from axiscal.planning.plan.task import Goal, Limits, Patience, Task, work_of_climb
@@ -48,7 +47,7 @@ _BESIDE = 6e8
 _GROWTH, _MORE, _POWER = 1.4, 2, 1.0
 """Times as many readings and so many more with which a growing tour is looked at, and its α."""
 _FEW, _STALLED = 50, 1e-3
-"""Readings from which on twice as many must bring this share of J, or an accuracy is given up."""
+"""Readings from which on twice as many must bring this share of J, or an accuracy is given up; so must set-ups more."""
 _SHORTER, _JUST, _TRIED = 0.03, 0.015, 12
 """Share of the minutes that is saved first, the share of them that bisection leaves open, and its steps at most."""
 
@@ -58,17 +57,20 @@ def toured(task: Task, limits: Limits, sets: Iterable[Setups], patience: float) 
 
     sets : of set-ups, of which each can be mounted within the budget; patience : operations that climbs may take
     """
-    begun, first = partial(_begun, task.patience > 0, limits, *_base(task.coarse)), dict[Setups, Tour]()
+    coarse, first = task.coarse, dict[Setups, Tour]()
+
+    def begun(setups: Setups) -> Callable[[int], Tour]:
+        return partial(_begun, task.patience > 0, limits, *_base(coarse, setups), setups)
 
     def left(setups: Setups) -> float:
-        first[setups] = first.get(setups) or begun(setups, 0)
+        first[setups] = first.get(setups) or begun(setups)(0)
         return first[setups].scores.state.value
 
     setups = of_best_size(sets, left)
     left(setups)
     if not task.patience:
         return set_ups_in_order(task, first[setups].places)
-    return _climbed(task, limits, _all_begun([first[setups]], partial(begun, setups), _WORK), patience)
+    return _climbed(task, limits, _all_begun([first[setups]], begun(setups), _WORK), patience)
 
 
 def _climbed(task: Task, limits: Limits, tours: Sequence[Tour], patience: float) -> Places:
@@ -92,23 +94,29 @@ def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, pat
     """
     if goal.reached(nothing := Places.none(task.lattice.poses.shape[1])):
         return nothing
-    (ways, scores), ordered = _base(task.coarse), _as_taken(task, goal)
-    best, longest, endless = None, np.inf if limits.budget is None else limits.budget, replace(limits, budget=None)
+    coarse, ordered = task.coarse, _as_taken(task, goal)
+    longest, endless = np.inf if limits.budget is None else limits.budget, replace(limits, budget=None)
+    best, short = None, np.inf
     for setups in sets:
-        opened = _opened(endless, ways, scores, setups, np.random.default_rng(_SEED))
+        opened = _opened(endless, *_base(coarse, setups), setups, np.random.default_rng(_SEED))
         if opened.seconds >= longest:
             break
         found = _grown(opened, ordered, longest)
-        if found is not None and found.seconds < longest:
+        if found is None:
+            before, short = short, opened.scores.state.value
+            if not limits.rows and before - short <= _STALLED * short:
+                break  # a row may need a set-up that hardly lowers J
+        elif found.seconds < longest:
             best, longest = found, found.seconds
     if best is None:
         return None
     if not task.patience:
         return set_ups_in_order(task, best.places)
-    begun = partial(_begun, True, replace(limits, budget=longest), ways, scores, tuple(best.runs))
+    setups = tuple(best.runs)
+    begun = partial(_begun, True, replace(limits, budget=longest), *_base(coarse, setups), setups)
     tour, *_ = _all_begun([best], begun, _BESIDE)
     tour = _shortest(tour, ordered, partial(_settled, better=_WORTH)) if ordered.reached(tour.places) else best
-    return retoured(task, limits, tuple(tour.runs), tour.places, patience, goal=goal)
+    return retoured(task, limits, setups, tour.places, patience, goal=goal)
 
 
 def grown(task: Task, limits: Limits, setups: Setups, left: Places, goal: Goal, longest: float) -> Places | None:
@@ -116,7 +124,7 @@ def grown(task: Task, limits: Limits, setups: Setups, left: Places, goal: Goal, 
 
     longest : seconds
     """
-    tour = _grown(Tour.through(*_base(task), setups, limits, left), _as_taken(task, goal), longest)
+    tour = _grown(Tour.through(*_base(task, setups), setups, limits, left), _as_taken(task, goal), longest)
     return None if tour is None else tour.places
 
 
@@ -134,7 +142,7 @@ def retoured(
     left : in their order; better : share by which what takes their place must gain more
     goal : an accuracy that they reach, or nearly do: of the least time then
     """
-    ways, scores = _base(task)
+    task, (ways, scores) = task.among(setups), _base(task, setups)
     patient, through = Patience(patience), partial(Tour.through, ways)
     tour, settle = through(scores.fork(), setups, limits, left), partial(_settled, better=better)
     tour.cut()
@@ -171,7 +179,7 @@ def stretched(task: Task, setups: Setups, left: Places, most: int, budgets: Sequ
 
     left : in their order; most : readings; budgets : rising
     """
-    whole = tour = Tour.through(*_base(task), setups, Limits(most), left)
+    whole = tour = Tour.through(*_base(task, setups), setups, Limits(most), left)
     cut = {budget: (tour := tour.within(budget)) for budget in reversed(budgets)}  # each from the longer one
     for budget, shorter in reversed(cut.items()):
         other = whole.within(budget) if len(shorter.scores.places) == len(left) else shorter
@@ -185,7 +193,7 @@ def from_elsewhere(task: Task, limits: Limits, setups: Setups, number: int, pati
 
     number : of the start; patience : operations that climbs may take
     """
-    tour = _begun(True, limits, *_base(task.coarse), setups, _STARTS + number)
+    tour = _begun(True, limits, *_base(task.coarse, setups), setups, _STARTS + number)
     places = retoured(task, limits, setups, tour.places, patience)
     size = task.observation.size
     return places, tour.work + _ROUNDS * work_of_climb(size, size) * len(places)
@@ -200,9 +208,9 @@ def _as_taken(task: Task, goal: Goal) -> Goal:
     return Goal(partial(asked, goal.reached), partial(asked, goal.surely))
 
 
-def _base(task: Task) -> tuple[Ways, Scores]:
-    pool = Pool(task.observation, task.lattice)
-    return Ways(task, pool.lattice), Scores(pool, task.state)
+def _base(task: Task, setups: Setups) -> tuple[Ways, Scores]:
+    scores, whole = scores_among(task, setups), np.sort(task.lattice.setups)
+    return Ways(task, scores.pool.lattice, np.isin(whole, setups)), scores
 
 
 def _all_begun(tried: list[Tour], begun: Callable[[int], Tour], work: float) -> list[Tour]:

@@ -250,6 +250,7 @@ def _any_time(task: Task, within: Limits, patience: float, usual: bool) -> Place
     limits, times = replace(within, budget=None), clock(task)
     with stage("which set-ups"):
         setups = chosen_setups(task, limits)
+    task = task.among(setups)
     with stage("readings chosen together"):
         scores = _together(task, within.readings or MANY, setups, _RANDOM * patience)
     with stage("places between the steps"):
@@ -269,6 +270,7 @@ def _in_minutes(task: Task, limits: Limits, patience: float, usual: bool, goal: 
         order = toured(task, limits, sets, patience) if goal is None else quickest(task, limits, sets, goal, patience)
         if not usual or order is None or not len(order):
             return order
+        task = task.among(_those_of(order))
         return interleaved(task, limits, irregular(task, limits, order, goal))
 
 

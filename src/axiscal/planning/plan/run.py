@@ -20,11 +20,17 @@ class Ways:
     """Seconds between places and candidates, each found once.
 
     lattice : candidates sorted by set-up; of : the indices of those of each set-up
+    among : (M,) which they are of all candidates; None for all
     """
 
-    def __init__(self, task: Task, lattice: Places) -> None:
+    def __init__(self, task: Task, lattice: Places, among: NDArray[np.bool_] | None = None) -> None:
         self.task, self.lattice, self.of = task, lattice, dict(lattice.by_setup())
+        self._among = np.ones(len(lattice), dtype=bool) if among is None else among
         self._known = dict[tuple[int, int], tuple[Array, Array]]()
+
+    def drawn(self, rng: np.random.Generator) -> Array:
+        """Return a normal number for each candidate, (m,). Candidates that are not looked at have one, too."""
+        return rng.standard_normal(len(self._among))[self._among]
 
     def seconds(self, start: Places, stop: Places) -> Array:
         """Return the seconds from each place to each of others in the same set-up, (m, k)."""

@@ -5,7 +5,7 @@ The search ends by the work that it has done: a clock would make another plan on
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -62,6 +62,13 @@ class Task:
         most = max(_COARSE, _EACH * len(np.unique(self.lattice.setups)))
         kept = np.arange(0, len(self.lattice), max(1, len(self.lattice) // most))
         return replace(self, lattice=self.lattice.within(kept))
+
+    def among(self, setups: Collection[int]) -> Task:
+        """Return the task of some set-ups, without the unknowns that only others have: no reading of it feels them."""
+        beside = [] if self.beside is None else self.beside.setups.tolist()
+        observation, kept = self.observation.among({*setups, *beside})
+        lattice = self.lattice.within(np.isin(self.lattice.setups, list(setups)))
+        return replace(self, observation=observation, belief=self.belief.among(kept), lattice=lattice)
 
     @property
     @remembered

@@ -96,7 +96,7 @@ class Tour:
                 self.shorten()
                 tidy = True
                 continue
-            gains = self.scores.gains * np.exp(shaken * rng.standard_normal(len(extra)))
+            gains = self.scores.gains * np.exp(shaken * self.ways.drawn(rng))
             self.enter(first_best(np.where(fits, gains / np.maximum(extra, _INSTANT) ** power, -np.inf), ALIKE))
             tidy = False
 
