@@ -64,7 +64,7 @@ def test_what_is_left_is_read_in_its_order_wherever_the_campaign_was_broken_off(
     _, task = one_axis(approach)
     order = apart(task)
     for count in range(1, 18, 3):
-        after = replace(task, here=order.single(count - 1), read=order.within(slice(0, count)))
+        after = replace(task, here=order.single(count - 1))
         left = order.within(slice(count, None))
         none = replace(after, lattice=Places.none(1))
         kept = renewed(none, Limits(readings=20 - count), left, usual=True)

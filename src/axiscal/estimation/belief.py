@@ -165,10 +165,9 @@ class Belief:
     def among(self, kept: NDArray[np.intp]) -> Belief:
         """Return the belief over some coefficients.  kept : (k,) which"""
         felt = self.factor[kept]
-        felt = felt[:, np.any(felt, axis=0)]
-        if felt.shape[1] > len(kept):
-            felt = np.asarray(np.linalg.qr(felt.T, mode="r")).T
-        root = np.pad(felt, ((0, 0), (0, len(kept) - felt.shape[1])))
+        felt = felt[:, np.any(felt, axis=0)]  # before the first reading nothing is rounded so
+        spare = len(kept) - felt.shape[1]
+        root = np.pad(felt, ((0, 0), (0, spare))) if spare >= 0 else np.asarray(np.linalg.qr(felt.T, mode="r")).T
         return _fill(Belief.__new__(Belief), self.mean[kept], root, self.degrees)
 
     def sample(self, generator: np.random.Generator, count: int) -> Array:

@@ -123,18 +123,14 @@ class Observation:
         """Return the map where other set-ups have no unknowns of their own, and its columns among those here, (k,)."""
         mounted = (s if number in setups else replace(s, unknowns=()) for number, s in enumerate(self.setups))
         bare = replace(self.bare, setups=tuple(mounted))
-        kept = np.arange(bare.size + self.size - self.bare.size)
+        kept, first = np.arange(bare.size), self.bare.size
         for setup in setups:
             kept[bare.unknowns_of(setup)] = self.unknowns_of(setup)
-        shift = self.bare.size - bare.size
-        kept[bare.size :] += shift
-        about = None if self.about is None else replace(self.about, point=self.about.point[kept[: bare.size]])
+        about = None if self.about is None else replace(self.about, point=self.about.point[kept])
+        shift = first - bare.size
         cells = {cell: column - shift for cell, column in self.cells.items()}
-        courses = {
-            zero: replace(course, columns=tuple(column - shift for column in course.columns))
-            for zero, course in self.courses.items()
-        }
-        return replace(bare, about=about, cells=cells, courses=courses), kept
+        courses = {zero: replace(c, columns=tuple(k - shift for k in c.columns)) for zero, c in self.courses.items()}
+        return replace(bare, about=about, cells=cells, courses=courses), np.append(kept, np.arange(first, self.size))
 
     def prior_covariance(self) -> Array:
         """Return the covariance of all unknowns before the first reading, (size, size)."""

@@ -68,7 +68,7 @@ def planned_places(
     gaps : places that could not be read, which are planned around
     left : of an earlier plan and in no gap, to begin with; checks : that are read beside those to come
     """
-    unsure = 1 + 1 / math.sqrt(2 * max(len(task.taken), 1)) if len(case.sizes) and readings and left else 1.0
+    unsure = 1 + 1 / math.sqrt(2 * len(readings)) if len(case.sizes) and readings and left else 1.0
     goal = goal_of(case, limits, readings, believed, unsure, checks)
     task = replace(task, beside=columns_of(case, checks))
 
@@ -156,7 +156,6 @@ def posed(
         case.yardstick,
         lattice.within(keep),
         here,
-        read=columns_of(case, [reading.place for reading in readings]),
         named=isinstance(candidates, Places),
     )
 

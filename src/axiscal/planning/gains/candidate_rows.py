@@ -105,7 +105,7 @@ class Pool:
             part, own = block.candidates, slice(block.values)
             seen = observation.numbers(block.setup, self.lattice.poses[part], self.lattice.approaches[part])
             noise[own, own, part] = seen.covariances.transpose(1, 2, 0)
-        above, below = (self.grams(observation, each) for each in (vectors[:, scorer.rank :], scorer.factor))
+        above, below = (self.grams(observation, each) for each in (vectors[:, scorer.factor.shape[1] :], scorer.factor))
         return above, noise + below
 
     def scorer(self, state: Covariance) -> Scorer:

@@ -96,22 +96,16 @@ class LowRank(NamedTuple):
 class Scorer:
     """Gains under one belief.
 
-    factor : F (n, r) with C = F Fᵀ; weighted : V F (w, r); both : [F, C Vᵀ], (n, r + w)
+    factor : F (n, r) with C = F Fᵀ; both : [F, C Vᵀ], (n, r + w)
     """
 
     observation: Observation
     factor: Array
-    weighted: Array
     both: Array
-
-    @property
-    def rank(self) -> int:
-        """Number of columns of F: the rest of `both` belongs to the numerator."""
-        return int(self.factor.shape[1])
 
     def split_all(self, seen: JointRows) -> tuple[Array, Array]:
         """Return N = G C W C Gᵀ and M = R + G C Gᵀ of readings with all their numbers, each (m, k, k)."""
-        (count, values, size), rank = seen.rows.shape, self.rank
+        (count, values, size), rank = seen.rows.shape, self.factor.shape[1]
         products = (seen.rows.reshape(-1, size) @ self.both).reshape(count, values, -1)
         far, near = products[..., rank:], products[..., :rank]
         if values == 1:  # sums of squares are faster so
@@ -207,8 +201,7 @@ class Covariance:
 
     def scorer(self) -> Scorer:
         """Return the gains under this state."""
-        weighted = self.weighted
-        return Scorer(self.observation, self.factor, weighted, np.hstack([self.factor, self.factor @ weighted.T]))
+        return Scorer(self.observation, self.factor, np.hstack([self.factor, self.factor @ self.weighted.T]))
 
 
 def _singular(matrix: Array) -> tuple[Array, Array, Array]:

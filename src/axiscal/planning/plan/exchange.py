@@ -239,7 +239,8 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = SWEEPS, better: flo
             if work > _WORK:
                 return work
             looked[slot] = changes
-            gains, own = _open_to(scores, slot, allowed)
+            gains, own = scores.without(slot)
+            gains = np.where(allowed(scores, slot), gains, -np.inf)
             best = first_best(gains, ALIKE)
             work += 4.0 * len(scores.pool)
             if gains[best] > own + max(better * own, least):  # the others have to be looked at anew
@@ -249,12 +250,6 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = SWEEPS, better: flo
         if value - scores.state.value <= _SETTLED * value:
             break
     return work
-
-
-def _open_to(scores: Scores, slot: int, allowed: Allowed) -> tuple[Array, float]:
-    """Return the gains (m,) of the candidates for a slot, −∞ where one may not stand there, and that of what does."""
-    gains, own = scores.without(slot)
-    return np.where(allowed(scores, slot), gains, -np.inf), own
 
 
 def polish(scores: Scores, allowed: Allowed, rounds: int, patience: Patience) -> None:
@@ -295,7 +290,7 @@ def _climb_all(scores: Scores, allowed: Allowed, patience: Patience, work: float
 
 def _better(scores: Scores, slot: int, allowed: Allowed) -> Places | None:
     """Return the best reading for a slot, or None where none is better than what it holds."""
-    gains, _ = _open_to(scores, slot, allowed)
+    gains = np.where(allowed(scores, slot), scores.without(slot)[0], -np.inf)
     state, change = scores.known_without(slot)
     found = _climbed(scores.pool, scores.pool.scorer(state), gains, scores.places.single(slot))
     more = state.entered(found)[1].gain > -change.gain * (1 + _BETTER)  # tables are changed for what is better only

@@ -145,9 +145,8 @@ def _most_readings(limits: Limits, times: Clock, setups: Setups) -> int:
 def filled(scores: Scores, readings: int, setups: Setups) -> Scores:
     """Return the gains after so many readings: those that open the set-ups, then the candidate with the most gain."""
     scores, _ = (scores, []) if len(scores.places) else openings(scores, setups, readings)
-    allowed = np.isin(scores.pool.lattice.setups, setups)
     while len(scores.places) < readings:
-        scores.enter(first_best(np.where(allowed, scores.gains, -np.inf), ALIKE))
+        scores.enter(first_best(scores.gains, ALIKE))
     return scores
 
 

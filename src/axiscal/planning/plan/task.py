@@ -35,7 +35,7 @@ class Task:
 
     belief : over the unknowns of the observation; root : V (w, n) of the criterion; lattice : the candidates
     here : one place, of the set-up that is mounted and where the machine stands; None before the first
-    read : places of readings that are taken already; beside : of those that will be, whatever is planned
+    beside : places of readings that will be taken, whatever is planned
     patience : operations that climbing off the lattice may take; 0 for figures alone, within a second
     named : whether readings stand at candidates alone, which somebody named
     """
@@ -46,15 +46,9 @@ class Task:
     yardstick: Yardstick
     lattice: Places
     here: Places | None = None
-    read: Places | None = None
     beside: Places | None = None
     patience: float = PATIENCE
     named: bool = False
-
-    @property
-    def taken(self) -> Places:
-        """Where readings were taken already."""
-        return Places.none(len(self.observation.machine.axes)) if self.read is None else self.read
 
     @property
     def coarse(self) -> Task:
