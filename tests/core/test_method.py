@@ -157,7 +157,9 @@ def test_causes_of_type_b_move_no_mean_and_widen_every_figure() -> None:
     figure = np.zeros(cases[1].size)
     figure[[0, 4]] = -1.0, 1.0
     budget = warm.budget(figure)
-    assert sum(line**2 for line in budget.values()) == pytest.approx(figure @ warm.covariance @ figure)
+    assert sum(line**2 for line in budget.values()) == pytest.approx(
+        figure @ warm.covariance @ figure, rel=1e-6, abs=0.0
+    )
     assert budget["laser.warmer"] == pytest.approx(abs(figure @ moved[:, 0]))
     # where the answer is as read the cause moves the figure as it moves the mean
     assert warm.budget(figure, figure @ moved)["laser.warmer"] == pytest.approx(0.0, abs=1e-12)

@@ -99,7 +99,7 @@ def test_a_tracker_bends_by_half_of_the_square_of_its_turn_at_the_tool() -> None
     (place,) = tips(case, [Reading("tracker", pose, (1, 1, 1), 0.0)])
     away = np.linalg.norm(place - np.array([-2.0, 0.3, 0.1]))
     found = bent(case.description.machine, setup, Reading("tracker", pose, (1, 1, 1), 0.0))
-    assert found == pytest.approx((25e-6 * away / 2) ** 2)
+    assert found == pytest.approx((25e-6 * away / 2) ** 2, rel=1e-6, abs=0.0)
     known = replace(setup, unknowns=tuple(u for u in setup.unknowns if not u.name.startswith("turn")))
     assert bent(case.description.machine, known, Reading("tracker", pose, (1, 1, 1), 0.0)) == 0.0
 

@@ -188,7 +188,7 @@ def test_a_tracer_is_off_by_a_share_of_its_distance_and_grows_with_the_tool() ->
 def test_a_tracker_is_off_by_a_share_of_the_way_along_each_of_its_directions() -> None:
     found, observation = in_space('instrument = "tracker"\nstation = ["3 m", "0 mm", "0 mm"]')
     way = tips(observation) - tips(observation).mean(axis=0)
-    assert found["scale"].column.reshape(3, 3) == pytest.approx(1.5e-6 * way)
+    assert found["scale"].column.reshape(3, 3) == pytest.approx(1.5e-6 * way, rel=1e-6, abs=0.0)
 
 
 def test_a_bar_of_known_length_is_off_by_it_and_one_that_is_open_is_not() -> None:

@@ -125,8 +125,8 @@ def test_an_untold_side_widens_a_reading_by_half_the_reversal() -> None:
     reversal = model.names["EXX_reversal"]
     drawn = np.random.default_rng(3).normal(0.0, np.sqrt(reversal.covariance[0, 0]), 200_000)
     sides = np.random.default_rng(4).choice([-0.5, 0.5], 200_000)
-    assert untold - told == pytest.approx(np.var(drawn * sides), rel=0.02)
-    assert untold - told == pytest.approx((reversal.covariance[0, 0] + reversal.rest**2) / 4)
+    assert untold - told == pytest.approx(np.var(drawn * sides), rel=0.02, abs=0.0)
+    assert untold - told == pytest.approx((reversal.covariance[0, 0] + reversal.rest**2) / 4, rel=1e-6, abs=0.0)
 
 
 @pytest.mark.parametrize("position", [0.0, 1.0])

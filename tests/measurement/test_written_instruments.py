@@ -213,7 +213,7 @@ def test_its_figures_hold_where_the_campaign_says_nothing(tmp_path: Path) -> Non
     (setup,) = described(tmp_path, FIGURES, keys).setups
     assert (setup.noise, setup.park[1], setup.approach, setup.reading_time) == (2e-6, 0.05, "-", 4.0)
     assert setup.setup_time == 120.0
-    assert setup.drift == pytest.approx(6e-6 / 3600)
+    assert setup.drift == pytest.approx(6e-6 / 3600, rel=1e-6, abs=0.0)
     more = 'noise = "5 um"\npark = { Y = "0.1 m" }\napproach = "both"\ntype_b = { gain = "1 mm/m" }\ndrift = "0"\n'
     (other,) = described(tmp_path, FIGURES, keys + more + 'unknowns = { zero = "1 um" }\n').setups
     assert (other.noise, other.park[1], other.approach, other.drift) == (5e-6, 0.1, "both", 0.0)

@@ -24,7 +24,7 @@ def test_a_factor_stays_narrow_however_often_readings_leave() -> None:
         state = state.changed_by(ReadNumbers(row[None], np.array([variance])))[0]
         state = state.changed_by(ReadNumbers(row[None], np.array([variance]), leaving=True))[0]
     assert state.factor.shape[1] <= state.factor.shape[0] + 48
-    assert state.value == pytest.approx(value, rel=1e-8)
+    assert state.value == pytest.approx(value, rel=1e-8, abs=0.0)
 
 
 @pytest.mark.parametrize(
@@ -37,12 +37,12 @@ def test_readings_that_enter_together_are_those_that_enter_one_by_one(asked: Tas
     together.leave(0)
     places = asked.lattice.within(np.arange(0, 50, 5))
     gains = sum(one.enter(places.single(index)) for index in range(len(places)))
-    assert together.enter_all(places) == pytest.approx(gains, rel=1e-9)
+    assert together.enter_all(places) == pytest.approx(gains, rel=1e-9, abs=0.0)
     np.testing.assert_allclose(together.gains, one.gains, rtol=1e-7)
     np.testing.assert_allclose(together.losses(), one.losses(), rtol=1e-6)
     (expected, own), (found, same) = one.without(3), together.without(3)
     np.testing.assert_allclose(found, expected, rtol=1e-6)
-    assert same == pytest.approx(own, rel=1e-6)
+    assert same == pytest.approx(own, rel=1e-6, abs=0.0)
     assert together.state.factor.shape == one.state.factor.shape
     assert together.enter_all(places.within(slice(0, 0))) == 0.0
 
@@ -59,5 +59,5 @@ def test_the_figures_after_each_reading_are_those_of_readings_one_by_one(
     assert len(found) == len(order)
     for i, (value, accuracy) in enumerate(found):
         state, _ = state.entered(order.single(i))
-        assert value == pytest.approx(state.value, rel=1e-8)
+        assert value == pytest.approx(state.value, rel=1e-8, abs=0.0)
         np.testing.assert_allclose(accuracy, asked.yardstick.measure_factor(state.factor), rtol=1e-8)
