@@ -23,6 +23,8 @@ from axiscal.answers.answer import (
 )
 from axiscal.answers.row_words import (
     half_read_sentence,
+    lacking,
+    reason,
     row_names,
     said_row,
     screws_sentence,
@@ -39,8 +41,6 @@ LINES, WIDTH, _CUT = 14, 80, " …"
 """Of a terminal that nobody scrolls."""
 _LEFT = 2
 """Controls whose tables are shown beside each other."""
-_TOLD = 0.9
-"""Of the U before the first reading: what is known no better was not read. Of U: what endless readings leave too."""
 ROOM = 12
 """Rows beside each other; where there are more, those of one kind stand together."""
 _ENDS: dict[Verdict, str] = {
@@ -234,54 +234,16 @@ def _unmeasured(answer: ResultAnswer, cut: bool) -> str:
     rows = [] if answer.verdict == "contradict" else [row for row in answer.rows if not row.measured]
     if not rows:
         return ""
-    alike = groupby(sorted(rows, key=_lacking), _lacking)
+    alike = groupby(sorted(rows, key=lacking), lacking)
     groups = [group for _, mine in alike for group in by_kind([*mine])]
     warm = [row.axes for row in answer.rows if row.kelvin is not None]
-    parts = [put("{names} ({why})", names=row_names(group), why=_why(group, warm)) for group in groups]
+    parts = [put("{names} ({why})", names=row_names(group), why=reason(group, warm)) for group in groups]
     text = said("Not measured: {rows}.", rows=listed(", ", parts))
     for told in range(len(parts) - 1, 0, -1):
         if cut and wrapped(text)[-1].endswith(_CUT):
             more = said("{count} more", count=sum(map(len, groups[told:])))
             text = said("Not measured: {rows}.", rows=joined([*parts[:told], more]))
     return text
-
-
-def _lacking(row: AnswerRow) -> tuple[bool, bool, bool]:
-    """Return what a row has not: one side, which U counts as stated, any place of its own, what readings could tell."""
-    return row.one_more is None, not _places(row), _exhausted(row)
-
-
-def _exhausted(row: AnswerRow) -> bool:
-    return row.floor >= _TOLD * row.known_to
-
-
-def _places(row: AnswerRow) -> int:
-    return min((line.read for line in row.lines), default=0)
-
-
-def _why(rows: Sequence[AnswerRow], warm: Sequence[Sequence[str]]) -> str:
-    """Return why rows of one kind are not measured.  warm : axes of which a temperature could be their scale"""
-    then = [row.one_more for row in rows if row.one_more is not None]
-    if then:
-        return said("one side read; one reading more: {size}", size=_within(max(then), rows[0].unit))
-    worst = max(rows, key=lambda row: row.known_to)
-    places = _places(worst)
-    aimed = places and any(line.setup for line in worst.lines)  # the angles of an axis show nothing of its centre
-    if not aimed and worst.known_to >= _TOLD * worst.known_before:
-        return said("not read")
-    size = _within(worst.known_to, worst.unit)
-    if not places:
-        return said("not read; the other readings leave {size}", size=size)
-    if _exhausted(worst):
-        unsaid = "temperature not stated: {size}"
-        return said(unsaid if worst.axes in warm else "more readings would leave as much: {size}", size=size)
-    one, many = "{count} place read tells too little: {size}", "{count} places read tell too little: {size}"
-    return counted(one, many, places, size=size)
-
-
-def _within(size: float, unit: str) -> str:
-    """Return a size that no line is broken in."""
-    return put("±\xa0{size}\xa0{unit}", size=digits(size), unit=unit)
 
 
 def _beside(answer: ResultAnswer) -> str:

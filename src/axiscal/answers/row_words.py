@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 
 from axiscal.answers.answer import AnswerRow, PlannedRow, ScrewTurn, SignedNumber
 from axiscal.description.target import Kind
-from axiscal.language.spoken import joined, later, listed, put, said
+from axiscal.language.spoken import counted, joined, later, listed, put, said
+from axiscal.units import digits
 
 _KINDS: dict[Kind, str] = {
     "positioning": later("positioning {axes}"),
@@ -31,6 +32,8 @@ _ABOVE: dict[Kind, str] = {
 """What the sign of a kind means; docs/conventions.md has the rest."""
 _TWO = 0.3
 """Of a power of ten: below it U has two digits, so that rounding moves it by 5 % at most, else one (GUM 7.2.6)."""
+_TOLD = 0.9
+"""Of the U before the first reading: what is known no better was not read. Of U: what endless readings leave too."""
 
 
 def row_name(kind: Kind, axes: Sequence[Sequence[str]]) -> str:
@@ -73,6 +76,44 @@ def signs_sentence(groups: Sequence[Sequence[AnswerRow]]) -> str:
     """Return what is above zero in groups of rows, "" where that goes without saying."""
     kinds = [kind for kind in _ABOVE if any(row.kind == kind and row.signed for rows in groups for row in rows)]
     return said("Signs: {kinds}.", kinds=listed("; ", [said(_ABOVE[kind]) for kind in kinds])) if kinds else ""
+
+
+def lacking(row: AnswerRow) -> tuple[bool, bool, bool]:
+    """Return what a row has not: one side, which U counts as stated, any place of its own, what readings could tell."""
+    return row.one_more is None, not _read(row), _exhausted(row)
+
+
+def _exhausted(row: AnswerRow) -> bool:
+    return row.floor >= _TOLD * row.known_to
+
+
+def _read(row: AnswerRow) -> int:
+    return min((line.read for line in row.lines), default=0)
+
+
+def reason(rows: Sequence[AnswerRow], warm: Sequence[Sequence[str]]) -> str:
+    """Return why rows of one kind are not measured.  warm : axes of which a temperature could be their scale"""
+    then = [row.one_more for row in rows if row.one_more is not None]
+    if then:
+        return said("one side read; one reading more: {size}", size=_within(max(then), rows[0].unit))
+    worst = max(rows, key=lambda row: row.known_to)
+    places = _read(worst)
+    aimed = places and any(line.setup for line in worst.lines)  # the angles of an axis show nothing of its centre
+    if not aimed and worst.known_to >= _TOLD * worst.known_before:
+        return said("not read")
+    size = _within(worst.known_to, worst.unit)
+    if not places:
+        return said("not read; the other readings leave {size}", size=size)
+    if _exhausted(worst):
+        unsaid = "temperature not stated: {size}"
+        return said(unsaid if worst.axes in warm else "more readings would leave as much: {size}", size=size)
+    one, many = "{count} place read tells too little: {size}", "{count} places read tell too little: {size}"
+    return counted(one, many, places, size=size)
+
+
+def _within(size: float, unit: str) -> str:
+    """Return a size that no line is broken in."""
+    return put("±\xa0{size}\xa0{unit}", size=digits(size), unit=unit)
 
 
 def warmth_sentence(rows: Sequence[AnswerRow]) -> str:
