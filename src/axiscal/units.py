@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import math
 import re
+import tomllib
 from dataclasses import dataclass
+from importlib import resources
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from axiscal.exceptions import DescriptionError, UnitError
@@ -34,18 +36,8 @@ Dimension = Literal[
 
 Number = TypeVar("Number", float, "NDArray[np.float64]")
 
-EXAMPLES: dict[Dimension, str] = {
-    "length": "12 um",
-    "angle": "0.5 arcsec",
-    "time": "90 s",
-    "speed": "10 m/min",
-    "rotation_speed": "30 rpm",
-    "acceleration": "2 m/s^2",
-    "rotation_acceleration": "360 deg/s^2",
-    "temperature": "20 degC",
-    "temperature_difference": "0.5 K",
-    "expansion": "11.7 um/m/K",
-}
+_TABLES = tomllib.loads(resources.files("axiscal").joinpath("units.toml").read_text(encoding="utf-8"))
+EXAMPLES: dict[Dimension, str] = _TABLES["examples"]
 _NOUNS: dict[Dimension, str] = {
     "length": later("a length"),
     "angle": later("an angle"),
@@ -61,21 +53,6 @@ _NOUNS: dict[Dimension, str] = {
 
 # The factor to SI is kept as a ratio (times, by) of exact numbers, so that "120 mm" is exactly 0.12.
 _Scale = tuple[float, float]
-_LENGTHS: dict[str, _Scale] = {
-    "pm": (1, 1e12),
-    "nm": (1, 1e9),
-    "um": (1, 1e6),
-    "mm": (1, 1e3),
-    "cm": (1, 100),
-    "m": (1, 1),
-    "km": (1e3, 1),
-    "in": (254, 1e4),
-    "inch": (254, 1e4),
-    "ft": (3048, 1e4),
-    "thou": (254, 1e7),
-    "uin": (254, 1e10),
-}
-"""By definition."""
 _ANGLES: dict[str, _Scale] = {
     "nrad": (1, 1e9),
     "urad": (1, 1e6),
@@ -91,8 +68,6 @@ _ANGLES: dict[str, _Scale] = {
     "mm/m": (1, 1e3),
     "in/ft": (1, 12),
 }
-"""By definition."""
-_TIMES: dict[str, _Scale] = {"us": (1, 1e6), "ms": (1, 1e3), "s": (1, 1), "min": (60, 1), "h": (3600, 1)}
 """By definition."""
 
 
@@ -114,7 +89,7 @@ def _table() -> dict[tuple[str, Dimension], Unit]:
         units[name, dimension] = Unit(dimension, times, by, plus)
 
     bases: list[tuple[dict[str, _Scale], Dimension, Dimension, Dimension]] = [
-        (_LENGTHS, "length", "speed", "acceleration"),
+        (_TABLES["length"], "length", "speed", "acceleration"),
         (_ANGLES, "angle", "rotation_speed", "rotation_acceleration"),
     ]
     for scales, base, speed, acceleration in bases:
@@ -122,17 +97,17 @@ def _table() -> dict[tuple[str, Dimension], Unit]:
             add(name, base, times, by)
             if "/" in name:
                 continue
-            for second, (per, over) in _TIMES.items():
+            for second, (per, over) in _TABLES["time"].items():
                 add(f"{name}/{second}", speed, times * over, by * per)
                 add(f"{name}/{second}^2", acceleration, times * over**2, by * per**2)
-    for name, (times, by) in _TIMES.items():
+    for name, (times, by) in _TABLES["time"].items():
         add(name, "time", times, by)
     add("rpm", "rotation_speed", math.tau, 60)
     add("degC", "temperature", 1, 1, 273.15)
     add("K", "temperature", 1, 1)
     add("K", "temperature_difference", 1, 1)
-    for name, by in (("1/K", 1.0), ("mm/m/K", 1e3), ("um/m/K", 1e6), ("nm/m/K", 1e9), ("ppm/K", 1e6)):
-        add(name, "expansion", 1, by)
+    for name, (times, by) in _TABLES["expansion"].items():
+        add(name, "expansion", times, by)
     return units
 
 
@@ -272,28 +247,8 @@ def _suggestion(name: str, dimension: Dimension | None = None) -> str | None:
 
     names = [known for known, of in _UNITS if dimension in (None, of)]
     same = [known for known in names if known.casefold() == name.casefold()]
-    near = same or _SYNONYMS.get(name.casefold(), []) or get_close_matches(name[:40], names, 1, 0.6)
+    near = same or _TABLES["synonyms"].get(name.casefold(), []) or get_close_matches(name[:40], names, 1, 0.6)
     return said("Perhaps {word} is meant", word=f'"{near[0]}"') if near and near[0] in names else None
-
-
-_SYNONYMS = {
-    "micron": ["um"],
-    "microns": ["um"],
-    "micrometer": ["um"],
-    "micrometre": ["um"],
-    "sec": ["s"],
-    "seconds": ["s"],
-    "minutes": ["min"],
-    "hours": ["h"],
-    "hour": ["h"],
-    "degree": ["deg"],
-    "degrees": ["deg"],
-    "asec": ["arcsec"],
-    '"': ["arcsec"],
-    "c": ["degC"],
-    "celsius": ["degC"],
-    "mmpm": ["mm/min"],
-}
 
 
 def _expected(dimension: Dimension) -> str:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib import resources
 from typing import Literal
 
 LENGTHS = ("mm", "um", "nm", "m", "in", "inch", "thou", "uin")
@@ -17,31 +19,13 @@ TEXT: Units = ()
 UNITS = {*LENGTHS, *ANGLES, *SLOPES}
 _IN_BRACKETS = re.compile(r"(.*?)\s*[\[(]([^\[(]*)[\])]")
 _CANONICAL = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})
-_CALLED = {
-    "target": "target nominal pos pos. position soll sollposition sollwert ziel zielposition cible consigne posición "
-    "posicion posizione",
-    "direction": "direction dir richtung sens dirección direccion direzione verso",
-    "run": "run cycle pass lauf messlauf messung durchgang zyklus passage pasada ciclo passata",
-    "deviation": "deviation dev error abweichung fehler écart ecart erreur desviación desviacion scostamento errore "
-    "tilt neigung",
-    "angle": "angle winkel ángulo angulo angolo",
-    "axis": "axis achse axe eje asse",
-    "time": "time timestamp zeit uhrzeit zeitpunkt heure hora ora",
-    "setup": "setup",
-}
-ACTUAL = ("actual", "measured", "ist", "istposition", "istwert", "mesuré", "mesure", "medido", "misurato")
+_WORDS = tomllib.loads(resources.files(__package__).joinpath("columns.toml").read_text(encoding="utf-8"))
+ACTUAL: Sequence[str] = _WORDS["actual"]
 """Words for where an axis stood, which says its deviation."""
-STEMS = {word: stem for stem, words in _CALLED.items() for word in words.split()} | dict.fromkeys(ACTUAL, "deviation")
+STEMS = {word: stem for stem, words in _WORDS["columns"].items() for word in words} | dict.fromkeys(ACTUAL, "deviation")
 """Of tests, by the words of their headers."""
 OF_READINGS = {word: word for word in ("setup", "approach", "reading", "check", "time", "value")}
-_WAYS = {
-    +1: "+ 1 +1 \N{UPWARDS ARROW} \N{RIGHTWARDS ARROW} f forward forwards fwd positive pos up ccw "
-    "vor vorwärts vorwaerts hin aller avant adelante avanti",
-    -1: "- -1 \N{DOWNWARDS ARROW} \N{LEFTWARDS ARROW} r b reverse rev backward backwards back bwd negative neg down cw "
-    "rück zurück rückwärts rueckwaerts her retour arrière atrás atras indietro",
-}
-"""Words of directions by their sign."""
-_SIGNS = {word: sign for sign, words in _WAYS.items() for word in words.split()}
+_SIGNS = {word: int(sign) for sign, words in _WORDS["directions"].items() for word in words}
 _PARTS = re.compile(r"\d{1,9}|[+\-\u2190-\u2193]|[^\W\d_]+")
 RUN = re.compile(r"[0-9]{1,6}")
 """Of a run or a reading: whoever writes more has slipped."""
